@@ -1,0 +1,15 @@
+# What 'cmake --install' puts where, and what find_package(twinchute) finds.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS twinchute)
+install(DIRECTORY data/ DESTINATION ${TWINCHUTE_DATA_DIR})
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/twinchute)
+install(EXPORT twinchute NAMESPACE twinchute:: FILE twinchuteTargets.cmake DESTINATION ${config_dir})
+configure_package_config_file(cmake/twinchuteConfig.cmake.in ${PROJECT_BINARY_DIR}/twinchuteConfig.cmake
+  INSTALL_DESTINATION ${config_dir} PATH_VARS TWINCHUTE_DATA_DIR
+  NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/twinchuteConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/twinchuteConfig.cmake ${PROJECT_BINARY_DIR}/twinchuteConfigVersion.cmake
+  DESTINATION ${config_dir})

@@ -1,0 +1,34 @@
+# One interface target that every room links: language, warnings, floating-point rules. It stays in this
+# build; whoever links the installed libraries brings their own.
+add_library(twinchute_options INTERFACE)
+# Includes start at the repository root, so that each names its room.
+target_include_directories(twinchute_options INTERFACE ${PROJECT_SOURCE_DIR})
+# No contraction: the same input gives the same bits on every instruction set.
+target_compile_options(twinchute_options INTERFACE
+  -ffp-contract=off -fno-math-errno
+  -Wno-psabi -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wpedantic
+  # GCC 12 sees overlaps in std::string that are not there (GCC bug 105651).
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
+  $<$<BOOL:${TWINCHUTE_WERROR}>:-Werror>
+  $<$<BOOL:${TWINCHUTE_ARCH}>:-march=${TWINCHUTE_ARCH}>)
+
+find_program(CCACHE ccache)
+mark_as_advanced(CCACHE)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# twinchute_room(NAME LIBS...): one static library from every source below this folder, installed
+# with its headers and exported as twinchute::NAME.
+function(twinchute_room name)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(twinchute_${name} STATIC ${sources})
+  add_library(twinchute::${name} ALIAS twinchute_${name})
+  set_target_properties(twinchute_${name} PROPERTIES EXPORT_NAME ${name})
+  target_link_libraries(twinchute_${name} PUBLIC $<BUILD_INTERFACE:twinchute_options> ${ARGN})
+  target_compile_features(twinchute_${name} PUBLIC cxx_std_20)
+  target_include_directories(twinchute_${name} INTERFACE $<INSTALL_INTERFACE:${TWINCHUTE_INCLUDE_DIR}>)
+  install(TARGETS twinchute_${name} EXPORT twinchute)
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} DESTINATION ${TWINCHUTE_INCLUDE_DIR}
+    FILES_MATCHING PATTERN "*.hpp")
+endfunction()

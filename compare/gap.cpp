@@ -1,0 +1,145 @@
+#include "compare/gap.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace twinchute::compare {
+namespace {
+
+// 0.1 times a reference is not exact in binary: a difference of exactly the tolerance must not
+// fail by the last bit.
+constexpr double round_off = 1e-12;
+
+std::optional<SideValue> side_value(const RunRecord& record, std::string_view key) {
+    const Metric* metric = record.find_metric(key);
+    if (metric == nullptr || !std::isfinite(metric->value)) return {};
+    return SideValue{metric->value, metric->standing, metric->note};
+}
+
+Verdict judge(const MetricGap& gap) {
+    if (!gap.tolerance) return Verdict::not_judged;
+    if (!gap.difference) return Verdict::missing;
+    const double allowed = gap.tolerance->relative ? gap.tolerance->value * std::abs(gap.reference->value)
+                                                   : gap.tolerance->value;
+    return std::abs(*gap.difference) <= allowed * (1 + round_off) ? Verdict::within : Verdict::exceeded;
+}
+
+/// What a run that broke off says of a maximum or a time is not that maximum or time.
+bool ended(const RunRecord& record) {
+    return twinchute::exit_code(record.status.code) == ExitCode::done;
+}
+
+std::string note_of(const MetricGap& gap, const RunRecord& reference, const RunRecord& candidate) {
+    if (!gap.reference && !gap.candidate) return "neither side has it";
+    if (!gap.reference) return fmt::format("only {} has it", candidate.fidelity);
+    if (!gap.candidate) return fmt::format("only {} has it", reference.fidelity);
+    if (gap.reference->standing == Standing::input && gap.candidate->standing == Standing::input) {
+        return "an input of both: the difference says nothing about the models";
+    }
+    if (gap.reference->value == 0 && gap.tolerance && gap.tolerance->relative) {
+        return "the reference is zero: a relative tolerance allows no difference";
+    }
+    return {};
+}
+
+std::string joined_names(const FidelityGap& gap, Verdict verdict) {
+    std::vector<std::string_view> names;
+    for (const MetricGap& metric : gap.metrics) {
+        if (metric.verdict == verdict) names.push_back(metric.row->name);
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::ptrdiff_t count(const FidelityGap& gap, Verdict verdict) {
+    return std::ranges::count(gap.metrics, verdict, &MetricGap::verdict);
+}
+
+}  // namespace
+
+std::string_view verdict_name(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::within:
+            return "within";
+        case Verdict::exceeded:
+            return "exceeded";
+        case Verdict::missing:
+            return "missing";
+        case Verdict::not_judged:
+            return "not judged";
+    }
+    return "unknown";
+}
+
+FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
+                        const std::map<std::string, Tolerance>& tolerances) {
+    FidelityGap gap;
+    const bool both_ended = ended(reference) && ended(candidate);
+    for (const MetricRow& row : metric_rows()) {
+        MetricGap metric;
+        metric.row = &row;
+        metric.reference = side_value(reference, row.key);
+        metric.candidate = side_value(candidate, row.key);
+        const auto asked = tolerances.find(std::string(row.name));
+        // A default tolerance on what neither side has is no request; one that somebody wrote down is.
+        const bool wanted = row.show == Show::always && (metric.reference || metric.candidate);
+        if (!wanted && asked == tolerances.end()) continue;
+        metric.tolerance = asked == tolerances.end() ? row.tolerance : asked->second;
+        if (metric.reference && metric.candidate) {
+            metric.difference = metric.candidate->value - metric.reference->value;
+            if (metric.reference->value != 0)
+                metric.relative = *metric.difference / std::abs(metric.reference->value);
+        }
+        metric.verdict = both_ended ? judge(metric) : Verdict::not_judged;
+        metric.note = note_of(metric, reference, candidate);
+        gap.metrics.push_back(std::move(metric));
+    }
+    if (reference.cost.wall_s > 0 && candidate.cost.wall_s > 0) {
+        gap.cost_ratio = reference.cost.wall_s / candidate.cost.wall_s;
+    }
+    return gap;
+}
+
+Verdict overall_verdict(const FidelityGap& gap) {
+    if (count(gap, Verdict::exceeded) + count(gap, Verdict::missing) > 0) return Verdict::exceeded;
+    return count(gap, Verdict::within) > 0 ? Verdict::within : Verdict::not_judged;
+}
+
+ExitCode exit_code(const Comparison& comparison) {
+    const ExitCode reference = twinchute::exit_code(comparison.reference.status.code);
+    const ExitCode candidate = twinchute::exit_code(comparison.candidate.status.code);
+    for (const ExitCode code : {ExitCode::interrupted, ExitCode::numerical, ExitCode::usage}) {
+        if (reference == code || candidate == code) return code;
+    }
+    return overall_verdict(comparison.gap) == Verdict::exceeded ? ExitCode::verdict : ExitCode::done;
+}
+
+std::string verdict_line(const Comparison& comparison) {
+    for (const RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        if (!ended(*side)) {
+            return fmt::format("no verdict: {} ended as {}{}{}", side->fidelity,
+                               status_name(side->status.code), side->status.detail.empty() ? "" : ": ",
+                               side->status.detail);
+        }
+    }
+    const FidelityGap& gap = comparison.gap;
+    const auto within = count(gap, Verdict::within);
+    const auto exceeded = count(gap, Verdict::exceeded);
+    const auto missing = count(gap, Verdict::missing);
+    const auto judged = within + exceeded + missing;
+    if (judged == 0) return "nothing judged: no metric has a tolerance";
+    if (exceeded + missing == 0)
+        return fmt::format("within tolerance: {} of {} judged metrics", within, judged);
+    std::string line = "tolerance not met:";
+    if (exceeded > 0)
+        line += fmt::format(" {} exceeded ({})", exceeded, joined_names(gap, Verdict::exceeded));
+    if (missing > 0) {
+        line += fmt::format("{} {} missing ({})", exceeded > 0 ? "," : "", missing,
+                            joined_names(gap, Verdict::missing));
+    }
+    return line + fmt::format(", {} of {} judged metrics within", within, judged);
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,69 @@
+// How far two records are apart, metric by metric, and what each cost.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/metrics.hpp"
+#include "lib/cli/exit_code.hpp"
+#include "lib/record/run_record.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::compare {
+
+enum class Verdict {
+    within,
+    exceeded,
+    missing,    ///< a tolerance is asked for, and at least one side has no value
+    not_judged  ///< no tolerance, or a run that broke off
+};
+
+/// "within", "exceeded", "missing", "not judged".
+std::string_view verdict_name(Verdict verdict);
+
+/// One side's value, or nothing when its physics was left out or the run did not get that far.
+struct SideValue {
+    double value = 0.0;
+    Standing standing = Standing::result;
+    std::string note;
+};
+
+struct MetricGap {
+    const MetricRow* row = nullptr;
+    std::optional<SideValue> reference, candidate;
+    std::optional<double> difference;    ///< candidate - reference, in the row's unit
+    std::optional<double> relative;      ///< difference over |reference|; absent when that is zero
+    std::optional<Tolerance> tolerance;  ///< scene or command line, else the row's
+    Verdict verdict = Verdict::not_judged;
+    std::string note;  ///< e.g. that only one side has it; empty when there is nothing to say
+};
+
+struct FidelityGap {
+    std::vector<MetricGap> metrics;    ///< those that at least one side has or a tolerance is asked for
+    std::optional<double> cost_ratio;  ///< wall time of the reference over that of the candidate
+};
+
+/// The two records and what lies between them.
+struct Comparison {
+    RunRecord reference, candidate;
+    std::string reference_title, candidate_title;  ///< e.g. "reduced-order model"
+    FidelityGap gap;
+};
+
+/// `tolerances`: by metric name; they replace the default of a row. A relative one is a share of
+/// |reference|; a difference exactly at the tolerance is within.
+FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
+                        const std::map<std::string, Tolerance>& tolerances);
+
+/// Of all judged metrics: exceeded if any is exceeded or missing, within if all are, else not judged.
+Verdict overall_verdict(const FidelityGap& gap);
+
+/// Interrupted before failed before exceeded.
+ExitCode exit_code(const Comparison& comparison);
+
+/// One line: "within tolerance in 3 of 3 judged metrics", or which ones are not, or that a run did not end.
+std::string verdict_line(const Comparison& comparison);
+
+}  // namespace twinchute::compare

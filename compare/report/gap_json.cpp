@@ -1,0 +1,72 @@
+#include "compare/report/gap_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "lib/record/record_json.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int gap_schema = 1;
+
+Json metric_json(const MetricGap& metric) {
+    Json json;
+    json["name"] = metric.row->name;
+    if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
+    if (metric.reference) json["reference"] = metric.reference->value;
+    if (metric.candidate) json["candidate"] = metric.candidate->value;
+    if (metric.difference) json["difference"] = *metric.difference;
+    if (metric.relative) json["relative"] = *metric.relative;
+    if (metric.tolerance) {
+        json["tolerance"] = {{"value", metric.tolerance->value}, {"relative", metric.tolerance->relative}};
+    }
+    json["verdict"] = verdict_name(metric.verdict);
+    Json& standing = json["input_or_result"] = Json::object();
+    Json notes = Json::object();
+    const auto side = [&](const char* name, const std::optional<SideValue>& value) {
+        if (!value) return;
+        standing[name] = standing_name(value->standing);
+        if (!value->note.empty()) notes[name] = value->note;
+    };
+    side("reference", metric.reference);
+    side("candidate", metric.candidate);
+    if (!notes.empty()) json["standing_notes"] = std::move(notes);
+    if (!metric.note.empty()) json["note"] = metric.note;
+    return json;
+}
+
+Json side_json(const RunRecord& record, const std::string& title) {
+    return {{"fidelity", record.fidelity},
+            {"title", title},
+            {"status", status_json(record.status)},
+            {"left_out", left_out_json(record.left_out)},
+            {"warnings", warnings_json(record.warnings)}};
+}
+
+}  // namespace
+
+std::string gap_json(const Comparison& comparison) {
+    Json json;
+    json["generator"] = "twinchute";
+    json["schema"] = gap_schema;
+    json["scene"] = scene_json(comparison.reference.scene);
+    json["verdict"] = verdict_name(overall_verdict(comparison.gap));
+    json["exit_code"] = static_cast<int>(exit_code(comparison));
+    json["summary"] = verdict_line(comparison);
+    Json& metrics = json["metrics"] = Json::object();
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        metrics[std::string(metric.row->key)] = metric_json(metric);
+    }
+    Json& cost = json["cost"] = Json::object();
+    cost["reference"] = cost_json(comparison.reference.cost);
+    cost["candidate"] = cost_json(comparison.candidate.cost);
+    if (comparison.gap.cost_ratio) cost["ratio"] = *comparison.gap.cost_ratio;
+    json["reference"] = side_json(comparison.reference, comparison.reference_title);
+    json["candidate"] = side_json(comparison.candidate, comparison.candidate_title);
+    json["provenance"] = provenance_json(comparison.reference.provenance);
+    return json_text(json);
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,84 @@
+#include "compare/report/junit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/report/escape.hpp"
+#include "compare/report/words.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+struct Case {
+    std::string name;
+    double seconds = 0.0;
+    std::string problem;  ///< "", "failure" or "error"
+    std::string type, message;
+};
+
+Case run_case(const RunRecord& record) {
+    Case row{"run " + record.fidelity, record.cost.wall_s, {}, {}, {}};
+    if (twinchute::exit_code(record.status.code) != ExitCode::done) {
+        row.problem = "error";
+        row.type = status_name(record.status.code);
+        row.message = record.status.detail.empty() ? row.type : record.status.detail;
+    }
+    return row;
+}
+
+Case metric_case(const MetricGap& metric, const Comparison& comparison) {
+    Case row{std::string(metric.row->name), 0.0, {}, {}, {}};
+    if (metric.verdict == Verdict::exceeded || metric.verdict == Verdict::missing) {
+        row.problem = "failure";
+        row.type = verdict_name(metric.verdict);
+        row.message = failure_text(metric, comparison);
+    }
+    return row;
+}
+
+std::string case_xml(const Case& row, std::string_view class_name) {
+    std::string text =
+        fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.6f}\"", xml_text(class_name),
+                    xml_text(row.name), std::isfinite(row.seconds) ? row.seconds : 0.0);
+    if (row.problem.empty()) return text + "/>\n";
+    const std::string message = xml_text(row.message);
+    return text + fmt::format(">\n      <{0} type=\"{1}\" message=\"{2}\">{2}</{0}>\n    </testcase>\n",
+                              row.problem, xml_text(row.type), message);
+}
+
+}  // namespace
+
+std::string junit_xml(const Comparison& comparison) {
+    std::vector<Case> cases{run_case(comparison.reference), run_case(comparison.candidate)};
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        if (metric.verdict != Verdict::not_judged) cases.push_back(metric_case(metric, comparison));
+    }
+    int failures = 0, errors = 0;
+    double seconds = 0;
+    // Dashboards take what stands before the last '.' for a package.
+    std::string scene = comparison.reference.scene.name;
+    std::ranges::replace(scene, '.', '_');
+    const std::string class_name = "twinchute." + scene;
+    std::string body;
+    for (const Case& row : cases) {
+        failures += row.problem == "failure";
+        errors += row.problem == "error";
+        if (std::isfinite(row.seconds)) seconds += row.seconds;
+        body += case_xml(row, class_name);
+    }
+    // The schema's timestamp has no zone.
+    std::string date = comparison.reference.provenance.date;
+    if (date.ends_with('Z')) date.pop_back();
+    const std::string counts =
+        fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\"", cases.size(), failures, errors);
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<testsuites name=\"twinchute compare\" {0} time=\"{1:.6f}\">\n"
+        "  <testsuite name=\"{2}\" {0} skipped=\"0\" time=\"{1:.6f}\" timestamp=\"{3}\">\n"
+        "{4}  </testsuite>\n</testsuites>\n",
+        counts, seconds, xml_text(class_name), xml_text(date), body);
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,89 @@
+#include "compare/report/terminal.hpp"
+
+#include <fmt/format.h>
+
+#include "compare/report/words.hpp"
+#include "lib/cli/record_text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+Colour verdict_colour(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::within:
+            return Colour::green;
+        case Verdict::exceeded:
+        case Verdict::missing:
+            return Colour::red;
+        case Verdict::not_judged:
+            return Colour::none;
+    }
+    return Colour::none;
+}
+
+std::string gap_table(const Comparison& comparison, const Style& style) {
+    Table table;
+    const std::string reference = comparison.reference.fidelity, candidate = comparison.candidate.fidelity;
+    table.header = {"metric",    candidate, reference,         "difference",
+                    "tolerance", "verdict", candidate + " is", reference + " is"};
+    table.right = {false, true, true, true, true};
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const std::string_view unit = metric.row->unit;
+        const bool judged = metric.verdict != Verdict::not_judged;
+        table.rows.push_back({std::string(metric.row->title), value_text(metric.candidate, unit),
+                              value_text(metric.reference, unit), difference_text(metric),
+                              metric.tolerance ? tolerance_text(*metric.tolerance, unit) : "-",
+                              judged ? std::string(verdict_name(metric.verdict)) : "-",
+                              standing_text(metric.candidate), standing_text(metric.reference)});
+    }
+    std::string text = aligned(table, style);
+    if (!style.colour) return text;
+    // Painted afterwards, because colour codes would count as columns.
+    std::string painted;
+    std::size_t row = 0;
+    for (std::size_t begin = 0; begin < text.size(); ++row) {
+        const std::size_t end = text.find('\n', begin);
+        std::string line = text.substr(begin, end - begin);
+        if (row > 0) {
+            const Verdict verdict = comparison.gap.metrics[row - 1].verdict;
+            const std::string_view name = verdict_name(verdict);
+            const std::size_t at = line.rfind(name);
+            if (at != std::string::npos)
+                line.replace(at, name.size(), style.paint(name, verdict_colour(verdict)));
+        }
+        painted += line + '\n';
+        begin = end + 1;
+    }
+    return painted;
+}
+
+std::string side_notes(const RunRecord& record, const Style& style) {
+    std::string text;
+    for (const LeftOut& row : record.left_out) {
+        text += fmt::format("left out  {}: {}{}\n", record.fidelity, printable(row.what),
+                            row.why.empty() ? "" : fmt::format(" ({})", printable(row.why)));
+    }
+    return text + warnings_text(record.warnings, record.fidelity + " ", style);
+}
+
+}  // namespace
+
+std::string terminal_text(const Comparison& comparison, const Style& style) {
+    const ExitCode code = exit_code(comparison);
+    const Colour colour = code == ExitCode::done          ? Colour::green
+                          : code == ExitCode::interrupted ? Colour::yellow
+                                                          : Colour::red;
+    std::string text = style.paint(printable(comparison.reference.scene.name), Colour::bold) + "\n";
+    if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
+        text += printable(fill) + "\n";
+    }
+    text += "\n";
+    text += gap_table(comparison, style) + "\n";
+    text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));
+    text += fmt::format("cost      {}\n", cost_line(comparison));
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
+        text += side_notes(*side, style);
+    return text;
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,77 @@
+#include "compare/report/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/cli/record_text.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+std::string with_unit(double value, std::string_view unit) {
+    return fmt::format("{}{}{}", readable(value), unit.empty() ? "" : " ", unit);
+}
+
+/// A difference deserves as many digits after the point as the larger of the values it comes from.
+std::string signed_difference(double difference, double larger) {
+    const int before = larger == 0 ? 1 : static_cast<int>(std::floor(std::log10(larger))) + 1;
+    const std::string text = fmt::format("{:+.{}f}", difference, std::clamp(4 - before, 0, 12));
+    return text.find_first_not_of("+-0.") == std::string::npos ? text.substr(1) : text;
+}
+
+}  // namespace
+
+std::string value_text(const std::optional<SideValue>& side, std::string_view unit) {
+    return side ? with_unit(side->value, unit) : "-";
+}
+
+std::string difference_text(const MetricGap& metric) {
+    if (!metric.difference) return "-";
+    const double larger = std::max(std::abs(metric.reference->value), std::abs(metric.candidate->value));
+    std::string text = signed_difference(*metric.difference, larger);
+    if (!metric.row->unit.empty()) text += fmt::format(" {}", metric.row->unit);
+    if (metric.relative) text += fmt::format(" ({:+.1f} %)", 100 * *metric.relative);
+    return text;
+}
+
+std::string standing_text(const std::optional<SideValue>& side) {
+    return side ? std::string(standing_name(side->standing)) : "-";
+}
+
+std::string failure_text(const MetricGap& metric, const Comparison& comparison) {
+    const std::string tolerance =
+        metric.tolerance ? tolerance_text(*metric.tolerance, metric.row->unit) : "none";
+    if (metric.verdict == Verdict::missing) {
+        return fmt::format("{}: {}, so that the tolerance of {} cannot be judged", metric.row->title,
+                           metric.note, tolerance);
+    }
+    return fmt::format("{}: {} {}, {} {}, difference {}, tolerance {}", metric.row->title,
+                       comparison.reference.fidelity, value_text(metric.reference, metric.row->unit),
+                       comparison.candidate.fidelity, value_text(metric.candidate, metric.row->unit),
+                       difference_text(metric), tolerance);
+}
+
+std::string ratio_text(double ratio) {
+    // Two runs of the same input differ by some per cent in time: more digits would be noise.
+    if (!(std::isfinite(ratio) && ratio >= 100)) return readable(ratio, 2);
+    const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 1);
+    return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
+}
+
+std::string cost_line(const Comparison& comparison) {
+    std::string text;
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
+        const Cost& cost = side->cost;
+        text += fmt::format("{} {} ({} steps", side->fidelity, time_text(cost.wall_s), cost.steps);
+        if (cost.element_steps > 0)
+            text += fmt::format(", {} ns per element-step", readable(cost.ns_per_element_step, 3));
+        text += "), ";
+    }
+    if (!comparison.gap.cost_ratio) return text.substr(0, text.size() - 2);
+    return text + "ratio " + ratio_text(*comparison.gap.cost_ratio);
+}
+
+}  // namespace twinchute::compare

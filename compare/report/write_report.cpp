@@ -1,0 +1,24 @@
+#include "compare/report/write_report.hpp"
+
+#include "compare/report/gap_json.hpp"
+#include "compare/report/junit.hpp"
+#include "compare/report/markdown.hpp"
+#include "compare/report/plots.hpp"
+#include "lib/record/write_record.hpp"
+
+namespace twinchute::compare {
+
+void write_report(const Comparison& comparison, const std::filesystem::path& directory) {
+    FileBatch batch;
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
+        add_record(batch, *side, directory / side->fidelity);
+    }
+    batch.add(directory / "force.svg", force_svg(comparison));
+    batch.add(directory / "speed.svg", speed_svg(comparison));
+    batch.add(directory / "report.md", report_markdown(comparison));
+    batch.add(directory / "junit.xml", junit_xml(comparison));
+    batch.add(directory / "gap.json", gap_json(comparison), FileBatch::Kind::marker);
+    batch.commit();
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,15 @@
+// Everything that a comparison leaves in a directory.
+#pragma once
+
+#include <filesystem>
+
+#include "compare/gap.hpp"
+
+namespace twinchute::compare {
+
+/// Writes both records (each in the directory of its fidelity's name), report.md with force.svg and
+/// speed.svg, junit.xml and, last, gap.json. Throws WriteError; then nothing that stood there before
+/// has changed.
+void write_report(const Comparison& comparison, const std::filesystem::path& directory);
+
+}  // namespace twinchute::compare

@@ -1,0 +1,90 @@
+#include "compare/verb.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "compare/gap.hpp"
+#include "compare/report/gap_json.hpp"
+#include "compare/report/terminal.hpp"
+#include "compare/report/write_report.hpp"
+#include "lib/cli/interrupt.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+/// --tolerance peak_force=10% is the scene's compare.tolerance.peak_force = "10%": one reader
+/// for both.
+std::vector<std::string> tolerance_overrides(const Arguments& arguments) {
+    std::vector<std::string> overrides;
+    for (const std::string& text : arguments.values("tolerance")) {
+        const auto equals = text.find('=');
+        if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+            throw UsageError(
+                fmt::format("'--tolerance {}' is not understood (METRIC=VALUE is wanted), e.g. "
+                            "--tolerance peak_force=10% or --tolerance peak_force=500N",
+                            text));
+        }
+        overrides.push_back("compare.tolerance." + text);
+    }
+    return overrides;
+}
+
+ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
+    const Scene scene = scene_of(arguments, tolerance_overrides(arguments));
+    const std::array<const Fidelity*, 2> both{&reference, &candidate};
+    for (const Fidelity* fidelity : both)
+        require_physics(scene, *fidelity, both);
+    if (arguments.has("check")) {
+        say_valid(scene, arguments);
+        return ExitCode::done;
+    }
+    const std::filesystem::path directory =
+        arguments.value("out").value_or(default_output_dir(arguments.operand).string());
+    check_output_dir(directory);
+
+    const Interrupt interrupt;  // until the records are safe
+    const bool quiet = arguments.has("quiet");
+    Comparison comparison;
+    comparison.reference_title = reference.title;
+    comparison.candidate_title = candidate.title;
+    // The quick one first: it is there even when the long one is interrupted.
+    comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet);
+    comparison.reference = run_watched(reference, scene, interrupt.token(), quiet);
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+    write_report(comparison, directory);
+
+    if (arguments.has("json")) {
+        print(gap_json(comparison));
+    } else if (!quiet) {
+        print(terminal_text(comparison, output_style()));
+        print(fmt::format("report    {}\n", printable((directory / "report.md").string())));
+    }
+    return exit_code(comparison);
+}
+
+}  // namespace
+
+Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
+    Verb verb;
+    verb.name = "compare";
+    verb.summary = "run a scene at both fidelities and report the gap";
+    verb.operand = "SCENE";
+    verb.example = "twinchute compare data/scenes/c9-inflation.toml";
+    verb.options = scene_options("write records and report there instead of ./<scene file>.out");
+    verb.options.insert(
+        verb.options.begin() + 1,
+        {"tolerance", "METRIC=VALUE",
+         fmt::format("largest allowed gap, e.g. peak_force=10% (of {}) or peak_force=500N", reference.name),
+         true});
+    verb.run = [&reference, &candidate](const Arguments& arguments) {
+        return run_compare(reference, candidate, arguments);
+    };
+    return verb;
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,127 @@
+// Lines, risers and tapes: 2-node cables that pull and never push.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include "fullsim/forces/gather.hpp"
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+struct alignas(32) Group {
+    std::array<LaneNodes, 2> node;
+    Lanes inverse_length;  // 1/l0 [1/m]
+    Lanes stiffness;       // EA [N]
+    Lanes dashpot;         // b1 rho c1 A [N s/m] (paper, Eq. 3)
+};
+
+/// [m] added to every length: keeps the direction of a cable of no length from being 0/0.
+constexpr double smallest_length = 1e-9;
+
+/// T = max(0, EA (l - l0)/l0 + b1 rho c1 A dl/dt): engineering strain, no compression.
+class CableBlock final : public ForceModel {
+public:
+    CableBlock(const Mesh& mesh, double bulk_viscosity) : mesh_(mesh) {
+        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
+        for (std::size_t first = 0; first < mesh.cables.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k) {
+                const bool padding = first + k >= mesh.cables.size();
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = padding ? dummy : mesh.cables[first + k].node[end];
+                g.inverse_length[k] = padding ? 1.0 : 1.0 / mesh.cables[first + k].rest_length;
+                g.stiffness[k] = padding ? 0.0 : stiffness(mesh.cables[first + k]);
+                g.dashpot[k] = padding ? 0.0 : bulk_viscosity * impedance(mesh.cables[first + k]);
+            }
+            groups_.push_back(g);
+        }
+        bulk_viscosity_ = bulk_viscosity;
+    }
+
+    std::string_view name() const override { return "cable"; }
+    std::size_t elements() const override { return mesh_.cables.size(); }
+
+    void add_forces(State& state) const override { sweep(state); }
+
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+        const Lanes zero = splat(0.0);
+        Lanes dissipated = zero;
+        for (const Group& g : groups_) {
+            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
+            const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
+            const Lanes length = square_root(dot(d, d)) + smallest_length;
+            const Lanes inverse = 1.0 / length;
+            const Lanes lengthening = dot(d, w) * inverse;
+            const Lanes spring = g.stiffness * (length * g.inverse_length - 1.0);
+            const Lanes tension = larger(spring + g.dashpot * lengthening, zero);
+            // Whatever differs from the conservative tension dissipates, also where it is cut at zero.
+            dissipated += (tension - larger(spring, zero)) * lengthening;
+            const CornerForces pull(tension * inverse * d);
+            for (int k = 0; k < lane_count; ++k) {
+                state.force[g.node[0][k]].value += pull.row[k];
+                state.force[g.node[1][k]].value -= pull.row[k];
+            }
+        }
+        state.damping_power += sum(dissipated);
+    }
+
+    void add_row_sums(const State&, RowSums& sums) const override {
+        for (const Cable& c : mesh_.cables)
+            for (const NodeIndex i : c.node) {
+                // Both blocks of a row have the norm EA/l0; a slack cable may pull tight any time.
+                sums.stiffness[i] += 2.0 * stiffness(c) / c.rest_length;
+                sums.damping[i] += 2.0 * bulk_viscosity_ * impedance(c);
+            }
+    }
+
+    double energy(const State& state) const override {
+        double total = 0.0;
+        for (const Cable& c : mesh_.cables) {
+            const double e = std::max(0.0, strain(state, c));
+            total += 0.5 * stiffness(c) * c.rest_length * e * e;
+        }
+        return total;
+    }
+
+    Extreme extreme(const State& state) const override {
+        Extreme most;
+        for (std::size_t i = 0; i < mesh_.cables.size(); ++i) {
+            const double e = strain(state, mesh_.cables[i]);
+            if (mesh_.cables[i].kind == CableKind::line)
+                most.load = std::max(most.load, stiffness(mesh_.cables[i]) * e);
+            if (e > most.strain) most.strain = e, most.element = i;
+        }
+        return most;
+    }
+
+    std::string element_name(std::size_t i) const override {
+        return fmt::format("{} cable {}", cable_kind_name(mesh_.cables[i].kind), i);
+    }
+
+private:
+    double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
+
+    /// rho c1 A [kg/s] with the wave speed c1 = sqrt(E/rho).
+    double impedance(const Cable& c) const {
+        const Cord& cord = mesh_.cord(c.kind);
+        return std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
+    }
+
+    static double strain(const State& state, const Cable& c) {
+        return (to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x)).norm() / c.rest_length -
+               1.0;
+    }
+
+    const Mesh& mesh_;
+    std::vector<Group> groups_;
+    double bulk_viscosity_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity) {
+    return std::make_unique<CableBlock>(mesh, bulk_viscosity);
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,104 @@
+// The air's force on the canopy: an average pressure that gives the prescribed drag along e_r and
+// spreads the canopy across it (paper, Eqs 11 and 12).
+#include <algorithm>
+
+#include "fullsim/forces/gather.hpp"
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+struct Group {
+    std::array<LaneNodes, 3> node;
+};
+
+/// D/S_p may not exceed this many dynamic pressures: stagnation and suction together reach about
+/// 2 on an open canopy, and a shape that is still a tube has next to no projected area.
+constexpr double largest_pressure_coefficient = 3.0;
+
+class CanopyPressure final : public ForceModel {
+public:
+    CanopyPressure(const Mesh& mesh, double smallest_area)
+        : smallest_area_(smallest_area), elements_(mesh.triangles.size()), canopy_nodes_(mesh.canopy_nodes) {
+        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
+        for (std::size_t first = 0; first < mesh.triangles.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k)
+                for (int corner = 0; corner < 3; ++corner)
+                    g.node[corner][k] =
+                        first + k < mesh.triangles.size() ? mesh.triangles[first + k].node[corner] : dummy;
+            groups_.push_back(g);
+        }
+        const double area = mesh.fabric_area();
+        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+            share_.push_back(mesh.tributary_area[i] / area);
+    }
+
+    std::string_view name() const override { return "canopy pressure"; }
+    std::size_t elements() const override { return elements_; }
+
+    void add_forces(State& state) const override { sweep(state); }
+
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+        AeroState& air = state.air;
+        const Lanes3 e{splat(air.direction.x()), splat(air.direction.y()), splat(air.direction.z())};
+        measure_area(state, e);
+
+        const double drag = air.dynamic_pressure * air.drag_area;
+        const double wanted = drag / std::max(air.projected_area, smallest_area_);
+        air.pressure = std::min(wanted, largest_pressure_coefficient * air.dynamic_pressure);
+        air.pressure_capped = air.pressure < wanted;
+
+        // A third of Delta P [A_p e_r + phi (A - (A.e_r) e_r)] to each corner.
+        const Lanes axial = splat(air.pressure / 3.0),
+                    radial = splat(air.pressure * air.radial_pressure / 3.0);
+        for (const Group& g : groups_) {
+            const Lanes3 area = area_vector(state, g);
+            const Lanes along = dot(area, e);
+            const Lanes3 force = axial * larger(along, splat(0.0)) * e + radial * (area - along * e);
+            const CornerForces corner(force);
+            for (int k = 0; k < lane_count; ++k)
+                for (int c = 0; c < 3; ++c)
+                    state.aero[g.node[c][k]].value += corner.row[k];
+        }
+
+        // What pressure could not give, cap and floor included, is uniform drag of loose cloth:
+        // the sum along e_r is the prescribed drag to round-off.
+        const Lanes flag = to_lanes((drag - air.pressure * air.projected_area) * air.direction);
+        for (NodeIndex i = 0; i < canopy_nodes_; ++i)
+            state.aero[i].value += share_[i] * flag;
+    }
+
+private:
+    static Lanes3 area_vector(const State& state, const Group& g) {
+        const Lanes3 x0 = gather_position(state.node, g.node[0]);
+        const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
+        const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
+        return splat(0.5) * cross(e1, e2);
+    }
+
+    TWINCHUTE_FOR_EACH_CPU void measure_area(State& state, const Lanes3& e) const {
+        Lanes positive = splat(0.0), all = splat(0.0);
+        for (const Group& g : groups_) {
+            const Lanes along = dot(area_vector(state, g), e);
+            positive += larger(along, splat(0.0));
+            all += along;
+        }
+        state.air.projected_area = sum(positive);
+        state.air.signed_area = sum(all);
+    }
+
+    double smallest_area_;
+    std::size_t elements_;
+    NodeIndex canopy_nodes_;
+    std::vector<Group> groups_;
+    std::vector<double> share_;  // of the fabric's area that is a node's [-]
+};
+
+}  // namespace
+
+std::unique_ptr<const ForceModel> make_canopy_pressure(const Mesh& mesh, double smallest_area) {
+    return std::make_unique<CanopyPressure>(mesh, smallest_area);
+}
+
+}  // namespace twinchute::fullsim

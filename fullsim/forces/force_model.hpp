@@ -1,0 +1,49 @@
+// What a force block offers: one virtual call per block and step, plain loops inside. A block
+// holds constants only; whatever changes is in State.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fullsim/state.hpp"
+
+namespace twinchute::fullsim {
+
+/// Row sums for the stable step: sum over elements of the norms of their stiffness and damping
+/// blocks in the row of each node (Gershgorin).
+struct RowSums {
+    std::vector<double> stiffness;  ///< K_i [N/m]
+    std::vector<double> damping;    ///< C_i [N s/m]
+};
+
+/// The most strained element of a block.
+struct Extreme {
+    double strain = 0.0;      ///< [-] largest tensile strain
+    double load = 0.0;        ///< largest line tension [N], or its principal stress resultant [N/m]
+    std::size_t element = 0;  ///< its number within the block
+};
+
+class ForceModel {
+public:
+    virtual ~ForceModel() = default;
+
+    virtual std::string_view name() const = 0;
+    /// Adds its forces at state.time to state.force or state.aero, and what it dissipates [W] to
+    /// state.damping_power.
+    virtual void add_forces(State& state) const = 0;
+    /// Adds its share to the row sums of the current tangent.
+    virtual void add_row_sums(const State&, RowSums&) const {}
+    /// Stored energy [J].
+    virtual double energy(const State&) const { return 0.0; }
+    virtual Extreme extreme(const State&) const { return {}; }
+    /// An element in words, e.g. "fabric triangle 17".
+    virtual std::string element_name(std::size_t) const { return std::string(name()); }
+    /// Element evaluations in one add_forces.
+    virtual std::size_t elements() const { return 0; }
+};
+
+using ForceModels = std::vector<std::unique_ptr<const ForceModel>>;
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,215 @@
+#include "fullsim/forces/membrane.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include "fullsim/forces/membrane_kernel.hpp"
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Four triangles side by side.
+struct MembraneLanes {
+    std::array<LaneNodes, 3> node;
+    Lanes inverse_a, inverse_c, b_over_a;  // of the unstrained triangle [1/m], [1/m], [-]
+    Lanes area;                            // [m^2] unstrained
+    Lanes viscosity;                       // eta = b1 rho t c l [N s/m]
+};
+
+/// Wrapped, since a vector of raw lanes would lose its alignment in std::vector's template argument.
+struct alignas(32) Group : MembraneLanes {};
+
+class Membrane final : public ForceModel {
+public:
+    Membrane(const Mesh& mesh, double bulk_viscosity)
+        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles) {
+        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
+        for (std::size_t first = 0; first < triangles_.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k) {
+                if (first + k >= triangles_.size()) {  // padding: no area, no force, on the dummy node
+                    for (auto& corner : g.node)
+                        corner[k] = dummy;
+                    continue;
+                }
+                const Triangle& t = triangles_[first + k];
+                for (int corner = 0; corner < 3; ++corner)
+                    g.node[corner][k] = t.node[corner];
+                g.inverse_a[k] = 1.0 / t.a;
+                g.inverse_c[k] = 1.0 / t.c;
+                g.b_over_a[k] = t.b / t.a;
+                g.area[k] = t.area();
+                g.viscosity[k] = law_.viscosity * element_length(t);
+            }
+            groups_.push_back(g);
+        }
+        for (const Triangle& t : triangles_)
+            rows_.push_back(rows_of(t));
+    }
+
+    std::string_view name() const override { return "membrane"; }
+    std::size_t elements() const override { return triangles_.size(); }
+
+    void add_forces(State& state) const override { sweep(state); }
+
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+        Lanes dissipated = splat(0.0);
+        for (const Group& g : groups_) {
+            // Deformation gradient by columns: f1, f2 are the images of the plane's unit vectors.
+            const Lanes3 x0 = gather_position(state.node, g.node[0]);
+            const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
+            const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
+            const Lanes3 f1 = g.inverse_a * e1;
+            const Lanes3 f2 = g.inverse_c * (e2 - g.b_over_a * e1);
+            const Lanes3 v0 = gather_velocity(state.node, g.node[0]);
+            const Lanes3 w1 = gather_velocity(state.node, g.node[1]) - v0;
+            const Lanes3 w2 = gather_velocity(state.node, g.node[2]) - v0;
+            const Lanes3 r1 = g.inverse_a * w1;
+            const Lanes3 r2 = g.inverse_c * (w2 - g.b_over_a * w1);
+
+            const SymmetricTensor<Lanes> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
+                                                0.5 * dot(f1, f2)};
+            const SymmetricTensor<Lanes> rate{dot(f1, r1), dot(f2, r2), 0.5 * (dot(f1, r2) + dot(f2, r1))};
+            const auto p = principal(strain);
+            const auto elastic = relaxed_stress(law_, strain, p);
+            const auto viscous = viscous_stress(law_, strain, p, rate);
+            const Lanes nxx = elastic.xx + g.viscosity * viscous.xx;
+            const Lanes nyy = elastic.yy + g.viscosity * viscous.yy;
+            const Lanes nxy = elastic.xy + g.viscosity * viscous.xy;
+            dissipated += g.area * g.viscosity *
+                          (viscous.xx * rate.xx + viscous.yy * rate.yy + 2.0 * viscous.xy * rate.xy);
+
+            // First Piola-Kirchhoff stress times reference area, then the edges' shares of it.
+            const Lanes3 p1 = g.area * (nxx * f1 + nxy * f2);
+            const Lanes3 p2 = g.area * (nxy * f1 + nyy * f2);
+            const Lanes3 s2 = g.inverse_c * p2;
+            const Lanes3 s1 = g.inverse_a * p1 - g.b_over_a * s2;
+            const CornerForces c0(s1 + s2), c1(s1), c2(s2);
+            for (int k = 0; k < lane_count; ++k) {
+                state.force[g.node[0][k]].value += c0.row[k];
+                state.force[g.node[1][k]].value -= c1.row[k];
+                state.force[g.node[2][k]].value -= c2.row[k];
+            }
+        }
+        state.damping_power += sum(dissipated);
+    }
+
+    void add_row_sums(const State& state, RowSums& sums) const override {
+        for (std::size_t e = 0; e < triangles_.size(); ++e) {
+            const double stretch = std::max(0.0, first_principal(strain_of(state, triangles_[e])));
+            // St. Venant-Kirchhoff stiffens with stretch: lambda^2 and the stress itself, 1 + 3 E_1.
+            const double stiffening = 1.0 + 3.0 * stretch, lengthening = 1.0 + 2.0 * stretch;
+            for (int i = 0; i < 3; ++i) {
+                sums.stiffness[triangles_[e].node[i]] += stiffening * rows_[e].stiffness[i];
+                sums.damping[triangles_[e].node[i]] += lengthening * rows_[e].damping[i];
+            }
+        }
+    }
+
+    double energy(const State& state) const override {
+        double total = 0.0;
+        for (const Triangle& t : triangles_)
+            total += t.area() * membrane_energy(law_, strain_of(state, t));
+        return total;
+    }
+
+    Extreme extreme(const State& state) const override {
+        Extreme most;
+        for (std::size_t i = 0; i < triangles_.size(); ++i) {
+            const PlaneTensor strain = strain_of(state, triangles_[i]);
+            const double first = first_principal(strain);
+            if (first > most.strain) most = {first, first_principal(membrane_stress(law_, strain)), i};
+        }
+        return most;
+    }
+
+    std::string element_name(std::size_t i) const override { return fmt::format("fabric triangle {}", i); }
+
+private:
+    /// [m] over which the bulk viscosity acts: the shortest height.
+    static double element_length(const Triangle& t) {
+        return t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
+    }
+
+    static PlaneTensor strain_of(const State& state, const Triangle& t) {
+        return green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
+                                to_vec3(state.node[t.node[2]].x)});
+    }
+
+    static double first_principal(const PlaneTensor& e) {
+        const double half = 0.5 * (e.xx - e.yy);
+        return 0.5 * (e.xx + e.yy) + std::sqrt(half * half + e.xy * e.xy);
+    }
+
+    /// Row sums of the unstrained triangle. The gradient of a corner's shape function is the
+    /// opposite edge over twice the area, and the norm of the block of corners i and j is at most
+    /// area * modulus * |gradient_i| |gradient_j|.
+    struct Rows {
+        double stiffness[3], damping[3];  // [N/m], [N s/m]
+    };
+    Rows rows_of(const Triangle& t) const {
+        const double twice_area = t.a * t.c;
+        const double gradient[3] = {std::hypot(t.b - t.a, t.c) / twice_area,
+                                    std::hypot(t.b, t.c) / twice_area, t.a / twice_area};
+        const double total = t.area() * (gradient[0] + gradient[1] + gradient[2]);
+        Rows rows{};
+        for (int i = 0; i < 3; ++i) {
+            rows.stiffness[i] = law_.plane_modulus * gradient[i] * total;
+            rows.damping[i] = law_.viscosity * element_length(t) * gradient[i] * total;
+        }
+        return rows;
+    }
+
+    MembraneLaw law_;
+    const std::vector<Triangle>& triangles_;
+    std::vector<Group> groups_;
+    std::vector<Rows> rows_;
+};
+
+SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
+    return {e.xx, e.yy, e.xy};
+}
+
+}  // namespace
+
+MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity) {
+    const double nu = fabric.poisson_ratio;
+    const double plane = 1.0 / (1.0 - nu * nu);
+    const double wave_speed = std::sqrt(fabric.youngs_modulus * plane / fabric.density);
+    const double modulus = fabric.youngs_modulus * fabric.thickness;
+    return {modulus, modulus * plane, nu, bulk_viscosity * fabric.density * fabric.thickness * wave_speed};
+}
+
+PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, FabricState* state) {
+    const auto e = as_scalar(strain);
+    const auto p = principal(e);
+    if (state)
+        *state = p.first() <= 0.0                             ? FabricState::slack
+                 : p.second() + law.poisson * p.first() > 0.0 ? FabricState::taut
+                                                              : FabricState::wrinkled;
+    const auto n = relaxed_stress(law, e, p);
+    return {n.xx, n.yy, n.xy};
+}
+
+double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain) {
+    const auto p = principal(as_scalar(strain));
+    const double first = p.first(), second = p.second();
+    if (first <= 0.0) return 0.0;
+    if (second + law.poisson * first <= 0.0) return 0.5 * law.tension_modulus * first * first;
+    return 0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * first * second);
+}
+
+PlaneTensor green_strain(const Triangle& t, const std::array<Vec3, 3>& corner) {
+    const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    const Vec3 f1 = e1 / t.a, f2 = (e2 - t.b / t.a * e1) / t.c;
+    return {0.5 * (f1.squaredNorm() - 1.0), 0.5 * (f2.squaredNorm() - 1.0), 0.5 * f1.dot(f2)};
+}
+
+std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity) {
+    return std::make_unique<Membrane>(mesh, bulk_viscosity);
+}
+
+}  // namespace twinchute::fullsim

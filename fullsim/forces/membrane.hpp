@@ -1,0 +1,38 @@
+// Fabric: 3-node total-Lagrangian membrane, St. Venant-Kirchhoff in plane stress, that wrinkles
+// instead of carrying compression (relaxed energy; paper, 2.2, and Pipkin 1986).
+#pragma once
+
+#include "fullsim/forces/gather.hpp"
+#include "fullsim/mesh/mesh.hpp"
+
+namespace twinchute::fullsim {
+
+/// Constants of the fabric per unit of reference width.
+struct MembraneLaw {
+    double tension_modulus;  ///< E t [N/m]
+    double plane_modulus;    ///< E t/(1 - nu^2) [N/m]
+    double poisson;          ///< nu [-]
+    double viscosity;        ///< b1 rho t c [N s/m^2]; times a length it is a bulk viscosity [N s/m]
+};
+
+/// With density and wave speed c = sqrt(E/(rho (1 - nu^2))).
+MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity);
+
+enum class FabricState { taut, wrinkled, slack };
+
+/// Green strain and second Piola-Kirchhoff stress resultant, components 11, 22, 12.
+struct PlaneTensor {
+    double xx, yy, xy;
+};
+
+/// Stress resultant [N/m] for a Green strain, with the tension-field state. The stress is the
+/// derivative of membrane_energy; it vanishes when both principal strains are negative.
+PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, FabricState* state = nullptr);
+
+/// Relaxed energy per reference area [J/m^2].
+double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain);
+
+/// Green strain of a triangle at its current corners [m].
+PlaneTensor green_strain(const Triangle& triangle, const std::array<Vec3, 3>& corner);
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,99 @@
+// Loads on nodes: breathing damping, Rayleigh mass damping, payload drag.
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// f_i = -k_b rho V S_i (v_i - v_mean), S_i the unstrained tributary area, v_mean with the same
+/// weights: no net force, only dissipation.
+class BreathingDamping final : public ForceModel {
+public:
+    BreathingDamping(const Mesh& mesh, double k)
+        : k_(k), area_(mesh.tributary_area.begin(), mesh.tributary_area.begin() + mesh.canopy_nodes) {}
+
+    std::string_view name() const override { return "breathing damping"; }
+
+    void add_forces(State& state) const override {
+        const double per_area = k_ * state.air.density * state.air.airspeed;
+        const Lanes mean = to_lanes(state.sums.canopy_area_velocity);
+        Lanes dissipated = splat(0.0);
+        for (std::size_t i = 0; i < area_.size(); ++i) {
+            const Lanes relative = state.node[i].v - mean;
+            const Lanes resistance = per_area * area_[i] * relative;
+            state.force[i].value -= resistance;
+            dissipated += resistance * relative;
+        }
+        state.damping_power += sum3(dissipated);
+    }
+
+    void add_row_sums(const State& state, RowSums& sums) const override {
+        for (std::size_t i = 0; i < area_.size(); ++i)
+            sums.damping[i] += k_ * state.air.density * state.air.airspeed * area_[i];
+    }
+
+private:
+    double k_;
+    std::vector<double> area_;  // [m^2]
+};
+
+/// f_i = -alpha m_i (v_i - v_system) (paper, Eq. 4): damps motion about the mean, not the fall.
+class MassDamping final : public ForceModel {
+public:
+    MassDamping(const Mesh& mesh, double alpha) : alpha_(alpha), mass_(mesh.mass) {}
+
+    std::string_view name() const override { return "mass damping"; }
+
+    void add_forces(State& state) const override {
+        const Lanes mean = to_lanes(state.sums.system_velocity);
+        Lanes dissipated = splat(0.0);
+        for (std::size_t i = 0; i < mass_.size(); ++i) {
+            const Lanes relative = state.node[i].v - mean;
+            const Lanes resistance = alpha_ * mass_[i] * relative;
+            state.force[i].value -= resistance;
+            dissipated += resistance * relative;
+        }
+        state.damping_power += sum3(dissipated);
+    }
+
+    void add_row_sums(const State&, RowSums& sums) const override {
+        for (std::size_t i = 0; i < mass_.size(); ++i)
+            sums.damping[i] += alpha_ * mass_[i];
+    }
+
+private:
+    double alpha_;  // [1/s]
+    const std::vector<double>& mass_;
+};
+
+/// -1/2 rho C_D S |v| v on the payload in still air (paper, 3.1).
+class PayloadDrag final : public ForceModel {
+public:
+    PayloadDrag(const Mesh& mesh, double drag_area) : payload_(mesh.payload()), drag_area_(drag_area) {}
+
+    std::string_view name() const override { return "payload drag"; }
+
+    void add_forces(State& state) const override {
+        const Vec3 v = to_vec3(state.node[payload_].v);
+        state.aero[payload_].value -= to_lanes(0.5 * state.air.density * drag_area_ * v.norm() * v);
+    }
+
+private:
+    NodeIndex payload_;
+    double drag_area_;  // [m^2]
+};
+
+}  // namespace
+
+std::unique_ptr<const ForceModel> make_breathing_damping(const Mesh& mesh, double k) {
+    return std::make_unique<BreathingDamping>(mesh, k);
+}
+
+std::unique_ptr<const ForceModel> make_mass_damping(const Mesh& mesh, double alpha) {
+    return std::make_unique<MassDamping>(mesh, alpha);
+}
+
+std::unique_ptr<const ForceModel> make_payload_drag(const Mesh& mesh, double drag_area) {
+    return std::make_unique<PayloadDrag>(mesh, drag_area);
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,36 @@
+// The mesh of a flat circular canopy sewn from plane gores, with its lines, links and risers, in
+// the shape it has at line stretch.
+#pragma once
+
+#include "fullsim/mesh/mesh.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::fullsim {
+
+/// Cut pattern of one gore: an isosceles triangle with the vent's tip cut off. The polygon of all
+/// gores has the area of the nominal circle, the polygon of the vent that of the vent circle.
+struct GorePattern {
+    double half_angle;    ///< delta = pi/gores [rad]
+    double skirt_radius;  ///< apex to skirt along the seam [m]
+    double vent_radius;   ///< apex to vent along the seam [m]
+};
+GorePattern gore_pattern(const Parachute& chute);
+
+/// Generates the parachute at line stretch: lines and risers straight, the canopy closed to a narrow
+/// cone whose mouth has the area mouth_area [m^2]. All is stretched so as to carry `load` [N], the
+/// opening force of this instant: an unloaded parachute would fall into it and ring like a snatch
+/// that the scene left out.
+///
+/// axis: unit vector from payload to apex. With an odd number of columns the diagonals of the middle
+/// one alternate; all others are mirror images, as the gore's cut is.
+Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
+                    double mouth_area, double load);
+
+/// Mouth area [m^2] at line stretch: that of the steady canopy times the initial drag-area ratio,
+/// so that shape and prescribed drag area say the same, and never below smallest_projected_area.
+double mouth_area_at_line_stretch(const Parachute& chute);
+
+/// [m^2] floor of the projected area that the canopy pressure divides by; 0.05 m^2 for a C-9.
+double smallest_projected_area(const Parachute& chute);
+
+}  // namespace twinchute::fullsim

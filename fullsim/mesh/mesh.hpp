@@ -1,0 +1,68 @@
+// The discrete parachute: nodes, fabric triangles, cables, and which of them is what.
+// Plain reference data that never changes during a run; what changes is in State.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "lib/math/vec.hpp"
+#include "lib/models/material.hpp"
+
+namespace twinchute::fullsim {
+
+using NodeIndex = std::int32_t;
+
+/// A fabric triangle; its corners turn counter-clockwise seen from outside the canopy.
+struct Triangle {
+    std::array<NodeIndex, 3> node;
+    /// The unstrained triangle laid flat: corner 1 at (a, 0), corner 2 at (b, c) from corner 0 [m].
+    double a, b, c;
+
+    double area() const { return 0.5 * a * c; }  ///< [m^2]
+};
+
+enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser };
+
+std::string_view cable_kind_name(CableKind kind);
+
+struct Cable {
+    std::array<NodeIndex, 2> node;
+    double rest_length;  ///< [m]
+    double strands;      ///< cords of this section side by side
+    CableKind kind;
+};
+
+class Mesh {
+public:
+    /// Nodes are numbered canopy first, then lines and risers, the payload last.
+    int node_count() const { return static_cast<int>(position.size()); }
+    NodeIndex payload() const { return node_count() - 1; }
+    bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
+    const Cord& cord(CableKind kind) const { return cords[static_cast<std::size_t>(kind)]; }
+
+    /// Mass of fabric and cables [kg], without the payload.
+    double parachute_mass() const;
+    /// Fabric area [m^2], the vent excluded.
+    double fabric_area() const;
+
+    std::vector<Vec3> position;          ///< [m] at line stretch, payload at the origin
+    std::vector<double> mass;            ///< [kg] material mass lumped to each node
+    std::vector<double> tributary_area;  ///< [m^2] of unstrained fabric, canopy nodes; sums to fabric_area()
+    int canopy_nodes = 0;
+
+    std::vector<Triangle> triangles;
+    std::vector<Cable> cables;
+    Fabric fabric;
+    std::array<Cord, 5> cords;  ///< by CableKind
+
+    /// Seam nodes, one ring of `gores` for each row from vent to skirt.
+    std::vector<std::vector<NodeIndex>> seam_rings;
+    Vec3 axis = Vec3::UnitZ();  ///< from payload to apex at the start
+};
+
+/// Lumps a third of each triangle and half of each cable to their nodes, and the payload to its own.
+void lump_masses(Mesh& mesh, double payload_mass);
+
+}  // namespace twinchute::fullsim

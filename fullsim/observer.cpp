@@ -1,0 +1,198 @@
+#include "fullsim/observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr double filter_window = 5e-3;  // [s]
+
+}  // namespace
+
+CanopyShape canopy_shape(const State& state, const Mesh& mesh) {
+    const auto centre_of = [&](const std::vector<NodeIndex>& ring) {
+        Vec3 sum = Vec3::Zero();
+        for (const NodeIndex i : ring)
+            sum += to_vec3(state.node[i].x);
+        return Vec3(sum / static_cast<double>(ring.size()));
+    };
+    const Vec3 vent = centre_of(mesh.seam_rings.front()), skirt = centre_of(mesh.seam_rings.back());
+    const Vec3 axis = (vent - skirt).normalized();
+    CanopyShape shape{0.0, (vent - skirt).norm()};
+    for (const auto& ring : mesh.seam_rings) {
+        const Vec3 centre = centre_of(ring);
+        double sum = 0.0;
+        for (const NodeIndex i : ring) {
+            const Vec3 arm = to_vec3(state.node[i].x) - centre;
+            sum += (arm - arm.dot(axis) * axis).norm();
+        }
+        shape.seam_diameter = std::max(shape.seam_diameter, 2.0 * sum / static_cast<double>(ring.size()));
+    }
+    return shape;
+}
+
+Observer::Observer(const Mesh& mesh, double gravity, double output_rate)
+    : mesh_(mesh),
+      gravity_(gravity),
+      interval_(1.0 / output_rate),
+      force_(filter_window),
+      acceleration_(filter_window) {
+    rows_.reserve(4096);
+}
+
+void Observer::observe(const State& state) {
+    const double raw = state.riser_force.norm();
+    const NodeIndex payload = mesh_.payload();
+    const Vec3 load = to_vec3(state.force[payload].value + state.aero[payload].value);
+    // The payload node also carries half a riser element.
+    const Vec3 acceleration = load / mesh_.mass[payload] - gravity_ * Vec3::UnitZ();
+    force_.push(state.time, raw);
+    acceleration_.push(state.time, acceleration.norm());
+    Extremes& most = extremes_;
+    if (raw > most.raw_peak.value) most.raw_peak = {raw, state.time};
+    if (force_.ready()) {
+        if (force_.value() > most.peak.value) most.peak = {force_.value(), force_.centre()};
+        most.acceleration = std::max(most.acceleration, acceleration_.value());
+        settle_rows();
+    }
+    if (state.time >= next_row_) {
+        add_row(state, raw);
+        next_row_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
+    }
+}
+
+void Observer::add_row(const State& state, double force_raw) {
+    const NodeRecord& payload = state.node[mesh_.payload()];
+    const CanopyShape shape = canopy_shape(state, mesh_);
+    HistoryRow row{};
+    row.time = state.time;
+    row.position = to_vec3(payload.x);
+    row.velocity = to_vec3(payload.v);
+    row.force_raw = force_raw;
+    row.drag_area = state.air.drag_area;
+    row.dynamic_pressure = state.air.dynamic_pressure;
+    row.pressure = state.air.pressure;
+    row.airspeed = state.air.airspeed;
+    row.projected_area = state.air.projected_area;
+    row.signed_area = state.air.signed_area;
+    row.added_mass = state.added_mass;
+    row.seam_diameter = shape.seam_diameter;
+    row.depth = shape.depth;
+    row.density = state.air.density;
+    rows_.push_back(row);
+}
+
+void Observer::settle_rows() {
+    for (; unsettled_ < rows_.size() && rows_[unsettled_].time <= force_.centre(); ++unsettled_) {
+        rows_[unsettled_].force = force_.value();
+        rows_[unsettled_].acceleration = acceleration_.value();
+    }
+}
+
+void Observer::finish() {
+    // The last half window has only its past.
+    for (; unsettled_ < rows_.size(); ++unsettled_) {
+        rows_[unsettled_].force = force_.value();
+        rows_[unsettled_].acceleration = acceleration_.value();
+    }
+}
+
+void Observer::forget() {
+    // The first row is the scene's own start and stays: a record has at least one.
+    rows_.resize(std::max<std::size_t>(1, accepted_.rows));
+    unsettled_ = std::min(accepted_.unsettled, rows_.size());
+    extremes_ = accepted_.extremes;
+    for (; unsettled_ < rows_.size(); ++unsettled_) {
+        // Their filter ran on into what is dropped.
+        rows_[unsettled_].force = rows_[unsettled_].force_raw;
+        rows_[unsettled_].acceleration = unsettled_ > 0 ? rows_[unsettled_ - 1].acceleration : 0.0;
+    }
+}
+
+double Observer::mean(double HistoryRow::*column, double seconds) const {
+    double integral = 0.0;
+    std::size_t i = rows_.size() - 1;
+    const double begin = rows_.back().time - seconds - 1e-9;
+    for (; i > 0 && rows_[i - 1].time >= begin; --i)
+        integral += 0.5 * (rows_[i].time - rows_[i - 1].time) * (rows_[i].*column + rows_[i - 1].*column);
+    const double span = rows_.back().time - rows_[i].time;
+    return span > 0.0 ? integral / span : rows_.back().*column;
+}
+
+double Observer::mean_descent_rate(double seconds) const {
+    std::size_t i = rows_.size() - 1;
+    while (i > 0 && rows_.back().time - rows_[i].time < seconds - 1e-9)
+        --i;
+    return (rows_[i].position.z() - rows_.back().position.z()) / (rows_.back().time - rows_[i].time);
+}
+
+bool Observer::is_steady(double from) const {
+    const double now = rows_.back().time;
+    if (now - from < 2.0) return false;
+    double sum[2] = {0.0, 0.0};
+    int count[2] = {0, 0};
+    for (std::size_t i = rows_.size(); i-- > 0 && now - rows_[i].time < 2.0;) {
+        const int second = now - rows_[i].time < 1.0 ? 0 : 1;
+        sum[second] += rows_[i].velocity.norm() * std::sqrt(rows_[i].density);
+        ++count[second];
+    }
+    if (count[0] == 0 || count[1] == 0) return false;
+    const double last = sum[0] / count[0], before = sum[1] / count[1];
+    return std::abs(last - before) < steady_descent_change * before;
+}
+
+double Observer::impulse(double from, double to) const {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < rows_.size(); ++i) {
+        const double a = std::max(from, rows_[i - 1].time), b = std::min(to, rows_[i].time);
+        if (b > a) sum += 0.5 * (b - a) * (rows_[i - 1].force + rows_[i].force);
+    }
+    return sum;
+}
+
+std::optional<double> Observer::first_time_of_area(double area) const {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const double here = rows_[i].projected_area;
+        if (here < area) continue;
+        if (i == 0) return rows_[i].time;
+        const double before = rows_[i - 1].projected_area;
+        return rows_[i - 1].time + (rows_[i].time - rows_[i - 1].time) * (area - before) / (here - before);
+    }
+    return std::nullopt;
+}
+
+std::vector<Channel> Observer::channels() const {
+    std::vector<Channel> all;
+    const auto channel = [&](const char* name, const char* unit, auto&& value) {
+        Channel c{name, unit, {}};
+        c.values.reserve(rows_.size());
+        for (const HistoryRow& r : rows_)
+            c.values.push_back(value(r));
+        all.push_back(std::move(c));
+    };
+    using Row = HistoryRow;
+    channel("time", "s", [](const Row& r) { return r.time; });
+    channel("altitude", "m", [](const Row& r) { return r.position.z(); });
+    channel("east", "m", [](const Row& r) { return r.position.x(); });
+    channel("north", "m", [](const Row& r) { return r.position.y(); });
+    channel("speed", "m/s", [](const Row& r) { return r.velocity.norm(); });
+    channel("vertical_speed", "m/s", [](const Row& r) { return r.velocity.z(); });
+    channel("acceleration", "m/s^2", [](const Row& r) { return r.acceleration; });
+    channel("force", "N", [](const Row& r) { return r.force; });
+    channel("force_raw", "N", [](const Row& r) { return r.force_raw; });
+    channel("drag_area", "m^2", [](const Row& r) { return r.drag_area; });
+    channel("dynamic_pressure", "Pa", [](const Row& r) { return r.dynamic_pressure; });
+    channel("canopy_airspeed", "m/s", [](const Row& r) { return r.airspeed; });
+    channel("canopy_pressure", "Pa", [](const Row& r) { return r.pressure; });
+    channel("projected_area", "m^2", [](const Row& r) { return r.projected_area; });
+    channel("signed_area", "m^2", [](const Row& r) { return r.signed_area; });
+    channel("seam_diameter", "m", [](const Row& r) { return r.seam_diameter; });
+    channel("canopy_depth", "m", [](const Row& r) { return r.depth; });
+    channel("added_mass", "kg", [](const Row& r) { return r.added_mass; });
+    return all;
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,88 @@
+// What a full run writes down: history rows, filtered and raw force maxima, canopy shape, and
+// when the descent became steady.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fullsim/moving_average.hpp"
+#include "fullsim/state.hpp"
+#include "lib/record/run_record.hpp"
+
+namespace twinchute::fullsim {
+
+struct HistoryRow {
+    double time;
+    Vec3 position, velocity;  // of the payload [m], [m/s]
+    double force, force_raw;  // opening force [N]: 5 ms centred average, and as it is
+    double acceleration;      // of the payload, filtered [m/s^2]
+    double drag_area, dynamic_pressure, pressure, airspeed;
+    double projected_area, signed_area, added_mass;
+    double seam_diameter, depth;  // [m]
+    double density;               // [kg/m^3]
+};
+
+/// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis.
+struct CanopyShape {
+    double seam_diameter, depth;  // [m]
+};
+CanopyShape canopy_shape(const State& state, const Mesh& mesh);
+
+class Observer {
+public:
+    /// gravity [m/s^2]; output_rate: rows per second.
+    Observer(const Mesh& mesh, double gravity, double output_rate);
+
+    /// Called once a step with the forces at state.time evaluated.
+    void observe(const State& state);
+    /// A check found everything sound so far.
+    void accept() { accepted_ = {rows_.size(), unsettled_, extremes_}; }
+    /// A check found something wrong: drops what came after the last accept().
+    void forget();
+    /// Settles rows that still wait for their filter; no more observations after this.
+    void finish();
+
+    struct Peak {
+        double value = 0.0, time = 0.0;
+    };
+    const std::vector<HistoryRow>& rows() const { return rows_; }
+    const Peak& peak() const { return extremes_.peak; }                     ///< of the filtered force [N]
+    const Peak& raw_peak() const { return extremes_.raw_peak; }             ///< of the raw force [N]
+    double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
+
+    /// Whether the mean of v sqrt(rho) over the last second of the rows differs from that over the
+    /// second before by less than steady_descent_change; `from`: rows before it do not count.
+    bool is_steady(double from) const;
+    /// Mean of a column over the last `seconds` of the rows, trapezoidal.
+    double mean(double HistoryRow::*column, double seconds) const;
+    double mean_descent_rate(double seconds) const;
+    /// [N s] of the filtered force over [from, to].
+    double impulse(double from, double to) const;
+    /// First time at which the projected area reaches `area`; linear between rows.
+    std::optional<double> first_time_of_area(double area) const;
+
+    std::vector<Channel> channels() const;
+
+private:
+    void add_row(const State& state, double force_raw);
+    void settle_rows();
+
+    const Mesh& mesh_;
+    double gravity_, interval_;
+    double next_row_ = 0.0;
+    std::vector<HistoryRow> rows_;
+    std::size_t unsettled_ = 0;  // first row whose filtered columns are still open
+    MovingAverage force_, acceleration_;
+    struct Extremes {
+        Peak peak, raw_peak;
+        double acceleration = 0.0;
+    };
+    Extremes extremes_;
+    struct Accepted {
+        std::size_t rows = 0, unsettled = 0;
+        Extremes extremes;
+    };
+    Accepted accepted_;
+};
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,283 @@
+#include "fullsim/run_fullsim.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/fidelity.hpp"
+#include "fullsim/observer.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/solve/opening.hpp"
+#include "lib/solve/stopwatch.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr int steps_between_checks = 50;
+constexpr int steps_between_reports = 500;
+constexpr double shape_average = 2.0;  // [s]: the shape settles later than the speed
+constexpr double sound_area = 0.9;     // signed over positive area below which gores lie inside out
+
+class FullRun {
+public:
+    FullRun(const Scene& scene, Run& run)
+        : scene_(scene),
+          run_(run),
+          record_(begin_record(scene, "full")),
+          simulation_(scene),
+          observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
+          stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
+                                                            : longest_flight) {}
+
+    RunRecord fly() {
+        const Stopwatch watch;
+        add_event("line-stretch");
+        while (!ended_) {
+            simulation_.evaluate_forces();
+            observer_.observe(state());
+            if (state().step % steps_between_checks == 0) check();
+            if (!ended_) look_for_events();
+            if (!ended_) simulation_.step_to(next_stop());
+        }
+        observer_.finish();
+        record_.provenance.instruction_set = lane_instruction_set();
+        fill_cost(watch);
+        fill_results();
+        return std::move(record_);
+    }
+
+private:
+    const State& state() const { return simulation_.state(); }
+
+    void end(StatusCode code, std::string detail) {
+        record_.status = {code, std::move(detail)};
+        ended_ = true;
+    }
+
+    void add_event(const char* name, double time, const Vec3& position, const Vec3& velocity) {
+        record_.events.push_back({name, time, position.z(), velocity.norm()});
+    }
+
+    void add_event(const char* name) {
+        const NodeRecord& payload = state().node[simulation_.mesh().payload()];
+        add_event(name, state().time, to_vec3(payload.x), to_vec3(payload.v));
+    }
+
+    /// What must not be stepped across next.
+    double next_stop() const {
+        return std::min({simulation_.inflation().end_of(state().phase), stop_time_, steady_stop_});
+    }
+
+    void check() {
+        if (const auto fault = simulation_.find_fault()) {
+            observer_.forget();
+            return end(fault->code, fault->detail);
+        }
+        observer_.accept();
+        if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
+        if (run_.progress && state().step % steps_between_reports == 0)
+            run_.progress({stage_name(), state().time, expected_share()});
+    }
+
+    std::string_view stage_name() const {
+        switch (state().phase) {
+            case Phase::initial:
+                return "initial phase";
+            case Phase::filling:
+                return "filling";
+            case Phase::open:
+                break;
+        }
+        return "descent";
+    }
+
+    /// A descent is usually steady four filling times after snatch; for the progress line only.
+    double expected_share() const {
+        const double end = scene_.stop.kind == Trigger::Kind::time
+                               ? stop_time_
+                               : 4.0 * simulation_.inflation().filling_time + 2.0;
+        return std::min(0.99, state().time / end);
+    }
+
+    void look_for_events() {
+        const double now = state().time;
+        if (now >= simulation_.inflation().end_of(state().phase)) {
+            const bool opened = state().phase == Phase::filling;
+            add_event(opened ? "full-open" : "end-of-initial-phase");
+            // Drag area and phi are continuous here, only their rates jump: the forces just
+            // evaluated are those of the phase that begins, too.
+            simulation_.begin(opened ? Phase::open : Phase::filling);
+        }
+        const NodeRecord& payload = state().node[simulation_.mesh().payload()];
+        if (payload.x[2] <= scene_.environment.ground) {
+            add_event("ground");
+            landing_time_ = now;
+            return scene_.stop.kind == Trigger::Kind::ground
+                       ? end(StatusCode::completed, "ground reached")
+                       : end(StatusCode::stopped_by_event, "ground reached before the stop condition");
+        }
+        if (state().phase == Phase::open && !descent_altitude_ && state().step % steps_between_checks == 0 &&
+            observer_.is_steady(simulation_.inflation().end_of(Phase::filling))) {
+            add_event("steady-descent");
+            descent_altitude_ = payload.x[2];
+            if (scene_.stop.kind == Trigger::Kind::steady_descent) steady_stop_ = now + scene_.stop.delay;
+        }
+        if (now >= std::min(stop_time_, steady_stop_)) {
+            if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
+                end(StatusCode::time_limit,
+                    fmt::format("stop condition not met within {:g} s of flight", stop_time_));
+            else
+                end(StatusCode::completed, "stop condition met");
+        }
+    }
+
+    void fill_cost(const Stopwatch& watch) {
+        Cost& cost = record_.cost;
+        cost.wall_s = watch.wall();
+        cost.cpu_s = watch.cpu();
+        cost.steps = state().step;
+        cost.rhs_calls = state().step;
+        cost.dt_min_s = cost.steps > 0 ? simulation_.dt_min() : 0.0;
+        cost.dt_max_s = simulation_.dt_max();
+        cost.element_steps = cost.steps * static_cast<std::int64_t>(simulation_.elements_per_step());
+        if (cost.element_steps > 0)
+            cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
+        cost.blocks = simulation_.block_costs();
+    }
+
+    void fill_results();
+    void add_warnings();
+    void add_left_out();
+
+    const Scene& scene_;
+    Run& run_;
+    RunRecord record_;
+    Simulation simulation_;
+    Observer observer_;
+    double stop_time_;
+    double steady_stop_ = longest_flight;
+    bool ended_ = false;
+    std::optional<double> descent_altitude_, landing_time_, steady_area_;
+};
+
+void FullRun::fill_results() {
+    const auto& rows = observer_.rows();
+    const Parachute& chute = scene_.parachutes.front();
+    const double filled = simulation_.inflation().end_of(Phase::filling);
+    const HistoryRow& last = rows.back();
+
+    OpeningResult result;
+    result.snatch_speed = scene_.release.speed;
+    result.snatch_path_angle = scene_.release.path_angle;
+    result.snatch_density = rows.front().density;
+    if (last.time >= filled + shape_average) {
+        steady_area_ = observer_.mean(&HistoryRow::projected_area, shape_average);
+        result.filling_time = observer_.first_time_of_area(*steady_area_);
+    }
+    result.peak_force = result.max_force = observer_.peak().value;
+    result.peak_time = observer_.peak().time;
+    if (last.time >= filled) result.impulse = observer_.impulse(0.0, filled);
+    result.max_deceleration = observer_.largest_acceleration();
+    if (descent_altitude_) result.descent_rate = observer_.mean_descent_rate(1.0);
+    result.descent_altitude = descent_altitude_;
+    result.landing_time = landing_time_;
+    result.end_position = last.position;
+
+    const Metric filling{
+        "", 0.0, Standing::result,
+        fmt::format("projected area first at its steady mean; prescribed drag area takes {:.4g} s",
+                    simulation_.inflation().filling_time)};
+    const Metric descent{"", 0.0, Standing::mixed,
+                         "(C_D S)_0 and mass are inputs; the balance is the result"};
+    add_opening_metrics(record_, scene_, result, filling, descent);
+    record_.add_metric("peak_force_raw_N", observer_.raw_peak().value, Standing::result,
+                       "without the 5 ms average");
+    const auto add_past_event = [&](const char* name, double time) {
+        auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
+        if (row == rows.end()) --row;
+        add_event(name, time, row->position, row->velocity);
+    };
+    if (result.peak_force > 0.0) add_past_event("peak-force", result.peak_time);
+    if (result.filling_time) add_past_event("canopy-filled", *result.filling_time);
+    std::ranges::stable_sort(record_.events, {}, &Event::time);
+    if (steady_area_) {
+        const double diameter = 2.0 * std::sqrt(*steady_area_ / pi);
+        record_.add_metric("projected_diameter_ratio", diameter / chute.nominal_diameter, Standing::result,
+                           "equal-area diameter over D0, mean of the last 2 s");
+        record_.add_metric("seam_diameter_ratio",
+                           observer_.mean(&HistoryRow::seam_diameter, shape_average) / chute.nominal_diameter,
+                           Standing::result, "widest ring of seam nodes over D0");
+        record_.add_metric("canopy_depth_ratio", observer_.mean(&HistoryRow::depth, shape_average) / diameter,
+                           Standing::result, "vent to skirt over the equal-area diameter");
+        record_.add_metric("signed_area_ratio",
+                           observer_.mean(&HistoryRow::signed_area, shape_average) / *steady_area_,
+                           Standing::result, "1 when no gore lies inside out");
+    }
+    record_.add_metric("max_line_tension_N", simulation_.largest_load("cable"), Standing::result,
+                       "largest of the lines, looked at every 50 steps");
+    record_.add_metric("max_membrane_stress_N_m", simulation_.largest_load("membrane"), Standing::result,
+                       "principal, most strained triangle, looked at every 50 steps");
+    record_.energy = simulation_.ledger();
+    record_.channels = observer_.channels();
+    add_warnings();
+    add_left_out();
+}
+
+void FullRun::add_warnings() {
+    const Parachute& chute = scene_.parachutes.front();
+    const auto warn = [&](std::string what, std::string why, std::string suggestion) {
+        record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
+    };
+    add_scene_warnings(record_, scene_, simulation_.inflation(), observer_.rows().front().density);
+    const double meshed = simulation_.mesh().parachute_mass();
+    if (std::abs(meshed - chute.mass) > 0.02 * chute.mass)
+        warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, chute.mass),
+             "the full model takes its mass from fabric, tapes and lines",
+             "correct parachute.mass, or the materials");
+    if (const auto sound = record_.metric("signed_area_ratio"); sound && *sound < sound_area)
+        warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
+             "gores are folded inside out; the model has no contact that would prevent it",
+             "look at the shape before trusting the loads");
+    if (state().capped_steps > 0)
+        warn(
+            fmt::format(
+                "the canopy pressure was capped in {:.1f} % of the steps",
+                100.0 * static_cast<double>(state().capped_steps) / static_cast<double>(state().step)),
+            "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
+            "give the canopy a larger initial_drag_area_ratio if this matters");
+    if (record_.status.code != StatusCode::completed) return;
+    if (!steady_area_)
+        warn("no filling time and no steady shape",
+             fmt::format("the run ended less than {:g} s after full open", shape_average),
+             "set stop.time later, or stop.at = \"steady-descent\"");
+    if (!descent_altitude_)
+        warn("no descent rate", "the run ended before the descent was steady",
+             "set stop.time later, or stop.at = \"steady-descent\"");
+}
+
+void FullRun::add_left_out() {
+    const Aerodynamics& aero = scene_.aerodynamics;
+    const auto out = [&](const char* what, const char* why) { record_.left_out.push_back({what, why}); };
+    out("deployment and mass-spring-damper model", "the scene starts at line stretch");
+    if (!aero.line_drag) out("line drag", "aerodynamics.line_drag is absent");
+    if (!aero.breathing_damping) out("breathing damping", "aerodynamics.breathing_damping is absent");
+    if (!aero.added_mass) out("added mass", "aerodynamics.added_mass is absent");
+    if (!scene_.payload.drag_area) out("payload drag", "payload.drag_area is absent");
+    if (scene_.full.alpha == 0.0) out("mass damping", "full.alpha is zero");
+    if (!scene_.full.noise) out("initial noise", "full.noise is absent");
+}
+
+}  // namespace
+
+RunRecord run_fullsim(const Scene& scene, Run& run) {
+    return FullRun(scene, run).fly();
+}
+
+const Fidelity& full_fidelity() {
+    static constexpr Fidelity row{"full", "full aeroelastic model", &run_fullsim,
+                                  [](const Scene&) { return std::vector<std::string>{}; }};
+    return row;
+}
+
+}  // namespace twinchute::fullsim

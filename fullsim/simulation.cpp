@@ -1,0 +1,241 @@
+#include "fullsim/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/step/aero_reference.hpp"
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double smallest_step = 1e-9;     // [s] below which nothing would ever finish
+constexpr double largest_residual = 0.05;  // of the energy that has changed hands
+constexpr double relaxation_time = 0.1;    // [s] of the added mass toward the open canopy's shape
+
+Vec3 trailing_direction(const Release& release) {
+    const Vec3 velocity = release_velocity(release);
+    return velocity.norm() > 0.0 ? Vec3(-velocity.normalized()) : Vec3::UnitZ();
+}
+
+/// Opening force [N] at the instant of line stretch: that of payload and parachute as one rigid
+/// body, m_l (D - M_a g)/(m + M_a) along the lines.
+double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase) {
+    const Parachute& chute = scene.parachutes.front();
+    const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
+    const double speed = scene.release.speed;
+    const double drag = 0.5 * rho * speed * speed * inflation.steady_drag_area *
+                        inflation.drag_area_ratio(phase, inflation.snatch).value;
+    const double added = scene.aerodynamics.added_mass
+                             ? inflation
+                                   .added_mass(*scene.aerodynamics.added_mass->model, phase, inflation.snatch,
+                                               rho, steady_radius(chute))
+                                   .value
+                             : 0.0;
+    const double relief = added * scene.environment.gravity * std::sin(scene.release.path_angle);
+    return std::max(0.0, scene.payload.mass * (drag - relief) / (scene.payload.mass + chute.mass + added));
+}
+
+Phase first_phase(const Inflation& inflation) {
+    return inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
+}
+
+Mesh mesh_of(const Scene& scene, const Inflation& inflation) {
+    const Parachute& chute = scene.parachutes.front();
+    return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, trailing_direction(scene.release),
+                          mouth_area_at_line_stretch(chute),
+                          load_at_start(scene, inflation, first_phase(inflation)));
+}
+
+/// Uniform in [-1, 1), the same on every platform (std::uniform_real_distribution is not).
+double uniform(std::mt19937_64& generator) {
+    return static_cast<double>(static_cast<std::int64_t>(generator())) * 0x1p-63;
+}
+
+State initial_state(const Scene& scene, const Mesh& mesh) {
+    State state;
+    const auto count = static_cast<std::size_t>(mesh.node_count()) + 1;
+    state.node.resize(count);
+    state.v_half.resize(count);
+    state.force.resize(count);
+    state.aero.resize(count);
+    const Vec3 origin(0.0, 0.0, scene.release.altitude), velocity = release_velocity(scene.release);
+    std::mt19937_64 generator(scene.full.noise ? scene.full.noise->seed : 0);
+    for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
+        Vec3 position = origin + mesh.position[i];
+        if (scene.full.noise && mesh.is_canopy(i))
+            for (int c = 0; c < 3; ++c)
+                position[c] += scene.full.noise->amplitude * uniform(generator);
+        state.node[i] = {to_lanes(position), to_lanes(velocity)};
+        state.v_half[i].value = to_lanes(velocity);
+    }
+    state.node.back() = {splat(0.0), splat(0.0)};
+    state.v_half.back().value = state.force.back().value = state.aero.back().value = splat(0.0);
+    state.air.direction = trailing_direction(scene.release);
+    return state;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene)
+    : scene_(scene),
+      inflation_(make_inflation(scene.parachutes.front(), 0.0, scene.release.speed,
+                                scene.environment.atmosphere.at(scene.release.altitude).density)),
+      mesh_(mesh_of(scene, inflation_)),
+      structure_(make_structure(scene, mesh_)),
+      loads_(make_loads(scene, mesh_)),
+      constants_(node_constants(mesh_, scene.environment.gravity)),
+      state_(initial_state(scene, mesh_)),
+      dt_min_(std::numeric_limits<double>::infinity()),
+      largest_load_(structure_.size(), 0.0),
+      block_seconds_(structure_.size() + loads_.size(), 0.0) {
+    state_.phase = first_phase(inflation_);
+    update_sums(state_, constants_);
+    update_air(state_, scene.environment.atmosphere, mesh_.payload());
+    state_.added_mass = next_added_mass(0.0);
+    state_.energy.kinetic_start = kinetic_energy(state_, constants_);
+    state_.energy.elastic_start = elastic_energy(state_, structure_);
+    refresh_step();
+}
+
+void Simulation::evaluate_forces() {
+    State& s = state_;
+    update_air(s, scene_.environment.atmosphere, mesh_.payload());
+    s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
+    s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
+
+    // Timing every block in every step would cost more than some blocks do.
+    const bool timed = s.step % steps_between_bounds == 0;
+    std::size_t block = 0;
+    const auto add = [&](const ForceModels& models) {
+        for (const auto& model : models) {
+            const auto start = timed ? Clock::now() : Clock::time_point{};
+            model->add_forces(s);
+            if (timed) block_seconds_[block] += std::chrono::duration<double>(Clock::now() - start).count();
+            ++block;
+        }
+    };
+    add(structure_);
+    s.riser_force = to_vec3(s.force[mesh_.payload()].value);
+    add(loads_);
+    if (timed) ++sampled_steps_;
+    if (s.air.pressure_capped) ++s.capped_steps;
+}
+
+double Simulation::next_added_mass(double dt) const {
+    if (!scene_.aerodynamics.added_mass) return 0.0;
+    const AddedMassModel& model = *scene_.aerodynamics.added_mass->model;
+    const double rho = state_.air.density;
+    if (state_.phase != Phase::open)
+        return inflation_
+            .added_mass(model, state_.phase, state_.time + dt, rho, steady_radius(scene_.parachutes.front()))
+            .value;
+    // Once open, the air belongs to the shape that the canopy really has.
+    const double radius = std::sqrt(state_.air.projected_area / pi);
+    const double target = model.mass(rho, {radius, 0.0}, {1.0, 0.0}).value;
+    return state_.added_mass + (target - state_.added_mass) * -std::expm1(-dt / relaxation_time);
+}
+
+StableStep Simulation::bound() const {
+    RowSums sums;
+    sums.stiffness.assign(constants_.mass.size(), 0.0);
+    sums.damping.assign(constants_.mass.size(), 0.0);
+    for (const ForceModels* models : {&structure_, &loads_})
+        for (const auto& model : *models)
+            model->add_row_sums(state_, sums);
+    std::vector<double> inertia = constants_.mass;
+    for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+        inertia[i] += constants_.share[i] * state_.added_mass;
+    return stable_step(sums, inertia);
+}
+
+void Simulation::refresh_step() {
+    step_ = scene_.full.time_step_factor * bound().dt;
+}
+
+void Simulation::step_to(double end) {
+    if (state_.step > 0 && state_.step % steps_between_bounds == 0) refresh_step();
+    const double left = end - state_.time;
+    const bool last = left <= step_;
+    const double dt = last ? left : std::min(step_, 0.5 * left);
+    advance(state_, constants_, dt, next_added_mass(dt));
+    state_.time = last ? end : state_.time + dt;
+    if (!last) dt_min_ = std::min(dt_min_, dt);
+    dt_max_ = std::max(dt_max_, dt);
+}
+
+std::string Simulation::first_bad_node() const {
+    for (NodeIndex i = 0; i < mesh_.node_count(); ++i) {
+        const Lanes both = state_.node[i].x + state_.node[i].v;
+        if (std::isfinite(sum3(both))) continue;
+        for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+            if (std::ranges::count(mesh_.triangles[t].node, i))
+                return fmt::format("node {}, fabric triangle {}", i, t);
+        for (std::size_t c = 0; c < mesh_.cables.size(); ++c)
+            if (std::ranges::count(mesh_.cables[c].node, i))
+                return fmt::format("node {}, {} cable {}", i, cable_kind_name(mesh_.cables[c].kind), c);
+    }
+    return "the added mass";
+}
+
+std::optional<RunStatus> Simulation::find_fault() {
+    const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
+    // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
+    const double everything = kinetic_energy(state_, constants_) + state_.sums.system_position.sum();
+    if (!std::isfinite(everything))
+        return RunStatus{
+            StatusCode::not_finite,
+            fmt::format("{} {}; the time step is probably above the stable one", first_bad_node(), where())};
+    if (step_ < smallest_step)
+        return RunStatus{StatusCode::step_too_small,
+                         fmt::format("stable step {:.3g} s set by node {} {}", step_, bound().node, where())};
+    for (std::size_t i = 0; i < structure_.size(); ++i) {
+        const Extreme most = structure_[i]->extreme(state_);
+        if (most.strain > scene_.full.strain_limit)
+            return RunStatus{StatusCode::strain_limit,
+                             fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}",
+                                         structure_[i]->element_name(most.element), 100.0 * most.strain,
+                                         100.0 * scene_.full.strain_limit, where())};
+        largest_load_[i] = std::max(largest_load_[i], most.load);
+    }
+    const EnergyLedger e = ledger();
+    const double scale = state_.energy.kinetic_start + std::abs(e.gravity_work) + std::abs(e.drag_work);
+    if (residual(e) > largest_residual * scale)
+        return RunStatus{StatusCode::energy_grew,
+                         fmt::format("{:.3g} J came from nowhere, {:.1f} % of what changed hands, {}",
+                                     residual(e), 100.0 * residual(e) / scale, where())};
+    return std::nullopt;
+}
+
+double Simulation::largest_load(std::string_view block) const {
+    for (std::size_t i = 0; i < structure_.size(); ++i)
+        if (structure_[i]->name() == block) return largest_load_[i];
+    return 0.0;
+}
+
+std::size_t Simulation::elements_per_step() const {
+    std::size_t count = 0;
+    for (const auto& model : structure_)
+        count += model->elements();
+    return count;
+}
+
+std::vector<BlockCost> Simulation::block_costs() const {
+    const double scale =
+        sampled_steps_ > 0 ? static_cast<double>(state_.step) / static_cast<double>(sampled_steps_) : 0.0;
+    std::vector<BlockCost> costs;
+    for (const ForceModels* models : {&structure_, &loads_})
+        for (const auto& model : *models)
+            costs.push_back({std::string(model->name()), scale * block_seconds_[costs.size()]});
+    return costs;
+}
+
+}  // namespace twinchute::fullsim

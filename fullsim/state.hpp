@@ -1,0 +1,82 @@
+// Everything of a full run that changes with time, in plain arrays. Force blocks hold constants
+// only, so that a state can be stored, compared and continued.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fullsim/mesh/mesh.hpp"
+#include "lib/math/lanes.hpp"
+#include "lib/models/inflation.hpp"
+
+namespace twinchute::fullsim {
+
+/// Position and velocity of a node as one record of 64 bytes: what an element reads of a corner.
+struct alignas(64) NodeRecord {
+    Lanes x;  ///< [m] x east, y north, z up, 0
+    Lanes v;  ///< [m/s] at the same time as x, extrapolated from the half step (paper, 2.3)
+};
+
+/// A vector of a node, padded to a lane group.
+struct alignas(32) NodeVector {
+    Lanes value;
+};
+
+inline Vec3 to_vec3(Lanes a) {
+    return {a[0], a[1], a[2]};
+}
+inline Lanes to_lanes(const Vec3& a) {
+    return Lanes{a.x(), a.y(), a.z(), 0.0};
+}
+
+/// Sums over nodes that the aerodynamic reference needs; material mass only.
+struct NodeSums {
+    Vec3 canopy_position, canopy_velocity;  ///< means over canopy mass [m], [m/s]
+    Vec3 system_position, system_velocity;  ///< means over all mass
+    Vec3 canopy_area_velocity;              ///< mean over tributary area [m/s]
+};
+
+/// The air as the canopy meets it, evaluated at the start of every step.
+struct AeroState {
+    double density = 0.0;            ///< [kg/m^3] at the payload's altitude
+    double viscosity = 0.0;          ///< [Pa s]
+    Vec3 direction = Vec3::UnitZ();  ///< e_r: of the air relative to the canopy
+    double airspeed = 0.0;           ///< V [m/s] at the reference velocity
+    double dynamic_pressure = 0.0;   ///< q [Pa]
+    double drag_area = 0.0;          ///< (C_D S)_t [m^2]
+    double radial_pressure = 0.0;    ///< phi(t) [-]
+    double projected_area = 0.0;     ///< S_p [m^2], sum of the positive element areas along e_r
+    double signed_area = 0.0;        ///< [m^2] sum of all
+    double pressure = 0.0;           ///< Delta P_a [Pa]
+    bool pressure_capped = false;    ///< D/S_p was above c_max q
+};
+
+/// Works since the start, as EnergyLedger signs them. The midpoint rule books them from half step
+/// to half step: a work up to `time` is the booked one plus half a step of the last power.
+struct EnergyBook {
+    double kinetic_start = 0.0, elastic_start = 0.0;                              // [J]
+    double gravity_work = 0.0, drag_work = 0.0, damping = 0.0, added_mass = 0.0;  // [J] to time - dt/2
+    double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
+};
+
+struct State {
+    double time = 0.0;  ///< [s] since release
+    double dt = 0.0;    ///< [s] length of the step that led here; 0 at the start
+    std::int64_t step = 0;
+    Phase phase = Phase::initial;
+
+    std::vector<NodeRecord> node;    ///< node_count() + 1: the last one is a dummy for padding
+    std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
+    std::vector<NodeVector> force;   ///< [N] structural and damping forces
+    std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
+
+    double added_mass = 0.0;  ///< M_a [kg]
+    NodeSums sums;
+    AeroState air;
+    EnergyBook energy;
+    double damping_power = 0.0;       ///< [W] dissipated now
+    Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
+    std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
+};
+
+}  // namespace twinchute::fullsim

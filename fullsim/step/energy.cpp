@@ -1,0 +1,42 @@
+#include "fullsim/step/energy.hpp"
+
+#include <cmath>
+
+namespace twinchute::fullsim {
+
+double kinetic_energy(const State& state, const NodeConstants& c) {
+    double twice = 0.0;
+    for (std::size_t i = 0; i < c.mass.size(); ++i) {
+        const Lanes v = state.node[i].v;
+        twice += (c.mass[i] + c.share[i] * state.added_mass) * sum3(v * v);
+    }
+    return 0.5 * twice;
+}
+
+double elastic_energy(const State& state, const ForceModels& structure) {
+    double total = 0.0;
+    for (const auto& block : structure)
+        total += block->energy(state);
+    return total;
+}
+
+double residual(const EnergyLedger& e) {
+    return e.kinetic + e.elastic - (e.gravity_work + e.drag_work - e.damping + e.added_mass);
+}
+
+EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure) {
+    const EnergyBook& book = state.energy;
+    const double half = 0.5 * state.dt;
+    EnergyLedger ledger;
+    ledger.kinetic = kinetic_energy(state, constants) - book.kinetic_start;
+    ledger.elastic = elastic_energy(state, structure) - book.elastic_start;
+    ledger.gravity_work = book.gravity_work + half * book.gravity_power;
+    ledger.drag_work = book.drag_work + half * book.drag_power;
+    ledger.damping = book.damping + half * book.damping_power;
+    ledger.added_mass = book.added_mass;
+    const double scale = std::abs(ledger.drag_work);
+    ledger.residual_fraction = scale > 0.0 ? residual(ledger) / scale : 0.0;
+    return ledger;
+}
+
+}  // namespace twinchute::fullsim

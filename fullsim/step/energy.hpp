@@ -1,0 +1,23 @@
+// Does the energy add up? The figure that tells a good run from a plausible one.
+#pragma once
+
+#include "fullsim/forces/force_model.hpp"
+#include "fullsim/step/midpoint.hpp"
+#include "lib/record/run_record.hpp"
+
+namespace twinchute::fullsim {
+
+/// 1/2 sum (m_i + M_a,i) v_i^2 [J] at state.time.
+double kinetic_energy(const State& state, const NodeConstants& constants);
+
+/// Stored energy of all blocks [J].
+double elastic_energy(const State& state, const ForceModels& structure);
+
+/// The balance from the start to state.time:
+///   kinetic + elastic = gravity work + drag work - damping + added mass + residual.
+EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure);
+
+/// The residual of a ledger [J]; positive when energy came from nowhere.
+double residual(const EnergyLedger& ledger);
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,20 @@
+// What the process tells the shell. Scripts rely on these numbers.
+#pragma once
+
+#include "lib/record/run_record.hpp"
+
+namespace twinchute {
+
+enum class ExitCode : int {
+    done = 0,
+    verdict = 1,     ///< done, but a tolerance is exceeded
+    usage = 2,       ///< bad input or usage; nothing was written
+    numerical = 3,   ///< the record up to there is written
+    unwritable = 4,  ///< the results could not be written
+    interrupted = 130,
+};
+
+/// The exit code of a run that ended so.
+ExitCode exit_code(StatusCode status);
+
+}  // namespace twinchute

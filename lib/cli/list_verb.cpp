@@ -1,0 +1,126 @@
+#include "lib/cli/list_verb.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "lib/cli/scene_command.hpp"
+#include "lib/models/added_mass.hpp"
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/drag_area.hpp"
+#include "lib/models/fill_time.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/keys.hpp"
+#include "lib/scene/nearest.hpp"
+
+namespace twinchute {
+namespace {
+
+Table keys_of_scenes() {
+    Table table;
+    table.header = {"key",     "unit",       "default",   "range", "used by",
+                    "meaning", "instead of", "only with", "source"};
+    for (const auto keys : {scene_keys(), fabric_keys(), cord_keys()}) {
+        for (const Key& key : keys) {
+            table.rows.push_back({std::string(key.path), std::string(key.unit), default_text(key),
+                                  range_text(key), std::string(user_name(key.user)), std::string(key.meaning),
+                                  std::string(key.instead_of), std::string(key.only_with),
+                                  std::string(key.source)});
+        }
+    }
+    return table;
+}
+
+template <typename Rows>
+void add_laws(Table& table, std::string_view key, const Rows& rows) {
+    for (const auto& row : rows) {
+        table.rows.push_back({std::string(key), std::string(row.name), std::string(row.source)});
+    }
+}
+
+Table laws() {
+    Table table;
+    table.header = {"key", "law", "source"};
+    add_laws(table, "parachute.drag_area_law", drag_area_laws());
+    add_laws(table, "parachute.fill_time.model", fill_time_models());
+    add_laws(table, "aerodynamics.added_mass.model", added_mass_models());
+    add_laws(table, "environment.atmosphere", atmosphere_models());
+    return table;
+}
+
+Table files_in(const char* folder) {
+    Table table;
+    table.header = {"name", "file"};
+    for (const std::string& name : data_names(folder)) {
+        const auto file = find_data_file(folder, name, {});
+        table.rows.push_back({name, file ? file->string() : std::string{}});
+    }
+    return table;
+}
+
+/// An object a row, with the table's header as keys.
+std::string table_json(const Table& table) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const auto& row : table.rows) {
+        nlohmann::ordered_json object;
+        for (std::size_t i = 0; i < row.size(); ++i)
+            object[table.header[i]] = row[i];
+        json.push_back(std::move(object));
+    }
+    return json_text(json);
+}
+
+ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& arguments) {
+    const bool as_json = arguments.has("json");
+    Table table;
+    if (arguments.operand.empty()) {
+        table.header = {"topic", "what it lists"};
+        for (const ListTopic& topic : topics)
+            table.rows.push_back({topic.name, topic.summary});
+    } else {
+        const auto topic = std::ranges::find(topics, arguments.operand, &ListTopic::name);
+        if (topic == topics.end()) {
+            std::vector<std::string_view> known;
+            for (const ListTopic& row : topics)
+                known.push_back(row.name);
+            throw UsageError(fmt::format("there is no list of '{}', {}", arguments.operand,
+                                         suggest(arguments.operand, known)));
+        }
+        if (topic->text && !as_json) {
+            print(topic->text());
+            return ExitCode::done;
+        }
+        table = topic->table();
+    }
+    print(as_json ? table_json(table) : aligned(table, output_style()));
+    return ExitCode::done;
+}
+
+}  // namespace
+
+std::vector<ListTopic> library_topics() {
+    return {
+        {"keys", "what a scene or a material file may say", keys_of_scenes, keys_table},
+        {"laws", "rows of the model tables and the keys that choose them", laws},
+        {"materials", "fabrics and cords by name", [] { return files_in("materials"); }},
+        {"parachutes", "designs by name", [] { return files_in("parachutes"); }},
+        {"scenes", "scenes to start from", [] { return files_in("scenes"); }},
+    };
+}
+
+Verb list_verb(std::vector<ListTopic> topics) {
+    Verb verb;
+    verb.name = "list";
+    verb.summary = "what there is: keys, laws, materials, scenes, metrics";
+    verb.operand = "[TOPIC]";
+    verb.example = "twinchute list keys";
+    verb.options = {{"json", "", "print the table as JSON"}};
+    verb.run = [topics = std::move(topics)](const Arguments& arguments) {
+        return run_list(topics, arguments);
+    };
+    return verb;
+}
+
+}  // namespace twinchute

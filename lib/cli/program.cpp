@@ -1,0 +1,210 @@
+#include "lib/cli/program.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/program_options.hpp>
+#include <csignal>
+#include <cstdio>
+
+#include "lib/cli/text.hpp"
+#include "lib/record/write_error.hpp"
+#include "lib/scene/nearest.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute {
+namespace {
+
+namespace po = boost::program_options;
+
+const Option help_option{"help", "", "this page", false};
+
+std::vector<Option> all_options(const Verb& verb) {
+    std::vector<Option> options = verb.options;
+    options.push_back(help_option);
+    return options;
+}
+
+[[noreturn]] void fail_unknown_option(const Verb& verb, const std::string& option) {
+    const std::vector<Option> options = all_options(verb);
+    std::vector<std::string> names;
+    for (const Option& row : options)
+        names.push_back("--" + row.name);
+    throw UsageError(fmt::format("unknown option '{}' of `twinchute {}`, {}", option, verb.name,
+                                 suggest(option, {names.begin(), names.end()})));
+}
+
+const Verb& find_verb(std::span<const Verb> verbs, const std::string& name) {
+    const auto verb = std::ranges::find(verbs, name, &Verb::name);
+    if (verb != verbs.end()) return *verb;
+    std::vector<std::string_view> known;
+    for (const Verb& row : verbs)
+        known.push_back(row.name);
+    for (const std::string_view option : {"--help", "--version"})
+        known.push_back(option);
+    throw UsageError(fmt::format("unknown {} '{}', {}", name.starts_with('-') ? "option" : "verb", name,
+                                 suggest(name, known)));
+}
+
+void option_lines(std::string& text, const std::vector<Option>& options) {
+    for (const Option& option : options) {
+        const std::string left =
+            option.name == "help" ? "-h, --help" : "--" + option.name + " " + option.value;
+        text += fmt::format("  {:<27} {}{}\n", left, option.meaning,
+                            option.repeatable ? " (may be repeated)" : "");
+    }
+}
+
+void say(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+ExitCode run_words(std::span<const Verb> verbs, const std::vector<std::string>& words) {
+    if (words.empty()) throw UsageError("no verb given.\n\n" + program_help(verbs));
+    if (words[0] == "-h" || words[0] == "--help") {
+        say(program_help(verbs));
+        return ExitCode::done;
+    }
+    if (words[0] == "--version") {
+        say(version_text());
+        return ExitCode::done;
+    }
+    const Verb& verb = find_verb(verbs, words[0]);
+    const Arguments arguments = parse_arguments(verb, {words.begin() + 1, words.end()});
+    if (arguments.has("help")) {
+        say(verb_help(verb));
+        return ExitCode::done;
+    }
+    return verb.run(arguments);
+}
+
+/// Standard output is a result too: a full disk behind a redirection must not pass for success.
+void flush_output() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+        throw WriteError("standard output", "the device behind it did not take all of it");
+    }
+}
+
+ExitCode complain(ExitCode code, const std::string& what) {
+    const std::string line = printable(what, Newlines::keep) + "\n";
+    std::fwrite(line.data(), 1, line.size(), stderr);
+    return code;
+}
+
+}  // namespace
+
+std::optional<std::string> Arguments::value(std::string_view name) const {
+    const auto found = options.find(name);
+    if (found == options.end() || found->second.empty()) return {};
+    return found->second.back();
+}
+
+std::vector<std::string> Arguments::values(std::string_view name) const {
+    const auto found = options.find(name);
+    return found == options.end() ? std::vector<std::string>{} : found->second;
+}
+
+Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& words) {
+    po::options_description described;
+    for (const Option& option : all_options(verb)) {
+        const std::string names = option.name == "help" ? "help,h" : option.name;
+        if (option.value.empty()) {
+            described.add_options()(names.c_str(), "");
+        } else {
+            described.add_options()(names.c_str(), po::value<std::vector<std::string>>()->composing(), "");
+        }
+    }
+    // No guessing of shortened names: a script that works today must not become ambiguous tomorrow.
+    const auto style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+    po::positional_options_description positional;
+    positional.add("operand", -1);
+    described.add_options()("operand", po::value<std::vector<std::string>>(), "");
+
+    Arguments arguments;
+    std::vector<std::string> operands;
+    try {
+        const auto parsed =
+            po::command_line_parser(words).options(described).positional(positional).style(style).run();
+        for (const auto& option : parsed.options) {
+            if (option.string_key == "operand") {
+                if (option.position_key < 0) fail_unknown_option(verb, "--operand");
+                operands.insert(operands.end(), option.value.begin(), option.value.end());
+                continue;
+            }
+            auto& values = arguments.options[option.string_key];
+            values.insert(values.end(), option.value.begin(), option.value.end());
+        }
+    } catch (const po::unknown_option& error) {
+        fail_unknown_option(verb, error.get_option_name());
+    } catch (const po::error& error) {
+        throw UsageError(fmt::format("{}. `twinchute {} --help` shows its use", error.what(), verb.name));
+    }
+    if (arguments.has("help")) return arguments;
+
+    for (const Option& option : verb.options) {
+        if (!option.repeatable && arguments.values(option.name).size() > 1) {
+            throw UsageError(
+                fmt::format("--{} is given twice (one place, one value), keep one", option.name));
+        }
+    }
+    const bool optional = verb.operand.starts_with('[');
+    if (operands.size() > 1) {
+        throw UsageError(fmt::format("'{}' is one argument too many (`twinchute {}` takes one {})",
+                                     operands[1], verb.name, verb.operand));
+    }
+    if (operands.empty() && !optional) {
+        throw UsageError(fmt::format("no {} given, e.g. {}", verb.operand, verb.example));
+    }
+    if (!operands.empty()) arguments.operand = operands[0];
+    return arguments;
+}
+
+std::string program_help(std::span<const Verb> verbs) {
+    std::string text =
+        "twinchute runs one parachute scene at two fidelities and reports the gap.\n\n"
+        "usage: twinchute VERB [options]\n\n";
+    for (const Verb& verb : verbs) {
+        text += fmt::format("  {:<27} {}\n", verb.name + " " + verb.operand, verb.summary);
+    }
+    text += "\n  -h, --help                  this page; after a verb: its options and an example\n";
+    text += "  --version                   version, commit and compiler\n";
+    if (!verbs.empty()) text += fmt::format("\nexample: {}\n", verbs.front().example);
+    return text;
+}
+
+std::string verb_help(const Verb& verb) {
+    std::string text =
+        fmt::format("{}\n\nusage: twinchute {} {} [options]\n\n", verb.summary, verb.name, verb.operand);
+    option_lines(text, all_options(verb));
+    text += fmt::format("\nexample: {}\n", verb.example);
+    return text;
+}
+
+std::string version_text() {
+    const Provenance build = current_provenance();
+    return fmt::format("twinchute {}\ncommit {}\ncompiler {} ({})\nflags {}\n", build.version, build.commit,
+                       build.compiler, build.instruction_set, build.flags);
+}
+
+int run_program(std::span<const Verb> verbs, int argc, const char* const* argv) {
+    // A file-size limit is a full disk: write() shall return the error instead of killing the process.
+    std::signal(SIGXFSZ, SIG_IGN);
+    ExitCode code = ExitCode::done;
+    try {
+        code = run_words(verbs, {argv + std::min(argc, 1), argv + argc});
+        flush_output();
+    } catch (const SceneError& error) {
+        // "file:line:column: ..." as compilers write it, so that editors can jump there.
+        const char* prefix = error.place().line > 0 ? "" : "twinchute: ";
+        code = complain(ExitCode::usage, prefix + std::string(error.what()));
+    } catch (const UsageError& error) {
+        code = complain(ExitCode::usage, fmt::format("twinchute: {}", error.what()));
+    } catch (const WriteError& error) {
+        code = complain(ExitCode::unwritable, fmt::format("twinchute: {}", error.what()));
+    } catch (const std::exception& error) {
+        code = complain(ExitCode::numerical, fmt::format("twinchute: unexpected failure: {}", error.what()));
+    }
+    return static_cast<int>(code);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,109 @@
+#include "lib/cli/record_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lib/record/metric_key.hpp"
+
+namespace twinchute {
+namespace {
+
+std::string heading(std::string_view text, const Style& style) {
+    return "\n" + style.paint(text, Colour::bold) + "\n";
+}
+
+std::string metrics_text(const std::vector<Metric>& metrics) {
+    Table table;
+    table.right = {false, true};
+    for (const Metric& metric : metrics) {
+        table.rows.push_back({metric_words(metric.key), readable(metric.value),
+                              std::string(split_metric_key(metric.key).unit),
+                              std::string(standing_name(metric.standing)), printable(metric.note)});
+    }
+    return aligned(table, {}, 2);
+}
+
+std::string events_text(const std::vector<Event>& events) {
+    Table table;
+    table.right = {false, true, true, true};
+    for (const Event& event : events) {
+        table.rows.push_back({printable(event.name), fmt::format("{:.3f} s", event.time),
+                              fmt::format("{:.1f} m", event.altitude),
+                              fmt::format("{:.2f} m/s", event.speed)});
+    }
+    return aligned(table, {}, 2);
+}
+
+}  // namespace
+
+Colour status_colour(StatusCode code) {
+    if (is_numerical_failure(code)) return Colour::red;
+    return code == StatusCode::interrupted || code == StatusCode::refused ? Colour::yellow : Colour::green;
+}
+
+std::string fill_constant_text(const RunRecord& record) {
+    const Input* n = record.find_input("parachute.fill_time.n");
+    if (n == nullptr || !std::holds_alternative<double>(n->value)) return {};
+    return fmt::format("fill constant n = {:.6g} ({}{}{})", std::get<double>(n->value),
+                       origin_name(n->origin), n->source.empty() ? "" : ": ", n->source);
+}
+
+std::string time_text(double seconds) {
+    const double magnitude = std::abs(seconds);
+    if (magnitude < 1e-6) return fmt::format("{:.3g} ns", seconds * 1e9);
+    if (magnitude < 1e-3) return fmt::format("{:.3g} us", seconds * 1e6);
+    if (magnitude < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
+    return fmt::format("{} s", readable(seconds, 3));
+}
+
+std::string cost_text(const Cost& cost) {
+    std::string text = fmt::format("{} wall, {} steps", time_text(cost.wall_s), cost.steps);
+    if (cost.dt_max_s > 0)
+        text += fmt::format(" of {} to {}", time_text(cost.dt_min_s), time_text(cost.dt_max_s));
+    if (cost.rejected_steps > 0) text += fmt::format(", {} rejected", cost.rejected_steps);
+    if (cost.element_steps > 0) {
+        text += fmt::format(", {} ns per element-step", readable(cost.ns_per_element_step, 3));
+    } else if (cost.rhs_calls > 0) {
+        text += fmt::format(", {} right-hand sides", cost.rhs_calls);
+    }
+    return text;
+}
+
+std::string warnings_text(const std::vector<Warning>& warnings, std::string_view prefix, const Style& style) {
+    std::string text;
+    for (const Warning& warning : warnings) {
+        std::string line =
+            fmt::format("{}{}: {}", prefix, style.paint("warning", Colour::yellow), printable(warning.what));
+        if (!warning.why.empty()) line += fmt::format(" ({})", printable(warning.why));
+        if (!warning.suggestion.empty()) line += fmt::format(", {}", printable(warning.suggestion));
+        text += line + "\n";
+    }
+    return text;
+}
+
+std::string record_text(const RunRecord& record, std::string_view title, const Style& style) {
+    std::string text =
+        fmt::format("{}  {}\n", style.paint(printable(record.scene.name), Colour::bold), title);
+    text +=
+        fmt::format("{}", style.paint(status_name(record.status.code), status_colour(record.status.code)));
+    if (!record.status.detail.empty()) text += ": " + printable(record.status.detail);
+    text += "\n";
+    if (const std::string fill = fill_constant_text(record); !fill.empty()) text += printable(fill) + "\n";
+
+    if (!record.metrics.empty()) text += heading("key figures", style) + metrics_text(record.metrics);
+    if (!record.events.empty()) text += heading("events", style) + events_text(record.events);
+    text += "\n";
+    if (record.energy) {
+        text += fmt::format("energy    {:.3g} % of the drag work does not add up\n",
+                            100 * std::abs(record.energy->residual_fraction));
+    }
+    text += fmt::format("cost      {}\n", cost_text(record.cost));
+    for (const LeftOut& row : record.left_out) {
+        text += fmt::format("left out  {}{}\n", printable(row.what),
+                            row.why.empty() ? "" : fmt::format(" ({})", printable(row.why)));
+    }
+    return text + warnings_text(record.warnings, "", style);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,67 @@
+#include "lib/cli/scene_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "lib/cli/progress.hpp"
+#include "lib/cli/text.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/scene/read_scene.hpp"
+
+namespace twinchute {
+
+std::vector<Option> scene_options(std::string out_meaning) {
+    return {
+        {"out", "DIR", std::move(out_meaning)},
+        {"set", "KEY=VALUE", "override a key of the scene, e.g. payload.mass='150 kg'", true},
+        {"check", "", "validate the scene and run nothing"},
+        {"json", "", "print the summary as JSON and nothing else"},
+        {"quiet", "", "print nothing but errors"},
+    };
+}
+
+Scene scene_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
+    std::vector<std::string> overrides = arguments.values("set");
+    overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
+    return read_scene(arguments.operand, overrides);
+}
+
+void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others) {
+    const std::vector<std::string> lacking = fidelity.lacks(scene);
+    if (lacking.empty()) return;
+    const std::string& key = lacking.front();
+    const auto able = std::ranges::find_if(others, [&](const Fidelity* other) {
+        return other->name != fidelity.name && std::ranges::count(other->lacks(scene), key) == 0;
+    });
+    const std::string way_out = able == others.end()
+                                    ? fmt::format("take '{}' out of the scene", key)
+                                    : fmt::format("run it with `twinchute {}`", (*able)->name);
+    throw UsageError(fmt::format("{}: '{}' cannot run this scene (it lacks the physics of '{}'), {}",
+                                 scene.file.string(), fidelity.name, fmt::join(lacking, "', '"), way_out));
+}
+
+void say_valid(const Scene& scene, const Arguments& arguments) {
+    if (arguments.has("json")) {
+        const SceneId id{scene.name, scene.file.string(), scene.sha256};
+        print(json_text({{"generator", "twinchute"}, {"scene", scene_json(id)}, {"valid", true}}));
+    } else if (!arguments.has("quiet")) {
+        print(printable(fmt::format("{}: the scene '{}' is valid; nothing was run", scene.file.string(),
+                                    scene.name)) +
+              "\n");
+    }
+}
+
+RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet) {
+    ProgressLine line(fidelity.name, !quiet && progress_is_seen());
+    Run run{std::move(stop), line.reporter()};
+    return fidelity.run(scene, run);
+}
+
+void print(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,61 @@
+#include "lib/cli/single_verb.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "lib/cli/interrupt.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/record_text.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/record/write_record.hpp"
+
+namespace twinchute {
+namespace {
+
+ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
+                    const std::vector<const Fidelity*>& others, const Arguments& arguments) {
+    const Scene scene = scene_of(arguments);
+    require_physics(scene, fidelity, others);
+    if (arguments.has("check")) {
+        say_valid(scene, arguments);
+        return ExitCode::done;
+    }
+    std::optional<std::filesystem::path> directory = arguments.value("out");
+    if (!directory && output == DefaultOutput::directory) directory = default_output_dir(arguments.operand);
+    if (directory) check_output_dir(*directory);
+
+    const Interrupt interrupt;  // until the record is safe
+    const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"));
+    if (directory && record.status.code != StatusCode::refused) write_record(record, *directory);
+
+    if (arguments.has("json")) {
+        print(summary_json(record));
+    } else if (!arguments.has("quiet")) {
+        print(record_text(record, fidelity.title, output_style()));
+        if (directory)
+            print(fmt::format("record    {}\n", printable((*directory / "summary.json").string())));
+    }
+    return exit_code(record.status.code);
+}
+
+}  // namespace
+
+Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput output,
+                 std::vector<const Fidelity*> others) {
+    Verb verb;
+    verb.name = fidelity.name;
+    verb.summary = std::move(summary);
+    verb.operand = "SCENE";
+    verb.example = fmt::format("twinchute {} data/scenes/c9-inflation.toml", fidelity.name);
+    verb.options =
+        scene_options(output == DefaultOutput::none ? "also write the record there"
+                                                    : "write the record there instead of ./<scene file>.out");
+    verb.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
+        return run_single(fidelity, output, others, arguments);
+    };
+    return verb;
+}
+
+}  // namespace twinchute

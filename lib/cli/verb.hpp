@@ -1,0 +1,48 @@
+// A verb of the command line is a row: what it is called, what it takes, what it does.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/cli/exit_code.hpp"
+
+namespace twinchute {
+
+/// Something wrong with the command line; what() reads "problem (why), suggestion". Exit code 2.
+class UsageError : public std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct Option {
+    std::string name;   ///< without the dashes, e.g. "out"
+    std::string value;  ///< placeholder of its argument, e.g. "DIR"; empty: a switch
+    std::string meaning;
+    bool repeatable = false;
+};
+
+/// What stood on the command line after the verb; every name is one of the verb's options.
+struct Arguments {
+    std::string operand;  ///< the one positional argument; empty when it is optional and absent
+    std::map<std::string, std::vector<std::string>, std::less<>> options;
+
+    bool has(std::string_view name) const { return options.contains(name); }
+    std::optional<std::string> value(std::string_view name) const;
+    std::vector<std::string> values(std::string_view name) const;
+};
+
+struct Verb {
+    std::string name;
+    std::string summary;  ///< one line
+    std::string operand;  ///< "SCENE"; in brackets when it may be left out: "[TOPIC]"
+    std::string example;  ///< a command line that runs as it stands
+    std::vector<Option> options;
+    /// Throws UsageError, SceneError or WriteError.
+    std::function<ExitCode(const Arguments&)> run;
+};
+
+}  // namespace twinchute

@@ -1,0 +1,92 @@
+// Four doubles at once, by the compiler's vector extension: one arithmetic that compiles for any
+// instruction set, and the same bits on each, since nothing is contracted or reassociated.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+/// Before a function with an inner loop over Lanes: compiled twice, for any x86-64 and for machines
+/// with AVX2, and the right one is chosen when the program starts. The bits are the same in both.
+/// Everything such a function calls has to be inlined to take part. (Not under a sanitizer, which is
+/// not yet there when the choice is made.)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__AVX2__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define TWINCHUTE_FOR_EACH_CPU __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define TWINCHUTE_FOR_EACH_CPU
+#endif
+
+namespace twinchute {
+
+inline constexpr int lane_count = 4;
+
+/// Four elements side by side, or the x, y, z, 0 of one node.
+using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
+/// What a comparison of Lanes yields: all bits set where true.
+using LaneMask = std::int64_t __attribute__((vector_size(lane_count * sizeof(std::int64_t))));
+
+/// The instructions that functions marked TWINCHUTE_FOR_EACH_CPU run on here.
+std::string_view lane_instruction_set();
+
+inline Lanes splat(double a) {
+    return Lanes{a, a, a, a};
+}
+
+inline double square_root(double a) {
+    return std::sqrt(a);
+}
+inline Lanes square_root(Lanes a) {
+    Lanes root;
+    for (int k = 0; k < lane_count; ++k)
+        root[k] = std::sqrt(a[k]);
+    return root;
+}
+
+/// The larger of each pair; b where a is not a number.
+inline Lanes larger(Lanes a, Lanes b) {
+    return a > b ? a : b;
+}
+
+/// Always in the same order: (0 + 2) + (1 + 3).
+inline double sum(Lanes a) {
+    return (a[0] + a[2]) + (a[1] + a[3]);
+}
+inline double sum3(Lanes a) {
+    return a[0] + a[1] + a[2];
+}
+
+/// Rows to columns: a, b, c, d hold one node each before, one component each after.
+inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+    const Lanes ab0 = __builtin_shuffle(a, b, LaneMask{0, 4, 2, 6});
+    const Lanes ab1 = __builtin_shuffle(a, b, LaneMask{1, 5, 3, 7});
+    const Lanes cd0 = __builtin_shuffle(c, d, LaneMask{0, 4, 2, 6});
+    const Lanes cd1 = __builtin_shuffle(c, d, LaneMask{1, 5, 3, 7});
+    a = __builtin_shuffle(ab0, cd0, LaneMask{0, 1, 4, 5});
+    b = __builtin_shuffle(ab1, cd1, LaneMask{0, 1, 4, 5});
+    c = __builtin_shuffle(ab0, cd0, LaneMask{2, 3, 6, 7});
+    d = __builtin_shuffle(ab1, cd1, LaneMask{2, 3, 6, 7});
+}
+
+/// Three components of four vectors.
+struct Lanes3 {
+    Lanes x, y, z;
+};
+
+inline Lanes3 operator+(Lanes3 a, Lanes3 b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Lanes3 operator-(Lanes3 a, Lanes3 b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Lanes3 operator*(Lanes s, Lanes3 a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+inline Lanes dot(Lanes3 a, Lanes3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Lanes3 cross(Lanes3 a, Lanes3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace twinchute

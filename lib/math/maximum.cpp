@@ -1,0 +1,49 @@
+#include "lib/math/maximum.hpp"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_min.h>
+
+#include <memory>
+
+namespace twinchute {
+namespace {
+
+double negated(double x, void* f) {
+    return -(*static_cast<const std::function<double(double)>*>(f))(x);
+}
+
+}  // namespace
+
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples) {
+    const double spacing = (b - a) / samples;
+    Maximum best{a, f(a)};
+    int index = 0;
+    for (int i = 1; i <= samples; ++i) {
+        const double x = i == samples ? b : a + i * spacing;
+        const double y = f(x);
+        if (y > best.value) best = {x, y}, index = i;
+    }
+    if (index == 0 || index == samples || !(spacing > 0.0)) return best;
+
+    // GSL's default handler aborts; every call here is checked instead.
+    [[maybe_unused]] static const auto handler_off = gsl_set_error_handler_off();
+    const std::unique_ptr<gsl_min_fminimizer, decltype(&gsl_min_fminimizer_free)> search(
+        gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), &gsl_min_fminimizer_free);
+    gsl_function negative{&negated, const_cast<std::function<double(double)>*>(&f)};
+    // A flat top has no strict bracket: the sampled point stands then.
+    if (search && gsl_min_fminimizer_set(search.get(), &negative, best.at, best.at - spacing,
+                                         best.at + spacing) == GSL_SUCCESS) {
+        for (int i = 0; i < 60; ++i) {
+            if (gsl_min_fminimizer_iterate(search.get()) != GSL_SUCCESS) break;
+            const double left = gsl_min_fminimizer_x_lower(search.get());
+            const double right = gsl_min_fminimizer_x_upper(search.get());
+            // Closer than sqrt(epsilon) the values no longer tell.
+            if (gsl_min_test_interval(left, right, 0.0, 1e-8) == GSL_SUCCESS) break;
+        }
+        const double value = -gsl_min_fminimizer_f_minimum(search.get());
+        if (value > best.value) best = {gsl_min_fminimizer_x_minimum(search.get()), value};
+    }
+    return best;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,18 @@
+// The largest value of a smooth function of one variable on an interval.
+#pragma once
+
+#include <functional>
+
+namespace twinchute {
+
+struct Maximum {
+    double at = 0.0;
+    double value = 0.0;
+};
+
+/// Largest value of f on [a, b], ends included: the best of `samples` + 1 equidistant points,
+/// refined by GSL's Brent minimiser where that point is inside the interval.
+/// Finds the right hump when humps are wider than (b - a)/samples.
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples);
+
+}  // namespace twinchute

@@ -1,0 +1,16 @@
+// Vectors of ordinary space, and the few constants that have one value everywhere.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace twinchute {
+
+/// A vector in the world frame: x east, y north, z up.
+using Vec3 = Eigen::Vector3d;
+
+inline constexpr double pi = 3.14159265358979323846;
+
+/// [m/s^2] standard gravity, ISO 80000-3.
+inline constexpr double standard_gravity = 9.80665;
+
+}  // namespace twinchute

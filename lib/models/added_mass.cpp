@@ -1,0 +1,38 @@
+#include "lib/models/added_mass.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/math/vec.hpp"
+
+namespace twinchute {
+namespace {
+
+/// M_a = M_i (1 + 3/8 phi') with M_i = rho 2/3 pi R^3 (paper, Eqs 16 and 18).
+/// The density's own rate is left out: it changes over kilometres, the canopy over metres.
+ValueAndRate hemisphere(double rho, ValueAndRate radius, ValueAndRate ramp) {
+    const double per_radius_cubed = rho * (2.0 / 3.0) * pi;
+    const double square = radius.value * radius.value;
+    const double included = per_radius_cubed * square * radius.value;
+    const double included_rate = 3.0 * per_radius_cubed * square * radius.rate;
+    const double share = 1.0 + 0.375 * ramp.value;
+    return {included * share, included_rate * share + included * 0.375 * ramp.rate};
+}
+
+constexpr std::array<AddedMassModel, 1> models{{
+    {"hemisphere", "paper Eqs 16 and 18, k' = 0.25 (solid flat circular canopy)", hemisphere},
+}};
+
+}  // namespace
+
+std::span<const AddedMassModel> added_mass_models() {
+    return models;
+}
+
+const AddedMassModel* find_added_mass(std::string_view name) {
+    const auto row = std::ranges::find(models, name, &AddedMassModel::name);
+    return row == models.end() ? nullptr : &*row;
+}
+
+}  // namespace twinchute

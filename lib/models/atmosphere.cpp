@@ -1,0 +1,90 @@
+#include "lib/models/atmosphere.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/math/vec.hpp"
+
+namespace twinchute {
+namespace {
+
+constexpr double gas_constant = 8314.32 / 28.9644;  // [J/(kg K)] of dry air, US76
+constexpr double earth_radius = 6356766.0;          // [m] of US76, at 45 deg latitude
+
+/// Sutherland's law with the constants of US76 (Eq. 51): [Pa s] for T in [K].
+double sutherland_viscosity(double temperature) {
+    return 1.458e-6 * std::sqrt(temperature) * temperature / (temperature + 110.4);
+}
+
+struct Layer {
+    double base;         // [m] geopotential
+    double temperature;  // [K] at the base
+    double lapse;        // [K/m]
+    double pressure;     // [Pa] at the base
+};
+
+/// Pressure inside a layer (US76, Eqs 33a and 33b).
+double layer_pressure(const Layer& layer, double geopotential) {
+    const double exponent = standard_gravity / gas_constant;
+    const double rise = geopotential - layer.base;
+    if (layer.lapse == 0.0) return layer.pressure * std::exp(-exponent * rise / layer.temperature);
+    const double temperature = layer.temperature + layer.lapse * rise;
+    return layer.pressure * std::pow(layer.temperature / temperature, exponent / layer.lapse);
+}
+
+/// The seven layers below 86 km, pressures carried up from 101325 Pa.
+std::array<Layer, 7> make_layers() {
+    std::array<Layer, 7> layers{{{0.0, 288.15, -6.5e-3, 101325.0},
+                                 {11e3, 216.65, 0.0, 0.0},
+                                 {20e3, 216.65, 1.0e-3, 0.0},
+                                 {32e3, 228.65, 2.8e-3, 0.0},
+                                 {47e3, 270.65, 0.0, 0.0},
+                                 {51e3, 270.65, -2.8e-3, 0.0},
+                                 {71e3, 214.65, -2.0e-3, 0.0}}};
+    for (std::size_t i = 1; i < layers.size(); ++i)
+        layers[i].pressure = layer_pressure(layers[i - 1], layers[i].base);
+    return layers;
+}
+
+AirState us76(const Atmosphere&, double altitude) {
+    static const std::array<Layer, 7> layers = make_layers();
+    const double geopotential = earth_radius * altitude / (earth_radius + altitude);
+    std::size_t i = 0;
+    while (i + 1 < layers.size() && geopotential >= layers[i + 1].base)
+        ++i;
+    const Layer& layer = layers[i];
+    AirState air;
+    air.temperature = layer.temperature + layer.lapse * (geopotential - layer.base);
+    air.pressure = layer_pressure(layer, geopotential);
+    air.density = air.pressure / (gas_constant * air.temperature);
+    air.viscosity = sutherland_viscosity(air.temperature);
+    return air;
+}
+
+AirState constant(const Atmosphere& choice, double) {
+    AirState air;
+    air.density = choice.constant_density;
+    air.temperature = 288.15;
+    air.pressure = air.density * gas_constant * air.temperature;
+    air.viscosity = sutherland_viscosity(air.temperature);
+    return air;
+}
+
+constexpr std::array<AtmosphereModel, 2> models{{
+    {"us76", "US Standard Atmosphere 1976 (NOAA-S/T 76-1562), hydrostatic part", -5000.0, 86000.0, us76},
+    {"constant", "uniform density; viscosity of air at 288.15 K", -1e9, 1e9, constant},
+}};
+
+}  // namespace
+
+std::span<const AtmosphereModel> atmosphere_models() {
+    return models;
+}
+
+const AtmosphereModel* find_atmosphere(std::string_view name) {
+    const auto row = std::ranges::find(models, name, &AtmosphereModel::name);
+    return row == models.end() ? nullptr : &*row;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,49 @@
+#include "lib/models/inflation.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace twinchute {
+
+double Inflation::end_of(Phase phase) const {
+    switch (phase) {
+        case Phase::initial:
+            return snatch + initial_time;
+        case Phase::filling:
+            return snatch + filling_time;
+        case Phase::open:
+            break;
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+ValueAndRate Inflation::drag_area_ratio(Phase phase, double time) const {
+    switch (phase) {
+        case Phase::initial:
+            return {eta * eta, 0.0};
+        case Phase::filling: {
+            const double duration = filling_time - initial_time;
+            const ValueAndRate ratio = law->at((time - snatch - initial_time) / duration, eta);
+            return {ratio.value, ratio.rate / duration};
+        }
+        case Phase::open:
+            break;
+    }
+    return {1.0, 0.0};
+}
+
+ValueAndRate Inflation::ramp(Phase phase, double time) const {
+    if (phase == Phase::open) return {1.0, 0.0};
+    return {(time - snatch) / filling_time, 1.0 / filling_time};
+}
+
+ValueAndRate Inflation::added_mass(const AddedMassModel& model, Phase phase, double time, double rho,
+                                   double steady_radius) const {
+    const ValueAndRate ratio = drag_area_ratio(phase, time);
+    const double root = std::sqrt(ratio.value);
+    // Where the canopy starts from nothing its radius grows like x^3: no rate.
+    const double root_rate = root > 0.0 ? 0.5 * ratio.rate / root : 0.0;
+    return model.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
+}
+
+}  // namespace twinchute

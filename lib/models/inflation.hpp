@@ -1,0 +1,42 @@
+// The prescribed part of an opening, the same for every fidelity: when which phase begins, and
+// drag area, radial-pressure ramp and added mass against time (paper, 3.2.2, 3.2.3 and 3.3).
+#pragma once
+
+#include <optional>
+
+#include "lib/models/added_mass.hpp"
+#include "lib/models/drag_area.hpp"
+
+namespace twinchute {
+
+/// Phases after snatch. They are separate functions of time: a solver stops at each boundary
+/// and goes on in the next phase, so that none is ever stepped across.
+enum class Phase {
+    initial,  ///< t_s to t_s + t_i: constant drag area
+    filling,  ///< t_s + t_i to t_s + t_f: the drag-area law
+    open      ///< after t_s + t_f: constant drag area
+};
+
+struct Inflation {
+    double snatch = 0.0;            ///< t_s [s] since release
+    double initial_time = 0.0;      ///< t_i [s], 0 <= t_i < t_f
+    double filling_time = 0.0;      ///< t_f [s]
+    double steady_drag_area = 0.0;  ///< (C_D S)_0 [m^2]
+    double eta = 0.0;               ///< sqrt((C_D S)_i/(C_D S)_0) [-] (paper, Eq. 15)
+    const DragAreaLaw* law = nullptr;
+
+    /// [s] since release at which a phase ends; infinite for Phase::open.
+    double end_of(Phase phase) const;
+
+    /// (C_D S)_t/(C_D S)_0 [-] and its rate [1/s] (paper, Eq. 14, on t - (t_s + t_i)).
+    ValueAndRate drag_area_ratio(Phase phase, double time) const;
+
+    /// Linear from 0 at t_s to 1 at t_s + t_f: phi'(t), and phi(t)/phi(t_f) of Eq. 12.
+    ValueAndRate ramp(Phase phase, double time) const;
+
+    /// Added mass [kg] and rate [kg/s] at density rho, R_c = steady_radius sqrt(drag-area ratio).
+    ValueAndRate added_mass(const AddedMassModel& model, Phase phase, double time, double rho,
+                            double steady_radius) const;
+};
+
+}  // namespace twinchute

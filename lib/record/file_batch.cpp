@@ -1,0 +1,140 @@
+#include "lib/record/file_batch.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <set>
+#include <string>
+#include <system_error>
+
+namespace twinchute {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string say(const fs::path& path, const std::string& reason) {
+    return fmt::format("cannot write '{}' ({}), choose another place with --out or make room there",
+                       path.string(), reason);
+}
+
+fs::path parent_of(const fs::path& target) {
+    return target.has_parent_path() ? target.parent_path() : fs::path(".");
+}
+
+/// A file descriptor that closes itself; close() reports what the kernel held back until then.
+class Descriptor {
+public:
+    explicit Descriptor(int fd) : fd_(fd) {}
+    ~Descriptor() {
+        if (fd_ >= 0) ::close(fd_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    int get() const { return fd_; }
+    bool close() {
+        const int fd = fd_;
+        fd_ = -1;
+        return ::close(fd) == 0;
+    }
+
+private:
+    int fd_;
+};
+
+/// Opens a new file beside the target; its name starts with a dot and no other process has it.
+int open_temporary(const fs::path& target, fs::path& temporary) {
+    static std::atomic<unsigned> count = 0;
+    for (;;) {
+        temporary = parent_of(target) /
+                    fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), count.fetch_add(1));
+        const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0 || errno != EEXIST) return fd;
+    }
+}
+
+/// 0, or the error number of the step that failed.
+int write_all(Descriptor& file, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t written = ::write(file.get(), text.data(), text.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return errno;
+        if (written == 0) return ENOSPC;
+        text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    if (::fsync(file.get()) != 0) return errno;
+    return file.close() ? 0 : errno;
+}
+
+/// Makes renames durable. Some file systems refuse to sync a directory; the data are safe by then.
+void sync_directory(const fs::path& directory) {
+    const Descriptor handle(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (handle.get() >= 0) ::fsync(handle.get());
+}
+
+}  // namespace
+
+WriteError::WriteError(const fs::path& path, const std::string& reason)
+    : std::runtime_error(say(path, reason)), path_(path) {}
+
+WriteError::WriteError(const fs::path& path, int error_number)
+    : WriteError(path, std::generic_category().message(error_number)) {}
+
+FileBatch::~FileBatch() {
+    for (const Pending& file : pending_)
+        ::unlink(file.temporary.c_str());
+    for (auto directory = made_.rbegin(); directory != made_.rend(); ++directory) {
+        ::rmdir(directory->c_str());  // stays when something is in it
+    }
+}
+
+void FileBatch::make_directories(const fs::path& directory) {
+    std::error_code ignored;
+    if (fs::is_directory(directory, ignored)) return;
+    if (directory.has_parent_path() && directory.parent_path() != directory) {
+        make_directories(directory.parent_path());
+    }
+    if (::mkdir(directory.c_str(), 0777) == 0) {
+        made_.push_back(directory);
+    } else if (const int error = errno; !fs::is_directory(directory, ignored)) {
+        throw WriteError(directory, error);
+    }
+}
+
+void FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
+    make_directories(parent_of(target));
+    std::error_code ignored;
+    if (fs::is_directory(target, ignored)) throw WriteError(target, EISDIR);
+
+    fs::path temporary;
+    Descriptor file(open_temporary(target, temporary));
+    if (file.get() < 0) throw WriteError(target, errno);
+    pending_.push_back({target, temporary, kind});
+    if (const int error = write_all(file, text); error != 0) throw WriteError(target, error);
+}
+
+void FileBatch::commit() {
+    for (const Pending& file : pending_) {
+        if (file.kind != Kind::marker) continue;
+        if (::unlink(file.target.c_str()) != 0 && errno != ENOENT) throw WriteError(file.target, errno);
+    }
+    std::set<fs::path> directories;
+    for (const Kind kind : {Kind::content, Kind::marker}) {
+        for (const Pending& file : pending_) {
+            if (file.kind != kind) continue;
+            if (::rename(file.temporary.c_str(), file.target.c_str()) != 0)
+                throw WriteError(file.target, errno);
+            directories.insert(parent_of(file.target));
+        }
+    }
+    for (const fs::path& directory : directories)
+        sync_directory(directory);
+    pending_.clear();
+    made_.clear();
+}
+
+}  // namespace twinchute

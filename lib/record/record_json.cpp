@@ -1,0 +1,153 @@
+#include "lib/record/record_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace twinchute {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Sets a key unless the value is not finite: JSON has no NaN, and null would read as "left out".
+bool put(Json& object, const char* key, double value) {
+    if (!std::isfinite(value)) return false;
+    object[key] = value;
+    return true;
+}
+
+/// For quantities that are exactly zero only when there is nothing behind them.
+void put_unless_zero(Json& object, const char* key, double value) {
+    if (value != 0.0) put(object, key, value);
+}
+
+Json inputs_json(const std::vector<Input>& inputs) {
+    Json json = Json::object();
+    for (const Input& input : inputs) {
+        Json row;
+        if (const auto* number = std::get_if<double>(&input.value)) {
+            put(row, "value", *number);
+        } else {
+            row["value"] = std::get<std::string>(input.value);
+        }
+        if (!input.unit.empty()) row["unit"] = input.unit;
+        row["origin"] = origin_name(input.origin);
+        if (!input.source.empty()) row["source"] = input.source;
+        json[input.key] = std::move(row);
+    }
+    return json;
+}
+
+Json metrics_json(const std::vector<Metric>& metrics, std::vector<Warning>& warnings) {
+    Json json = Json::object();
+    for (const Metric& metric : metrics) {
+        if (put(json, metric.key.c_str(), metric.value)) continue;
+        warnings.push_back({metric.key + " is left out of this record", "its value is not a finite number",
+                            "look at the status and the last rows of history.csv"});
+    }
+    return json;
+}
+
+Json standing_json(const std::vector<Metric>& metrics) {
+    Json json = Json::object();
+    for (const Metric& metric : metrics) {
+        if (!std::isfinite(metric.value)) continue;
+        Json row{{"input_or_result", standing_name(metric.standing)}};
+        if (!metric.note.empty()) row["note"] = metric.note;
+        json[metric.key] = std::move(row);
+    }
+    return json;
+}
+
+Json energy_json(const EnergyLedger& energy) {
+    Json json = Json::object();
+    put(json, "kinetic_J", energy.kinetic);
+    put_unless_zero(json, "elastic_J", energy.elastic);
+    put(json, "gravity_work_J", energy.gravity_work);
+    put_unless_zero(json, "drag_work_J", energy.drag_work);
+    put_unless_zero(json, "damping_J", energy.damping);
+    put_unless_zero(json, "added_mass_J", energy.added_mass);
+    put(json, "residual_fraction", energy.residual_fraction);
+    return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json scene_json(const SceneId& scene) {
+    return {{"name", scene.name}, {"file", scene.file}, {"sha256", scene.sha256}};
+}
+
+nlohmann::ordered_json status_json(const RunStatus& status) {
+    return {{"code", status_name(status.code)}, {"detail", status.detail}};
+}
+
+nlohmann::ordered_json cost_json(const Cost& cost) {
+    Json json = Json::object();
+    put(json, "wall_s", cost.wall_s);
+    put(json, "cpu_s", cost.cpu_s);
+    json["steps"] = cost.steps;
+    json["rhs_calls"] = cost.rhs_calls;
+    json["rejected_steps"] = cost.rejected_steps;
+    put(json, "dt_min_s", cost.dt_min_s);
+    put(json, "dt_max_s", cost.dt_max_s);
+    if (cost.element_steps > 0) {
+        json["element_steps"] = cost.element_steps;
+        put(json, "ns_per_element_step", cost.ns_per_element_step);
+    }
+    if (!cost.blocks.empty()) {
+        Json& blocks = json["blocks"] = Json::object();
+        for (const BlockCost& block : cost.blocks)
+            put(blocks, block.name.c_str(), block.seconds);
+    }
+    return json;
+}
+
+nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
+    Json json = Json::array();
+    for (const Warning& warning : warnings) {
+        json.push_back({{"what", warning.what}, {"why", warning.why}, {"suggestion", warning.suggestion}});
+    }
+    return json;
+}
+
+nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& left_out) {
+    Json json = Json::array();
+    for (const LeftOut& row : left_out)
+        json.push_back({{"what", row.what}, {"why", row.why}});
+    return json;
+}
+
+nlohmann::ordered_json provenance_json(const Provenance& provenance) {
+    return {{"version", provenance.version},
+            {"commit", provenance.commit},
+            {"compiler", provenance.compiler},
+            {"flags", provenance.flags},
+            {"instruction_set", provenance.instruction_set},
+            {"host_cpu", provenance.host_cpu},
+            {"date", provenance.date},
+            {"threads", provenance.threads}};
+}
+
+std::string summary_json(const RunRecord& record) {
+    std::vector<Warning> warnings = record.warnings;
+    Json json;
+    json["generator"] = "twinchute";
+    json["schema"] = RunRecord::schema;
+    json["scene"] = scene_json(record.scene);
+    json["inputs"] = inputs_json(record.inputs);
+    json["fidelity"] = record.fidelity;
+    json["status"] = status_json(record.status);
+    json["metrics"] = metrics_json(record.metrics, warnings);
+    json["standing"] = standing_json(record.metrics);
+    if (record.energy) json["energy"] = energy_json(*record.energy);
+    json["cost"] = cost_json(record.cost);
+    json["warnings"] = warnings_json(warnings);
+    json["left_out"] = left_out_json(record.left_out);
+    json["provenance"] = provenance_json(record.provenance);
+    return json_text(json);
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace twinchute

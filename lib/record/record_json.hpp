@@ -1,0 +1,27 @@
+// A record as JSON, with the keys that scripts rely on. A key whose physics was left out is absent,
+// never zero; a value that is not finite is absent as well, and a warning in its place says so.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "lib/record/run_record.hpp"
+
+namespace twinchute {
+
+/// The text of summary.json.
+std::string summary_json(const RunRecord& record);
+
+/// Its parts, for reports that hold more than one record.
+nlohmann::ordered_json scene_json(const SceneId& scene);
+nlohmann::ordered_json status_json(const RunStatus& status);
+nlohmann::ordered_json cost_json(const Cost& cost);
+nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings);
+nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& left_out);
+nlohmann::ordered_json provenance_json(const Provenance& provenance);
+
+/// As text: indented, numbers with full round-trip precision, ended by a newline. Bytes that are not
+/// UTF-8 are replaced.
+std::string json_text(const nlohmann::ordered_json& json);
+
+}  // namespace twinchute

@@ -1,0 +1,160 @@
+// What a run leaves behind: the same record for every fidelity, so that whatever reads it
+// (terminal, JSON, report, comparison) never asks which solver wrote it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace twinchute {
+
+/// How a run ended. Every ending has a name; there is no silent one.
+enum class StatusCode {
+    completed,         ///< the scene's stop condition was met
+    stopped_by_event,  ///< a terminal event (the ground) came before the stop condition
+    interrupted,       ///< Ctrl-C or a stop request; what was computed is in the record
+    refused,           ///< the fidelity lacks physics that the scene asks for
+    solver_failed,     ///< the ODE integrator gave up; detail holds its message
+    step_too_small,    ///< the stable step fell below the smallest useful one
+    not_finite,        ///< a NaN or infinity appeared; detail names node and time
+    strain_limit,      ///< an element was strained beyond the scene's limit
+    energy_grew,       ///< the energy ledger does not close: energy came from nowhere
+    element_inverted,  ///< a solid element turned inside out
+    step_limit,        ///< more steps than the limit
+    time_limit,        ///< more simulated time than the limit, stop condition not met
+};
+
+/// The name under which a code is written to a record, e.g. "energy_grew".
+std::string_view status_name(StatusCode code);
+
+/// True for the endings that exit code 3 stands for.
+bool is_numerical_failure(StatusCode code);
+
+struct RunStatus {
+    StatusCode code = StatusCode::completed;
+    std::string detail;  ///< one sentence: what happened, where, when
+};
+
+/// Where an effective input value came from.
+enum class InputOrigin { given, design, fallback };
+
+/// "given", "design" or "default".
+std::string_view origin_name(InputOrigin origin);
+
+/// One effective input of a run, in SI.
+struct Input {
+    std::string key;  ///< as in the scene, e.g. "payload.mass", "parachute.fill_time.n"
+    std::variant<double, std::string> value;
+    std::string unit;    ///< SI unit, empty for words and dimensionless numbers
+    InputOrigin origin;  ///< "given", "design" (a design or material file) or "default"
+    std::string source;  ///< where the value is from, when its file says so
+};
+
+/// Whether a metric says something about the model or only repeats what it was told.
+/// A comparison of two inputs is no comparison; the report prints this beside every number.
+enum class Standing { input, result, mixed };
+
+std::string_view standing_name(Standing standing);
+
+struct Metric {
+    std::string key;  ///< name with unit suffix, e.g. "peak_force_N"
+    double value = 0.0;
+    Standing standing = Standing::result;
+    std::string note;  ///< which part is input and which is result, for Standing::mixed and input
+};
+
+/// One column of the history; all channels of a record have the same length.
+struct Channel {
+    std::string name;  ///< e.g. "force"
+    std::string unit;  ///< e.g. "N"
+    std::vector<double> values;
+};
+
+struct Event {
+    std::string name;       ///< e.g. "snatch", "full-open", "peak-force", "steady-descent", "ground"
+    double time = 0.0;      ///< [s] since release
+    double altitude = 0.0;  ///< [m] of the payload above sea level
+    double speed = 0.0;     ///< [m/s] of the payload over ground
+};
+
+/// Where the energy went, from the start of the run. All [J] but the last.
+struct EnergyLedger {
+    double kinetic = 0.0;            ///< change of 1/2 (m + M_a) v^2
+    double elastic = 0.0;            ///< change of the strain energy of all elements
+    double gravity_work = 0.0;       ///< on material mass only
+    double drag_work = 0.0;          ///< of the nodal aerodynamic forces, negative when they brake
+    double damping = 0.0;            ///< dissipated by viscosity, Rayleigh and breathing damping, >= 0
+    double added_mass = 0.0;         ///< + 1/2 integral of (dM_a/dt) v^2 for inertia-only added mass
+    double residual_fraction = 0.0;  ///< [-] what does not add up, over |drag work|
+};
+
+struct BlockCost {
+    std::string name;
+    double seconds = 0.0;  ///< [s] wall time inside this force block
+};
+
+struct Cost {
+    double wall_s = 0.0;
+    double cpu_s = 0.0;
+    std::int64_t steps = 0;
+    std::int64_t rhs_calls = 0;
+    std::int64_t rejected_steps = 0;
+    double dt_min_s = 0.0;
+    double dt_max_s = 0.0;
+    std::int64_t element_steps = 0;  ///< element evaluations; 0 when the model has no elements
+    double ns_per_element_step = 0.0;
+    std::vector<BlockCost> blocks;
+};
+
+struct Warning {
+    std::string what, why, suggestion;
+};
+
+struct LeftOut {
+    std::string what, why;
+};
+
+struct Provenance {
+    std::string version, commit, compiler, flags, instruction_set, host_cpu, date;
+    int threads = 1;
+};
+
+/// The version, commit, compiler and host of this process, and the time now (UTC, ISO 8601).
+Provenance current_provenance();
+
+struct SceneId {
+    std::string name, file, sha256;
+};
+
+struct RunRecord {
+    static constexpr int schema = 1;
+
+    SceneId scene;
+    std::vector<Input> inputs;
+    std::string fidelity;
+    RunStatus status;
+    std::vector<Metric> metrics;
+    std::optional<EnergyLedger> energy;
+    Cost cost;
+    std::vector<Warning> warnings;
+    std::vector<LeftOut> left_out;
+    Provenance provenance;
+    std::vector<Channel> channels;
+    std::vector<Event> events;
+
+    /// The value of a metric, or nothing when its physics was left out.
+    std::optional<double> metric(std::string_view key) const;
+    const Metric* find_metric(std::string_view key) const;
+    const Input* find_input(std::string_view key) const;
+    const Channel* find_channel(std::string_view name) const;
+    const Event* find_event(std::string_view name) const;
+
+    /// Adds a metric, or replaces the one of that key.
+    void add_metric(std::string key, double value, Standing standing = Standing::result,
+                    std::string note = {});
+};
+
+}  // namespace twinchute

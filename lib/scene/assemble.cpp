@@ -1,0 +1,197 @@
+#include "lib/scene/assemble.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "lib/math/vec.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/nearest.hpp"
+
+namespace twinchute {
+namespace {
+
+/// Materials as a scene names them, each file read once a key.
+class Materials {
+public:
+    Materials(const Values& values, const std::filesystem::path& directory, std::vector<Input>& inputs)
+        : values_(values), directory_(directory), inputs_(inputs) {}
+
+    Fabric fabric(const std::string& key) {
+        const Values m = read(key, {fabric_keys(), "fabric.", InputOrigin::design, key});
+        return {values_.word(key), m.number("fabric.density"), m.number("fabric.youngs_modulus"),
+                m.number("fabric.poisson_ratio"), m.number("fabric.thickness")};
+    }
+
+    Cord cord(const std::string& key) {
+        const Values m = read(key, {cord_keys(), "cord.", InputOrigin::design, key});
+        return {values_.word(key), m.number("cord.density"), m.number("cord.youngs_modulus"),
+                m.number("cord.diameter")};
+    }
+
+private:
+    /// Reads the file that a key names; its values become inputs below that key.
+    Values read(const std::string& key, const DocumentKind& kind) {
+        const auto file = data_file("materials", values_.word(key), key, values_.place(key), directory_);
+        Values values(read_document(read_text_file(file), file.string(), kind), kind);
+        for (Input input : values.inputs()) {
+            input.key = key + "." + input.key.substr(kind.prefix.size());
+            if (!input.key.ends_with(".kind")) inputs_.push_back(std::move(input));
+        }
+        return values;
+    }
+
+    const Values& values_;
+    const std::filesystem::path& directory_;
+    std::vector<Input>& inputs_;
+};
+
+Environment environment(const Values& v) {
+    Environment e;
+    e.atmosphere.model = find_atmosphere(v.word("environment.atmosphere.model"));
+    if (v.given("environment.atmosphere.density"))
+        e.atmosphere.constant_density = v.number("environment.atmosphere.density");
+    e.gravity = v.number("environment.gravity");
+    e.ground = v.number("environment.ground");
+    return e;
+}
+
+Release release(const Values& v, double ground) {
+    Release r;
+    r.altitude =
+        v.given("release.altitude") ? v.number("release.altitude") : ground + v.number("release.height");
+    // The air is at rest: over ground and relative to the air are the same.
+    r.speed = v.number(v.given("release.speed") ? "release.speed" : "release.airspeed");
+    if (v.given("release.path_angle")) {
+        r.path_angle = v.number("release.path_angle");
+    } else if (r.speed > 0.0) {
+        const bool over_ground = v.given("release.speed");
+        throw SceneError(v.place(over_ground ? "release.speed" : "release.airspeed"), "release.path_angle",
+                         "is missing", "a speed needs a direction",
+                         "add e.g. path_angle = \"90 deg\" for straight down");
+    } else {
+        r.path_angle = 0.5 * pi;
+    }
+    r.heading = v.number("release.heading");
+    return r;
+}
+
+FillTime fill_time(const Values& v) {
+    FillTime f;
+    f.model = find_fill_time(v.word("parachute.fill_time.model"));
+    if (v.given("parachute.fill_time.n")) {
+        f.n = v.number("parachute.fill_time.n");
+        f.density_exponent = v.number("parachute.fill_time.density_exponent");
+    }
+    if (v.given("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
+    return f;
+}
+
+Parachute parachute(const Values& v, Materials& materials) {
+    Parachute p;
+    p.name = v.word("parachute.name");
+    p.nominal_diameter = v.number("parachute.nominal_diameter");
+    p.drag_area = v.given("parachute.drag_area") ? v.number("parachute.drag_area")
+                                                 : v.number("parachute.drag_coefficient") * 0.25 * pi *
+                                                       p.nominal_diameter * p.nominal_diameter;
+    p.projected_diameter_ratio = v.number("parachute.projected_diameter_ratio");
+    p.mass = v.number("parachute.mass");
+    p.gores = static_cast<int>(v.integer("parachute.gores"));
+    p.vent_diameter = v.number("parachute.vent_diameter");
+    p.line_length = v.number("parachute.line_length");
+    p.riser_length = v.number("parachute.riser_length");
+    p.risers = static_cast<int>(v.integer("parachute.risers"));
+    p.fabric = materials.fabric("parachute.fabric");
+    p.line = materials.cord("parachute.line");
+    p.tapes.radial = materials.cord("parachute.tapes.radial");
+    p.tapes.skirt = materials.cord("parachute.tapes.skirt");
+    p.tapes.vent = materials.cord("parachute.tapes.vent");
+
+    p.deploy_by = DeployBy::line_stretch;  // the only word that the table knows
+    p.fill_time = fill_time(v);
+    p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
+    p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
+    p.initial_phase.transit = v.is_word("parachute.initial_phase");
+    if (!p.initial_phase.transit) p.initial_phase.seconds = v.number("parachute.initial_phase");
+    return p;
+}
+
+Aerodynamics aerodynamics(const Values& v) {
+    Aerodynamics a;
+    if (v.has_table("aerodynamics.added_mass"))
+        a.added_mass = {find_added_mass(v.word("aerodynamics.added_mass.model")),
+                        AddedMassMomentum::inertia_only};
+    if (v.has_table("aerodynamics.line_drag")) a.line_drag = LineDrag{};
+    if (v.has_table("aerodynamics.breathing_damping"))
+        a.breathing_damping = v.number("aerodynamics.breathing_damping.k");
+    a.radial_pressure = v.number("aerodynamics.radial_pressure");
+    return a;
+}
+
+Trigger stop(const Values& v) {
+    Trigger t;
+    if (v.given("stop.time")) {
+        t.kind = Trigger::Kind::time;
+        t.value = v.number("stop.time");
+    } else {
+        t.kind = v.word("stop.at") == "ground" ? Trigger::Kind::ground : Trigger::Kind::steady_descent;
+    }
+    t.delay = v.number("stop.delay");
+    return t;
+}
+
+FullSettings full(const Values& v) {
+    FullSettings f;
+    f.mesh.gore_columns = static_cast<int>(v.integer("full.mesh.gore_columns"));
+    f.mesh.gore_rows = static_cast<int>(v.integer("full.mesh.gore_rows"));
+    f.mesh.line_elements = static_cast<int>(v.integer("full.mesh.line_elements"));
+    f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
+    f.alpha = v.number("full.alpha");
+    f.bulk_viscosity = v.number("full.bulk_viscosity");
+    f.time_step_factor = v.number("full.time_step_factor");
+    f.strain_limit = v.number("full.strain_limit");
+    f.output_rate = v.number("full.output_rate");
+    if (v.has_table("full.noise"))
+        f.noise = {v.number("full.noise.amplitude"),
+                   static_cast<std::uint64_t>(v.integer("full.noise.seed"))};
+    return f;
+}
+
+}  // namespace
+
+Scene assemble_scene(const Values& v, const std::filesystem::path& directory) {
+    Scene scene;
+    scene.name = v.word("name");
+    scene.inputs = v.inputs();
+    Materials materials(v, directory, scene.inputs);
+    scene.environment = environment(v);
+    scene.payload.mass = v.number("payload.mass");
+    if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
+    scene.release = release(v, scene.environment.ground);
+    scene.parachutes.push_back(parachute(v, materials));
+    scene.aerodynamics = aerodynamics(v);
+    scene.stop = stop(v);
+    scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
+    scene.full = full(v);
+    scene.tolerances = v.tolerances();
+    return scene;
+}
+
+std::filesystem::path data_file(std::string_view folder, const std::string& name, std::string_view key,
+                                const SourcePlace& place, const std::filesystem::path& directory) {
+    if (!is_data_name(name))
+        throw SceneError(place, std::string(key), fmt::format("'{}' is not the name of a data file", name),
+                         "letters, digits, '-', '_' and '.' only",
+                         fmt::format("write the name of a file in {}/ without .toml", folder));
+    if (auto file = find_data_file(folder, name, directory)) return *file;
+    const std::vector<std::string> names = data_names(folder, directory);
+    std::vector<std::string> places;
+    for (const auto& where : data_directories(directory))
+        places.push_back((where / folder).string());
+    throw SceneError(place, std::string(key), fmt::format("there is no {}/{}.toml", folder, name),
+                     fmt::format("looked in {}", fmt::join(places, ", ")),
+                     suggest(name, {names.begin(), names.end()}));
+}
+
+}  // namespace twinchute

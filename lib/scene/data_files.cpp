@@ -1,0 +1,111 @@
+#include "lib/scene/data_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <system_error>
+
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t largest_file = 4u << 20;  ///< [bytes]
+
+bool is_name_character(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_' || c == '.';
+}
+
+fs::path file_name(std::string_view name) {
+    return std::string(name) + ".toml";
+}
+
+}  // namespace
+
+std::vector<fs::path> data_directories(const fs::path& scene_directory) {
+    std::vector<fs::path> places{scene_directory.empty() ? fs::path(".") : scene_directory};
+    if (const char* data = std::getenv("TWINCHUTE_DATA"); data && *data) places.emplace_back(data);
+#ifdef TWINCHUTE_INSTALL_DATA
+    places.emplace_back(TWINCHUTE_INSTALL_DATA);
+#endif
+#ifdef TWINCHUTE_SOURCE_DATA
+    places.emplace_back(TWINCHUTE_SOURCE_DATA);
+#endif
+    return places;
+}
+
+bool is_data_name(std::string_view name) {
+    return !name.empty() && name.front() != '.' && std::ranges::all_of(name, is_name_character);
+}
+
+std::optional<fs::path> find_data_file(std::string_view folder, std::string_view name,
+                                       const fs::path& scene_directory) {
+    if (!is_data_name(name)) return std::nullopt;
+    for (const fs::path& place : data_directories(scene_directory)) {
+        fs::path file = place / folder / file_name(name);
+        std::error_code error;
+        if (fs::is_regular_file(file, error)) return file;
+    }
+    return std::nullopt;
+}
+
+std::vector<std::string> data_names(std::string_view folder, const fs::path& scene_directory) {
+    std::set<std::string> names;
+    for (const fs::path& place : data_directories(scene_directory)) {
+        std::error_code error;
+        fs::directory_iterator entry(place / folder, error);
+        while (!error && entry != fs::directory_iterator()) {
+            const std::string stem = entry->path().stem().string();
+            if (entry->path().extension() == ".toml" && is_data_name(stem)) names.insert(stem);
+            entry.increment(error);
+        }
+    }
+    return {names.begin(), names.end()};
+}
+
+std::string file_stem_of(std::string_view name) {
+    std::string stem;
+    for (const char c : name) {
+        if (is_name_character(c)) {
+            if (!stem.empty() || (c != '.' && c != '-')) stem += c;
+        } else if (!stem.empty() && stem.back() != '-') {
+            stem += '-';
+        }
+    }
+    stem.resize(std::min<std::size_t>(stem.size(), 80));
+    while (!stem.empty() && (stem.back() == '-' || stem.back() == '.'))
+        stem.pop_back();
+    return stem.empty() ? "scene" : stem;
+}
+
+std::string read_text_file(const fs::path& file) {
+    const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
+        return SceneError({file.string(), 0, 0}, "", problem, why, hint);
+    };
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status)) throw refuse("no such file", "", "check the path");
+    if (fs::is_directory(status)) throw refuse("is a directory", "a file is wanted", "name the file in it");
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    std::string text, chunk(1 << 16, '\0');
+    do {  // bounded: a device has no size and no end
+        stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+        text.append(chunk, 0, static_cast<std::size_t>(stream.gcount()));
+    } while (stream && text.size() <= largest_file);
+    if (stream.bad() || !stream.is_open())
+        throw refuse("cannot be read", errno ? std::strerror(errno) : "", "check its permissions");
+    if (text.size() > largest_file)
+        throw refuse("is too large", fmt::format("more than {} MiB", largest_file >> 20), "is it a scene?");
+    return text;
+}
+
+}  // namespace twinchute

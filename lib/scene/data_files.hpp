@@ -1,0 +1,35 @@
+// Where designs, materials and scenes lie: beside the scene, in $TWINCHUTE_DATA, installed, in the source.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace twinchute {
+
+/// Directories in the order in which they are searched; each may hold parachutes/, materials/, ...
+std::vector<std::filesystem::path> data_directories(const std::filesystem::path& scene_directory);
+
+/// FOLDER/NAME.toml in the first directory that has it. `name` must be a plain name, see is_data_name.
+std::optional<std::filesystem::path> find_data_file(std::string_view folder, std::string_view name,
+                                                    const std::filesystem::path& scene_directory);
+
+/// Every name that find_data_file would find in a folder, sorted, each once.
+std::vector<std::string> data_names(std::string_view folder,
+                                    const std::filesystem::path& scene_directory = {});
+
+/// Letters, digits, '-', '_' and '.', not starting with a '.': it cannot leave its folder.
+bool is_data_name(std::string_view name);
+
+/// A name that is safe as a file or directory name on any system, for a scene's name or any other
+/// text: letters, digits, '-', '_' and '.' are kept, runs of anything else become one '-', at most
+/// 80 bytes; "scene" when nothing is left.
+std::string file_stem_of(std::string_view name);
+
+/// The whole file. Throws SceneError (place: the file as given) when it is not a readable regular
+/// file or larger than a scene can be.
+std::string read_text_file(const std::filesystem::path& file);
+
+}  // namespace twinchute

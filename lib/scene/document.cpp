@@ -1,0 +1,333 @@
+#include "lib/scene/document.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "lib/scene/nearest.hpp"
+
+namespace twinchute {
+namespace {
+
+const std::string override_file = "--set";
+
+SourcePlace place_of(const std::string& file, const toml::source_region& region) {
+    if (file == override_file) return {file, 0, 0};
+    return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+}
+
+std::string_view parent_of(std::string_view path) {
+    const auto dot = path.rfind('.');
+    return dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
+}
+
+std::string_view last_of(std::string_view path) {
+    return path.substr(path.rfind('.') + 1);
+}
+
+std::string_view type_name(const toml::node& node) {
+    switch (node.type()) {
+        case toml::node_type::table:
+            return "a table";
+        case toml::node_type::array:
+            return "an array";
+        case toml::node_type::string:
+            return "text";
+        case toml::node_type::integer:
+            return "a whole number";
+        case toml::node_type::floating_point:
+            return "a number";
+        case toml::node_type::boolean:
+            return "true or false";
+        default:
+            return "a date or time";
+    }
+}
+
+std::string_view wanted_name(const Key& key) {
+    switch (key.kind) {
+        case KeyKind::quantity:
+            return key.unit == "1" ? "a number" : "a number in SI or a string with a unit";
+        case KeyKind::quantity_or_word:
+            return "a word or a quantity";
+        case KeyKind::integer:
+            return "a whole number";
+        case KeyKind::table:
+        case KeyKind::tolerance:
+            return "a table";
+        default:
+            return "text in quotes";
+    }
+}
+
+/// Walks the parsed tree. Children are visited in the order of the file, so that the first
+/// mistake in the file is the one reported.
+class Walk {
+public:
+    Walk(Document& document, const DocumentKind& kind) : document_(document), kind_(kind) {}
+
+    void table(const toml::table& node, const std::string& prefix) {
+        std::vector<std::pair<const toml::key*, const toml::node*>> children;
+        for (const auto& [key, child] : node)
+            children.emplace_back(&key, &child);
+        std::ranges::stable_sort(children, {}, [](const auto& child) {
+            const auto& begin = child.first->source().begin;
+            return std::pair(begin.line, begin.column);
+        });
+        for (const auto& [key, child] : children)
+            visit(*key, *child, prefix + std::string(key->str()));
+    }
+
+private:
+    [[noreturn]] void refuse(const SourcePlace& place, std::string_view path, std::string problem,
+                             std::string why, std::string hint) const {
+        throw SceneError(place, std::string(shown_path(path, kind_.prefix)), std::move(problem),
+                         std::move(why), std::move(hint));
+    }
+
+    bool is_branch(std::string_view path) const {
+        return std::ranges::any_of(kind_.keys, [&](const Key& row) {
+            return row.path.size() > path.size() && row.path.starts_with(path) &&
+                   row.path[path.size()] == '.';
+        });
+    }
+
+    void visit(const toml::key& name, const toml::node& node, const std::string& path) {
+        const SourcePlace place = place_of(document_.file, name.source());
+        // A dot inside a quoted key would look like a path.
+        const bool plain = name.str().find('.') == std::string_view::npos && !name.str().empty();
+        const Key* key = plain ? find_key(kind_.keys, path) : nullptr;
+        if (key && key->kind == KeyKind::tolerance) {
+            tolerances(*key, node, path, place);
+        } else if (key && key->kind != KeyKind::table) {
+            document_.entries.insert_or_assign(path, leaf(*key, node, path, place));
+        } else if (plain && (key || is_branch(path))) {
+            branch(node, path, place);
+        } else {
+            refuse(place, path, "unknown key", "", plain ? suggestion(path) : "write keys without quotes");
+        }
+    }
+
+    void branch(const toml::node& node, const std::string& path, const SourcePlace& place) {
+        if (path == "parachute" && document_.file != override_file) return parachutes(node, place);
+        if (path == "environment.atmosphere" && node.is_string()) {  // short for { model = "..." }
+            const Key& key = *find_key(kind_.keys, path + ".model");
+            document_.entries.insert_or_assign(path + ".model", leaf(key, node, path + ".model", place));
+            return;
+        }
+        const toml::table* inner = node.as_table();
+        if (!inner) {
+            const SourcePlace value = place_of(document_.file, node.source());
+            const std::string_view written = shown_path(path, kind_.prefix);
+            refuse(value, path, fmt::format("{} where a table belongs", type_name(node)), "",
+                   fmt::format("write [{}] with its keys below, or {} = {{ ... }}", written, last_of(path)));
+        }
+        document_.tables.insert_or_assign(path, place);
+        table(*inner, path + ".");
+    }
+
+    void parachutes(const toml::node& node, const SourcePlace& place) {
+        const toml::array* array = node.as_array();
+        if (!array || array->empty() || !array->front().is_table())
+            refuse(place, "parachute", "is not a list of tables", "a scene may have several kinds one day",
+                   "write [[parachute]] with two brackets");
+        if (array->size() > 1)
+            refuse(place_of(document_.file, (*array)[1].source()), "parachute", "a second parachute",
+                   "both models open a single parachute, clusters are not modelled",
+                   "keep one [[parachute]]");
+        document_.tables.insert_or_assign("parachute", place_of(document_.file, array->front().source()));
+        table(*array->front().as_table(), "parachute.");
+    }
+
+    void tolerances(const Key& key, const toml::node& node, const std::string& path,
+                    const SourcePlace& place) {
+        const toml::table* inner = node.as_table();
+        if (!inner)
+            refuse(place, path, fmt::format("{} where a table belongs", type_name(node)), "",
+                   "name a metric, e.g. compare.tolerance.peak_force = \"10 %\"");
+        document_.tables.insert_or_assign(path, place);
+        std::vector<std::string_view> names;
+        for (const ToleranceMetric& metric : tolerance_metrics())
+            names.push_back(metric.name);
+        for (const auto& [name, child] : *inner) {
+            const std::string child_path = path + "." + std::string(name.str());
+            const SourcePlace child_place = place_of(document_.file, name.source());
+            if (std::ranges::find(names, name.str()) == names.end())
+                refuse(child_place, child_path, "unknown metric", "", suggest(name.str(), names));
+            document_.entries.insert_or_assign(child_path, leaf(key, child, child_path, child_place));
+        }
+    }
+
+    Entry leaf(const Key& key, const toml::node& node, const std::string& path, const SourcePlace& place) {
+        Entry entry{&key, {}, place, place_of(document_.file, node.source()), {}, kind_.origin};
+        const toml::node* value = &node;
+        if (const toml::table* annotated = node.as_table()) {
+            value = annotated->get("value");
+            if (!value)
+                refuse(entry.value_place, path, "a table without a value", "",
+                       "write { value = ..., source = \"...\" }");
+            entry.value_place = place_of(document_.file, value->source());
+            entry.source = annotation(*annotated, path);
+        }
+        if (const auto text = value->value_exact<std::string>()) {
+            entry.value = *text;
+        } else if (const auto whole = value->value_exact<std::int64_t>()) {
+            entry.value = *whole;
+        } else if (const auto number = value->value_exact<double>()) {
+            entry.value = *number;
+        } else {
+            refuse(entry.value_place, path,
+                   fmt::format("{} where {} belongs", type_name(*value), wanted_name(key)), "",
+                   allowed_text(key));
+        }
+        return entry;
+    }
+
+    /// source and grade of { value = ..., source = "...", grade = "S" }.
+    std::string annotation(const toml::table& node, const std::string& path) {
+        std::string source, grade;
+        for (const auto& [name, child] : node) {
+            if (name.str() == "value") continue;
+            const SourcePlace place = place_of(document_.file, name.source());
+            const std::string child_path = path + "." + std::string(name.str());
+            if (name.str() != "source" && name.str() != "grade")
+                refuse(place, child_path, "unknown key", "", "a value may carry value, source and grade");
+            const auto text = child.value_exact<std::string>();
+            if (!text)
+                refuse(place, child_path, fmt::format("{} where text belongs", type_name(child)), "", "");
+            (name.str() == "source" ? source : grade) = *text;
+        }
+        return grade.empty() ? source : fmt::format("{} [grade {}]", source, grade);
+    }
+
+    /// The same name in another table, else the nearest here, else what there is here.
+    std::string suggestion(std::string_view path) const {
+        const std::string start(path.substr(0, path.size() - last_of(path).size()));
+        std::vector<std::string_view> siblings, elsewhere;
+        for (const Key& row : kind_.keys) {
+            if (last_of(row.path) == last_of(path)) elsewhere.push_back(shown_path(row.path, kind_.prefix));
+            if (!row.path.starts_with(start)) continue;
+            const std::string_view rest = row.path.substr(start.size());
+            const std::string_view sibling = rest.substr(0, rest.find('.'));
+            if (siblings.empty() || siblings.back() != sibling) siblings.push_back(sibling);
+        }
+        if (!elsewhere.empty() && elsewhere.size() <= 3)
+            return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
+        const std::string_view near = nearest(last_of(path), siblings);
+        if (near.empty()) return suggest(last_of(path), siblings);
+        return fmt::format("did you mean '{}'?", shown_path(start + std::string(near), kind_.prefix));
+    }
+
+    Document& document_;
+    const DocumentKind& kind_;
+};
+
+toml::table parsed(std::string_view text, const std::string& file, const std::string& key) {
+    try {
+        return toml::parse(text, std::string_view(file));
+    } catch (const toml::parse_error& error) {
+        const std::string why(error.description());
+        const bool bare = why.find("expected a comment or whitespace, saw") != std::string::npos;
+        throw SceneError(place_of(file, error.source()), key, "not valid TOML", why,
+                         bare          ? "put a value with a unit in quotes, e.g. \"5 kg\""
+                         : key.empty() ? "mend this line"
+                                       : "write key=value with the value in TOML");
+    }
+}
+
+/// The parameters of a model imply it: { density = ... } is a constant atmosphere.
+void imply_models(Document& document) {
+    std::map<std::string, Entry> implied;
+    for (const auto& [path, entry] : document.entries) {
+        const std::string model = std::string(parent_of(path)) + ".model";
+        if (entry.key->only_with.empty() || document.entries.contains(model) || implied.contains(model))
+            continue;
+        Entry& added = implied[model] = entry;
+        added.key = find_key(scene_keys(), model);
+        added.value = std::string(entry.key->only_with);
+        added.source.clear();
+    }
+    document.entries.merge(implied);
+}
+
+}  // namespace
+
+std::string_view shown_path(std::string_view path, std::string_view prefix) {
+    return path.starts_with(prefix) ? path.substr(prefix.size()) : path;
+}
+
+Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind) {
+    const toml::table root = parsed(text, file, "");
+    // A cord where a fabric is wanted would otherwise be refused for one of its other keys.
+    const auto word = root["kind"].value<std::string>();
+    const Key* row = find_key(kind.keys, kind.prefix + "kind");
+    if (row && word && *word != row->choices().front())
+        throw SceneError(place_of(file, root.get("kind")->source()), "kind",
+                         fmt::format("'{}' where {} is wanted", *word, row->choices().front()), "",
+                         fmt::format("name another file for {}", kind.asked_by));
+    Document document;
+    document.file = file;
+    Walk(document, kind).table(root, kind.prefix);
+    imply_models(document);
+    return document;
+}
+
+Document read_override(const std::string& assignment, const DocumentKind& kind) {
+    const SourcePlace place{override_file, 0, 0};
+    const auto equals = assignment.find('=');
+    std::string key = assignment.substr(0, equals), value;
+    while (key.ends_with(' '))
+        key.pop_back();
+    if (equals != std::string::npos) value = assignment.substr(equals + 1);
+    value.erase(0, value.find_first_not_of(' '));
+    const bool plain = !key.empty() && std::ranges::all_of(key, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+               c == '-' || c == '.';
+    });
+    if (equals == std::string::npos || !plain || value.empty() ||
+        value.find_first_of("\r\n") != std::string::npos)
+        throw SceneError(place, "", fmt::format("'{}' is not key=value", assignment), "",
+                         "write e.g. --set payload.mass='150 kg'");
+
+    toml::table root;
+    if (std::string_view("\"'{[").find(value.front()) != std::string_view::npos) {
+        root = parsed(key + " = " + value, override_file, key);
+    } else {
+        try {
+            root = toml::parse(key + " = " + value);
+        } catch (const toml::parse_error&) {  // as typed in a shell: payload.mass=150 kg
+            root = parsed(key + " = ''", override_file, key);
+            toml::node* node = &root;
+            while (toml::table* table = node->as_table())
+                node = &table->begin()->second;
+            *node->as_string() = value;
+        }
+    }
+    Document document;
+    document.file = override_file;
+    Walk(document, kind).table(root, kind.prefix);
+    imply_models(document);
+    return document;
+}
+
+void overlay(Document& lower, const Document& upper) {
+    for (const auto& [path, entry] : upper.entries) {
+        lower.entries.erase(std::string(entry.key->instead_of));
+        if (last_of(path) != "model") continue;
+        const std::string table = std::string(parent_of(path)) + ".";
+        std::erase_if(lower.entries, [&](const auto& below) {
+            const std::string_view model = below.second.key->only_with;
+            return below.first.starts_with(table) && !model.empty() &&
+                   RawValue(std::string(model)) != entry.value;
+        });
+    }
+    for (const auto& [path, entry] : upper.entries)
+        lower.entries.insert_or_assign(path, entry);
+    for (const auto& [path, place] : upper.tables)
+        lower.tables.insert_or_assign(path, place);
+}
+
+}  // namespace twinchute

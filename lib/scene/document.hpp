@@ -1,0 +1,57 @@
+// A TOML file as a flat list of known keys, each with its place. No units or ranges yet.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "lib/record/run_record.hpp"
+#include "lib/scene/keys.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute {
+
+/// What a value is before its key has had a say.
+using RawValue = std::variant<std::int64_t, double, std::string>;
+
+struct Entry {
+    const Key* key = nullptr;
+    RawValue value;
+    SourcePlace key_place, value_place;
+    std::string source;  ///< from { value = ..., source = "..." }
+    InputOrigin origin = InputOrigin::given;
+};
+
+struct Document {
+    std::string file;                           ///< for messages about what is not there
+    std::map<std::string, Entry> entries;       ///< by path, e.g. "parachute.fill_time.n"
+    std::map<std::string, SourcePlace> tables;  ///< the tables that are present
+};
+
+/// Which table of keys a file is read with.
+struct DocumentKind {
+    std::span<const Key> keys;
+    std::string prefix = {};  ///< of every key in the file: "" for a scene, "parachute." for a design
+    InputOrigin origin = InputOrigin::given;
+    std::string asked_by = {};  ///< the key that named the file, for messages
+};
+
+/// Parses TOML and matches every key with its row. Throws SceneError: not TOML, an unknown key, a
+/// table where a value belongs or the other way round.
+Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind);
+
+/// The same from one "key=value"; messages name "--set". A value that is not TOML is taken as text.
+Document read_override(const std::string& assignment, const DocumentKind& kind);
+
+/// Lays `upper` over `lower`. A key above also removes from below what cannot stand beside it: the
+/// other way to say the same (altitude and height), and parameters of another model.
+void overlay(Document& lower, const Document& upper);
+
+/// The key as it is written in a file of that kind.
+std::string_view shown_path(std::string_view path, std::string_view prefix);
+
+}  // namespace twinchute

@@ -1,0 +1,269 @@
+#include "lib/scene/keys.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+
+#include "lib/math/vec.hpp"
+#include "lib/models/added_mass.hpp"
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/drag_area.hpp"
+#include "lib/models/fill_time.hpp"
+
+namespace twinchute {
+namespace {
+
+using enum KeyKind;
+using enum KeyNeed;
+using enum KeyUser;
+using Words = std::vector<std::string_view>;
+
+constexpr KeyRange above(double low, double high) {
+    return {low, high, true, false};
+}
+constexpr KeyRange from(double low, double high) {
+    return {low, high, false, false};
+}
+constexpr KeyRange below(double low, double high) {
+    return {low, high, false, true};
+}
+
+Words names_of(const auto& rows) {
+    Words names;
+    for (const auto& row : rows)
+        names.push_back(row.name);
+    return names;
+}
+
+// Choices come from the tables that run, so that a new row is known here at once.
+Words atmospheres() {
+    return names_of(atmosphere_models());
+}
+Words fill_times() {
+    return names_of(fill_time_models());
+}
+Words laws() {
+    return names_of(drag_area_laws());
+}
+Words added_masses() {
+    return names_of(added_mass_models());
+}
+Words momentums() {
+    return {"inertia-only"};
+}
+Words line_drags() {
+    return {"cylinder"};
+}
+Words deployments() {
+    return {"line-stretch"};
+}
+Words stops() {
+    return {"steady-descent", "ground"};
+}
+Words phases() {
+    return {"transit"};
+}
+Words methods() {
+    return {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince"};
+}
+Words fabrics() {
+    return {"fabric"};
+}
+Words cords() {
+    return {"cord"};
+}
+
+// clang-format off
+constexpr Key scene_rows[] = {
+    {.path = "schema", .kind = integer, .range = from(1, 1), .meaning = "version of this list of keys"},
+    {.path = "name", .kind = text, .meaning = "what the scene is called in tables and reports"},
+
+    {.path = "environment.atmosphere.model", .kind = word, .need = defaulted, .fallback = "us76", .choices = atmospheres,
+     .meaning = "the air; atmosphere = \"us76\" is short for it", .source = "US Standard Atmosphere 1976"},
+    {.path = "environment.atmosphere.density", .unit = "kg/m^3", .range = above(0, 100), .only_with = "constant",
+     .meaning = "uniform density; makes the model \"constant\""},
+    {.path = "environment.gravity", .unit = "m/s^2", .need = defaulted, .fallback = "9.80665", .range = above(0, 100),
+     .meaning = "downward acceleration", .source = "standard gravity, ISO 80000-3"},
+    {.path = "environment.ground", .unit = "m", .need = defaulted, .fallback = "0", .range = from(-1000, 80000),
+     .meaning = "elevation of the ground above sea level"},
+
+    {.path = "payload.mass", .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
+    {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
+
+    {.path = "release.altitude", .unit = "m", .range = from(-5000, 86000), .instead_of = "release.height",
+     .meaning = "of the payload above sea level"},
+    {.path = "release.height", .unit = "m", .range = above(0, 86000), .instead_of = "release.altitude",
+     .meaning = "of the payload above ground"},
+    {.path = "release.speed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.airspeed",
+     .meaning = "over ground"},
+    {.path = "release.airspeed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.speed",
+     .meaning = "relative to the air, which is at rest"},
+    {.path = "release.path_angle", .unit = "rad", .need = optional, .fallback = "required when speed > 0",
+     .range = from(-pi / 2, pi / 2), .meaning = "of the flight path below the horizon, 90 deg is straight down"},
+    {.path = "release.heading", .unit = "rad", .need = defaulted, .fallback = "1.5707963267948966",
+     .range = from(-2 * pi, 2 * pi), .meaning = "from north, clockwise; 90 deg is east"},
+
+    {.path = "parachute", .kind = table, .meaning = "[[parachute]], exactly one"},
+    {.path = "parachute.design", .kind = data_file, .need = optional, .fallback = "all keys given here", .folder = "parachutes",
+     .meaning = "a design file; keys given beside it override it"},
+    {.path = "parachute.name", .kind = text, .need = defaulted, .fallback = "main", .meaning = "what the parachute is called"},
+    {.path = "parachute.nominal_diameter", .unit = "m", .range = above(0, 200), .meaning = "D0"},
+    {.path = "parachute.drag_area", .unit = "m^2", .range = above(0, 1e5), .instead_of = "parachute.drag_coefficient",
+     .meaning = "(C_D S)_0 of the steady canopy"},
+    {.path = "parachute.drag_coefficient", .unit = "1", .range = above(0, 5), .instead_of = "parachute.drag_area",
+     .meaning = "C_D0 on the nominal area pi/4 D0^2"},
+    {.path = "parachute.projected_diameter_ratio", .unit = "1", .range = above(0, 1),
+     .meaning = "D_p/D0 of the steady canopy, sets the added mass while it fills"},
+    {.path = "parachute.mass", .unit = "kg", .range = above(0, 1e4), .user = rom,
+     .meaning = "canopy, lines and risers; the full model weighs its mesh"},
+    {.path = "parachute.gores", .kind = integer, .range = from(3, 400), .user = full, .meaning = "gores, and as many lines"},
+    {.path = "parachute.vent_diameter", .unit = "m", .range = above(0, 200), .user = full, .meaning = "of the flat pattern"},
+    {.path = "parachute.line_length", .unit = "m", .range = above(0, 1000), .user = full, .meaning = "suspension line, skirt to link"},
+    {.path = "parachute.riser_length", .unit = "m", .range = above(0, 1000), .user = full, .meaning = "link to confluence"},
+    {.path = "parachute.risers", .kind = integer, .range = from(1, 400), .user = full, .meaning = "links; a divisor of gores"},
+    {.path = "parachute.fabric", .kind = data_file, .folder = "materials", .user = full, .meaning = "canopy fabric"},
+    {.path = "parachute.line", .kind = data_file, .folder = "materials", .user = full, .meaning = "suspension line and riser cord"},
+    {.path = "parachute.tapes.radial", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
+    {.path = "parachute.tapes.skirt", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the skirt"},
+    {.path = "parachute.tapes.vent", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.deploy.by", .kind = word, .choices = deployments,
+     .meaning = "how it leaves its pack; line-stretch: the scene starts with lines and canopy drawn out"},
+    {.path = "parachute.fill_time.model", .kind = word, .need = defaulted, .fallback = "fill-constant", .choices = fill_times,
+     .meaning = "time from snatch to full drag area", .source = "paper Eq. 13"},
+    {.path = "parachute.fill_time.n", .unit = "1", .range = above(0, 200), .only_with = "fill-constant",
+     .meaning = "fill constant: t_f = n D0/v_s", .source = "paper Eq. 13; Knacke NWC TP 6575, Table 5-6"},
+    {.path = "parachute.fill_time.density_exponent", .unit = "1", .need = defaulted, .fallback = "0", .range = from(-5, 5),
+     .only_with = "fill-constant", .meaning = "k of the altitude correction (rho/rho_0)^k", .source = "paper 5.2 (0.8 there)"},
+    {.path = "parachute.fill_time.time", .unit = "s", .range = above(0, 1000), .only_with = "given", .meaning = "the filling time itself"},
+    {.path = "parachute.drag_area_law", .kind = word, .need = defaulted, .fallback = "ludtke", .choices = laws,
+     .meaning = "growth of the drag area", .source = "paper Eqs 14-15"},
+    {.path = "parachute.initial_drag_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.04", .range = below(0, 1),
+     .meaning = "(C_D S)_i/(C_D S)_0 = eta^2; dominates the peak force", .source = "assumption of this toolkit, eta = 0.2"},
+    {.path = "parachute.initial_phase", .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
+     .range = from(0, 1000), .choices = phases, .meaning = "t_i from snatch to the rise of the drag area; transit: 0.5 D0/v_s",
+     .source = "paper 3.2.2"},
+
+    {.path = "aerodynamics.added_mass", .kind = table, .need = optional, .meaning = "air that moves with the canopy"},
+    {.path = "aerodynamics.added_mass.model", .kind = word, .need = defaulted, .fallback = "hemisphere", .choices = added_masses,
+     .meaning = "volume of that air", .source = "paper Eqs 16 and 18"},
+    {.path = "aerodynamics.added_mass.momentum", .kind = word, .need = defaulted, .fallback = "inertia-only", .choices = momentums,
+     .meaning = "what becomes of the momentum of air that joins", .source = "paper 3.3"},
+    {.path = "aerodynamics.line_drag", .kind = table, .need = optional, .user = full, .meaning = "drag of the suspension lines"},
+    {.path = "aerodynamics.line_drag.model", .kind = word, .need = defaulted, .fallback = "cylinder", .choices = line_drags,
+     .user = full, .meaning = "cross-flow drag against Reynolds number", .source = "paper Eq. 10; Wieselsberger"},
+    {.path = "aerodynamics.breathing_damping", .kind = table, .need = optional, .user = full,
+     .meaning = "air resists fabric that moves relative to the canopy"},
+    {.path = "aerodynamics.breathing_damping.k", .unit = "1", .need = defaulted, .fallback = "0.5", .range = from(0, 100),
+     .user = full, .meaning = "its coefficient", .source = "assumption of this toolkit; 0.2 to 2 give the same peak"},
+    {.path = "aerodynamics.radial_pressure", .unit = "1", .need = defaulted, .fallback = "0.8", .range = from(0, 5), .user = full,
+     .meaning = "phi(t_f) of Eq. 12", .source = "gives the paper's steady shape; the paper prints 0.5"},
+
+    {.path = "stop.at", .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = stops, .instead_of = "stop.time",
+     .meaning = "the event that ends the run"},
+    {.path = "stop.time", .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000), .instead_of = "stop.at",
+     .meaning = "since release"},
+    {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
+
+    {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "dormand-prince", .choices = methods, .user = rom,
+     .meaning = "embedded Runge-Kutta pair", .source = "SUNDIALS ARKODE"},
+    {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
+     .meaning = "relative tolerance of position and velocity"},
+
+    {.path = "full.mesh.gore_columns", .kind = integer, .need = defaulted, .fallback = "2", .range = from(1, 64), .user = full,
+     .meaning = "elements across a gore"},
+    {.path = "full.mesh.gore_rows", .kind = integer, .need = defaulted, .fallback = "17", .range = from(2, 1000), .user = full,
+     .meaning = "elements from vent to skirt", .source = "about the paper's 1932 triangles on 28 gores"},
+    {.path = "full.mesh.line_elements", .kind = integer, .need = defaulted, .fallback = "31", .range = from(1, 2000), .user = full,
+     .meaning = "cables a suspension line", .source = "about the paper's 1461 cables on 28 gores"},
+    {.path = "full.mesh.riser_elements", .kind = integer, .need = defaulted, .fallback = "5", .range = from(1, 2000), .user = full,
+     .meaning = "cables a riser"},
+    {.path = "full.alpha", .unit = "1/s", .need = defaulted, .fallback = "0", .range = from(0, 1e4), .user = full,
+     .meaning = "mass-proportional damping about the mean motion"},
+    {.path = "full.bulk_viscosity", .unit = "1", .need = defaulted, .fallback = "0.06", .range = from(0, 2), .user = full,
+     .meaning = "b1 of the cables", .source = "paper Eq. 3"},
+    {.path = "full.time_step_factor", .unit = "1", .need = defaulted, .fallback = "0.8", .range = above(0, 4), .user = full,
+     .meaning = "share of the bound on the stable step; above 1 is for tests of stability"},
+    {.path = "full.strain_limit", .unit = "1", .need = defaulted, .fallback = "0.5", .range = above(0, 10), .user = full,
+     .meaning = "a run that strains an element further ends", .source = "nylon cord breaks at about 0.3"},
+    {.path = "full.output_rate", .unit = "1/s", .need = defaulted, .fallback = "200", .range = above(0, 1e5), .user = full,
+     .meaning = "rows of the history per second"},
+    {.path = "full.noise", .kind = table, .need = optional, .user = full, .meaning = "initial disturbance of the canopy nodes"},
+    {.path = "full.noise.amplitude", .unit = "m", .range = from(0, 1), .user = full, .meaning = "half edge of the cube it is drawn from"},
+    {.path = "full.noise.seed", .kind = integer, .need = defaulted, .fallback = "1", .range = from(0, 9e15), .user = full,
+     .meaning = "of the random numbers"},
+
+    {.path = "compare.tolerance", .kind = tolerance, .need = optional, .range = from(0, 1e12), .user = compare,
+     .meaning = "by metric: \"10 %\" of the full model, or a value in the metric's unit"},
+};
+
+constexpr Key material_rows[] = {
+    {.path = "fabric.kind", .kind = word, .choices = fabrics, .user = full, .meaning = "\"fabric\""},
+    {.path = "fabric.density", .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the material"},
+    {.path = "fabric.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in both directions"},
+    {.path = "fabric.poisson_ratio", .unit = "1", .range = below(0, 0.5), .user = full, .meaning = "in the plane"},
+    {.path = "fabric.thickness", .unit = "m", .range = above(0, 0.1), .user = full, .meaning = "of the sheet"},
+    {.path = "cord.kind", .kind = word, .choices = cords, .user = full, .meaning = "\"cord\""},
+    {.path = "cord.density", .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the solid round section"},
+    {.path = "cord.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in tension"},
+    {.path = "cord.diameter", .unit = "m", .range = above(0, 1), .user = full, .meaning = "of that section, and what the air sees"},
+};
+
+constexpr ToleranceMetric metric_rows[] = {
+    {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
+    {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
+    {"opening_shock_coefficient", "1"}, {"impulse", "N s"}, {"max_deceleration", "g0"},
+    {"descent_rate", "m/s"}, {"descent_altitude", "m"}, {"altitude_loss", "m"}, {"flight_time", "s"},
+    {"landing_east", "m"}, {"landing_north", "m"}, {"projected_diameter_ratio", "1"},
+    {"seam_diameter_ratio", "1"}, {"canopy_depth_ratio", "1"}, {"signed_area_ratio", "1"},
+    {"max_line_tension", "N"}, {"max_membrane_stress", "N/m"},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Key> scene_keys() {
+    return scene_rows;
+}
+
+std::span<const Key> design_keys() {
+    static const std::vector<Key> rows = [] {
+        std::vector<Key> chosen;
+        for (const Key& row : scene_rows)
+            if (row.path.starts_with("parachute.") && row.path != "parachute.design" &&
+                !row.path.starts_with("parachute.deploy."))
+                chosen.push_back(row);
+        return chosen;
+    }();
+    return rows;
+}
+
+std::span<const Key> material_keys() {
+    return material_rows;
+}
+
+std::span<const Key> fabric_keys() {
+    const auto split = std::ranges::find(material_rows, "cord.kind", &Key::path);
+    return {std::begin(material_rows), split};
+}
+
+std::span<const Key> cord_keys() {
+    return material_keys().subspan(fabric_keys().size());
+}
+std::span<const ToleranceMetric> tolerance_metrics() {
+    return metric_rows;
+}
+
+const Key* find_key(std::span<const Key> keys, std::string_view path) {
+    const auto row = std::ranges::find(keys, path, &Key::path);
+    return row == keys.end() ? nullptr : &*row;
+}
+
+double plain_number(std::string_view fallback) {
+    double value = std::nan("");
+    std::from_chars(fallback.data(), fallback.data() + fallback.size(), value);
+    assert(std::isfinite(value));
+    return value;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,109 @@
+// The one table of what a scene may say. It serves the reader, `twinchute list keys` and the docs.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace twinchute {
+
+enum class KeyKind {
+    quantity,          ///< a number in SI, or a string with a unit
+    quantity_or_word,  ///< the same, or one of `choices`
+    integer,           ///< a whole number
+    word,              ///< one of `choices`
+    text,              ///< any text, not empty
+    data_file,         ///< the name of a file in `folder` of the data, without .toml
+    tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
+    table              ///< physics that is left out when its table is absent
+};
+
+enum class KeyNeed {
+    required,   ///< by every scene that has the table it stands in
+    defaulted,  ///< absent: `fallback`
+    optional    ///< absent: left out
+};
+
+/// Who reads it.
+enum class KeyUser { both, rom, full, compare };
+
+/// From low to high, in SI. Everything but +-infinity is allowed by default.
+struct KeyRange {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool above_low = false;   ///< low itself is out
+    bool below_high = false;  ///< high itself is out
+
+    bool contains(double value) const {
+        return (above_low ? value > low : value >= low) && (below_high ? value < high : value <= high);
+    }
+};
+
+struct Key {
+    std::string_view path;  ///< e.g. "parachute.fill_time.n"; [[parachute]] counts as a table
+    KeyKind kind = KeyKind::quantity;
+    std::string_view unit = {};  ///< SI; "1" for ratios, empty for words and whole numbers
+    KeyNeed need = KeyNeed::required;
+    std::string_view fallback = {};  ///< in SI, or a word
+    KeyRange range = {};
+    std::vector<std::string_view> (*choices)() = nullptr;
+    std::string_view folder = {};      ///< of a data_file
+    std::string_view instead_of = {};  ///< exactly one of this key and that one is given
+    std::string_view only_with = {};   ///< used only with this value of the `model` beside it
+    KeyUser user = KeyUser::both;
+    std::string_view meaning = {};
+    std::string_view source = {};  ///< of the definition or of the default
+
+    /// A whole number or a quantity, as opposed to words.
+    bool is_number() const { return kind == KeyKind::quantity || kind == KeyKind::integer; }
+    /// The unit to write to a record: empty for ratios.
+    std::string_view record_unit() const { return unit == "1" ? std::string_view{} : unit; }
+};
+
+/// Keys of a scene.
+std::span<const Key> scene_keys();
+
+/// Keys of a design file, written there without "parachute.": what belongs to the parachute
+/// whatever the scene. The same rows, in a table of their own.
+std::span<const Key> design_keys();
+
+/// Keys of a material file, written there without "fabric." or "cord.".
+std::span<const Key> fabric_keys();
+std::span<const Key> cord_keys();
+std::span<const Key> material_keys();  ///< both
+
+/// The row of a path in a table of keys, or null.
+const Key* find_key(std::span<const Key> keys, std::string_view path);
+
+/// The number in a default, whatever the locale: defaults are plain SI, so that none needs a unit.
+double plain_number(std::string_view fallback);
+
+/// A metric that may carry a tolerance.
+struct ToleranceMetric {
+    std::string_view name;  ///< without its unit, e.g. "peak_force"
+    std::string_view unit;  ///< SI, "1" for ratios, "g0" for decelerations in standard gravities
+};
+
+std::span<const ToleranceMetric> tolerance_metrics();
+
+/// "required", or the default with its unit, or "left out".
+std::string default_text(const Key& key);
+
+/// "> 0", "0 to 1", one of the words, ...
+std::string range_text(const Key& key);
+
+/// "allowed: > 0 and <= 1e+06 kg", for messages.
+std::string allowed_text(const Key& key);
+
+/// "both", "rom", "full" or "compare".
+std::string_view user_name(KeyUser user);
+
+/// All keys as aligned plain text, one a line.
+std::string keys_table();
+
+/// All keys as Markdown tables, one a table of the scene.
+std::string keys_markdown();
+
+}  // namespace twinchute

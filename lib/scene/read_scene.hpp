@@ -1,0 +1,24 @@
+// From a scene file to a Scene. The only place where units and ranges are checked.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+/// Reads a scene file, with the design and material files it names.
+///
+/// Data files are looked for beside the scene, then in $TWINCHUTE_DATA, then in the installed
+/// share/twinchute (or the source tree's data/ when run from a build directory).
+/// `overrides`: "key=value" with value in TOML, e.g. "payload.mass='150 kg'", applied before validation.
+/// Throws SceneError for everything that is wrong with the input.
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// The same from text; `name` stands for the file in messages, `directory` is where it would lie.
+Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
+                      const std::vector<std::string>& overrides = {});
+
+}  // namespace twinchute

@@ -1,0 +1,148 @@
+// A scene in plain SI: what is dropped, with what, from where, through what air, until when.
+// Immutable after read_scene. Optional physics is std::optional: absent means no object, no
+// array and no branch in any inner loop; choices are enums or pointers to rows of model tables.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/models/added_mass.hpp"
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/drag_area.hpp"
+#include "lib/models/fill_time.hpp"
+#include "lib/models/material.hpp"
+#include "lib/record/run_record.hpp"
+
+namespace twinchute {
+
+struct Environment {
+    Atmosphere atmosphere;
+    double gravity = 0.0;  ///< [m/s^2], downward
+    double ground = 0.0;   ///< [m] elevation above sea level
+};
+
+struct Payload {
+    double mass = 0.0;                ///< [kg]
+    std::optional<double> drag_area;  ///< C_D S [m^2]; absent: no payload drag
+};
+
+/// The initial state of the payload.
+struct Release {
+    double altitude = 0.0;    ///< [m] above sea level
+    double speed = 0.0;       ///< [m/s] over ground
+    double path_angle = 0.0;  ///< [rad] below the horizon, in [-pi/2, pi/2]
+    double heading = 0.0;     ///< [rad] from north, clockwise
+};
+
+/// How the parachute gets out of its pack.
+enum class DeployBy { line_stretch };
+
+/// Start of the drag-area rise after snatch (paper, 3.2.2).
+struct InitialPhase {
+    bool transit = true;   ///< t_i = 0.5 D0/v_s, the air's way from skirt to apex
+    double seconds = 0.0;  ///< [s] otherwise
+};
+
+/// Materials of the reinforcements; each is a cable of the full model.
+struct Tapes {
+    Cord radial;  ///< along the gore seams
+    Cord skirt;
+    Cord vent;
+};
+
+struct Parachute {
+    std::string name;
+    double nominal_diameter = 0.0;          ///< D0 [m]
+    double drag_area = 0.0;                 ///< (C_D S)_0 [m^2]
+    double projected_diameter_ratio = 0.0;  ///< D_p/D0 of the steady canopy [-]
+    double mass = 0.0;                      ///< canopy and lines [kg]
+    int gores = 0;
+    double vent_diameter = 0.0;  ///< [m]
+    double line_length = 0.0;    ///< [m] skirt to link
+    double riser_length = 0.0;   ///< [m] link to confluence
+    int risers = 0;              ///< links; divides gores
+    Fabric fabric;
+    Cord line;
+    Tapes tapes;
+
+    DeployBy deploy_by = DeployBy::line_stretch;
+    FillTime fill_time;
+    const DragAreaLaw* drag_area_law = nullptr;
+    double initial_drag_area_ratio = 0.0;  ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
+    InitialPhase initial_phase;
+};
+
+struct LineDrag {};  ///< cylinder drag of the suspension lines (paper, Eq. 10); present or not
+
+struct Aerodynamics {
+    std::optional<AddedMassSpec> added_mass;
+    std::optional<LineDrag> line_drag;
+    std::optional<double> breathing_damping;  ///< k_b [-]
+    double radial_pressure = 0.0;             ///< phi(t_f) of Eq. 12 [-]
+};
+
+/// When something happens: exactly one condition, and a delay after it.
+struct Trigger {
+    enum class Kind { steady_descent, ground, time };
+    Kind kind = Kind::steady_descent;
+    double value = 0.0;  ///< [s] since release, for Kind::time
+    double delay = 0.0;  ///< [s] after the condition
+};
+
+struct RomSettings {
+    std::string method;  ///< a row of explicit_methods(), lib/solve/sundials.hpp
+    double rtol = 0.0;   ///< [-] relative tolerance of position and velocity
+};
+
+/// Initial disturbance of the canopy nodes: uniform in a cube of half edge `amplitude`.
+struct Noise {
+    double amplitude = 0.0;  ///< [m]
+    std::uint64_t seed = 0;
+};
+
+struct MeshCounts {
+    int gore_columns = 0;    ///< elements across a gore
+    int gore_rows = 0;       ///< elements from vent to skirt
+    int line_elements = 0;   ///< per suspension line
+    int riser_elements = 0;  ///< per riser
+};
+
+struct FullSettings {
+    MeshCounts mesh;
+    double alpha = 0.0;             ///< [1/s] mass-proportional Rayleigh damping about the mean motion
+    double bulk_viscosity = 0.0;    ///< b1 [-] (paper, Eq. 3)
+    double time_step_factor = 0.0;  ///< share of the bound on the stable step [-]
+    double strain_limit = 0.0;      ///< largest strain that a run may reach [-]
+    double output_rate = 0.0;       ///< [1/s] rows of the history
+    std::optional<Noise> noise;
+};
+
+/// How far two fidelities may be apart in one metric.
+struct Tolerance {
+    double value = 0.0;
+    bool relative = true;  ///< of the reference; otherwise in the metric's own SI unit
+};
+
+struct Scene {
+    std::string name;
+    std::filesystem::path file;
+    std::string sha256;  ///< of the scene file's bytes
+
+    Environment environment;
+    Payload payload;
+    Release release;
+    std::vector<Parachute> parachutes;  ///< exactly one for now
+    Aerodynamics aerodynamics;
+    Trigger stop;
+    RomSettings rom;
+    FullSettings full;
+    std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
+
+    std::vector<Input> inputs;  ///< every effective key, for the record
+};
+
+}  // namespace twinchute

@@ -1,0 +1,30 @@
+// The one exception that bad input throws.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace twinchute {
+
+/// Where in a file something stands; line and column count from 1, 0 means unknown.
+struct SourcePlace {
+    std::string file;
+    int line = 0;
+    int column = 0;
+};
+
+/// Bad input: what() reads "file:line:column: key: problem (why), suggestion".
+class SceneError : public std::runtime_error {
+public:
+    SceneError(SourcePlace place, std::string key, std::string problem, std::string why,
+               std::string suggestion);
+
+    const SourcePlace& place() const { return place_; }
+    const std::string& key() const { return key_; }
+
+private:
+    SourcePlace place_;
+    std::string key_;
+};
+
+}  // namespace twinchute

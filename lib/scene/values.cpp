@@ -1,0 +1,268 @@
+#include "lib/scene/values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lib/scene/nearest.hpp"
+#include "lib/scene/units.hpp"
+
+namespace twinchute {
+namespace {
+
+std::string with_unit(double value, const Key& key) {
+    const bool bare = key.record_unit().empty();
+    return bare ? fmt::format("{}", value) : fmt::format("{} {}", value, key.unit);
+}
+
+}  // namespace
+
+Values::Values(const Document& document, const DocumentKind& kind)
+    : kind_(kind), file_(document.file), tables_(document.tables) {
+    // In the order of the file, overrides (line 0) first.
+    std::vector<const std::pair<const std::string, Entry>*> entries;
+    for (const auto& item : document.entries)
+        entries.push_back(&item);
+    std::ranges::stable_sort(entries, {}, [](const auto* item) {
+        return std::pair(item->second.key_place.line, item->second.key_place.column);
+    });
+    for (const auto* item : entries) {
+        const auto& [path, entry] = *item;
+        if (entry.key->kind == KeyKind::tolerance)
+            read_tolerance(path, entry);
+        else
+            values_.emplace(path, checked(path, entry));
+    }
+    // `model` first, since it decides which other keys are active.
+    for (const bool models : {true, false})
+        for (const Key& key : kind_.keys)
+            if (key.path.ends_with(".model") == models) fill_in(key);
+    for (const auto* item : entries) {
+        const auto& [path, entry] = *item;
+        if (entry.key->only_with.empty() || is_active(*entry.key)) continue;
+        const std::string model = path.substr(0, path.rfind('.')) + ".model";
+        refuse(entry.key_place, path, "is not used",
+               fmt::format("{} is '{}'", shown_path(model, kind_.prefix), word(model)),
+               fmt::format("take it out or write model = \"{}\"", entry.key->only_with));
+    }
+}
+
+void Values::refuse(const SourcePlace& place, std::string_view path, std::string problem, std::string why,
+                    std::string hint) const {
+    throw SceneError(place, std::string(shown_path(path, kind_.prefix)), std::move(problem), std::move(why),
+                     std::move(hint));
+}
+
+/// A number in SI, in range.
+double Values::checked_number(const std::string& path, const Entry& entry) const {
+    const Key& key = *entry.key;
+    double value = 0.0;
+    if (const auto* text = std::get_if<std::string>(&entry.value)) {
+        try {
+            value = to_si(*text, key.unit);
+        } catch (const UnitError& error) {
+            refuse(entry.value_place, path, error.problem(), error.why(), error.suggestion());
+        }
+    } else if (const auto* whole = std::get_if<std::int64_t>(&entry.value)) {
+        value = static_cast<double>(*whole);
+    } else {
+        value = std::get<double>(entry.value);
+    }
+    if (!std::isfinite(value))
+        refuse(entry.value_place, path, "is not a finite number", "", "write a finite number");
+    if (!key.range.contains(value)) {
+        const auto* text = std::get_if<std::string>(&entry.value);
+        refuse(entry.value_place, path,
+               fmt::format("{} is out of range", text ? *text : with_unit(value, key)), allowed_text(key),
+               "correct the value or its unit");
+    }
+    return value;
+}
+
+Values::Value Values::checked(const std::string& path, const Entry& entry) const {
+    const Key& key = *entry.key;
+    Value value{&key, {}, entry.value_place, entry.source, entry.origin};
+    const auto* text = std::get_if<std::string>(&entry.value);
+    const auto* whole = std::get_if<std::int64_t>(&entry.value);
+    const auto wrong_type = [&](std::string_view wanted) {
+        const std::string found = text    ? fmt::format("the text '{}'", *text)
+                                  : whole ? fmt::format("the number {}", *whole)
+                                          : fmt::format("the number {}", std::get<double>(entry.value));
+        refuse(entry.value_place, path, fmt::format("{} where {} belongs", found, wanted), "",
+               allowed_text(key));
+    };
+    const std::vector<std::string_view> words = key.choices ? key.choices() : std::vector<std::string_view>{};
+    const bool known = text && std::ranges::find(words, *text) != words.end();
+    switch (key.kind) {
+        case KeyKind::quantity:
+            value.value = checked_number(path, entry);
+            break;
+        case KeyKind::quantity_or_word:
+            if (known)
+                value.value = *text;
+            else if (text && text->find_first_of("0123456789") == std::string::npos)
+                refuse(entry.value_place, path, fmt::format("unknown word '{}'", *text), "",
+                       fmt::format("write {} or a quantity in {}", joined(words), key.unit));
+            else
+                value.value = checked_number(path, entry);
+            break;
+        case KeyKind::integer:
+            if (!whole) wrong_type("a whole number");
+            checked_number(path, entry);
+            value.value = *whole;
+            break;
+        case KeyKind::word:
+            if (!text) wrong_type("a word");
+            if (!known)
+                refuse(entry.value_place, path, fmt::format("unknown word '{}'", *text),
+                       fmt::format("known: {}", joined(words)),
+                       nearest(*text, words).empty() ? "" : suggest(*text, words));
+            value.value = *text;
+            break;
+        default:
+            if (!text) wrong_type("text in quotes");
+            if (text->find_first_not_of(" \t\r\n") == std::string::npos)
+                refuse(entry.value_place, path, "is empty", "", "give it a name");
+            value.value = *text;
+    }
+    return value;
+}
+
+void Values::read_tolerance(const std::string& path, const Entry& entry) {
+    const std::string name = path.substr(path.rfind('.') + 1);
+    const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
+    const auto* text = std::get_if<std::string>(&entry.value);
+    if (!text)
+        refuse(entry.value_place, path, "a tolerance without a unit",
+               "a bare number could be a share or a value",
+               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+    Tolerance tolerance;
+    tolerance.relative = text->ends_with('%') || text->ends_with("percent");
+    try {
+        tolerance.value = to_si(*text, tolerance.relative ? "1" : metric->unit);
+    } catch (const UnitError& error) {
+        refuse(entry.value_place, path, error.problem(), error.why(),
+               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+    }
+    if (!entry.key->range.contains(tolerance.value))
+        refuse(entry.value_place, path, fmt::format("{} is out of range", *text), allowed_text(*entry.key),
+               "write a tolerance that is not negative");
+    tolerances_[name] = tolerance;
+    values_.emplace(path, Value{entry.key, *text, entry.value_place, entry.source, entry.origin});
+}
+
+/// Part of physics that is present, and of the model that is chosen.
+bool Values::is_active(const Key& key) const {
+    for (const Key& row : kind_.keys)
+        if (row.kind == KeyKind::table && key.path.starts_with(std::string(row.path) + ".") &&
+            !tables_.contains(std::string(row.path)))
+            return false;
+    if (key.only_with.empty()) return true;
+    const auto model = values_.find(std::string(key.path.substr(0, key.path.rfind('.'))) + ".model");
+    return model != values_.end() && std::get<std::string>(model->second.value) == key.only_with;
+}
+
+/// Exactly one of a key and its alternative.
+void Values::require_alternatives(const Key& key) const {
+    const auto one = values_.find(key.path), other = values_.find(key.instead_of);
+    if (one != values_.end() && other != values_.end())
+        refuse(one->second.place, key.path,
+               fmt::format("stands beside {}", shown_path(key.instead_of, kind_.prefix)),
+               "both say the same thing", "keep exactly one of the two");
+}
+
+/// The default of a key that is absent, or a complaint when there is none.
+void Values::fill_in(const Key& key) {
+    if (!key.instead_of.empty()) require_alternatives(key);
+    if (key.kind == KeyKind::table) {
+        if (key.need == KeyNeed::required && !tables_.contains(std::string(key.path)))
+            refuse({file_, 1, 1}, key.path, "is missing", std::string(key.meaning),
+                   fmt::format("add a [[{}]] table", key.path));
+        return;
+    }
+    if (values_.contains(key.path) || !is_active(key)) return;
+    if (!key.instead_of.empty() && values_.contains(key.instead_of)) return;
+    if (key.need == KeyNeed::optional) return;
+    if (key.need == KeyNeed::required) {
+        // The table it should stand in, or the top of the file.
+        SourcePlace place{file_, 1, 1};
+        for (std::string table(key.path); table.find('.') != std::string::npos;) {
+            table.resize(table.rfind('.'));
+            if (const auto found = tables_.find(table); found != tables_.end()) {
+                place = found->second;
+                break;
+            }
+        }
+        const std::string unit = key.record_unit().empty() ? "" : fmt::format(", in {}", key.unit);
+        refuse(place, key.path, "is missing", fmt::format("{}{}", key.meaning, unit),
+               key.instead_of.empty()
+                   ? allowed_text(key)
+                   : fmt::format("give it or {}", shown_path(key.instead_of, kind_.prefix)));
+    }
+    Value value;
+    value.key = &key;
+    value.place = {file_, 0, 0};
+    value.source = key.source;
+    if (key.kind == KeyKind::integer)
+        value.value = static_cast<std::int64_t>(plain_number(key.fallback));
+    else if (key.kind == KeyKind::quantity)
+        value.value = plain_number(key.fallback);
+    else
+        value.value = std::string(key.fallback);
+    values_.emplace(std::string(key.path), std::move(value));
+}
+
+const Values::Value& Values::at(std::string_view path) const {
+    return values_.at(std::string(path));  // throws out_of_range for a key that is not effective
+}
+
+double Values::number(std::string_view path) const {
+    return std::get<double>(at(path).value);
+}
+std::int64_t Values::integer(std::string_view path) const {
+    return std::get<std::int64_t>(at(path).value);
+}
+const std::string& Values::word(std::string_view path) const {
+    return std::get<std::string>(at(path).value);
+}
+
+bool Values::given(std::string_view path) const {
+    const auto found = values_.find(path);
+    return found != values_.end() && found->second.origin != InputOrigin::fallback;
+}
+
+bool Values::is_word(std::string_view path) const {
+    return std::holds_alternative<std::string>(at(path).value);
+}
+
+bool Values::has_table(std::string_view path) const {
+    return tables_.contains(std::string(path));
+}
+
+SourcePlace Values::place(std::string_view path) const {
+    const auto found = values_.find(path);
+    return found == values_.end() ? SourcePlace{file_, 0, 0} : found->second.place;
+}
+
+std::vector<Input> Values::inputs() const {
+    std::vector<Input> list;
+    for (const Key& row : kind_.keys)
+        for (const auto& [path, value] : values_) {
+            if (value.key->path != row.path) continue;
+            Input input{path, {}, std::string(row.record_unit()), value.origin, value.source};
+            if (const auto* number = std::get_if<double>(&value.value)) {
+                input.value = *number;
+            } else if (const auto* whole = std::get_if<std::int64_t>(&value.value)) {
+                input.value = static_cast<double>(*whole);
+            } else {
+                input.value = std::get<std::string>(value.value);
+                input.unit.clear();
+            }
+            list.push_back(std::move(input));
+        }
+    return list;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,70 @@
+// The keys of a document with their values checked: units, ranges, words, what must be there.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "lib/record/run_record.hpp"
+#include "lib/scene/document.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+/// Every effective key of a scene or of a material file.
+class Values {
+public:
+    /// Throws SceneError for the first key, in the order of the file, that is wrong, then for one
+    /// that is missing.
+    Values(const Document& document, const DocumentKind& kind);
+
+    // The value of a key that is effective; asking for another is a programmer's mistake.
+    double number(std::string_view path) const;  ///< in SI
+    std::int64_t integer(std::string_view path) const;
+    const std::string& word(std::string_view path) const;  ///< a word, text or name of a file
+
+    /// Given, by the scene or a design: not a default.
+    bool given(std::string_view path) const;
+    /// The key holds a word and not a quantity.
+    bool is_word(std::string_view path) const;
+    /// The table of optional physics is present.
+    bool has_table(std::string_view path) const;
+
+    /// Where a key was given; the file alone for a default.
+    SourcePlace place(std::string_view path) const;
+
+    const std::map<std::string, Tolerance>& tolerances() const { return tolerances_; }
+
+    /// What the record says of the inputs, in the order of the table of keys.
+    std::vector<Input> inputs() const;
+
+private:
+    struct Value {
+        const Key* key = nullptr;
+        std::variant<double, std::int64_t, std::string> value;
+        SourcePlace place;
+        std::string source;
+        InputOrigin origin = InputOrigin::fallback;
+    };
+
+    Value checked(const std::string& path, const Entry& entry) const;
+    double checked_number(const std::string& path, const Entry& entry) const;
+    void read_tolerance(const std::string& path, const Entry& entry);
+    void require_alternatives(const Key& key) const;
+    void fill_in(const Key& key);
+    bool is_active(const Key& key) const;
+    const Value& at(std::string_view path) const;
+    [[noreturn]] void refuse(const SourcePlace& place, std::string_view path, std::string problem,
+                             std::string why, std::string hint) const;
+
+    DocumentKind kind_;
+    std::string file_;
+    std::map<std::string, SourcePlace> tables_;
+    std::map<std::string, Value, std::less<>> values_;
+    std::map<std::string, Tolerance> tolerances_;
+};
+
+}  // namespace twinchute

@@ -1,0 +1,14 @@
+#include "lib/solve/fidelity.hpp"
+
+namespace twinchute {
+
+RunRecord begin_record(const Scene& scene, std::string_view fidelity) {
+    RunRecord record;
+    record.scene = {scene.name, scene.file.string(), scene.sha256};
+    record.inputs = scene.inputs;
+    record.fidelity = fidelity;
+    record.provenance = current_provenance();
+    return record;
+}
+
+}  // namespace twinchute

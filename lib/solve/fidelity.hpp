@@ -1,0 +1,39 @@
+// What a model has to offer to be run and compared. The comparison sees rows of this table and
+// nothing else, so that a third fidelity (a CFD code, a flight-test file) is one more row.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/record/run_record.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+struct Progress {
+    std::string_view stage;  ///< e.g. "inflation"
+    double time = 0.0;       ///< [s] simulated, since release
+    double share = 0.0;      ///< [-] of the run, an estimate in 0..1
+};
+
+/// What is not physics in a run.
+struct Run {
+    std::stop_token stop;                           ///< asks for an early, clean end
+    std::function<void(const Progress&)> progress;  ///< may be empty; called now and then
+};
+
+struct Fidelity {
+    std::string_view name;   ///< directory and column name: "rom", "full"
+    std::string_view title;  ///< e.g. "reduced-order model"
+    RunRecord (*run)(const Scene&, Run&) = nullptr;
+    /// Keys of the scene whose physics this fidelity lacks; never null, usually empty.
+    std::vector<std::string> (*lacks)(const Scene&) = nullptr;
+};
+
+/// A record with everything filled in that does not depend on the run: scene, inputs, provenance.
+RunRecord begin_record(const Scene& scene, std::string_view fidelity);
+
+}  // namespace twinchute

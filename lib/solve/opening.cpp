@@ -1,0 +1,88 @@
+#include "lib/solve/opening.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace twinchute {
+
+Vec3 heading_direction(const Release& release) {
+    return {std::sin(release.heading), std::cos(release.heading), 0.0};
+}
+
+Vec3 release_velocity(const Release& release) {
+    return release.speed * (std::cos(release.path_angle) * heading_direction(release) -
+                            std::sin(release.path_angle) * Vec3::UnitZ());
+}
+
+Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density) {
+    Inflation inflation;
+    inflation.snatch = snatch;
+    inflation.initial_time =
+        chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
+    inflation.filling_time = chute.fill_time.seconds({chute.nominal_diameter, speed, density});
+    inflation.steady_drag_area = chute.drag_area;
+    inflation.eta = std::sqrt(chute.initial_drag_area_ratio);
+    inflation.law = chute.drag_area_law;
+    return inflation;
+}
+
+void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
+                         const Metric& descent) {
+    const Parachute& chute = scene.parachutes.front();
+    const double weight = scene.payload.mass * scene.environment.gravity;
+    const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
+    const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
+    const auto add = [&](const char* key, double value, Standing standing = Standing::result,
+                         const char* note = "") { record.add_metric(key, value, standing, note); };
+
+    if (scene.parachutes.front().deploy_by == DeployBy::line_stretch)
+        add("snatch_speed_m_s", r.snatch_speed, Standing::input, "line-stretch start: the release speed");
+    if (r.filling_time) record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
+    add("peak_force_N", r.peak_force);
+    add("max_force_N", r.max_force);
+    add("peak_force_ratio", r.peak_force / weight);
+    add("load_factor", r.max_force / weight);
+    add("time_to_peak_force_s", r.peak_time - r.snatch_time);
+    add("opening_shock_coefficient", r.peak_force / (pressure * area));
+    add("mass_ratio", scene.payload.mass / (r.snatch_density * std::pow(chute.nominal_diameter, 3)),
+        Standing::input, "m_l/(rho D0^3) at snatch");
+    add("froude_number",
+        r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
+        Standing::input, "v_s^2/(g D0)");
+    if (r.impulse) add("impulse_N_s", *r.impulse);
+    add("max_deceleration_g", r.max_deceleration / standard_gravity);
+    if (r.descent_rate)
+        record.add_metric("descent_rate_m_s", *r.descent_rate, descent.standing, descent.note);
+    if (r.descent_altitude) {
+        add("descent_altitude_m", *r.descent_altitude);
+        add("altitude_loss_m", scene.release.altitude - *r.descent_altitude, Standing::result,
+            "from release to steady descent");
+    }
+    if (r.landing_time) {
+        add("flight_time_s", *r.landing_time);
+        add("landing_east_m", r.end_position.x());
+        add("landing_north_m", r.end_position.y());
+    }
+}
+
+void add_scene_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double density) {
+    const Parachute& chute = scene.parachutes.front();
+    const double mass_ratio = scene.payload.mass / (density * std::pow(chute.nominal_diameter, 3));
+    if (mass_ratio > 1.0)
+        record.warnings.push_back(
+            {fmt::format("mass ratio {:.2f}", mass_ratio),
+             "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
+             "treat the peak force as a lower bound"});
+    if (inflation.initial_time > 0.15 * inflation.filling_time)
+        record.warnings.push_back({fmt::format("initial phase is {:.0f} % of the filling time",
+                                               100.0 * inflation.initial_time / inflation.filling_time),
+                                   "tests show at most 15 % (paper, 3.2.2)",
+                                   "give parachute.initial_phase a time, or a longer fill time"});
+    if (scene.payload.mass < chute.mass)
+        record.warnings.push_back({"payload lighter than its parachute",
+                                   "the two-body picture of an opening assumes the opposite",
+                                   "check payload.mass and parachute.mass"});
+}
+
+}  // namespace twinchute

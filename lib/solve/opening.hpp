@@ -1,0 +1,59 @@
+// What an opening prescribes and what it is judged by, the same for every fidelity.
+#pragma once
+
+#include <optional>
+
+#include "lib/math/vec.hpp"
+#include "lib/models/inflation.hpp"
+#include "lib/record/run_record.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+/// Velocity [m/s] and horizontal unit vector of the release; x east, y north, z up.
+Vec3 release_velocity(const Release& release);
+Vec3 heading_direction(const Release& release);
+
+/// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
+/// in air of `density` [kg/m^3].
+Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density);
+
+/// R_0 [m], radius of the steady canopy for the added mass.
+inline double steady_radius(const Parachute& chute) {
+    return 0.5 * chute.projected_diameter_ratio * chute.nominal_diameter;
+}
+
+/// A descent is steady once the mean of v sqrt(rho/rho_0) over one second differs by less than
+/// this share from that of the second before.
+inline constexpr double steady_descent_change = 0.005;
+
+/// [s] of simulated time after which a run that has not met its stop condition ends.
+inline constexpr double longest_flight = 36000.0;
+
+/// What a run found between snatch and its end. Times in [s] since release.
+struct OpeningResult {
+    double snatch_time = 0.0;
+    double snatch_speed = 0.0;           ///< [m/s] airspeed
+    double snatch_path_angle = 0.0;      ///< [rad] below the horizon
+    double snatch_density = 0.0;         ///< [kg/m^3]
+    std::optional<double> filling_time;  ///< [s] from snatch
+    double peak_force = 0.0;             ///< [N]
+    double peak_time = 0.0;
+    double max_force = 0.0;                  ///< [N]
+    std::optional<double> impulse;           ///< [N s] of the opening force, snatch to full open
+    double max_deceleration = 0.0;           ///< [m/s^2] largest |dv/dt| of the payload
+    std::optional<double> descent_rate;      ///< [m/s], only once the descent is steady
+    std::optional<double> descent_altitude;  ///< [m] where it became steady
+    std::optional<double> landing_time;
+    Vec3 end_position = Vec3::Zero();  ///< [m] of the payload at the end of the run
+};
+
+/// Adds the metrics that every fidelity reports, derived ratios included. `filling` and
+/// `descent` say how much of those two is input.
+void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
+                         const Metric& filling, const Metric& descent);
+
+/// Warnings about the scene that hold for every fidelity (M_r > 1, ...).
+void add_scene_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double density);
+
+}  // namespace twinchute

@@ -1,0 +1,76 @@
+// Explicit Runge-Kutta integration of small systems by SUNDIALS ARKODE (ERKStep).
+// This file pair is the only one that sees SUNDIALS.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace twinchute {
+
+/// A row of the table of explicit methods.
+struct ExplicitMethod {
+    std::string_view name;
+    int order;
+    std::string_view source;
+};
+
+std::span<const ExplicitMethod> explicit_methods();
+const ExplicitMethod* find_explicit_method(std::string_view name);
+
+/// One initial-value problem, advanced one internal step at a time.
+///
+/// The caller sets a stop time at every discontinuity of the right-hand side: no step reaches
+/// beyond it, and the last one ends on it exactly.
+class ErkSolver {
+public:
+    /// dy/dt = f(t, y); y and dydt have the size of the initial state.
+    using Rhs = std::function<void(double t, std::span<const double> y, std::span<double> dydt)>;
+    /// g(t, y), one value per root; a sign change of any of them ends a step.
+    using Roots = std::function<void(double t, std::span<const double> y, std::span<double> g)>;
+
+    enum class Outcome { stepped, reached_stop, found_root, failed };
+
+    /// atol: absolute tolerance of each component. Throws std::invalid_argument where ARKODE
+    /// refuses its arguments.
+    ErkSolver(const ExplicitMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
+              std::span<const double> atol);
+    ~ErkSolver();
+    ErkSolver(const ErkSolver&) = delete;
+    ErkSolver& operator=(const ErkSolver&) = delete;
+
+    /// Goes on from (t, y) as if new: the right-hand side may have changed there.
+    void restart(double t, std::span<const double> y);
+    void stop_at(double t);
+    /// Looks for sign changes of `count` functions from here on; count = 0 ends the search.
+    void watch(int count, Roots roots);
+
+    /// One step. After Outcome::failed, failure() says what ARKODE said and the state is that of
+    /// the last good step.
+    Outcome advance();
+
+    double time() const;
+    double previous_time() const;  ///< start of the last step: interpolate() holds from there
+    std::span<const double> state() const;
+    /// The dense output in [previous_time(), time()].
+    void interpolate(double t, std::span<double> y) const;
+    /// Which watched function ended the last step: its index.
+    int root() const;
+    const std::string& failure() const;
+
+    struct Statistics {
+        std::int64_t steps = 0, rhs_calls = 0, rejected = 0;
+        double dt_min = 0.0, dt_max = 0.0;  ///< [s]
+    };
+    Statistics statistics() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twinchute

@@ -1,0 +1,28 @@
+// twinchute: one parachute scene at two fidelities, and the gap between them.
+#include <array>
+#include <vector>
+
+#include "compare/metrics.hpp"
+#include "compare/verb.hpp"
+#include "fullsim/fidelity.hpp"
+#include "lib/cli/list_verb.hpp"
+#include "lib/cli/program.hpp"
+#include "lib/cli/single_verb.hpp"
+#include "rom/fidelity.hpp"
+
+int main(int argc, char** argv) {
+    using namespace twinchute;
+    const Fidelity& rom = rom::rom_fidelity();
+    const Fidelity& full = fullsim::full_fidelity();
+
+    std::vector<ListTopic> topics = library_topics();
+    topics.push_back(compare::metrics_topic());
+
+    const std::array verbs{
+        compare::compare_verb(full, rom),
+        single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
+        single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
+        list_verb(std::move(topics)),
+    };
+    return run_program(verbs, argc, argv);
+}

@@ -1,0 +1,66 @@
+// The equation of motion of the reduced-order model: payload and parachute as one rigid body
+// that moves through still air with a prescribed drag area (Knacke NWC TP 6575, 5.4; Ewing).
+#pragma once
+
+#include "lib/math/vec.hpp"
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/inflation.hpp"
+
+namespace twinchute::rom {
+
+/// Position or velocity in the space the scene needs: 1 = (up), 2 = (downrange, up).
+template <int dimensions>
+using Vec = Eigen::Matrix<double, dimensions, 1>;
+
+/// The state vector of the integrator is position [m], then velocity [m/s]; the last component
+/// of each is up, altitude counted from sea level.
+template <int dimensions>
+struct Motion {
+    Vec<dimensions> position, velocity;
+    double altitude() const { return position[dimensions - 1]; }
+};
+
+template <int dimensions, bool with_added_mass>
+struct RigidComposite {
+    Atmosphere atmosphere;
+    Inflation inflation;
+    double gravity = 0.0;            ///< [m/s^2]
+    double payload_mass = 0.0;       ///< [kg]
+    double parachute_mass = 0.0;     ///< [kg]
+    double payload_drag_area = 0.0;  ///< [m^2]
+    double steady_radius = 0.0;      ///< R_0 [m], for the added mass
+    const AddedMassModel* added_mass = nullptr;
+
+    Phase phase = Phase::initial;  ///< set by the solver at each stage boundary
+
+    double drag_area(double t) const {
+        return inflation.steady_drag_area * inflation.drag_area_ratio(phase, t).value;
+    }
+
+    /// Drag [N] of a drag area [m^2] in still air of density rho [kg/m^3].
+    static Vec<dimensions> drag(double rho, double area, const Vec<dimensions>& velocity) {
+        return -0.5 * rho * area * velocity.norm() * velocity;
+    }
+
+    /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D: gravity weighs the material, not the air.
+    Vec<dimensions> acceleration(double t, const Motion<dimensions>& motion) const {
+        const double rho = atmosphere.at(motion.altitude()).density;
+        const double weighed = payload_mass + parachute_mass;
+        double inertia = weighed;
+        if constexpr (with_added_mass)
+            inertia += inflation.added_mass(*added_mass, phase, t, rho, steady_radius).value;
+        Vec<dimensions> force = drag(rho, drag_area(t) + payload_drag_area, motion.velocity);
+        force[dimensions - 1] -= weighed * gravity;
+        return force / inertia;
+    }
+
+    /// |m_l (a - g) - F_drag,payload| [N]: what the risers pull on the payload.
+    double opening_force(double t, const Motion<dimensions>& motion) const {
+        Vec<dimensions> force = payload_mass * acceleration(t, motion);
+        force[dimensions - 1] += payload_mass * gravity;
+        const double rho = atmosphere.at(motion.altitude()).density;
+        return (force - drag(rho, payload_drag_area, motion.velocity)).norm();
+    }
+};
+
+}  // namespace twinchute::rom

@@ -1,0 +1,74 @@
+// A coarse C-9 and hand-made states, for tests of single force blocks.
+#pragma once
+
+#include <random>
+
+#include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/state.hpp"
+#include "fullsim/step/midpoint.hpp"
+#include "tests/support/c9_scene.hpp"
+
+namespace twinchute::test {
+
+/// 28 gores with few elements, lines of two cables, risers of one.
+inline fullsim::Mesh coarse_c9(int columns = 2, int rows = 3, double load = 0.0) {
+    const Scene scene = c9_scene();
+    const Parachute& chute = scene.parachutes.front();
+    return fullsim::make_gore_mesh(chute, {columns, rows, 2, 1}, scene.payload.mass, Vec3::UnitZ(),
+                                   fullsim::mouth_area_at_line_stretch(chute), load);
+}
+
+/// The mesh at its own positions, moving with `velocity`, in air of 1.225 kg/m^3 from below.
+inline fullsim::State state_of(const fullsim::Mesh& mesh, const Vec3& velocity = Vec3::Zero()) {
+    fullsim::State state;
+    const auto count = static_cast<std::size_t>(mesh.node_count()) + 1;
+    state.node.resize(count, {splat(0.0), splat(0.0)});
+    state.v_half.resize(count, {splat(0.0)});
+    state.force.resize(count, {splat(0.0)});
+    state.aero.resize(count, {splat(0.0)});
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+        state.node[i] = {fullsim::to_lanes(mesh.position[i]), fullsim::to_lanes(velocity)};
+        state.v_half[i].value = fullsim::to_lanes(velocity);
+    }
+    state.air.density = 1.225;
+    state.air.viscosity = 1.79e-5;
+    state.air.airspeed = 20.0;
+    state.air.dynamic_pressure = 245.0;
+    state.air.drag_area = 10.0;
+    fullsim::update_sums(state, fullsim::node_constants(mesh, 0.0));
+    return state;
+}
+
+/// Moves every node by up to `amplitude` [m] and [m/s]: some elements taut, some slack.
+inline void shake(fullsim::State& state, double amplitude, unsigned seed) {
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> step(-amplitude, amplitude);
+    for (std::size_t i = 0; i + 1 < state.node.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            state.node[i].x[c] += step(generator);
+            state.node[i].v[c] += step(generator);
+        }
+}
+
+/// Opens the canopy: an affine image of the closed one, wide and flat, well stretched.
+inline void stretch_open(fullsim::State& state, double across, double along) {
+    for (auto& node : state.node)
+        node.x *= Lanes{across, across, along, 0.0};
+}
+
+inline void clear_forces(fullsim::State& state) {
+    for (auto& f : state.force)
+        f.value = splat(0.0);
+    for (auto& f : state.aero)
+        f.value = splat(0.0);
+    state.damping_power = 0.0;
+}
+
+inline Vec3 total(const std::vector<fullsim::NodeVector>& forces) {
+    Lanes sum = splat(0.0);
+    for (const auto& f : forces)
+        sum += f.value;
+    return fullsim::to_vec3(sum);
+}
+
+}  // namespace twinchute::test

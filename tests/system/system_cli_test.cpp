@@ -1,0 +1,223 @@
+// The program as a script sees it. Expected values are the tables of verbs, files and exit codes
+// that the program promises (`twinchute --help`, docs).
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute {
+namespace {
+
+using nlohmann::json;
+using test::Ended;
+using test::Process;
+using Words = std::vector<std::string>;
+
+const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+
+/// A full run of a moment: few elements, short flight.
+const Words quick{"--set", "stop.time=0.25",        "--set", "full.mesh.gore_columns=1",
+                  "--set", "full.mesh.gore_rows=4", "--set", "full.mesh.line_elements=4"};
+
+class SystemCli : public testing::Test {
+protected:
+    Words command(const Words& words) const {
+        Words all{TWINCHUTE_PROGRAM};
+        all.insert(all.end(), words.begin(), words.end());
+        return all;
+    }
+    Ended run(const Words& words) { return Process(command(words), here_.path()).wait(); }
+    Ended run_quick(Words words) {
+        words.insert(words.end(), quick.begin(), quick.end());
+        return run(words);
+    }
+    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
+    bool nothing_written() const { return tree_of(here_.path()).empty(); }
+
+    ScratchDir here_;
+};
+
+TEST_F(SystemCli, HelpAndVersionSucceedForEveryVerb) {
+    EXPECT_EQ(run({"--help"}).code, 0);
+    const Ended version = run({"--version"});
+    EXPECT_EQ(version.code, 0);
+    for (const char* word : {"twinchute ", "commit ", "compiler "}) {
+        EXPECT_NE(version.out.find(word), std::string::npos) << word;
+    }
+    for (const std::string verb : {"compare", "rom", "full", "list"}) {
+        const Ended help = run({verb, "-h"});
+        EXPECT_EQ(help.code, 0);
+        EXPECT_NE(help.out.find("example: twinchute " + verb), std::string::npos) << help.out;
+    }
+    EXPECT_TRUE(nothing_written());
+}
+
+TEST_F(SystemCli, RomPrintsAndWritesNothing) {
+    const Ended ended = run({"rom", scene});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(ended.out.find("peak force"), std::string::npos);
+    EXPECT_EQ(ended.out.find('\x1b'), std::string::npos);  // no colour into a file
+    EXPECT_EQ(ended.err, "");                              // no progress line into a file
+    EXPECT_TRUE(nothing_written());
+}
+
+TEST_F(SystemCli, RomWritesWhereItIsTold) {
+    EXPECT_EQ(run({"rom", scene, "--out", "there", "--quiet"}).out, "");
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/summary.json",
+                                                            "there/history.csv", "there/events.csv"}));
+    EXPECT_EQ(read("there/summary.json")["fidelity"], "rom");
+}
+
+TEST_F(SystemCli, JsonIsAllThatStandsOnStandardOutput) {
+    const json summary = json::parse(run({"rom", scene, "--json"}).out);
+    EXPECT_EQ(summary["status"]["code"], "completed");
+    EXPECT_EQ(summary["inputs"]["payload.mass"]["value"], 152.4);
+    const json gap = json::parse(run_quick({"compare", scene, "--json"}).out);
+    EXPECT_TRUE(gap.contains("metrics"));
+}
+
+TEST_F(SystemCli, OverridesReachTheModel) {
+    const json summary = json::parse(run({"rom", scene, "--json", "--set", "payload.mass='100 kg'"}).out);
+    EXPECT_EQ(summary["inputs"]["payload.mass"]["value"], 100);
+}
+
+TEST_F(SystemCli, FullWritesItsRecordBesideTheSceneName) {
+    const Ended ended = run_quick({"full", scene});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.err, "");
+    EXPECT_EQ(read("c9-inflation.out/summary.json")["fidelity"], "full");
+    EXPECT_EQ(run_quick({"full", scene}).code, 0);  // our own results may be written again
+}
+
+TEST_F(SystemCli, CompareWritesTheWholeReport) {
+    const Ended ended = run_quick({"compare", scene, "--out", "out"});
+    for (const char* file :
+         {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg", "rom/summary.json",
+          "rom/history.csv", "rom/events.csv", "full/summary.json", "full/history.csv", "full/events.csv"}) {
+        EXPECT_TRUE(std::filesystem::is_regular_file(here_ / ("out/" + std::string(file))))
+            << file << ended.err;
+    }
+}
+
+TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
+    // The whole opening on a coarse mesh: within a factor of two of the reduced-order model in what
+    // both compute, and not equal to it.
+    Words words{"compare", scene, "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4"};
+    for (const char* metric : {"filling_time", "peak_force", "descent_rate"}) {
+        words.insert(words.end(), {"--tolerance", std::string(metric) + "=50%"});
+    }
+    words.insert(words.end(), {"--out", "wide"});
+    const Ended wide = run(words);
+    EXPECT_EQ(wide.code, 0) << wide.out << wide.err;
+    EXPECT_EQ(read("wide/gap.json")["verdict"], "within");
+
+    const Ended none = run_quick({"compare", scene, "--out", "none", "--tolerance", "max_force=0%"});
+    EXPECT_EQ(none.code, 1) << none.err;
+    EXPECT_NE(none.out.find("exceeded"), std::string::npos);
+    EXPECT_EQ(read("none/gap.json")["metrics"]["max_force_N"]["verdict"], "exceeded");
+}
+
+TEST_F(SystemCli, CheckRunsNothing) {
+    for (const std::string verb : {"compare", "rom", "full"}) {
+        const Ended ended = run({verb, scene, "--check"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_NE(ended.out.find("valid"), std::string::npos);
+        EXPECT_EQ(run({verb, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
+    }
+    EXPECT_TRUE(nothing_written());
+}
+
+TEST_F(SystemCli, BadUsageAndBadScenesAreExitTwoAndWriteNothing) {
+    const std::vector<Words> wrong{{},
+                                   {"simulate", scene},
+                                   {"--frobnicate"},
+                                   {"compare"},
+                                   {"rom", scene, "--treads", "2"},
+                                   {"rom", "no-such-file.toml"},
+                                   {"rom", scene, "--set", "payload.mas=1"},
+                                   {"compare", scene, "--tolerance", "peak_force"},
+                                   {"compare", scene, "--tolerance", "peak_force=5s"},
+                                   {"compare", scene, "--tolerance", "no_such_metric=5%"},
+                                   {"list", "no-such-topic"}};
+    for (const Words& words : wrong) {
+        const Ended ended = run(words);
+        EXPECT_EQ(ended.code, 2) << testing::PrintToString(words);
+        EXPECT_EQ(ended.out, "") << testing::PrintToString(words);
+        EXPECT_NE(ended.err, "") << testing::PrintToString(words);
+    }
+    EXPECT_TRUE(nothing_written());
+}
+
+TEST_F(SystemCli, ASceneErrorNamesFileLineAndColumn) {
+    here_.write("broken.toml", "schema = 1\nname = \"x\"\n[payload]\nmasss = \"1 kg\"\n");
+    const Ended ended = run({"rom", "broken.toml"});
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_TRUE(ended.err.starts_with("broken.toml:4:1: ")) << ended.err;
+    EXPECT_NE(ended.err.find("mass"), std::string::npos);
+}
+
+TEST_F(SystemCli, SomebodyElsesDirectoryIsRefusedBeforeAnythingRuns) {
+    here_.write("thesis/chapter.tex", "years of work");
+    EXPECT_EQ(run({"rom", scene, "--out", "thesis"}).code, 2);
+    EXPECT_EQ(tree_of(here_ / "thesis"), (std::set<std::string>{"chapter.tex"}));
+}
+
+TEST_F(SystemCli, ResultsThatCannotBeWrittenAreExitFour) {
+    here_.write("file", "not a directory");
+    EXPECT_EQ(run({"rom", scene, "--out", "file/out"}).code, 4);
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"file"}));
+    EXPECT_EQ(Process(command({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
+}
+
+TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
+    // No fabric stays below a strain of 1e-6 while it opens.
+    const Ended ended = run_quick({"full", scene, "--out", "out", "--set", "full.strain_limit=1e-6"});
+    EXPECT_EQ(ended.code, 3) << ended.err;
+    EXPECT_EQ(read("out/summary.json")["status"]["code"], "strain_limit");
+    const Ended both = run_quick({"compare", scene, "--out", "both", "--set", "full.strain_limit=1e-6"});
+    EXPECT_EQ(both.code, 3) << both.err;
+    EXPECT_NE(content_of(here_ / "both/junit.xml").find("<error type=\"strain_limit\""), std::string::npos);
+    EXPECT_EQ(read("both/rom/summary.json")["status"]["code"], "completed");
+}
+
+class SystemCliSignal : public SystemCli, public testing::WithParamInterface<int> {};
+
+TEST_P(SystemCliSignal, EndsCleanlyWithTheRecordSoFar) {
+    // Long enough to be running when the signal comes, whatever the machine.
+    Process process(command({"full", scene, "--out", "out", "--set", "stop.time=10"}), here_.path());
+    ASSERT_TRUE(process.send_when_handled(GetParam()));
+    const Ended ended = process.wait();
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    EXPECT_EQ(read("out/summary.json")["status"]["code"], "interrupted");
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, SystemCliSignal, testing::Values(SIGINT, SIGTERM));
+
+TEST_F(SystemCli, ListsComeFromTheTablesThatRun) {
+    const Ended topics = run({"list"});
+    EXPECT_EQ(topics.code, 0);
+    for (const std::string topic : {"keys", "laws", "materials", "scenes", "metrics"}) {
+        EXPECT_NE(topics.out.find(topic), std::string::npos);
+        EXPECT_EQ(run({"list", topic}).code, 0) << topic;
+        EXPECT_FALSE(json::parse(run({"list", topic, "--json"}).out).empty()) << topic;
+    }
+    EXPECT_NE(run({"list", "laws"}).out.find("ludtke"), std::string::npos);
+    EXPECT_NE(run({"list", "keys"}).out.find("payload.mass"), std::string::npos);
+    EXPECT_NE(run({"list", "metrics"}).out.find("peak_force_N"), std::string::npos);
+}
+
+TEST_F(SystemCli, TheSameInputGivesTheSameNumbers) {
+    const Words words{"compare", scene, "--json", "--out"};
+    auto metrics = [&](const std::string& directory) {
+        Words all = words;
+        all.push_back(directory);
+        json gap = json::parse(run_quick(all).out);
+        return std::pair{gap["metrics"].dump(), content_of(here_ / (directory + "/full/history.csv"))};
+    };
+    EXPECT_EQ(metrics("a"), metrics("b"));
+}
+
+}  // namespace
+}  // namespace twinchute

@@ -1,0 +1,168 @@
+// Verdicts of a comparison. Expected values are the arithmetic of the definition: candidate minus
+// reference against a tolerance that is a share of |reference| or a value in the metric's unit.
+#include "compare/gap.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "lib/record/metric_key.hpp"
+#include "lib/scene/keys.hpp"
+#include "tests/support/compare_records.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using Tolerances = std::map<std::string, Tolerance>;
+
+RunRecord with_peak(std::optional<double> peak) {
+    RunRecord record;
+    record.fidelity = "x";
+    if (peak) record.add_metric("peak_force_N", *peak);
+    return record;
+}
+
+const MetricGap* find(const FidelityGap& gap, std::string_view name) {
+    const auto metric =
+        std::ranges::find_if(gap.metrics, [&](const MetricGap& m) { return m.row->name == name; });
+    return metric == gap.metrics.end() ? nullptr : &*metric;
+}
+
+Verdict peak_verdict(std::optional<double> reference, std::optional<double> candidate,
+                     const Tolerances& asked) {
+    const FidelityGap gap = measure_gap(with_peak(reference), with_peak(candidate), asked);
+    const MetricGap* metric = find(gap, "peak_force");
+    if (metric == nullptr) throw std::logic_error("no row");
+    return metric->verdict;
+}
+
+TEST(CompareMetrics, NameUnitAndKeyOfEachRowBelongTogether) {
+    for (const MetricRow& row : metric_rows()) {
+        EXPECT_EQ(split_metric_key(row.key).name, row.name);
+        EXPECT_EQ(split_metric_key(row.key).unit, row.unit) << row.name;
+        EXPECT_EQ(find_metric_row(row.name), &row) << "twice: " << row.name;
+    }
+}
+
+TEST(CompareMetrics, WhateverASceneMayGiveAToleranceHasARow) {
+    // Otherwise a tolerance would be read and then never judged.
+    for (const ToleranceMetric& metric : tolerance_metrics()) {
+        const MetricRow* row = find_metric_row(metric.name);
+        ASSERT_NE(row, nullptr) << metric.name;
+        const std::string_view unit = row->unit.empty() ? "1" : row->unit == "g" ? "g0" : row->unit;
+        EXPECT_EQ(unit, metric.unit) << metric.name;
+    }
+}
+
+TEST(CompareMetrics, ThreeMetricsAreJudgedByDefaultWithinTenPercent) {
+    std::vector<std::string_view> judged;
+    for (const MetricRow& row : metric_rows()) {
+        if (!row.tolerance) continue;
+        EXPECT_TRUE(row.tolerance->relative && row.tolerance->value == 0.1) << row.name;
+        judged.push_back(row.name);
+    }
+    EXPECT_EQ(judged, (std::vector<std::string_view>{"filling_time", "peak_force", "descent_rate"}));
+}
+
+TEST(CompareVerdict, RelativeToTheReference) {
+    EXPECT_EQ(peak_verdict(100, 109, {}), Verdict::within);
+    EXPECT_EQ(peak_verdict(100, 91, {}), Verdict::within);
+    EXPECT_EQ(peak_verdict(100, 111, {}), Verdict::exceeded);
+    // 10 of 109 is less than 10 % of the candidate, but more than 10 % of the reference.
+    EXPECT_EQ(peak_verdict(99, 109, {}), Verdict::exceeded);
+    EXPECT_EQ(peak_verdict(-100, -109, {}), Verdict::within);  // a share of the size, whatever the sign
+}
+
+TEST(CompareVerdict, ExactlyAtTheToleranceIsWithin) {
+    // 0.77 - 0.7 is 0.07000000000000006 and 0.1 * 0.7 is 0.06999999999999999 in binary.
+    EXPECT_EQ(peak_verdict(0.7, 0.77, {}), Verdict::within);
+    EXPECT_EQ(peak_verdict(0.7, 0.7700001, {}), Verdict::exceeded);
+    EXPECT_EQ(peak_verdict(1000, 1500, {{"peak_force", {500, false}}}), Verdict::within);
+    EXPECT_EQ(peak_verdict(1000, 1500.001, {{"peak_force", {500, false}}}), Verdict::exceeded);
+}
+
+TEST(CompareVerdict, AnAskedToleranceReplacesTheDefault) {
+    EXPECT_EQ(peak_verdict(100, 103, {{"peak_force", {0.02, true}}}), Verdict::exceeded);
+    EXPECT_EQ(peak_verdict(100, 130, {{"peak_force", {0.5, true}}}), Verdict::within);
+    EXPECT_EQ(peak_verdict(100, 105, {{"peak_force", {4, false}}}), Verdict::exceeded);  // 4 N, not 400 %
+    EXPECT_EQ(peak_verdict(100, 100, {{"peak_force", {0, true}}}), Verdict::within);
+}
+
+TEST(CompareVerdict, AZeroReferenceAllowsNoRelativeDifference) {
+    EXPECT_EQ(peak_verdict(0, 0, {}), Verdict::within);
+    EXPECT_EQ(peak_verdict(0, 1e-9, {}), Verdict::exceeded);
+    EXPECT_EQ(peak_verdict(0, 3, {{"peak_force", {5, false}}}), Verdict::within);
+    const FidelityGap gap = measure_gap(with_peak(0), with_peak(1), {});
+    EXPECT_FALSE(find(gap, "peak_force")->relative);  // no division by zero
+    EXPECT_EQ(find(gap, "peak_force")->difference, 1);
+}
+
+TEST(CompareVerdict, OneSideOnlyIsMissingAndSaysSo) {
+    EXPECT_EQ(peak_verdict(100, {}, {}), Verdict::missing);
+    EXPECT_EQ(peak_verdict({}, 100, {}), Verdict::missing);
+    RunRecord reference = with_peak(100), candidate = with_peak({});
+    reference.fidelity = "full";
+    EXPECT_EQ(find(measure_gap(reference, candidate, {}), "peak_force")->note, "only full has it");
+}
+
+TEST(CompareVerdict, ANotFiniteValueIsNoValue) {
+    EXPECT_EQ(peak_verdict(100, std::numeric_limits<double>::quiet_NaN(), {}), Verdict::missing);
+}
+
+TEST(CompareGap, ShowsWhatOneSideHasOrSomebodyAskedFor) {
+    const FidelityGap empty = measure_gap(with_peak({}), with_peak({}), {});
+    EXPECT_TRUE(empty.metrics.empty());  // a default tolerance alone makes no row
+    EXPECT_EQ(peak_verdict({}, {}, {{"peak_force", {0.1, true}}}), Verdict::missing);
+
+    RunRecord record = with_peak(100);
+    record.add_metric("max_line_tension_N", 9);
+    EXPECT_EQ(find(measure_gap(record, record, {}), "max_line_tension"), nullptr);
+    EXPECT_NE(find(measure_gap(record, record, {{"max_line_tension", {0.1, true}}}), "max_line_tension"),
+              nullptr);
+}
+
+TEST(CompareGap, ARunThatBrokeOffIsNotJudged) {
+    RunRecord broken = with_peak(20);  // the force so far, not the peak
+    broken.status.code = StatusCode::interrupted;
+    const FidelityGap gap = measure_gap(with_peak(100), broken, {});
+    EXPECT_EQ(find(gap, "peak_force")->verdict, Verdict::not_judged);
+    EXPECT_TRUE(find(gap, "peak_force")->tolerance);
+}
+
+TEST(CompareGap, WithoutToleranceThereIsNoVerdict) {
+    RunRecord record;
+    record.add_metric("load_factor", 3);
+    const FidelityGap gap = measure_gap(record, record, {});
+    EXPECT_EQ(find(gap, "load_factor")->verdict, Verdict::not_judged);
+    EXPECT_EQ(overall_verdict(gap), Verdict::not_judged);
+}
+
+TEST(CompareGap, TwoInputsAreNotPassedOffAsAgreement) {
+    const Comparison comparison = made_up_comparison();
+    EXPECT_NE(find(comparison.gap, "snatch_speed")->note.find("says nothing about the models"),
+              std::string::npos);
+    EXPECT_TRUE(find(comparison.gap, "peak_force")->note.empty());
+}
+
+TEST(CompareGap, TheCostRatioIsReferenceOverCandidate) {
+    EXPECT_DOUBLE_EQ(*made_up_comparison().gap.cost_ratio, 12.0 / 4e-4);
+    EXPECT_FALSE(measure_gap(with_peak(1), with_peak(1), {}).cost_ratio);  // no wall time, no ratio
+}
+
+TEST(CompareExit, FollowsTheWorstThatHappened) {
+    Comparison comparison = made_up_comparison();
+    EXPECT_EQ(exit_code(comparison), ExitCode::done);
+    comparison = made_up_comparison({{"peak_force", {0.01, true}}});
+    EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
+    comparison = made_up_comparison({{"impulse", {0.01, true}}});  // neither record has it
+    EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
+    comparison.candidate.status = {StatusCode::solver_failed, "too much work"};
+    EXPECT_EQ(exit_code(comparison), ExitCode::numerical);
+    EXPECT_EQ(verdict_line(comparison), "no verdict: rom ended as solver_failed: too much work");
+    comparison.reference.status = {StatusCode::interrupted, ""};
+    EXPECT_EQ(exit_code(comparison), ExitCode::interrupted);
+}
+
+}  // namespace
+}  // namespace twinchute::compare

@@ -1,0 +1,225 @@
+// What a comparison writes and prints.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string_view>
+
+#include "compare/report/escape.hpp"
+#include "compare/report/gap_json.hpp"
+#include "compare/report/junit.hpp"
+#include "compare/report/markdown.hpp"
+#include "compare/report/plots.hpp"
+#include "compare/report/terminal.hpp"
+#include "compare/report/write_report.hpp"
+#include "tests/support/compare_records.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using nlohmann::json;
+
+// Everything that can break out of a format: XML, Markdown table, HTML in Markdown, a terminal.
+constexpr const char* hostile = "]]></x>\"'&|<script>*_`[a](b)\n# \x1b[31m\xff";
+
+Comparison hostile_comparison() {
+    Comparison comparison = made_up_comparison({{"peak_force", {0.01, true}}});
+    for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        side->scene.name = hostile;
+        side->scene.file = hostile;
+        side->events.push_back({hostile, 2, 0, 0});
+        side->left_out.push_back({hostile, hostile});
+        side->warnings.push_back({hostile, hostile, hostile});
+        side->status.detail = hostile;
+        side->provenance.host_cpu = hostile;
+        side->inputs.push_back({hostile, std::string(hostile), hostile, InputOrigin::given, hostile});
+        side->inputs[1].source = hostile;
+    }
+    return comparison;
+}
+
+/// No '<', no control character, and every '&' starts one of the entities that we write.
+bool is_character_data(std::string_view text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        if (text[i] == '<' || (byte < 0x20 && text[i] != '\n')) return false;
+        if (text[i] != '&') continue;
+        const std::string_view rest = text.substr(i);
+        if (std::ranges::none_of(std::array{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"},
+                                 [&](std::string_view entity) { return rest.starts_with(entity); }))
+            return false;
+    }
+    return true;
+}
+
+/// Attributes are name="value"; what is between the quotes is character data.
+bool are_attributes(std::string_view text) {
+    while (!text.empty()) {
+        const auto equals = text.find("=\"");
+        const auto end = equals == text.npos ? text.npos : text.find('"', equals + 2);
+        if (end == text.npos || text[0] != ' ' ||
+            text.substr(1, equals - 1).find_first_of(" \"'") != text.npos ||
+            !is_character_data(text.substr(equals + 2, end - equals - 2)))
+            return false;
+        text.remove_prefix(end + 1);
+    }
+    return true;
+}
+
+/// Tags balance and everything in and between them is escaped: enough of XML for what we write.
+bool well_formed(std::string_view xml) {
+    std::vector<std::string_view> open;
+    if (xml.starts_with("<?xml ")) xml.remove_prefix(xml.find("?>") + 2);
+    while (!xml.empty()) {
+        const auto begin = std::min(xml.find('<'), xml.size());
+        if (!is_character_data(xml.substr(0, begin))) return false;
+        if (begin == xml.size()) break;
+        const auto end = xml.find('>', begin);
+        if (end == xml.npos) return false;
+        std::string_view tag = xml.substr(begin + 1, end - begin - 1);
+        xml.remove_prefix(end + 1);
+        const bool closing = tag.starts_with('/'), empty = tag.ends_with('/');
+        tag = tag.substr(closing ? 1 : 0, tag.size() - (closing || empty ? 1 : 0));
+        const std::string_view name = tag.substr(0, std::min(tag.find(' '), tag.size()));
+        if (name.empty() || !are_attributes(tag.substr(name.size()))) return false;
+        if (closing) {
+            if (open.empty() || open.back() != name) return false;
+            open.pop_back();
+        } else if (!empty) {
+            open.push_back(name);
+        }
+    }
+    return open.empty();
+}
+
+TEST(CompareEscape, TheCheckItselfFindsBrokenXml) {
+    EXPECT_TRUE(well_formed("<a b=\"1\"><c/>x &amp; y</a>"));
+    EXPECT_FALSE(well_formed("<a><b></a></b>"));
+    EXPECT_FALSE(well_formed("<a>x & y</a>"));
+    EXPECT_FALSE(well_formed("<a>x < y</a>"));
+    EXPECT_FALSE(well_formed("<a b=\"<\"/>"));
+    EXPECT_FALSE(well_formed("<a>\x1b</a>"));
+    EXPECT_FALSE(well_formed("<a b=\"1\"2\"/>"));
+    EXPECT_FALSE(well_formed("<a b=1/>"));
+    EXPECT_FALSE(well_formed("<a>"));
+}
+
+TEST(CompareEscape, TextIsHarmlessInEachFormat) {
+    EXPECT_EQ(xml_text("<a b=\"c\" d='e'>&"), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
+    EXPECT_EQ(markdown_text("a|b*c_d`e<f>\n# g"), "a\\|b\\*c\\_d\\`e&lt;f&gt; \\# g");
+    EXPECT_EQ(clean_text("a\x01\xff\xc0\xaf"), "a\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");
+    EXPECT_EQ(clean_text("\xEF\xBF\xBF"), "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");  // U+FFFF is not XML
+    EXPECT_EQ(clean_text("\xC3\xA9\xF0\x9F\xAA\x82"), "\xC3\xA9\xF0\x9F\xAA\x82");  // valid UTF-8 stays
+}
+
+TEST(CompareReport, GapJsonHasTheKeysOfTheContract) {
+    const json gap = json::parse(gap_json(made_up_comparison({{"peak_force", {150, false}}})));
+    EXPECT_EQ(gap["generator"], "twinchute");
+    EXPECT_EQ(gap["verdict"], "exceeded");
+    EXPECT_EQ(gap["exit_code"], 1);
+    const json& peak = gap["metrics"]["peak_force_N"];
+    EXPECT_EQ(peak["reference"], 5000.0);
+    EXPECT_EQ(peak["candidate"], 4800.0);
+    EXPECT_EQ(peak["difference"], -200.0);
+    EXPECT_EQ(peak["relative"], -0.04);
+    EXPECT_EQ(peak["tolerance"], (json{{"value", 150.0}, {"relative", false}}));
+    EXPECT_EQ(peak["verdict"], "exceeded");
+    EXPECT_EQ(gap["metrics"]["snatch_speed_m_s"]["input_or_result"],
+              (json{{"reference", "input"}, {"candidate", "input"}}));
+    EXPECT_FALSE(gap["metrics"]["snatch_speed_m_s"].contains("tolerance"));
+    EXPECT_EQ(gap["cost"]["reference"]["wall_s"], 12.0);
+    EXPECT_EQ(gap["cost"]["ratio"].get<double>(), 12.0 / 4e-4);
+    EXPECT_EQ(gap["reference"]["fidelity"], "full");
+    EXPECT_EQ(gap["candidate"]["fidelity"], "rom");
+}
+
+TEST(CompareReport, JunitHasACaseForEachRunAndEachJudgedMetric) {
+    const std::string xml = junit_xml(made_up_comparison({{"peak_force", {150, false}}}));
+    EXPECT_TRUE(well_formed(xml)) << xml;
+    // Two runs, then filling time, peak force and descent rate.
+    EXPECT_NE(xml.find("tests=\"5\" failures=\"1\" errors=\"0\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("<failure type=\"exceeded\" message=\"Peak opening force: full 5000 N, rom 4800 N"),
+              std::string::npos);
+    EXPECT_EQ(xml.find("snatch_speed"), std::string::npos);  // not judged
+}
+
+TEST(CompareReport, JunitIsRedWhenARunFailed) {
+    Comparison comparison = made_up_comparison();
+    comparison.reference.status = {StatusCode::energy_grew, "at 1 s"};
+    EXPECT_NE(junit_xml(comparison).find("<error type=\"energy_grew\" message=\"at 1 s\">"),
+              std::string::npos);
+}
+
+TEST(CompareReport, HostileNamesBreakNothing) {
+    const Comparison comparison = hostile_comparison();
+    for (const std::string& xml : {junit_xml(comparison), force_svg(comparison), speed_svg(comparison)}) {
+        EXPECT_TRUE(well_formed(xml)) << xml;
+    }
+    EXPECT_NO_THROW(json::parse(gap_json(comparison)));
+    const std::string markdown = report_markdown(comparison);
+    EXPECT_EQ(markdown.find("<script>"), std::string::npos);
+    EXPECT_EQ(markdown.find("[a](b)"), std::string::npos);
+    EXPECT_EQ(markdown.find('\x1b'), std::string::npos);
+    EXPECT_EQ(terminal_text(comparison, {}).find('\x1b'), std::string::npos);
+}
+
+TEST(CompareReport, MarkdownTablesHaveAsManyCellsInEachRow) {
+    std::istringstream lines(report_markdown(hostile_comparison()));
+    std::ptrdiff_t cells = 0;
+    int rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with('|')) {
+            cells = 0;
+            continue;
+        }
+        std::ptrdiff_t bars = 0;  // those that are not escaped
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            if (line[i] == '\\') {
+                ++i;
+            } else if (line[i] == '|') {
+                ++bars;
+            }
+        }
+        if (cells == 0) cells = bars;
+        EXPECT_EQ(bars, cells) << line;
+        ++rows;
+    }
+    EXPECT_GT(rows, 15);  // three tables with heads
+}
+
+TEST(CompareReport, TheVerdictComesFirst) {
+    const std::string markdown = report_markdown(made_up_comparison());
+    const auto verdict = markdown.find("**within tolerance: 3 of 3 judged metrics**");
+    ASSERT_NE(verdict, std::string::npos) << markdown;
+    EXPECT_LT(verdict, markdown.find("## "));
+}
+
+TEST(CompareReport, TheTerminalTableSaysEverythingOfAMetric) {
+    const std::string text = terminal_text(made_up_comparison(), {});
+    std::istringstream line(text.substr(text.find("Peak opening force")));
+    std::string words, word;
+    while (line.peek() != '\n' && line >> word)
+        words += word + ' ';
+    EXPECT_EQ(words, "Peak opening force 4800 N 5000 N -200 N (-4.0 %) 10 % within result result ");
+    EXPECT_NE(text.find("fill constant n = 4 (given: an assumption)"), std::string::npos);
+    EXPECT_NE(text.find("ratio 30000"), std::string::npos);
+    EXPECT_NE(text.find("left out  full: payload drag"), std::string::npos);
+}
+
+TEST(CompareReport, WritesTheFilesOfTheContract) {
+    const ScratchDir scratch;
+    write_report(made_up_comparison(), scratch / "out");
+    std::set<std::string> expected{"force.svg", "speed.svg", "report.md", "junit.xml",
+                                   "gap.json",  "rom",       "full"};
+    for (const std::string side : {"rom", "full"}) {
+        for (const std::string file : {"/history.csv", "/events.csv", "/summary.json"})
+            expected.insert(side + file);
+    }
+    EXPECT_EQ(tree_of(scratch / "out"), expected);
+}
+
+}  // namespace
+}  // namespace twinchute::compare

@@ -1,0 +1,105 @@
+// The line chart.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compare/report/plots.hpp"
+#include "compare/report/svg_plot.hpp"
+#include "tests/support/compare_records.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+TEST(CompareTicks, AreRoundNumbersThatEncloseTheData) {
+    const Ticks ticks = nice_ticks(0, 4671, 6);
+    EXPECT_EQ(ticks.values, (std::vector<double>{0, 1000, 2000, 3000, 4000, 5000}));
+    EXPECT_EQ(ticks.decimals, 0);
+    EXPECT_EQ(nice_ticks(0, 3.2, 8).values.at(1), 0.5);
+    EXPECT_EQ(nice_ticks(0, 3.2, 8).decimals, 1);
+}
+
+TEST(CompareTicks, SurviveEveryScale) {
+    for (const double size : {1e-12, 3e-5, 1.0, 7e3, 2e9}) {
+        for (const double low : {-0.3 * size, 0.0, 0.9 * size, size}) {
+            const Ticks ticks = nice_ticks(low, size, 6);
+            EXPECT_LE(ticks.values.front(), low + 1e-6 * size) << size;
+            EXPECT_GE(ticks.values.back(), size * (1 - 1e-6)) << size;
+            EXPECT_GE(ticks.values.size(), 2u);
+            EXPECT_LE(ticks.values.size(), 14u);
+        }
+    }
+}
+
+TEST(CompareThinning, KeepsEveryExtreme) {
+    std::vector<Point> points;
+    for (int i = 0; i < 100000; ++i)
+        points.push_back({i * 1e-3, std::sin(i * 1e-4)});
+    points[54321].y = 17;  // a spike of one sample is what a force plot is for
+    points[77777].y = -9;
+    const std::vector<Point> kept = thinned(points, 600);
+    EXPECT_LE(kept.size(), 2400u);
+    const auto [low, high] = std::ranges::minmax(kept, {}, &Point::y);
+    EXPECT_EQ(low.y, -9);
+    EXPECT_EQ(high.y, 17);
+    EXPECT_TRUE(std::ranges::is_sorted(kept, {}, &Point::x));
+    EXPECT_EQ(kept.front().x, points.front().x);
+    EXPECT_EQ(kept.back().x, points.back().x);
+}
+
+TEST(CompareThinning, LeavesShortSeriesAlone) {
+    const std::vector<Point> points{{0, 1}, {1, 2}, {1, 3}};
+    EXPECT_EQ(thinned(points, 600).size(), 3u);
+    EXPECT_TRUE(thinned({}, 600).empty());
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
+        ++found;
+    return found;
+}
+
+TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
+    const std::string svg = force_svg(made_up_comparison());
+    EXPECT_EQ(count(svg, "<path "), 2u);
+    EXPECT_NE(svg.find("full: peak 5000 N at 1.50 s"), std::string::npos);
+    EXPECT_NE(svg.find("rom: peak 4800 N at 1.45 s"), std::string::npos);
+    EXPECT_EQ(count(svg, "full open, "), 2u);
+    EXPECT_NE(svg.find("opening force [N]"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), svg.find("inflation"));  // the scene's name and nothing else
+}
+
+TEST(CompareSvg, LargeForcesAreInKilonewtons) {
+    Comparison comparison = made_up_comparison();
+    for (double& force : comparison.reference.channels[1].values)
+        force *= 10;
+    EXPECT_NE(force_svg(comparison).find("opening force [kN]"), std::string::npos);
+}
+
+TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    Plot plot{"t", "s", "x", "y", {{"a", Role::reference, {0, 1, 2, 3, 4}, {0, 1, nan, 1, 2}}}, {}, {}};
+    const std::string svg = svg_plot(plot);
+    const auto begin = svg.find(" d=\"") + 4;
+    EXPECT_EQ(count(svg.substr(begin, svg.find('"', begin) - begin), "M"), 2u);
+}
+
+TEST(CompareSvg, WithoutDataItSaysSo) {
+    Comparison comparison = made_up_comparison();
+    comparison.reference.channels.clear();
+    EXPECT_EQ(count(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
+    comparison.candidate.channels.clear();
+    EXPECT_NE(force_svg(comparison).find("no data"), std::string::npos);
+}
+
+TEST(CompareSvg, EscapesWhatItIsGiven) {
+    Comparison comparison = made_up_comparison();
+    comparison.reference.scene.name = "<script>&\"";
+    EXPECT_EQ(speed_svg(comparison).find("<script>"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace twinchute::compare

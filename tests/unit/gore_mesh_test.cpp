@@ -1,0 +1,147 @@
+// The generated parachute against its cut pattern.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fullsim/forces/membrane.hpp"
+#include "tests/support/small_parachute.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+using test::c9_scene;
+
+Mesh c9_mesh(MeshCounts counts, int risers, double load = 0.0) {
+    Parachute chute = c9_scene().parachutes.front();
+    chute.risers = risers;
+    return make_gore_mesh(chute, counts, 152.4, Vec3::UnitZ(), mouth_area_at_line_stretch(chute), load);
+}
+
+TEST(GoreMesh, HasAboutThePapersCounts) {
+    // Paper, 5.1: 1932 triangles and 1461 cables; the default mesh is within 3 %.
+    const Mesh mesh = c9_mesh({2, 17, 31, 5}, 4);
+    EXPECT_NEAR(static_cast<double>(mesh.triangles.size()), 1932.0, 0.03 * 1932.0);
+    EXPECT_NEAR(static_cast<double>(mesh.cables.size()), 1461.0, 0.03 * 1461.0);
+    EXPECT_EQ(mesh.triangles.size(), 28u * 2 * 2 * 17);
+    EXPECT_EQ(mesh.cables.size(), 28u * (17 + 2 + 2 + 31) + 4 * 5);
+}
+
+TEST(GoreMesh, HasTheNominalAreaLessTheVent) {
+    for (const int columns : {1, 2, 3, 4})
+        EXPECT_NEAR(c9_mesh({columns, 5, 2, 1}, 1).fabric_area(), 0.25 * pi * (8.53 * 8.53 - 0.853 * 0.853),
+                    1e-11)
+            << columns;
+}
+
+TEST(GoreMesh, WeighsWhatItsMaterialsWeigh) {
+    // By hand: fabric 533 * 1e-4 * area; cords of 462 kg/m^3 and 4 mm: 28 lines of 7.31 m, their 28
+    // strands through 1.22 m of riser, 28 radial tapes, skirt and vent polygons.
+    const double delta = pi / 28.0, polygon = 14.0 * std::sin(2.0 * delta);
+    const double skirt = std::sqrt(0.25 * pi * 8.53 * 8.53 / polygon), vent = 0.1 * skirt;
+    const double cord = 462.0 * 0.25 * pi * 16e-6;
+    const double length = 28.0 * (7.31 + 1.22 + (skirt - vent) + 2.0 * std::sin(delta) * (skirt + vent));
+    const double expected = 533.0 * 1e-4 * 0.25 * pi * 8.53 * 8.53 * 0.99 + cord * length;
+    for (const int risers : {1, 4}) {
+        const Mesh mesh = c9_mesh({2, 17, 31, 5}, risers);
+        EXPECT_NEAR(mesh.parachute_mass(), expected, 1e-10);
+        double lumped = 0.0;
+        for (const double m : mesh.mass)
+            lumped += m;
+        EXPECT_NEAR(lumped, expected + 152.4, 1e-9);
+        EXPECT_GT(mesh.mass[mesh.payload()], 152.4);
+    }
+}
+
+TEST(GoreMesh, PleatsLeaveTheFabricUnstrained) {
+    for (const int columns : {2, 4, 6}) {
+        const Mesh mesh = c9_mesh({columns, 7, 4, 2}, 1);
+        double worst = 0.0;
+        for (const Triangle& t : mesh.triangles) {
+            const PlaneTensor e = green_strain(
+                t, {mesh.position[t.node[0]], mesh.position[t.node[1]], mesh.position[t.node[2]]});
+            worst = std::max({worst, std::abs(e.xx), std::abs(e.yy), std::abs(e.xy)});
+        }
+        EXPECT_LT(worst, 1e-12) << columns;  // an isometry, to round-off
+    }
+}
+
+TEST(GoreMesh, WithoutPleatsTheFabricHangsLooseOrCarriesTheLoad) {
+    // One column cannot be pleated: unloaded, no principal strain is larger than round-off.
+    const Mesh mesh = c9_mesh({1, 9, 4, 2}, 1);
+    for (const Triangle& t : mesh.triangles) {
+        const PlaneTensor e =
+            green_strain(t, {mesh.position[t.node[0]], mesh.position[t.node[1]], mesh.position[t.node[2]]});
+        const double first = 0.5 * (e.xx + e.yy) + std::hypot(0.5 * (e.xx - e.yy), e.xy);
+        EXPECT_LT(first, 5e-4);  // tan(delta)^2/2 = 0.6 % if the cut were ignored
+    }
+}
+
+TEST(GoreMesh, LinesCarryTheLoadThatItIsGiven) {
+    const double load = 450.0;
+    for (const int risers : {1, 4}) {
+        const Mesh mesh = c9_mesh({2, 5, 8, 3}, risers, load);
+        for (const Cable& c : mesh.cables) {
+            if (c.kind != CableKind::line && c.kind != CableKind::riser) continue;
+            const double strain =
+                (mesh.position[c.node[1]] - mesh.position[c.node[0]]).norm() / c.rest_length - 1.0;
+            EXPECT_NEAR(mesh.cord(c.kind).axial_stiffness() * c.strands * strain, load / 28.0 * c.strands,
+                        1e-6);
+        }
+    }
+}
+
+TEST(GoreMesh, MouthHasTheWantedArea) {
+    // Seen along the axis, the ring of all skirt nodes encloses (C_D S)_i/(C_D S)_0 of the steady
+    // canopy's projected area: 0.04 pi (0.65 D0/2)^2.
+    for (const int columns : {1, 2, 3, 4}) {
+        const int rows = 4;
+        const Mesh mesh = c9_mesh({columns, rows, 2, 1}, 1);
+        const int ring = 28 * columns;
+        double twice = 0.0;
+        for (int i = 0; i < ring; ++i) {
+            const Vec3 a = mesh.position[rows * ring + i], b = mesh.position[rows * ring + (i + 1) % ring];
+            twice += a.x() * b.y() - a.y() * b.x();
+        }
+        EXPECT_NEAR(0.5 * std::abs(twice), 0.04 * 0.25 * pi * std::pow(0.65 * 8.53, 2), 1e-9) << columns;
+    }
+}
+
+TEST(GoreMesh, IsOneClosedSheetThatFacesOutward) {
+    const Mesh mesh = c9_mesh({2, 6, 2, 1}, 1);
+    std::map<std::pair<NodeIndex, NodeIndex>, int> directed;
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            ++directed[{t.node[k], t.node[(k + 1) % 3]}];
+    int border = 0;
+    for (const auto& [edge, count] : directed) {
+        EXPECT_EQ(count, 1);  // never the same way round twice: one orientation everywhere
+        border += directed.count({edge.second, edge.first}) == 0;
+    }
+    EXPECT_EQ(border, 2 * 28 * 2);  // vent and skirt
+    Vec3 outward = Vec3::Zero();
+    for (const Triangle& t : mesh.triangles)
+        outward += 0.5 * (mesh.position[t.node[1]] - mesh.position[t.node[0]])
+                             .cross(mesh.position[t.node[2]] - mesh.position[t.node[0]]);
+    EXPECT_GT(outward.dot(mesh.axis), 0.0);
+}
+
+TEST(GoreMesh, RisersShareTheLines) {
+    const Mesh mesh = c9_mesh({1, 3, 2, 2}, 4);
+    std::map<NodeIndex, int> lines_at;
+    for (const Cable& c : mesh.cables)
+        if (c.kind == CableKind::line) ++lines_at[c.node[1]];
+    int links = 0, payload_risers = 0;
+    for (const auto& [node, count] : lines_at)
+        links += count == 7;
+    for (const Cable& c : mesh.cables)
+        payload_risers += c.kind == CableKind::riser && c.node[1] == mesh.payload();
+    EXPECT_EQ(links, 4);
+    EXPECT_EQ(payload_risers, 4);
+    EXPECT_EQ(mesh.position[mesh.payload()], Vec3(0.0, 0.0, 0.0));
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim

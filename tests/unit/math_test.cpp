@@ -1,0 +1,83 @@
+// Small numerical tools: maximum of a function, lanes, moving average.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "fullsim/moving_average.hpp"
+#include "lib/math/lanes.hpp"
+#include "lib/math/maximum.hpp"
+#include "lib/math/vec.hpp"
+
+namespace twinchute {
+namespace {
+
+TEST(Maximum, FindsAnInteriorHump) {
+    // sin has its maximum 1 at pi/2; a position is only known to sqrt(epsilon).
+    const Maximum top = maximum_on([](double x) { return std::sin(x); }, 0.0, 3.0, 8);
+    EXPECT_NEAR(top.value, 1.0, 1e-15);
+    EXPECT_NEAR(top.at, 0.5 * pi, 1e-7);
+}
+
+TEST(Maximum, FindsTheEnds) {
+    // A peak at the very start of filling is the trap that this is for.
+    EXPECT_EQ(maximum_on([](double x) { return -x; }, 2.0, 3.0, 4).at, 2.0);
+    EXPECT_EQ(maximum_on([](double x) { return x; }, 2.0, 3.0, 4).at, 3.0);
+}
+
+TEST(Maximum, StandsAFlatTopAndAnEmptyInterval) {
+    EXPECT_EQ(maximum_on([](double) { return 7.0; }, 0.0, 1.0, 4).value, 7.0);
+    EXPECT_EQ(maximum_on([](double x) { return x; }, 1.0, 1.0, 4).value, 1.0);
+}
+
+TEST(Lanes, TransposeSwapsRowsAndColumns) {
+    Lanes row[4] = {{0, 1, 2, 3}, {10, 11, 12, 13}, {20, 21, 22, 23}, {30, 31, 32, 33}};
+    transpose(row[0], row[1], row[2], row[3]);
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 4; ++k)
+            EXPECT_EQ(row[i][k], 10 * k + i);
+}
+
+TEST(Lanes, CrossAndDotAreThoseOfVectors) {
+    const Lanes3 a{splat(1.0), splat(2.0), splat(3.0)}, b{splat(-4.0), splat(5.0), splat(0.5)};
+    const Vec3 u(1.0, 2.0, 3.0), v(-4.0, 5.0, 0.5), w = u.cross(v);
+    EXPECT_EQ(dot(a, b)[2], u.dot(v));
+    const Lanes3 c = cross(a, b);
+    EXPECT_EQ(Vec3(c.x[1], c.y[1], c.z[1]), w);
+}
+
+TEST(MovingAverage, KeepsALinearSignalInItsCentre) {
+    // The average of a line over a centred window is the line. What is left is the window's left edge,
+    // cut linearly through one step of the integral: slope dt^2/(8 window) = 2.5e-7.
+    fullsim::MovingAverage average(0.01);
+    double t = 0.0;
+    for (int i = 0; i < 500; ++i) {
+        t += i % 3 == 0 ? 1e-4 : 7e-5;
+        average.push(t, 3.0 + 2.0 * t);
+        if (t > 0.02) {
+            ASSERT_TRUE(average.ready());
+            ASSERT_NEAR(average.value(), 3.0 + 2.0 * average.centre(), 2.5e-7);
+        }
+    }
+    EXPECT_NEAR(average.centre(), t - 0.005, 1e-15);
+}
+
+TEST(MovingAverage, SuppressesAPeriodOfItsWindow) {
+    fullsim::MovingAverage average(0.005);
+    for (int i = 0; i <= 4000; ++i) {
+        const double t = i * 5e-6;
+        average.push(t, 1.0 + std::sin(2.0 * pi * t / 0.005));
+    }
+    EXPECT_NEAR(average.value(), 1.0, 1e-6);
+}
+
+TEST(MovingAverage, GrowsWhenStepsShrink) {
+    // 10 000 samples per window, ten times the ring it starts with.
+    fullsim::MovingAverage average(0.01);
+    for (int i = 0; i <= 30000; ++i)
+        average.push(i * 1e-6, i * 1e-6);
+    EXPECT_NEAR(average.value(), average.centre(), 1e-12);
+}
+
+}  // namespace
+}  // namespace twinchute

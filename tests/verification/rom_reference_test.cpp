@@ -1,0 +1,183 @@
+// The reduced-order model against independent integrations and exact solutions.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rom/run_rom.hpp"
+#include "tests/support/c9_scene.hpp"
+
+namespace twinchute {
+namespace {
+
+using test::c9_scene;
+
+RunRecord run(const Scene& scene) {
+    twinchute::Run control;
+    return rom::run_rom(scene, control);
+}
+
+/// No added mass, no initial phase, payload alone: what the closed forms and rom_cases assume.
+Scene bare_scene() {
+    Scene scene = c9_scene();
+    scene.aerodynamics.added_mass.reset();
+    Parachute& chute = scene.parachutes.front();
+    chute.initial_phase = {false, 0.0};
+    chute.mass = 0.0;
+    return scene;
+}
+
+TEST(RomReference, C9InflationWithAndWithoutAddedMass) {
+    // Integrated independently (DOP853 at 1e-11): rho = 1.225, g = 9.81, D0 = 8.53 m, (C_D S)_0 = 42.56 m2,
+    // eta = 0.2, t_i = 0.5 D0/v_s, n = 4, v_s = 21 m/s downward, m_l = 152.4 kg, m_p = 5.19 kg,
+    // D_p/D0 = 0.65, inertia-only. Tolerances: the digits that those results are given with.
+    Scene scene = c9_scene();
+    scene.environment.gravity = 9.81;
+    const RunRecord with = run(scene);
+    EXPECT_NEAR(*with.metric("peak_force_ratio"), 3.31346, 1e-5);
+    EXPECT_NEAR(*with.metric("time_to_peak_force_s"), 1.5360, 1e-4);
+    scene.aerodynamics.added_mass.reset();
+    const RunRecord without = run(scene);
+    EXPECT_NEAR(*without.metric("peak_force_ratio"), 3.74754, 1e-5);
+    EXPECT_NEAR(*without.metric("time_to_peak_force_s"), 1.5899, 1e-4);
+}
+
+TEST(RomReference, PointMassInflationCases) {
+    // data: point-mass inflation without initial phase or added mass, DOP853 at 1e-12, printed to the
+    // digits below; half a digit of each is the tolerance.
+    struct Case {
+        double speed, fill_time, angle, eta, force, ratio, time, speed_at_fill;
+    };
+    constexpr Case cases[] = {{21.34, 3.197751, 90.0, 0.0, 5611.79, 3.75488, 2.7016, 12.70221},
+                              {21.34, 3.197751, 0.0, 0.0, 4016.06, 2.68717, 2.8602, 11.67602},
+                              {21.34, 1.598875, 90.0, 0.0, 7186.98, 4.80884, 1.5280, 16.40361},
+                              {21.34, 3.197751, 90.0, 0.2, 3627.66, 2.42729, 2.6642, 10.96768}};
+    for (const Case& c : cases) {
+        Scene scene = bare_scene();
+        scene.release.speed = c.speed;
+        scene.release.path_angle = c.angle * pi / 180.0;
+        scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, c.fill_time};
+        scene.parachutes.front().initial_drag_area_ratio = c.eta * c.eta;
+        scene.rom.rtol = 1e-10;
+        const RunRecord record = run(scene);
+        // The printed force is the drag, which acts on payload and canopy as one: F_o of the whole mass.
+        EXPECT_NEAR(*record.metric("peak_force_N"), c.force, 0.005) << c.angle << ' ' << c.fill_time;
+        EXPECT_NEAR(*record.metric("peak_force_ratio"), c.ratio, 0.5e-5);
+        // The printed times stand on a grid of 0.2 ms: half of that.
+        EXPECT_NEAR(*record.metric("time_to_peak_force_s"), c.time, 1.0e-4);
+        const Event* open = record.find_event("full-open");
+        ASSERT_NE(open, nullptr);
+        EXPECT_NEAR(open->time, c.fill_time, 1e-12);
+        EXPECT_NEAR(open->speed, c.speed_at_fill, 0.5e-5);
+    }
+}
+
+TEST(RomReference, DragOnlyInflationFollowsLudtkesClosedForm) {
+    // Gravity off, t_i = 0: v/v_s = 1/(1 + I(tau)/M), I = (1-eta)^2 tau^7/7 + (1-eta) eta tau^4/2 + eta^2
+    // tau, M = 2 m/(rho v_s t_f (C_D S)_0); force/(q_s (C_D S)_0) = (v/v_s)^2 [(1-eta) tau^3 + eta]^2.
+    for (const double eta : {0.0, 0.2, 0.4})
+        for (const double mass : {1.0, 20.0, 152.4, 3000.0}) {
+            Scene scene = bare_scene();
+            scene.environment.gravity = 1e-12;  // a weight so small that it moves nothing
+            scene.release.path_angle = 0.0;
+            scene.payload.mass = mass;
+            scene.parachutes.front().initial_drag_area_ratio = eta * eta;
+            scene.rom.rtol = 1e-11;
+            scene.stop = {Trigger::Kind::time, 2.0, 0.0};
+            const RunRecord record = run(scene);
+            const double v_s = 21.0, t_f = 4.0 * 8.53 / v_s;
+            const double M = 2.0 * mass / (1.225 * v_s * t_f * 42.56);
+            const auto speed = [&](double tau) {
+                const double I = (1 - eta) * (1 - eta) * std::pow(tau, 7) / 7 +
+                                 (1 - eta) * eta * std::pow(tau, 4) / 2 + eta * eta * tau;
+                return 1.0 / (1.0 + I / M);
+            };
+            const auto force = [&](double tau) {
+                return std::pow(speed(tau) * ((1 - eta) * tau * tau * tau + eta), 2);
+            };
+            double peak = 0.0;
+            for (int i = 0; i <= 200000; ++i)
+                peak = std::max(peak, force(i / 200000.0));
+            const double scale = 0.5 * 1.225 * v_s * v_s * 42.56;
+            // For small masses with eta > 0 the maximum stands at t_s itself.
+            EXPECT_NEAR(*record.metric("peak_force_N") / scale, peak, 1e-7) << eta << ' ' << mass;
+            EXPECT_NEAR(record.find_event("full-open")->speed / v_s, speed(1.0), 1e-7) << eta << ' ' << mass;
+        }
+}
+
+TEST(RomReference, FallsInVacuumOnAParabola) {
+    // No air to speak of: x = v cos(gamma) t, z = z0 - v sin(gamma) t - g t^2/2, exactly.
+    Scene scene = bare_scene();
+    scene.environment.atmosphere.constant_density = 1e-15;
+    scene.release = {300.0, 30.0, 20.0 * pi / 180.0, 0.0};
+    scene.stop = {Trigger::Kind::time, 3.0, 0.0};
+    const RunRecord record = run(scene);
+    EXPECT_NEAR(record.find_channel("altitude")->values.back(),
+                300.0 - 30.0 * std::sin(scene.release.path_angle) * 3.0 - 0.5 * standard_gravity * 9.0, 1e-9);
+    EXPECT_NEAR(record.find_channel("north")->values.back(), 90.0 * std::cos(scene.release.path_angle), 1e-9);
+    EXPECT_NEAR(record.find_channel("east")->values.back(), 0.0, 1e-12);
+}
+
+TEST(RomReference, ReachesTheEquilibriumSpeed) {
+    // sqrt(2 m g/(rho C_D S)); by the definition of steadiness within 0.5 %.
+    Scene scene = c9_scene();
+    scene.stop = {Trigger::Kind::time, 20.0, 0.0};
+    const RunRecord record = run(scene);
+    const double equilibrium = std::sqrt(2.0 * (152.4 + 5.19) * standard_gravity / (1.225 * 42.56));
+    EXPECT_NEAR(*record.metric("descent_rate_m_s"), equilibrium, 1e-6);
+    scene.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
+    const RunRecord early = run(scene);
+    EXPECT_EQ(early.status.code, StatusCode::completed);
+    EXPECT_NEAR(*early.metric("descent_rate_m_s"), equilibrium, 0.005 * equilibrium);
+    EXPECT_LT(early.find_channel("time")->values.back(), 10.0);
+}
+
+TEST(RomReference, LandsWhereAndWhenItsHistorySays) {
+    Scene scene = c9_scene();
+    scene.release.path_angle = 0.5;
+    scene.release.heading = 0.0;
+    scene.environment.ground = 50.0;
+    scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
+    const RunRecord record = run(scene);
+    EXPECT_EQ(record.status.code, StatusCode::completed);
+    EXPECT_NEAR(record.find_channel("altitude")->values.back(), 50.0, 1e-9);
+    EXPECT_EQ(*record.metric("flight_time_s"), record.find_channel("time")->values.back());
+    EXPECT_GT(*record.metric("landing_north_m"), 1.0);
+    EXPECT_NEAR(*record.metric("landing_east_m"), 0.0, 1e-12);
+    // Ground before the wanted end: named, and not "completed".
+    scene.stop = {Trigger::Kind::time, 1000.0, 0.0};
+    EXPECT_EQ(run(scene).status.code, StatusCode::stopped_by_event);
+}
+
+TEST(RomReference, PlanarFallStraightDownIsTheVerticalFall) {
+    // 1-D and 2-D are different instantiations of one equation: a path 1e-6 rad off the vertical.
+    Scene scene = c9_scene();
+    const RunRecord vertical = run(scene);
+    scene.release.path_angle = 0.5 * pi - 1e-6;
+    const RunRecord planar = run(scene);
+    EXPECT_EQ(vertical.find_channel("east"), nullptr);
+    ASSERT_NE(planar.find_channel("east"), nullptr);
+    EXPECT_NEAR(*planar.metric("peak_force_N") / *vertical.metric("peak_force_N"), 1.0, 1e-6);
+}
+
+TEST(RomReference, ErrorFallsWithTheToleranceAndStaysBelowIt) {
+    Scene scene = c9_scene();
+    scene.rom.rtol = 1e-12;
+    const double truth = *run(scene).metric("peak_force_N");
+    scene.rom.rtol = 1e-8;  // the default
+    EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-6);
+    scene.rom.rtol = 1e-4;
+    EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-3);
+}
+
+TEST(RomReference, AllMethodsAgree) {
+    Scene scene = c9_scene();
+    const double truth = *run(scene).metric("peak_force_N");
+    for (const char* method : {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince"}) {
+        scene.rom.method = method;
+        scene.rom.rtol = 1e-7;
+        EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-5) << method;
+    }
+}
+
+}  // namespace
+}  // namespace twinchute
