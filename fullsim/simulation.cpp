@@ -99,7 +99,7 @@ Simulation::Simulation(const Scene& scene)
       block_seconds_(structure_.size() + loads_.size(), 0.0) {
     state_.phase = first_phase(inflation_);
     update_sums(state_, constants_);
-    update_air(state_, scene.environment.atmosphere, mesh_.payload());
+    update_air(state_, scene.environment.atmosphere, mesh_.payload(), constants_.system_mass, 0.0);
     state_.added_mass = next_added_mass(0.0);
     state_.energy.kinetic_start = kinetic_energy(state_, constants_);
     state_.energy.elastic_start = elastic_energy(state_, structure_);
@@ -108,7 +108,8 @@ Simulation::Simulation(const Scene& scene)
 
 void Simulation::evaluate_forces() {
     State& s = state_;
-    update_air(s, scene_.environment.atmosphere, mesh_.payload());
+    update_air(s, scene_.environment.atmosphere, mesh_.payload(), constants_.system_mass,
+               air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling)));
     s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
     s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
 

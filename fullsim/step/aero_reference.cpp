@@ -1,19 +1,29 @@
 #include "fullsim/step/aero_reference.hpp"
 
+#include <cmath>
+
 namespace twinchute::fullsim {
 
-Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload) {
+Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload, double system_mass, double air_mass) {
+    const Vec3 all = (system_mass * sums.system_velocity + air_mass * sums.canopy_area_velocity) /
+                     (system_mass + air_mass);
     const Vec3 axis = (sums.canopy_position - payload).normalized();
-    return sums.canopy_velocity + (sums.system_velocity - sums.canopy_velocity).dot(axis) * axis;
+    return sums.canopy_velocity + (all - sums.canopy_velocity).dot(axis) * axis;
 }
 
-void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload) {
+double air_mass_in_reference(double added_mass, double time_since_full_open) {
+    constexpr double approach = 0.5;  // [s]
+    return time_since_full_open > 0.0 ? added_mass * -std::expm1(-time_since_full_open / approach) : 0.0;
+}
+
+void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload, double system_mass,
+                double air_mass) {
     AeroState& air = state.air;
     const Vec3 position = to_vec3(state.node[payload].x);
     const AirState at = atmosphere.at(position.z());
     air.density = at.density;
     air.viscosity = at.viscosity;
-    const Vec3 relative = -reference_velocity(state.sums, position);
+    const Vec3 relative = -reference_velocity(state.sums, position, system_mass, air_mass);
     air.airspeed = relative.norm();
     if (air.airspeed > smallest_airspeed) air.direction = relative / air.airspeed;
     air.dynamic_pressure = 0.5 * air.density * air.airspeed * air.airspeed;

@@ -10,13 +10,25 @@ namespace twinchute::fullsim {
 inline constexpr double smallest_airspeed = 0.01;
 
 /// After snatch (paper, 3.2.1, "the barycenter velocity is used as reference"): across the axis
-/// the canopy's own velocity, along it the whole system's,
-///   v_ref = v_can + [(v_sys - v_can).a] a,   a from payload to canopy barycentre.
-/// With the system's mean alone an oblique release swings up without bound; with the canopy's
-/// alone its breathing feeds back into the dynamic pressure.
-Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload);
+/// the canopy's own velocity, along it that of the whole system with the air that moves with it,
+///   v_ref = v_can + [(v_all - v_can).a] a,   a from payload to canopy barycentre.
+///
+/// With the system's mean in all directions an oblique release swings up without bound; with the
+/// canopy's own along the axis its breathing feeds back into the dynamic pressure.
+/// system_mass: of the material [kg]; air_mass: see air_mass_in_reference [kg].
+Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload, double system_mass, double air_mass);
+
+/// How much of the added mass [kg] counts in the mean velocity v_all. None while the canopy fills:
+/// then its shape changes, and the speed of that is not a speed of the canopy through the air. All
+/// of it once open, approached within half a second: the mean of the material alone is nearly the
+/// payload's velocity, so drag would answer the payload while it acts on the canopy. Where the two
+/// bounce against each other on elastic lines, and added mass makes the canopy heavy, that is
+/// negative damping: the bounce of a C-9 with 152 kg grows to the slackening of its lines within
+/// 10 s. The mean over all inertia stands still in a bounce, which then neither feeds nor is fed.
+double air_mass_in_reference(double added_mass, double time_since_full_open);
 
 /// Updates density, direction e_r, airspeed and dynamic pressure for still air.
-void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload);
+void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload, double system_mass,
+                double air_mass);
 
 }  // namespace twinchute::fullsim

@@ -3,6 +3,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_min.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace twinchute {
@@ -23,7 +24,17 @@ Maximum maximum_on(const std::function<double(double)>& f, double a, double b, i
         const double y = f(x);
         if (y > best.value) best = {x, y}, index = i;
     }
-    if (index == 0 || index == samples || !(spacing > 0.0)) return best;
+    if (!(spacing > 0.0)) return best;
+    double low = best.at - spacing, high = best.at + spacing;
+    if (index == 0 || index == samples) {
+        // At an end: a true one, unless f still rises a little way inside.
+        const double inside = best.at + (index == 0 ? 1e-3 : -1e-3) * spacing;
+        const double value = f(inside);
+        if (value <= best.value) return best;
+        low = std::max(a, low);
+        high = std::min(b, high);
+        best = {inside, value};
+    }
 
     // GSL's default handler aborts; every call here is checked instead.
     [[maybe_unused]] static const auto handler_off = gsl_set_error_handler_off();
@@ -31,8 +42,7 @@ Maximum maximum_on(const std::function<double(double)>& f, double a, double b, i
         gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), &gsl_min_fminimizer_free);
     gsl_function negative{&negated, const_cast<std::function<double(double)>*>(&f)};
     // A flat top has no strict bracket: the sampled point stands then.
-    if (search && gsl_min_fminimizer_set(search.get(), &negative, best.at, best.at - spacing,
-                                         best.at + spacing) == GSL_SUCCESS) {
+    if (search && gsl_min_fminimizer_set(search.get(), &negative, best.at, low, high) == GSL_SUCCESS) {
         for (int i = 0; i < 60; ++i) {
             if (gsl_min_fminimizer_iterate(search.get()) != GSL_SUCCESS) break;
             const double left = gsl_min_fminimizer_x_lower(search.get());

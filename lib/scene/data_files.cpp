@@ -33,11 +33,16 @@ fs::path file_name(std::string_view name) {
 std::vector<fs::path> data_directories(const fs::path& scene_directory) {
     std::vector<fs::path> places{scene_directory.empty() ? fs::path(".") : scene_directory};
     if (const char* data = std::getenv("TWINCHUTE_DATA"); data && *data) places.emplace_back(data);
-#ifdef TWINCHUTE_INSTALL_DATA
-    places.emplace_back(TWINCHUTE_INSTALL_DATA);
-#endif
+    // Beside the program, so that an installed tree may be moved; a build tree has no such folder and
+    // takes its own sources, before any copy that was installed earlier.
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    if (!error) places.push_back(program.parent_path().parent_path() / "share" / "twinchute");
 #ifdef TWINCHUTE_SOURCE_DATA
     places.emplace_back(TWINCHUTE_SOURCE_DATA);
+#endif
+#ifdef TWINCHUTE_INSTALL_DATA
+    places.emplace_back(TWINCHUTE_INSTALL_DATA);
 #endif
     return places;
 }

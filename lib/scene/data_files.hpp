@@ -1,4 +1,5 @@
-// Where designs, materials and scenes lie: beside the scene, in $TWINCHUTE_DATA, installed, in the source.
+// Where designs, materials and scenes lie: beside the scene, in $TWINCHUTE_DATA, beside the program, in
+// the source, installed.
 #pragma once
 
 #include <filesystem>

@@ -210,6 +210,7 @@ constexpr Key material_rows[] = {
 };
 
 constexpr ToleranceMetric metric_rows[] = {
+    {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"},
     {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
     {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
     {"opening_shock_coefficient", "1"}, {"impulse", "N s"}, {"max_deceleration", "g0"},

@@ -25,6 +25,13 @@ TEST(Maximum, FindsTheEnds) {
     EXPECT_EQ(maximum_on([](double x) { return x; }, 2.0, 3.0, 4).at, 3.0);
 }
 
+TEST(Maximum, FindsAHumpBesideAnEnd) {
+    // Between the last two samples, the last being the larger: x (2.3 - x) on [0, 1.2] in 4 pieces.
+    const auto hump = [](double x) { return x * (2.3 - x); };
+    EXPECT_NEAR(maximum_on(hump, 0.0, 1.2, 4).at, 1.15, 1e-7);
+    EXPECT_NEAR(maximum_on(hump, 1.1, 2.3, 4).at, 1.15, 1e-7);
+}
+
 TEST(Maximum, StandsAFlatTopAndAnEmptyInterval) {
     EXPECT_EQ(maximum_on([](double) { return 7.0; }, 0.0, 1.0, 4).value, 7.0);
     EXPECT_EQ(maximum_on([](double x) { return x; }, 1.0, 1.0, 4).value, 1.0);

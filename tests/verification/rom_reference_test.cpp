@@ -1,7 +1,12 @@
 // The reduced-order model against independent integrations and exact solutions.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "rom/run_rom.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -41,33 +46,65 @@ TEST(RomReference, C9InflationWithAndWithoutAddedMass) {
     EXPECT_NEAR(*without.metric("time_to_peak_force_s"), 1.5899, 1e-4);
 }
 
+/// Rows of numbers of a file in data/reference; lines that start with # or a letter are skipped.
+std::vector<std::vector<double>> reference_rows(const char* name) {
+    std::ifstream file(std::string(TWINCHUTE_SOURCE_DIR) + "/data/reference/" + name);
+    std::vector<std::vector<double>> rows;
+    for (std::string line; std::getline(file, line);) {
+        if (line.empty() || line[0] == '#' || std::isalpha(static_cast<unsigned char>(line[0]))) continue;
+        std::istringstream cells(line);
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');)
+            rows.back().push_back(std::stod(cell));
+    }
+    return rows;
+}
+
 TEST(RomReference, PointMassInflationCases) {
-    // data: point-mass inflation without initial phase or added mass, DOP853 at 1e-12, printed to the
-    // digits below; half a digit of each is the tolerance.
-    struct Case {
-        double speed, fill_time, angle, eta, force, ratio, time, speed_at_fill;
-    };
-    constexpr Case cases[] = {{21.34, 3.197751, 90.0, 0.0, 5611.79, 3.75488, 2.7016, 12.70221},
-                              {21.34, 3.197751, 0.0, 0.0, 4016.06, 2.68717, 2.8602, 11.67602},
-                              {21.34, 1.598875, 90.0, 0.0, 7186.98, 4.80884, 1.5280, 16.40361},
-                              {21.34, 3.197751, 90.0, 0.2, 3627.66, 2.42729, 2.6642, 10.96768}};
-    for (const Case& c : cases) {
+    // Point-mass inflation without initial phase or added mass, DOP853 at 1e-12 (the file's header).
+    // Tolerances are half a unit of the last printed digit; the times stand on a grid of 0.2 ms.
+    const auto rows = reference_rows("rom_cases.csv");
+    ASSERT_EQ(rows.size(), 4u);
+    for (const auto& row : rows) {
         Scene scene = bare_scene();
-        scene.release.speed = c.speed;
-        scene.release.path_angle = c.angle * pi / 180.0;
-        scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, c.fill_time};
-        scene.parachutes.front().initial_drag_area_ratio = c.eta * c.eta;
+        scene.payload.mass = row[0];
+        scene.environment.atmosphere.constant_density = row[1];
+        scene.parachutes.front().drag_area = row[2];
+        scene.release.speed = row[3];
+        scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, row[4]};
+        scene.release.path_angle = -row[5] * pi / 180.0;
+        scene.parachutes.front().initial_drag_area_ratio = row[6] * row[6];
         scene.rom.rtol = 1e-10;
         const RunRecord record = run(scene);
-        // The printed force is the drag, which acts on payload and canopy as one: F_o of the whole mass.
-        EXPECT_NEAR(*record.metric("peak_force_N"), c.force, 0.005) << c.angle << ' ' << c.fill_time;
-        EXPECT_NEAR(*record.metric("peak_force_ratio"), c.ratio, 0.5e-5);
-        // The printed times stand on a grid of 0.2 ms: half of that.
-        EXPECT_NEAR(*record.metric("time_to_peak_force_s"), c.time, 1.0e-4);
+        // With a parachute without mass the opening force is the drag.
+        EXPECT_NEAR(*record.metric("peak_force_N"), row[7], 0.005) << row[5] << ' ' << row[4];
+        EXPECT_NEAR(*record.metric("peak_force_ratio"), row[8], 0.5e-5);
+        EXPECT_NEAR(*record.metric("time_to_peak_force_s"), row[9], 1.0e-4);
         const Event* open = record.find_event("full-open");
         ASSERT_NE(open, nullptr);
-        EXPECT_NEAR(open->time, c.fill_time, 1e-12);
-        EXPECT_NEAR(open->speed, c.speed_at_fill, 0.5e-5);
+        EXPECT_NEAR(open->time, row[4], 1e-12);
+        EXPECT_NEAR(open->speed, row[10], 0.5e-5);
+    }
+}
+
+TEST(RomReference, LudtkeTable) {
+    // Drag only: peak x = F/(q_s (C_D S)_0), its time and the speed at t_f, printed to six digits, the
+    // time to five and located on a grid of 1e-5.
+    const auto rows = reference_rows("ludtke_closed_form.csv");
+    ASSERT_GE(rows.size(), 15u);
+    for (const auto& row : rows) {
+        Scene scene = bare_scene();
+        scene.environment.gravity = 1e-12;
+        scene.release.path_angle = 0.0;
+        const double fill_time = 4.0 * 8.53 / 21.0;
+        scene.payload.mass = row[0] * 1.225 * 21.0 * fill_time * 42.56 / 2.0;
+        scene.parachutes.front().initial_drag_area_ratio = row[1] * row[1];
+        scene.stop = {Trigger::Kind::time, 2.0, 0.0};
+        const RunRecord record = run(scene);
+        EXPECT_NEAR(*record.metric("peak_force_N") / (0.5 * 1.225 * 21.0 * 21.0 * 42.56), row[2], 0.6e-6);
+        EXPECT_NEAR(*record.metric("time_to_peak_force_s") / fill_time, row[3], 2e-5)
+            << row[0] << ' ' << row[1];
+        EXPECT_NEAR(record.find_event("full-open")->speed / 21.0, row[4], 0.6e-6);
     }
 }
 
