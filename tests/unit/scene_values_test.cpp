@@ -58,8 +58,7 @@ TEST(SceneValues, ShippedSceneHasTheNumbersOfThePaper) {
     EXPECT_EQ(s.aerodynamics.added_mass->model->name, "hemisphere");
     EXPECT_TRUE(s.aerodynamics.line_drag);
     EXPECT_EQ(s.aerodynamics.breathing_damping, 0.5);
-    EXPECT_EQ(s.stop.kind, Trigger::Kind::time);
-    EXPECT_EQ(s.stop.value, 6.0);
+    EXPECT_EQ(s.stop.kind, Trigger::Kind::steady_descent);
     EXPECT_EQ(s.file, scenes + "c9-inflation.toml");
     EXPECT_EQ(s.sha256, sha256_hex(read_text_file(s.file)));
 }
