@@ -12,6 +12,11 @@ target_compile_options(twinchute_options INTERFACE
   $<$<BOOL:${TWINCHUTE_WERROR}>:-Werror>
   $<$<BOOL:${TWINCHUTE_ARCH}>:-march=${TWINCHUTE_ARCH}>)
 
+if(TWINCHUTE_COVERAGE)
+  target_compile_options(twinchute_options INTERFACE --coverage -fprofile-update=atomic)
+  target_link_options(twinchute_options INTERFACE --coverage)
+endif()
+
 find_program(CCACHE ccache)
 mark_as_advanced(CCACHE)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

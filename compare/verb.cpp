@@ -35,12 +35,13 @@ std::vector<std::string> tolerance_overrides(const Arguments& arguments) {
 }
 
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
-    const Scene scene = scene_of(arguments, tolerance_overrides(arguments));
+    const std::vector<Scene> scenes = scenes_of(arguments, tolerance_overrides(arguments));
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
-    for (const Fidelity* fidelity : both)
-        require_physics(scene, *fidelity, both);
+    for (const Scene& scene : scenes)
+        for (const Fidelity* fidelity : both)
+            require_physics(scene, *fidelity, both);
     if (arguments.has("check")) {
-        say_valid(scene, arguments);
+        say_valid(scenes, arguments);
         return ExitCode::done;
     }
     const std::filesystem::path directory =
@@ -49,22 +50,30 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
 
     const Interrupt interrupt;  // until the records are safe
     const bool quiet = arguments.has("quiet");
-    Comparison comparison;
-    comparison.reference_title = reference.title;
-    comparison.candidate_title = candidate.title;
-    // The quick one first: it is there even when the long one is interrupted.
-    comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet);
-    comparison.reference = run_watched(reference, scene, interrupt.token(), quiet);
-    comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
-    write_report(comparison, directory);
+    ExitCode code = ExitCode::done;
+    std::vector<std::string> gaps;
+    for (const Scene& scene : scenes) {
+        const std::filesystem::path place = directory_of(scene, directory);
+        Comparison comparison;
+        comparison.reference_title = reference.title;
+        comparison.candidate_title = candidate.title;
+        // The quick one first: it is there even when the long one is interrupted.
+        comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet);
+        comparison.reference = run_watched(reference, scene, interrupt.token(), quiet);
+        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+        write_report(comparison, place);
 
-    if (arguments.has("json")) {
-        print(gap_json(comparison));
-    } else if (!quiet) {
-        print(terminal_text(comparison, output_style()));
-        print(fmt::format("report    {}\n", printable((directory / "report.md").string())));
+        if (arguments.has("json")) {
+            gaps.push_back(gap_json(comparison));
+        } else if (!quiet) {
+            print((&scene == &scenes.front() ? "" : "\n") + terminal_text(comparison, output_style()));
+            print(fmt::format("report    {}\n", printable((place / "report.md").string())));
+        }
+        code = gravest(code, exit_code(comparison));
+        if (code == ExitCode::interrupted) break;
     }
-    return exit_code(comparison);
+    if (arguments.has("json")) print(joined_json(scenes, gaps));
+    return code;
 }
 
 }  // namespace

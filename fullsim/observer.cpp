@@ -136,7 +136,7 @@ bool Observer::is_steady(double from) const {
     int count[2] = {0, 0};
     for (std::size_t i = rows_.size(); i-- > 0 && now - rows_[i].time < 2.0;) {
         const int second = now - rows_[i].time < 1.0 ? 0 : 1;
-        sum[second] += rows_[i].velocity.norm() * std::sqrt(rows_[i].density);
+        sum[second] += rows_[i].airspeed * std::sqrt(rows_[i].density);
         ++count[second];
     }
     if (count[0] == 0 || count[1] == 0) return false;

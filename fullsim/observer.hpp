@@ -50,8 +50,9 @@ public:
     const Peak& raw_peak() const { return extremes_.raw_peak; }             ///< of the raw force [N]
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
 
-    /// Whether the mean of v sqrt(rho) over the last second of the rows differs from that over the
-    /// second before by less than steady_descent_change; `from`: rows before it do not count.
+    /// Whether the mean of v sqrt(rho), v the canopy's airspeed, over the last second of the rows differs
+    /// from that over the second before by less than steady_descent_change; `from`: rows before it do not
+    /// count.
     bool is_steady(double from) const;
     /// Mean of a column over the last `seconds` of the rows, trapezoidal.
     double mean(double HistoryRow::*column, double seconds) const;

@@ -38,6 +38,8 @@ public:
             observer_.observe(state());
             if (state().step % steps_between_checks == 0) check();
             if (!ended_) look_for_events();
+            // An end between two checks must not hide what the next one would have found.
+            if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
             if (!ended_) simulation_.step_to(next_stop());
         }
         observer_.finish();
@@ -78,6 +80,14 @@ private:
         if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
             run_.progress({stage_name(), state().time, expected_share()});
+    }
+
+    void check_end() {
+        if (const auto fault = simulation_.find_fault()) {
+            observer_.forget();
+            landing_time_.reset();
+            end(fault->code, fault->detail);
+        }
     }
 
     std::string_view stage_name() const {
@@ -168,7 +178,7 @@ void FullRun::fill_results() {
     const HistoryRow& last = rows.back();
 
     OpeningResult result;
-    result.snatch_speed = scene_.release.speed;
+    result.snatch_speed = release_airspeed(scene_).norm();
     result.snatch_path_angle = scene_.release.path_angle;
     result.snatch_density = rows.front().density;
     if (last.time >= filled + shape_average) {
@@ -239,6 +249,15 @@ void FullRun::add_warnings() {
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
              "gores are folded inside out; the model has no contact that would prevent it",
              "look at the shape before trusting the loads");
+    if (const auto filled = record_.metric("filling_time_s")) {
+        const auto nearly = observer_.first_time_of_area(0.98 * *steady_area_);
+        if (nearly && *nearly < 0.9 * *filled)
+            warn(
+                fmt::format("98 % of the steady area is reached at {:.3g} s, all of it at {:.3g} s", *nearly,
+                            *filled),
+                "the canopy opens without overshoot, so that the filling time hangs on the last two per cent",
+                "compare filling times of such a canopy with a wide tolerance");
+    }
     if (state().capped_steps > 0)
         warn(
             fmt::format(
@@ -260,6 +279,7 @@ void FullRun::add_left_out() {
     const Aerodynamics& aero = scene_.aerodynamics;
     const auto out = [&](const char* what, const char* why) { record_.left_out.push_back({what, why}); };
     out("deployment and mass-spring-damper model", "the scene starts at line stretch");
+    if (!scene_.environment.wind) out("wind", "environment.wind is absent");
     if (!aero.line_drag) out("line drag", "aerodynamics.line_drag is absent");
     if (!aero.breathing_damping) out("breathing damping", "aerodynamics.breathing_damping is absent");
     if (!aero.added_mass) out("added mass", "aerodynamics.added_mass is absent");

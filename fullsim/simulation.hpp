@@ -55,7 +55,8 @@ private:
     static constexpr int steps_between_bounds = 20;
 
     void refresh_step();
-    double next_added_mass(double dt) const;
+    /// M_a and its rate at state().time + dt, the shape as it is now.
+    ValueAndRate added_mass_after(double dt) const;
     std::string first_bad_node() const;
 
     const Scene& scene_;

@@ -38,17 +38,19 @@ struct NodeSums {
 
 /// The air as the canopy meets it, evaluated at the start of every step.
 struct AeroState {
-    double density = 0.0;            ///< [kg/m^3] at the payload's altitude
-    double viscosity = 0.0;          ///< [Pa s]
-    Vec3 direction = Vec3::UnitZ();  ///< e_r: of the air relative to the canopy
-    double airspeed = 0.0;           ///< V [m/s] at the reference velocity
-    double dynamic_pressure = 0.0;   ///< q [Pa]
-    double drag_area = 0.0;          ///< (C_D S)_t [m^2]
-    double radial_pressure = 0.0;    ///< phi(t) [-]
-    double projected_area = 0.0;     ///< S_p [m^2], sum of the positive element areas along e_r
-    double signed_area = 0.0;        ///< [m^2] sum of all
-    double pressure = 0.0;           ///< Delta P_a [Pa]
-    bool pressure_capped = false;    ///< D/S_p was above c_max q
+    double density = 0.0;                 ///< [kg/m^3] at the payload's altitude
+    double viscosity = 0.0;               ///< [Pa s]
+    Vec3 wind = Vec3::Zero();             ///< [m/s] at the canopy; zero where the scene has none
+    Vec3 wind_at_payload = Vec3::Zero();  ///< [m/s]
+    Vec3 direction = Vec3::UnitZ();       ///< e_r: of the air relative to the canopy
+    double airspeed = 0.0;                ///< V [m/s] at the reference velocity
+    double dynamic_pressure = 0.0;        ///< q [Pa]
+    double drag_area = 0.0;               ///< (C_D S)_t [m^2]
+    double radial_pressure = 0.0;         ///< phi(t) [-]
+    double projected_area = 0.0;          ///< S_p [m^2], sum of the positive element areas along e_r
+    double signed_area = 0.0;             ///< [m^2] sum of all
+    double pressure = 0.0;                ///< Delta P_a [Pa]
+    bool pressure_capped = false;         ///< D/S_p was above c_max q
 };
 
 /// Works since the start, as EnergyLedger signs them. The midpoint rule books them from half step
@@ -70,10 +72,12 @@ struct State {
     std::vector<NodeVector> force;   ///< [N] structural and damping forces
     std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
 
-    double added_mass = 0.0;  ///< M_a [kg]
+    double added_mass_rate = 0.0;  ///< dM_a/dt [kg/s], kept only for accreting added mass
+    double added_mass = 0.0;       ///< M_a [kg]
     NodeSums sums;
     AeroState air;
     EnergyBook energy;
+    double accretion_power = 0.0;     ///< [W] of the force that brings new air to speed
     double damping_power = 0.0;       ///< [W] dissipated now
     Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "lib/math/maximum.hpp"
@@ -19,7 +20,8 @@ Motion<dimensions> motion_of(std::span<const double> y) {
 }
 
 struct HistoryRow {
-    double time, downrange, altitude, horizontal_speed, vertical_speed;
+    double time, altitude, vertical_speed, speed;  // of the payload
+    double east, north;                            // [m] from the release; downrange in a plane
     double force, drag_area, dynamic_pressure, added_mass, acceleration;
 };
 
@@ -51,6 +53,18 @@ public:
         // Only a step that raised the maximum, or its neighbour, can hold the true one.
         if (peak_.value > before || rows_.size() - peak_row_ <= 2 * pieces)
             refine(a, b, [&](double t) { return at(t).force; });
+    }
+
+    /// Whether the last step gave numbers; if not, its rows from the first bad one on are dropped.
+    bool is_finite() {
+        const std::size_t first = rows_.size() > pieces ? rows_.size() - pieces : 0;
+        for (std::size_t i = first; i < rows_.size(); ++i) {
+            const HistoryRow& r = rows_[i];
+            if (std::isfinite(r.force + r.acceleration + r.speed + r.altitude + r.dynamic_pressure)) continue;
+            rows_.resize(std::max<std::size_t>(i, 1));
+            return false;
+        }
+        return true;
     }
 
     const std::vector<HistoryRow>& rows() const { return rows_; }
@@ -102,13 +116,12 @@ private:
         r.time = t;
         r.altitude = m.altitude();
         r.vertical_speed = m.velocity[dimensions - 1];
-        if constexpr (dimensions == 2) {
-            r.downrange = m.position[0];
-            r.horizontal_speed = m.velocity[0];
-        }
+        r.speed = m.velocity.norm();
+        if constexpr (dimensions >= 2) r.east = m.position[0];
+        if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.opening_force(t, m);
         r.drag_area = model_.drag_area(t);
-        r.dynamic_pressure = 0.5 * rho * m.velocity.squaredNorm();
+        r.dynamic_pressure = 0.5 * rho * model_.airspeed(m).squaredNorm();
         r.acceleration = model_.acceleration(t, m).norm();
         if (model_.added_mass)
             r.added_mass =

@@ -1,14 +1,18 @@
 // The equation of motion of the reduced-order model: payload and parachute as one rigid body
-// that moves through still air with a prescribed drag area (Knacke NWC TP 6575, 5.4; Ewing).
+// that moves through the air with a prescribed drag area (Knacke NWC TP 6575, 5.4; Ewing).
 #pragma once
+
+#include <algorithm>
 
 #include "lib/math/vec.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/inflation.hpp"
+#include "lib/models/wind.hpp"
 
 namespace twinchute::rom {
 
-/// Position or velocity in the space the scene needs: 1 = (up), 2 = (downrange, up).
+/// Position or velocity in the space the scene needs: 1 = (up), 2 = (downrange, up), and with wind
+/// 3 = (east, north, up).
 template <int dimensions>
 using Vec = Eigen::Matrix<double, dimensions, 1>;
 
@@ -20,7 +24,10 @@ struct Motion {
     double altitude() const { return position[dimensions - 1]; }
 };
 
-template <int dimensions, bool with_added_mass>
+/// What the air that moves with the canopy does to the equation of motion.
+enum class Air { none, inertia_only, accreting };
+
+template <int dimensions, Air air>
 struct RigidComposite {
     Atmosphere atmosphere;
     Inflation inflation;
@@ -29,7 +36,8 @@ struct RigidComposite {
     double parachute_mass = 0.0;     ///< [kg]
     double payload_drag_area = 0.0;  ///< [m^2]
     double steady_radius = 0.0;      ///< R_0 [m], for the added mass
-    const AddedMassModel* added_mass = nullptr;
+    const AddedMassSpec* added_mass = nullptr;
+    const Wind* wind = nullptr;  ///< in three dimensions only
 
     Phase phase = Phase::initial;  ///< set by the solver at each stage boundary
 
@@ -37,20 +45,31 @@ struct RigidComposite {
         return inflation.steady_drag_area * inflation.drag_area_ratio(phase, t).value;
     }
 
-    /// Drag [N] of a drag area [m^2] in still air of density rho [kg/m^3].
+    /// Velocity relative to the air [m/s].
+    Vec<dimensions> airspeed(const Motion<dimensions>& motion) const {
+        if constexpr (dimensions == 3) return motion.velocity - wind->at(motion.altitude());
+        return motion.velocity;
+    }
+
+    /// Drag [N] of a drag area [m^2] in air of density rho [kg/m^3] that is met with `velocity`.
     static Vec<dimensions> drag(double rho, double area, const Vec<dimensions>& velocity) {
         return -0.5 * rho * area * velocity.norm() * velocity;
     }
 
-    /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D: gravity weighs the material, not the air.
+    /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D [- (dM_a/dt) v_air while M_a grows, if accreting]:
+    /// gravity weighs the material, not the air.
     Vec<dimensions> acceleration(double t, const Motion<dimensions>& motion) const {
         const double rho = atmosphere.at(motion.altitude()).density;
         const double weighed = payload_mass + parachute_mass;
+        const Vec<dimensions> velocity = airspeed(motion);
         double inertia = weighed;
-        if constexpr (with_added_mass)
-            inertia += inflation.added_mass(*added_mass, phase, t, rho, steady_radius).value;
-        Vec<dimensions> force = drag(rho, drag_area(t) + payload_drag_area, motion.velocity);
+        Vec<dimensions> force = drag(rho, drag_area(t) + payload_drag_area, velocity);
         force[dimensions - 1] -= weighed * gravity;
+        if constexpr (air != Air::none) {
+            const ValueAndRate mass = inflation.added_mass(*added_mass, phase, t, rho, steady_radius);
+            inertia += mass.value;
+            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * velocity;
+        }
         return force / inertia;
     }
 
@@ -59,7 +78,7 @@ struct RigidComposite {
         Vec<dimensions> force = payload_mass * acceleration(t, motion);
         force[dimensions - 1] += payload_mass * gravity;
         const double rho = atmosphere.at(motion.altitude()).density;
-        return (force - drag(rho, payload_drag_area, motion.velocity)).norm();
+        return (force - drag(rho, payload_drag_area, airspeed(motion))).norm();
     }
 };
 

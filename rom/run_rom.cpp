@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "lib/solve/sundials.hpp"
@@ -17,9 +18,12 @@ namespace {
 /// Below this many metres, or metres per second, the relative tolerance stops to be relative.
 constexpr double smallest_scale = 1.0;
 
-template <int dimensions, bool with_added_mass>
+/// A descent of ten hours takes 40 000: where more are needed, something is stiffer than this method.
+constexpr int most_steps = 100'000;
+
+template <int dimensions, Air air>
 class Flight {
-    using Model = RigidComposite<dimensions, with_added_mass>;
+    using Model = RigidComposite<dimensions, air>;
 
 public:
     Flight(const Scene& scene, Run& run)
@@ -60,23 +64,25 @@ private:
     Model make_model() const {
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
-        model.inflation = make_inflation(chute_, 0.0, scene_.release.speed, density_);
+        model.inflation = make_inflation(chute_, 0.0, release_airspeed(scene_).norm(), density_);
         model.gravity = scene_.environment.gravity;
         model.payload_mass = scene_.payload.mass;
         model.parachute_mass = chute_.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
         model.steady_radius = steady_radius(chute_);
-        if (scene_.aerodynamics.added_mass) model.added_mass = scene_.aerodynamics.added_mass->model;
+        if (scene_.aerodynamics.added_mass) model.added_mass = &*scene_.aerodynamics.added_mass;
+        if (scene_.environment.wind) model.wind = &*scene_.environment.wind;
         return model;
     }
 
     std::vector<double> initial_state() const {
         const Release& release = scene_.release;
         const double down = release.speed * std::sin(release.path_angle);
-        if constexpr (dimensions == 1)
-            return {release.altitude, -down};
-        else
+        if constexpr (dimensions == 1) return {release.altitude, -down};
+        if constexpr (dimensions == 2)
             return {0.0, release.altitude, release.speed * std::cos(release.path_angle), -down};
+        const Vec3 velocity = velocity_over_ground(release);
+        return {0.0, 0.0, release.altitude, velocity.x(), velocity.y(), velocity.z()};
     }
 
     void rhs(double t, std::span<const double> y, std::span<double> dydt) const {
@@ -88,13 +94,18 @@ private:
         }
     }
 
-    /// Relative change per second of v sqrt(rho) less the limit; negative once the descent is steady.
+    /// Relative change per second of v sqrt(rho), v through the air, less the limit; negative once the
+    /// descent is steady.
     double unsteadiness(double t, const Motion<dimensions>& m) const {
-        const auto density = [&](double z) { return scene_.environment.atmosphere.at(z).density; };
-        const double z = m.altitude();
+        const double z = m.altitude(), climb = m.velocity[dimensions - 1];
+        const auto density = [&](double h) { return scene_.environment.atmosphere.at(h).density; };
         const double relative_density_slope = (density(z + 1.0) - density(z - 1.0)) / (2.0 * density(z));
-        const double relative_rate = m.velocity.dot(model_.acceleration(t, m)) / m.velocity.squaredNorm() +
-                                     0.5 * relative_density_slope * m.velocity[dimensions - 1];
+        const Vec<dimensions> velocity = model_.airspeed(m);
+        Vec<dimensions> rate = model_.acceleration(t, m);
+        if constexpr (dimensions == 3)  // falling through shear changes the speed through the air, too
+            rate -= climb * 0.5 * (model_.wind->at(z + 1.0) - model_.wind->at(z - 1.0));
+        const double relative_rate =
+            velocity.dot(rate) / velocity.squaredNorm() + 0.5 * relative_density_slope * climb;
         return std::abs(relative_rate) - steady_descent_change;
     }
 
@@ -107,15 +118,16 @@ private:
     }
 
     /// Steps to `end`; says why it stopped before, if it did.
-    enum class Leg { reached_end, ground, steady, failed, interrupted };
+    enum class Leg { reached_end, ground, steady, failed, not_finite, interrupted, too_many_steps };
     Leg integrate_to(double end) {
         solver_.stop_at(end);
         for (;;) {
             if (run_.stop.stop_requested()) return Leg::interrupted;
+            if (++steps_ > most_steps) return Leg::too_many_steps;
             const auto outcome = solver_.advance();
             if (outcome == ErkSolver::Outcome::failed) return Leg::failed;
             observer_.step();
-            if (!std::isfinite(observer_.rows().back().force)) return Leg::failed;
+            if (!observer_.is_finite()) return Leg::not_finite;
             if (outcome == ErkSolver::Outcome::reached_stop) return Leg::reached_end;
             if (outcome == ErkSolver::Outcome::found_root)
                 return solver_.root() == steady_root ? Leg::steady : Leg::ground;
@@ -133,7 +145,7 @@ private:
 
     void add_event(RunRecord& record, const char* name) const {
         const HistoryRow& r = observer_.rows().back();
-        record.events.push_back({name, r.time, r.altitude, std::hypot(r.horizontal_speed, r.vertical_speed)});
+        record.events.push_back({name, r.time, r.altitude, r.speed});
     }
 
     OpeningResult integrate(RunRecord& record) {
@@ -201,6 +213,14 @@ private:
                         ? RunStatus{StatusCode::completed, "ground reached"}
                         : RunStatus{StatusCode::stopped_by_event, "ground reached before the stop condition"};
                 break;
+            case Leg::not_finite:
+                record.status = {StatusCode::not_finite,
+                                 fmt::format("force or acceleration after t = {:.6g} s", last.time)};
+                break;
+            case Leg::too_many_steps:
+                record.status = {StatusCode::step_limit,
+                                 fmt::format("more than {} steps by t = {:.6g} s", most_steps, last.time)};
+                break;
             case Leg::interrupted:
                 record.status = {StatusCode::interrupted, "stopped on request"};
                 break;
@@ -209,21 +229,25 @@ private:
                 record.status = {StatusCode::solver_failed, solver_.failure()};
                 break;
         }
-        result.snatch_speed = scene_.release.speed;
+        result.snatch_speed = release_airspeed(scene_).norm();
         result.snatch_path_angle = scene_.release.path_angle;
         result.snatch_density = density_;
         result.peak_force = result.max_force = observer_.peak().value;
         result.peak_time = observer_.peak().at;
         const HistoryRow& top = observer_.row_near(result.peak_time);
-        record.events.push_back({"peak-force", result.peak_time, top.altitude,
-                                 std::hypot(top.horizontal_speed, top.vertical_speed)});
+        record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
         std::ranges::stable_sort(record.events, {}, &Event::time);
         if (result.filling_time) result.impulse = observer_.impulse_until(*result.filling_time);
         result.max_deceleration = observer_.largest_deceleration();
         if (result.descent_altitude)
             result.descent_rate = observer_.altitude_at(last.time - 1.0) - last.altitude;
-        result.end_position =
-            last.downrange * heading_direction(scene_.release) + last.altitude * Vec3::UnitZ();
+        result.end_position = place(last);
+    }
+
+    /// East and north of the release [m] and altitude [m].
+    Vec3 place(const HistoryRow& r) const {
+        if constexpr (dimensions == 3) return {r.east, r.north, r.altitude};
+        return r.east * heading_direction(scene_.release) + r.altitude * Vec3::UnitZ();
     }
 
     void add_metrics(RunRecord& record, const OpeningResult& result) const {
@@ -252,19 +276,17 @@ private:
         };
         channel("time", "s", [](const HistoryRow& r) { return r.time; });
         channel("altitude", "m", [](const HistoryRow& r) { return r.altitude; });
-        if constexpr (dimensions == 2) {
-            const Vec3 heading = heading_direction(scene_.release);
-            channel("east", "m", [&](const HistoryRow& r) { return r.downrange * heading.x(); });
-            channel("north", "m", [&](const HistoryRow& r) { return r.downrange * heading.y(); });
+        if constexpr (dimensions >= 2) {
+            channel("east", "m", [this](const HistoryRow& r) { return place(r).x(); });
+            channel("north", "m", [this](const HistoryRow& r) { return place(r).y(); });
         }
-        channel("speed", "m/s",
-                [](const HistoryRow& r) { return std::hypot(r.horizontal_speed, r.vertical_speed); });
+        channel("speed", "m/s", [](const HistoryRow& r) { return r.speed; });
         channel("vertical_speed", "m/s", [](const HistoryRow& r) { return r.vertical_speed; });
         channel("acceleration", "m/s^2", [](const HistoryRow& r) { return r.acceleration; });
         channel("force", "N", [](const HistoryRow& r) { return r.force; });
         channel("drag_area", "m^2", [](const HistoryRow& r) { return r.drag_area; });
         channel("dynamic_pressure", "Pa", [](const HistoryRow& r) { return r.dynamic_pressure; });
-        if constexpr (with_added_mass)
+        if constexpr (air != Air::none)
             channel("added_mass", "kg", [](const HistoryRow& r) { return r.added_mass; });
     }
 
@@ -272,13 +294,13 @@ private:
         const auto out = [&](const char* what, const char* why) { record.left_out.push_back({what, why}); };
         if constexpr (dimensions == 1)
             out("horizontal motion", "the release is straight down and the air is still");
-        else
-            out("motion across the release plane", "the air is still");
+        if constexpr (dimensions == 2) out("motion across the release plane", "the air is still");
+        if constexpr (dimensions != 3) out("wind", "environment.wind is absent");
         out("second body", "the scene starts at line stretch");
         out("canopy structure", "this model moves payload and parachute as one rigid body");
         if (scene_.aerodynamics.line_drag) out("line drag", "this model has no lines; the full model has");
         if (scene_.aerodynamics.breathing_damping) out("breathing damping", "this model has no canopy shape");
-        if constexpr (!with_added_mass) out("added mass", "aerodynamics.added_mass is absent");
+        if constexpr (air == Air::none) out("added mass", "aerodynamics.added_mass is absent");
         if (!scene_.payload.drag_area) out("payload drag", "payload.drag_area is absent");
     }
 
@@ -289,17 +311,25 @@ private:
     Model model_;
     ErkSolver solver_;
     Observer<Model, dimensions> observer_;
+    int steps_ = 0;
 };
 
 template <int dimensions>
 RunRecord fly(const Scene& scene, Run& run) {
-    return scene.aerodynamics.added_mass ? Flight<dimensions, true>(scene, run).fly()
-                                         : Flight<dimensions, false>(scene, run).fly();
+    if (!scene.aerodynamics.added_mass) return Flight<dimensions, Air::none>(scene, run).fly();
+    switch (scene.aerodynamics.added_mass->momentum) {
+        case AddedMassMomentum::accreting:
+            return Flight<dimensions, Air::accreting>(scene, run).fly();
+        case AddedMassMomentum::inertia_only:
+            break;
+    }
+    return Flight<dimensions, Air::inertia_only>(scene, run).fly();
 }
 
 }  // namespace
 
 RunRecord run_rom(const Scene& scene, Run& run) {
+    if (scene.environment.wind) return fly<3>(scene, run);
     // A path within 1e-9 rad of the vertical has no horizontal part that anyone could measure.
     const bool vertical = scene.release.speed == 0.0 || std::abs(std::cos(scene.release.path_angle)) < 1e-9;
     return vertical ? fly<1>(scene, run) : fly<2>(scene, run);

@@ -39,13 +39,14 @@ public:
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
         const double reynolds_per_speed = state.air.density * diameter_ / state.air.viscosity;
-        // Half of 1/2 rho d to each end, and half of the sum of two velocities is their mean.
+        // Half of 1/2 rho d to each end.
         const double factor = 0.25 * state.air.density * diameter_;
+        const Vec3& w = state.air.wind;
+        const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
         for (const Group& g : groups_) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
-            // Still air: the relative velocity is the negative of the element's.
-            const Lanes3 v = splat(-0.5) * (gather_velocity(state.node, g.node[0]) +
-                                            gather_velocity(state.node, g.node[1]));
+            const Lanes3 v = wind - splat(0.5) * (gather_velocity(state.node, g.node[0]) +
+                                                  gather_velocity(state.node, g.node[1]));
             const Lanes square = dot(d, d) + 1e-18;
             const Lanes3 across = v - dot(v, d) / square * d;
             const Lanes speed = square_root(dot(across, across));

@@ -1,4 +1,4 @@
-// Loads on nodes: breathing damping, Rayleigh mass damping, payload drag.
+// Loads on nodes: breathing damping, Rayleigh mass damping, payload drag, accretion of air.
 #include "fullsim/forces/registry.hpp"
 
 namespace twinchute::fullsim {
@@ -65,7 +65,7 @@ private:
     const std::vector<double>& mass_;
 };
 
-/// -1/2 rho C_D S |v| v on the payload in still air (paper, 3.1).
+/// -1/2 rho C_D S |v| v on the payload, v relative to the air (paper, 3.1).
 class PayloadDrag final : public ForceModel {
 public:
     PayloadDrag(const Mesh& mesh, double drag_area) : payload_(mesh.payload()), drag_area_(drag_area) {}
@@ -73,7 +73,7 @@ public:
     std::string_view name() const override { return "payload drag"; }
 
     void add_forces(State& state) const override {
-        const Vec3 v = to_vec3(state.node[payload_].v);
+        const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
         state.aero[payload_].value -= to_lanes(0.5 * state.air.density * drag_area_ * v.norm() * v);
     }
 
@@ -82,7 +82,45 @@ private:
     double drag_area_;  // [m^2]
 };
 
+/// f_i = -(dM_a/dt) s_i (v_i - V_w) while the added mass grows, s_i the node's share of the fabric:
+/// air that joins the canopy is brought to its speed. Booked as work of the added mass.
+class Accretion final : public ForceModel {
+public:
+    explicit Accretion(const Mesh& mesh) {
+        const double area = mesh.fabric_area();
+        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+            share_.push_back(mesh.tributary_area[i] / area);
+    }
+
+    std::string_view name() const override { return "accretion"; }
+
+    void add_forces(State& state) const override {
+        if (!(state.added_mass_rate > 0.0)) return;
+        const Lanes wind = to_lanes(state.air.wind);
+        Lanes power = splat(0.0);
+        for (std::size_t i = 0; i < share_.size(); ++i) {
+            const Lanes force = (state.added_mass_rate * share_[i]) * (wind - state.node[i].v);
+            state.force[i].value += force;
+            power += force * state.node[i].v;
+        }
+        state.accretion_power += sum3(power);
+    }
+
+    void add_row_sums(const State& state, RowSums& sums) const override {
+        if (!(state.added_mass_rate > 0.0)) return;
+        for (std::size_t i = 0; i < share_.size(); ++i)
+            sums.damping[i] += state.added_mass_rate * share_[i];
+    }
+
+private:
+    std::vector<double> share_;  // [-]
+};
+
 }  // namespace
+
+std::unique_ptr<const ForceModel> make_accretion(const Mesh& mesh) {
+    return std::make_unique<Accretion>(mesh);
+}
 
 std::unique_ptr<const ForceModel> make_breathing_damping(const Mesh& mesh, double k) {
     return std::make_unique<BreathingDamping>(mesh, k);

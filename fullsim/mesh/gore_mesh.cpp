@@ -253,17 +253,6 @@ GorePattern gore_pattern(const Parachute& chute) {
     return {delta, std::sqrt(nominal / polygon), std::sqrt(vent / polygon)};
 }
 
-double smallest_projected_area(const Parachute& chute) {
-    const double scale = chute.nominal_diameter / 8.53;
-    return 0.05 * scale * scale;
-}
-
-double mouth_area_at_line_stretch(const Parachute& chute) {
-    const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;
-    return std::max(chute.initial_drag_area_ratio * 0.25 * pi * steady_diameter * steady_diameter,
-                    smallest_projected_area(chute));
-}
-
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load) {
     return Builder(chute, counts, axis, mouth_area, load).build(payload_mass);

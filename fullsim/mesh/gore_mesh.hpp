@@ -26,11 +26,4 @@ GorePattern gore_pattern(const Parachute& chute);
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load);
 
-/// Mouth area [m^2] at line stretch: that of the steady canopy times the initial drag-area ratio,
-/// so that shape and prescribed drag area say the same, and never below smallest_projected_area.
-double mouth_area_at_line_stretch(const Parachute& chute);
-
-/// [m^2] floor of the projected area that the canopy pressure divides by; 0.05 m^2 for a C-9.
-double smallest_projected_area(const Parachute& chute);
-
 }  // namespace twinchute::fullsim

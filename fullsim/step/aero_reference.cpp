@@ -16,14 +16,18 @@ double air_mass_in_reference(double added_mass, double time_since_full_open) {
     return time_since_full_open > 0.0 ? added_mass * -std::expm1(-time_since_full_open / approach) : 0.0;
 }
 
-void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload, double system_mass,
+void update_air(State& state, const Environment& environment, NodeIndex payload, double system_mass,
                 double air_mass) {
     AeroState& air = state.air;
     const Vec3 position = to_vec3(state.node[payload].x);
-    const AirState at = atmosphere.at(position.z());
+    const AirState at = environment.atmosphere.at(position.z());
     air.density = at.density;
     air.viscosity = at.viscosity;
-    const Vec3 relative = -reference_velocity(state.sums, position, system_mass, air_mass);
+    if (environment.wind) {
+        air.wind = environment.wind->at(state.sums.canopy_position.z());
+        air.wind_at_payload = environment.wind->at(position.z());
+    }
+    const Vec3 relative = air.wind - reference_velocity(state.sums, position, system_mass, air_mass);
     air.airspeed = relative.norm();
     if (air.airspeed > smallest_airspeed) air.direction = relative / air.airspeed;
     air.dynamic_pressure = 0.5 * air.density * air.airspeed * air.airspeed;

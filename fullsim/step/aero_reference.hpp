@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fullsim/state.hpp"
-#include "lib/models/atmosphere.hpp"
+#include "lib/scene/scene.hpp"
 
 namespace twinchute::fullsim {
 
@@ -27,8 +27,9 @@ Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload, double system
 /// 10 s. The mean over all inertia stands still in a bounce, which then neither feeds nor is fed.
 double air_mass_in_reference(double added_mass, double time_since_full_open);
 
-/// Updates density, direction e_r, airspeed and dynamic pressure for still air.
-void update_air(State& state, const Atmosphere& atmosphere, NodeIndex payload, double system_mass,
+/// Updates density, wind, direction e_r, airspeed and dynamic pressure: density at the payload's
+/// altitude, wind at the canopy's, and at the payload's for the payload.
+void update_air(State& state, const Environment& environment, NodeIndex payload, double system_mass,
                 double air_mass);
 
 }  // namespace twinchute::fullsim

@@ -88,9 +88,10 @@ TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double
     book.drag_work += kick * book.drag_power;
     book.gravity_work += kick * book.gravity_power;
     book.damping += kick * book.damping_power;
-    book.added_mass += 0.5 * (next_added_mass - state.added_mass) * sum3(share_square);
+    book.added_mass +=
+        kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sum3(share_square);
     state.added_mass = next_added_mass;
-    state.damping_power = 0.0;
+    state.damping_power = state.accretion_power = 0.0;
     state.dt = dt;
     ++state.step;
 }

@@ -1,6 +1,7 @@
 #include "lib/cli/output_dir.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -64,6 +65,9 @@ void check_output_dir(const fs::path& directory) {
     std::error_code error;
     if (!fs::is_directory(existing, error)) throw WriteError(existing, ENOTDIR);
     if (::access(existing.c_str(), W_OK | X_OK) != 0) throw WriteError(existing, errno);
+    struct stat state {};
+    // A current directory that was removed is still there and open to all, only nothing can be made in it.
+    if (::stat(existing.c_str(), &state) == 0 && state.st_nlink == 0) throw WriteError(existing, ENOENT);
     if (existing != directory) return;
 
     const bool empty = fs::is_empty(directory, error);

@@ -23,10 +23,26 @@ std::vector<Option> scene_options(std::string out_meaning) {
     };
 }
 
-Scene scene_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
+std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
     std::vector<std::string> overrides = arguments.values("set");
     overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
-    return read_scene(arguments.operand, overrides);
+    return read_scenes(arguments.operand, overrides);
+}
+
+std::filesystem::path directory_of(const Scene& scene, const std::filesystem::path& directory) {
+    return scene.case_name.empty() ? directory : directory / scene.case_name;
+}
+
+std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std::string>& texts) {
+    if (scenes.front().case_name.empty()) return texts.front();
+    std::string all = "[";
+    for (const std::string& text : texts)
+        all += (all.size() > 1 ? ",\n" : "\n") + text;
+    return all + "]\n";
+}
+
+ExitCode gravest(ExitCode one, ExitCode other) {
+    return std::max(one, other);
 }
 
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others) {
@@ -43,15 +59,17 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
                                  scene.file.string(), fidelity.name, fmt::join(lacking, "', '"), way_out));
 }
 
-void say_valid(const Scene& scene, const Arguments& arguments) {
-    if (arguments.has("json")) {
+void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
+    std::vector<std::string> texts;
+    for (const Scene& scene : scenes) {
         const SceneId id{scene.name, scene.file.string(), scene.sha256};
-        print(json_text({{"generator", "twinchute"}, {"scene", scene_json(id)}, {"valid", true}}));
-    } else if (!arguments.has("quiet")) {
+        texts.push_back(json_text({{"generator", "twinchute"}, {"scene", scene_json(id)}, {"valid", true}}));
+        if (arguments.has("json") || arguments.has("quiet")) continue;
         print(printable(fmt::format("{}: the scene '{}' is valid; nothing was run", scene.file.string(),
                                     scene.name)) +
               "\n");
     }
+    if (arguments.has("json")) print(joined_json(scenes, texts));
 }
 
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet) {

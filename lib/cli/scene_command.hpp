@@ -15,16 +15,25 @@ namespace twinchute {
 /// --out, --set, --check, --json, --quiet.
 std::vector<Option> scene_options(std::string out_meaning);
 
-/// The scene of the operand with every --set, and whatever else overrides it, applied.
-/// Throws SceneError and UsageError.
-Scene scene_of(const Arguments& arguments, const std::vector<std::string>& more_overrides = {});
+/// The scene of the operand, or the cases of its series, with every --set, and whatever else overrides
+/// them, applied. Throws SceneError and UsageError.
+std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides = {});
+
+/// Where results of a scene go: `directory`, for a case of a series its own below that.
+std::filesystem::path directory_of(const Scene& scene, const std::filesystem::path& directory);
+
+/// One JSON text for standard output: that of the one scene, or an array over the cases.
+std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std::string>& texts);
+
+/// The exit code of a series: the gravest of its cases.
+ExitCode gravest(ExitCode one, ExitCode other);
 
 /// Throws UsageError naming the first key whose physics `fidelity` lacks, and the verb of `others` that has
 /// it.
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others);
 
-/// For --check: says that the scene is valid and what would run.
-void say_valid(const Scene& scene, const Arguments& arguments);
+/// For --check: says that the scenes are valid.
+void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments);
 
 /// Runs one fidelity with a progress line where one can be seen.
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet);

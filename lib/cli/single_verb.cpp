@@ -16,28 +16,36 @@ namespace {
 
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
-    const Scene scene = scene_of(arguments);
-    require_physics(scene, fidelity, others);
+    const std::vector<Scene> scenes = scenes_of(arguments);
+    for (const Scene& scene : scenes)
+        require_physics(scene, fidelity, others);
     if (arguments.has("check")) {
-        say_valid(scene, arguments);
+        say_valid(scenes, arguments);
         return ExitCode::done;
     }
     std::optional<std::filesystem::path> directory = arguments.value("out");
     if (!directory && output == DefaultOutput::directory) directory = default_output_dir(arguments.operand);
     if (directory) check_output_dir(*directory);
 
-    const Interrupt interrupt;  // until the record is safe
-    const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"));
-    if (directory && record.status.code != StatusCode::refused) write_record(record, *directory);
-
-    if (arguments.has("json")) {
-        print(summary_json(record));
-    } else if (!arguments.has("quiet")) {
-        print(record_text(record, fidelity.title, output_style()));
-        if (directory)
-            print(fmt::format("record    {}\n", printable((*directory / "summary.json").string())));
+    const Interrupt interrupt;  // until the records are safe
+    ExitCode code = ExitCode::done;
+    std::vector<std::string> summaries;
+    for (const Scene& scene : scenes) {
+        const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"));
+        const std::filesystem::path place = directory_of(scene, directory.value_or(""));
+        if (directory && record.status.code != StatusCode::refused) write_record(record, place);
+        if (arguments.has("json")) {
+            summaries.push_back(summary_json(record));
+        } else if (!arguments.has("quiet")) {
+            print((&scene == &scenes.front() ? "" : "\n") +
+                  record_text(record, fidelity.title, output_style()));
+            if (directory) print(fmt::format("record    {}\n", printable((place / "summary.json").string())));
+        }
+        code = gravest(code, exit_code(record.status.code));
+        if (code == ExitCode::interrupted) break;
     }
-    return exit_code(record.status.code);
+    if (arguments.has("json")) print(joined_json(scenes, summaries));
+    return code;
 }
 
 }  // namespace

@@ -56,16 +56,26 @@ inline double sum3(Lanes a) {
     return a[0] + a[1] + a[2];
 }
 
+/// Lanes of the pair a, b by number: 0 to 3 are those of a, 4 to 7 those of b.
+template <int... lane>
+inline Lanes shuffled(Lanes a, Lanes b) {
+#ifdef __clang__
+    return __builtin_shufflevector(a, b, lane...);
+#else
+    return __builtin_shuffle(a, b, LaneMask{lane...});
+#endif
+}
+
 /// Rows to columns: a, b, c, d hold one node each before, one component each after.
 inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
-    const Lanes ab0 = __builtin_shuffle(a, b, LaneMask{0, 4, 2, 6});
-    const Lanes ab1 = __builtin_shuffle(a, b, LaneMask{1, 5, 3, 7});
-    const Lanes cd0 = __builtin_shuffle(c, d, LaneMask{0, 4, 2, 6});
-    const Lanes cd1 = __builtin_shuffle(c, d, LaneMask{1, 5, 3, 7});
-    a = __builtin_shuffle(ab0, cd0, LaneMask{0, 1, 4, 5});
-    b = __builtin_shuffle(ab1, cd1, LaneMask{0, 1, 4, 5});
-    c = __builtin_shuffle(ab0, cd0, LaneMask{2, 3, 6, 7});
-    d = __builtin_shuffle(ab1, cd1, LaneMask{2, 3, 6, 7});
+    const Lanes ab0 = shuffled<0, 4, 2, 6>(a, b);
+    const Lanes ab1 = shuffled<1, 5, 3, 7>(a, b);
+    const Lanes cd0 = shuffled<0, 4, 2, 6>(c, d);
+    const Lanes cd1 = shuffled<1, 5, 3, 7>(c, d);
+    a = shuffled<0, 1, 4, 5>(ab0, cd0);
+    b = shuffled<0, 1, 4, 5>(ab1, cd1);
+    c = shuffled<2, 3, 6, 7>(ab0, cd0);
+    d = shuffled<2, 3, 6, 7>(ab1, cd1);
 }
 
 /// Three components of four vectors.

@@ -9,10 +9,10 @@
 namespace twinchute {
 namespace {
 
-/// M_a = M_i (1 + 3/8 phi') with M_i = rho 2/3 pi R^3 (paper, Eqs 16 and 18).
+/// M_a = M_i (1 + 3/8 phi') with M_i = rho volume_per_cube R^3 (paper, Eqs 16 and 18).
 /// The density's own rate is left out: it changes over kilometres, the canopy over metres.
-ValueAndRate hemisphere(double rho, ValueAndRate radius, ValueAndRate ramp) {
-    const double per_radius_cubed = rho * (2.0 / 3.0) * pi;
+ValueAndRate filled(double volume_per_cube, double rho, ValueAndRate radius, ValueAndRate ramp) {
+    const double per_radius_cubed = rho * volume_per_cube;
     const double square = radius.value * radius.value;
     const double included = per_radius_cubed * square * radius.value;
     const double included_rate = 3.0 * per_radius_cubed * square * radius.rate;
@@ -20,8 +20,19 @@ ValueAndRate hemisphere(double rho, ValueAndRate radius, ValueAndRate ramp) {
     return {included * share, included_rate * share + included * 0.375 * ramp.rate};
 }
 
-constexpr std::array<AddedMassModel, 1> models{{
+/// 2/3 pi R^3
+ValueAndRate hemisphere(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp) {
+    return filled((2.0 / 3.0) * pi, rho, radius, ramp);
+}
+
+/// 2/3 pi R^2 h with the depth h = depth_ratio 2 R: the canopy keeps its shape while it grows.
+ValueAndRate half_ellipsoid(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate ramp) {
+    return filled((2.0 / 3.0) * pi * 2.0 * spec.depth_ratio, rho, radius, ramp);
+}
+
+constexpr std::array<AddedMassModel, 2> models{{
     {"hemisphere", "paper Eqs 16 and 18, k' = 0.25 (solid flat circular canopy)", hemisphere},
+    {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid},
 }};
 
 }  // namespace

@@ -8,26 +8,36 @@
 
 namespace twinchute {
 
+struct AddedMassSpec;
+
 /// A row of the table of canopy volumes.
 struct AddedMassModel {
     std::string_view name;
     std::string_view source;
     /// Included plus apparent mass [kg] for air of density rho [kg/m^3], canopy radius R [m] and
     /// apparent-mass ramp phi' [-], each with its rate per second.
-    ValueAndRate (*mass)(double rho, ValueAndRate radius, ValueAndRate ramp);
+    ValueAndRate (*at)(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp);
 };
 
 /// What becomes of the momentum of air that joins the canopy.
 enum class AddedMassMomentum {
-    inertia_only  ///< the paper: M_a adds to the inertia, (dM_a/dt) v is left out
+    inertia_only,  ///< the paper: M_a adds to the inertia, (dM_a/dt) v is left out
+    accreting      ///< air at rest is brought to the canopy's speed: (dM_a/dt) v while M_a grows
 };
 
+/// A choice of row with its parameters.
 struct AddedMassSpec {
     const AddedMassModel* model = nullptr;
     AddedMassMomentum momentum = AddedMassMomentum::inertia_only;
+    double depth_ratio = 0.41;  ///< h_p/D_p [-], for "half-ellipsoid" (Ewing, quoted in the paper, 5.2)
+
+    ValueAndRate mass(double rho, ValueAndRate radius, ValueAndRate ramp) const {
+        return model->at(*this, rho, radius, ramp);
+    }
+    bool operator==(const AddedMassSpec&) const = default;
 };
 
-/// "hemisphere".
+/// "hemisphere" and "half-ellipsoid".
 std::span<const AddedMassModel> added_mass_models();
 const AddedMassModel* find_added_mass(std::string_view name);
 

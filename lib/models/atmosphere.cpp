@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "lib/math/interpolation.hpp"
 #include "lib/math/vec.hpp"
 
 namespace twinchute {
@@ -33,33 +34,41 @@ double layer_pressure(const Layer& layer, double geopotential) {
     return layer.pressure * std::pow(layer.temperature / temperature, exponent / layer.lapse);
 }
 
-/// The seven layers below 86 km, pressures carried up from 101325 Pa.
-std::array<Layer, 7> make_layers() {
-    std::array<Layer, 7> layers{{{0.0, 288.15, -6.5e-3, 101325.0},
+/// The seven layers below 86 km, pressures carried up from 101325 Pa. Above, where this model ends, the
+/// temperature stays: a flight that strays there meets thin air, not a negative temperature.
+std::array<Layer, 8> make_layers() {
+    std::array<Layer, 8> layers{{{0.0, 288.15, -6.5e-3, 101325.0},
                                  {11e3, 216.65, 0.0, 0.0},
                                  {20e3, 216.65, 1.0e-3, 0.0},
                                  {32e3, 228.65, 2.8e-3, 0.0},
                                  {47e3, 270.65, 0.0, 0.0},
                                  {51e3, 270.65, -2.8e-3, 0.0},
-                                 {71e3, 214.65, -2.0e-3, 0.0}}};
+                                 {71e3, 214.65, -2.0e-3, 0.0},
+                                 {84852.0, 186.946, 0.0, 0.0}}};
     for (std::size_t i = 1; i < layers.size(); ++i)
         layers[i].pressure = layer_pressure(layers[i - 1], layers[i].base);
     return layers;
 }
 
-AirState us76(const Atmosphere&, double altitude) {
-    static const std::array<Layer, 7> layers = make_layers();
+/// Gas law and viscosity for a pressure [Pa] and a temperature [K].
+AirState air_of(double pressure, double temperature) {
+    return {pressure / (gas_constant * temperature), pressure, temperature,
+            sutherland_viscosity(temperature)};
+}
+
+/// With an offset the altitude stays what an altimeter calls pressure altitude: the pressure is the
+/// standard's at that altitude, the temperature is shifted, the density follows from the gas law (the
+/// way performance charts count a hot day, "ISA + 15"). The levels of such an air really lie further
+/// apart, in proportion to its temperature.
+AirState us76(const Atmosphere& choice, double altitude) {
+    static const std::array<Layer, 8> layers = make_layers();
     const double geopotential = earth_radius * altitude / (earth_radius + altitude);
     std::size_t i = 0;
     while (i + 1 < layers.size() && geopotential >= layers[i + 1].base)
         ++i;
     const Layer& layer = layers[i];
-    AirState air;
-    air.temperature = layer.temperature + layer.lapse * (geopotential - layer.base);
-    air.pressure = layer_pressure(layer, geopotential);
-    air.density = air.pressure / (gas_constant * air.temperature);
-    air.viscosity = sutherland_viscosity(air.temperature);
-    return air;
+    const double temperature = layer.temperature + layer.lapse * (geopotential - layer.base);
+    return air_of(layer_pressure(layer, geopotential), temperature + choice.temperature_offset);
 }
 
 AirState constant(const Atmosphere& choice, double) {
@@ -71,9 +80,22 @@ AirState constant(const Atmosphere& choice, double) {
     return air;
 }
 
-constexpr std::array<AtmosphereModel, 2> models{{
+/// Between levels the temperature is linear in altitude and so is the logarithm of pressure or density:
+/// exact where the air is isothermal, and monotone, so that no layer can be invented.
+AirState table(const Atmosphere& choice, double altitude) {
+    const AirTable& levels = choice.table;
+    const Between place(levels.altitude, altitude);
+    const double temperature = place.linear(levels.temperature);
+    const double value = std::exp(place.linear(levels.logarithm));
+    const bool dense = levels.beside == AirTable::Beside::density;
+    return air_of(dense ? value * gas_constant * temperature : value, temperature);
+}
+
+constexpr std::array<AtmosphereModel, 3> models{{
     {"us76", "US Standard Atmosphere 1976 (NOAA-S/T 76-1562), hydrostatic part", -5000.0, 86000.0, us76},
     {"constant", "uniform density; viscosity of air at 288.15 K", -1e9, 1e9, constant},
+    {"table", "measured levels; temperature and log pressure or density linear in altitude", -5000.0, 86000.0,
+     table},
 }};
 
 }  // namespace

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace twinchute {
 
@@ -11,6 +13,20 @@ struct AirState {
     double pressure = 0.0;     ///< [Pa]
     double temperature = 0.0;  ///< [K]
     double viscosity = 0.0;    ///< dynamic [Pa s]
+};
+
+/// A measured atmosphere (a sounding): levels with rising altitudes, at least two.
+struct AirTable {
+    /// What was measured beside the temperature; the other follows from the gas law.
+    enum class Beside { pressure, density };
+
+    std::string file;                 ///< its name, as the scene gives it
+    std::vector<double> altitude;     ///< [m] above sea level
+    std::vector<double> temperature;  ///< [K]
+    std::vector<double> logarithm;    ///< of the pressure [Pa] or of the density [kg/m^3]
+    Beside beside = Beside::pressure;
+
+    bool operator==(const AirTable&) const = default;
 };
 
 struct Atmosphere;
@@ -26,14 +42,22 @@ struct AtmosphereModel {
 /// A choice of row with its parameters.
 struct Atmosphere {
     const AtmosphereModel* model = nullptr;
-    double constant_density = 0.0;  ///< [kg/m^3], for "constant"
+    double constant_density = 0.0;    ///< [kg/m^3], for "constant"
+    double temperature_offset = 0.0;  ///< [K], for "us76"
+    AirTable table = {};              ///< for "table"
 
-    /// The air at an altitude [m] above sea level. Outside the row's range the nearest end's
+    /// The air at an altitude [m] above sea level. Outside its range the nearest end's
     /// layer is continued; read_scene refuses releases out there.
     AirState at(double altitude) const { return model->at(*this, altitude); }
+
+    // Range of altitude [m]: the row's, or that of the table.
+    double lowest() const { return table.altitude.empty() ? model->lowest : table.altitude.front(); }
+    double highest() const { return table.altitude.empty() ? model->highest : table.altitude.back(); }
+
+    bool operator==(const Atmosphere&) const = default;
 };
 
-/// "us76" and "constant".
+/// "us76", "constant" and "table".
 std::span<const AtmosphereModel> atmosphere_models();
 const AtmosphereModel* find_atmosphere(std::string_view name);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace twinchute {
 namespace {
@@ -13,8 +14,27 @@ ValueAndRate ludtke(double x, double eta) {
     return {root * root, 2.0 * root * root_rate};
 }
 
-constexpr std::array<DragAreaLaw, 1> laws{{
+/// eta^2 + (1 - eta^2) x^j with j = half_powers/2. With eta = 0 it is (t/t_f)^j, the drag-area family of
+/// Knacke (NWC TP 6575, Fig. 5-51: j = 1/2, 1, 2, 6); eta lifts its start without moving its end.
+/// For j = 1/2 the drag area rises with infinite rate at x = 0; there, and there alone, the rate
+/// is given as 0, so that it is finite everywhere. It can be integrated from either side.
+template <int half_powers>
+ValueAndRate power(double x, double eta) {
+    constexpr double j = 0.5 * half_powers;
+    const double start = eta * eta;
+    if (x <= 0.0) return {start, half_powers == 2 ? 1.0 - start : 0.0};  // below 0 by round-off only
+    return {start + (1.0 - start) * std::pow(x, j), (1.0 - start) * j * std::pow(x, j - 1.0)};
+}
+
+constexpr std::string_view knacke =
+    "Knacke NWC TP 6575, Fig. 5-51: (t/t_f)^j; here above the initial drag area";
+
+constexpr std::array<DragAreaLaw, 5> laws{{
     {"ludtke", "Ludtke's law for solid flat circular canopies, paper Eqs 14-15", ludtke},
+    {"power-0.5", knacke, power<1>},
+    {"power-1", knacke, power<2>},
+    {"power-2", knacke, power<4>},
+    {"power-6", knacke, power<12>},
 }};
 
 }  // namespace

@@ -32,6 +32,7 @@ struct FillTime {
     double given = 0.0;             ///< [s], for "given"
 
     double seconds(const FillTimeInputs& inputs) const { return model->seconds(*this, inputs); }
+    bool operator==(const FillTime&) const = default;
 };
 
 /// "fill-constant" and "given".

@@ -37,13 +37,13 @@ ValueAndRate Inflation::ramp(Phase phase, double time) const {
     return {(time - snatch) / filling_time, 1.0 / filling_time};
 }
 
-ValueAndRate Inflation::added_mass(const AddedMassModel& model, Phase phase, double time, double rho,
+ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
                                    double steady_radius) const {
     const ValueAndRate ratio = drag_area_ratio(phase, time);
     const double root = std::sqrt(ratio.value);
-    // Where the canopy starts from nothing its radius grows like x^3: no rate.
+    // Where the canopy starts from nothing no law gives its volume, R^3, a finite rate but zero.
     const double root_rate = root > 0.0 ? 0.5 * ratio.rate / root : 0.0;
-    return model.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
+    return spec.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
 }
 
 }  // namespace twinchute

@@ -35,7 +35,7 @@ struct Inflation {
     ValueAndRate ramp(Phase phase, double time) const;
 
     /// Added mass [kg] and rate [kg/s] at density rho, R_c = steady_radius sqrt(drag-area ratio).
-    ValueAndRate added_mass(const AddedMassModel& model, Phase phase, double time, double rho,
+    ValueAndRate added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
                             double steady_radius) const;
 };
 

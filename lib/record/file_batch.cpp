@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <set>
 #include <string>
 #include <system_error>
@@ -76,6 +77,51 @@ void sync_directory(const fs::path& directory) {
     if (handle.get() >= 0) ::fsync(handle.get());
 }
 
+/// Where an old file waits while the new ones take their places.
+fs::path aside_of(const fs::path& temporary) {
+    fs::path aside = temporary;
+    aside += ".old";
+    return aside;
+}
+
+/// Renames that are taken back, last one first, unless all of them succeeded: one name that cannot be
+/// replaced (immutable, another user's file in a sticky directory) must not cost the results beside it.
+class Renames {
+public:
+    Renames() = default;
+    ~Renames() {
+        for (auto step = done_.rbegin(); step != done_.rend(); ++step)
+            ::rename(step->to.c_str(), step->from.c_str());
+    }
+    Renames(const Renames&) = delete;
+    Renames& operator=(const Renames&) = delete;
+
+    /// Moves an old file out of the way; there may be none. Throws WriteError.
+    void set_aside(const fs::path& target, const fs::path& aside) {
+        std::error_code ignored;
+        if (fs::is_directory(fs::symlink_status(target, ignored))) throw WriteError(target, EISDIR);
+        if (::rename(target.c_str(), aside.c_str()) == 0) {
+            done_.push_back({target, aside});
+        } else if (errno != ENOENT) {
+            throw WriteError(target, errno);
+        }
+    }
+
+    /// Gives a temporary file its name. Throws WriteError.
+    void place(const fs::path& temporary, const fs::path& target) {
+        if (::rename(temporary.c_str(), target.c_str()) != 0) throw WriteError(target, errno);
+        done_.push_back({temporary, target});
+    }
+
+    void keep() { done_.clear(); }
+
+private:
+    struct Step {
+        fs::path from, to;
+    };
+    std::vector<Step> done_;
+};
+
 }  // namespace
 
 WriteError::WriteError(const fs::path& path, const std::string& reason)
@@ -118,21 +164,26 @@ void FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
 }
 
 void FileBatch::commit() {
-    for (const Pending& file : pending_) {
-        if (file.kind != Kind::marker) continue;
-        if (::unlink(file.target.c_str()) != 0 && errno != ENOENT) throw WriteError(file.target, errno);
-    }
+    Renames renames;
     std::set<fs::path> directories;
-    for (const Kind kind : {Kind::content, Kind::marker}) {
+    // Markers first: what stands in their directories from here on is not a record.
+    for (const Kind kind : {Kind::marker, Kind::content}) {
         for (const Pending& file : pending_) {
-            if (file.kind != kind) continue;
-            if (::rename(file.temporary.c_str(), file.target.c_str()) != 0)
-                throw WriteError(file.target, errno);
+            if (file.kind == kind) renames.set_aside(file.target, aside_of(file.temporary));
             directories.insert(parent_of(file.target));
         }
     }
-    for (const fs::path& directory : directories)
-        sync_directory(directory);
+    for (const Kind kind : {Kind::content, Kind::marker}) {
+        for (const Pending& file : pending_) {
+            if (file.kind == kind) renames.place(file.temporary, file.target);
+        }
+        // A marker must not reach the disk before the contents that it vouches for.
+        for (const fs::path& directory : directories)
+            sync_directory(directory);
+    }
+    renames.keep();
+    for (const Pending& file : pending_)
+        ::unlink(aside_of(file.temporary).c_str());
     pending_.clear();
     made_.clear();
 }

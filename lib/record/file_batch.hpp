@@ -27,7 +27,8 @@ public:
     void add(const std::filesystem::path& target, std::string_view text, Kind kind = Kind::content);
 
     /// Gives every file its name: contents first, then markers in the order they were added. Old
-    /// markers go before, so that new contents never stand beside an old marker. Throws WriteError.
+    /// markers go before, so that new contents never stand beside an old marker. Throws WriteError; then
+    /// every file that stood there before is back under its name.
     void commit();
 
 private:

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
+#include "lib/scene/soundings.hpp"
 
 namespace twinchute {
 namespace {
@@ -15,8 +17,7 @@ namespace {
 /// Materials as a scene names them, each file read once a key.
 class Materials {
 public:
-    Materials(const Values& values, const std::filesystem::path& directory, std::vector<Input>& inputs)
-        : values_(values), directory_(directory), inputs_(inputs) {}
+    Materials(const Values& values, std::vector<Input>& inputs) : values_(values), inputs_(inputs) {}
 
     Fabric fabric(const std::string& key) {
         const Values m = read(key, {fabric_keys(), "fabric.", InputOrigin::design, key});
@@ -33,7 +34,8 @@ public:
 private:
     /// Reads the file that a key names; its values become inputs below that key.
     Values read(const std::string& key, const DocumentKind& kind) {
-        const auto file = data_file("materials", values_.word(key), key, values_.place(key), directory_);
+        const auto file =
+            data_file("materials", values_.word(key), key, values_.place(key), values_.directory(key));
         Values values(read_document(read_text_file(file), file.string(), kind), kind);
         for (Input input : values.inputs()) {
             input.key = key + "." + input.key.substr(kind.prefix.size());
@@ -43,48 +45,86 @@ private:
     }
 
     const Values& values_;
-    const std::filesystem::path& directory_;
     std::vector<Input>& inputs_;
 };
 
+/// The CSV file that a key names.
+std::filesystem::path table_file(const Values& v, std::string_view key) {
+    const std::string& name = v.word(key);
+    if (!is_data_name(name))
+        throw SceneError(v.place(key), std::string(key),
+                         fmt::format("'{}' is not the name of a data file", name),
+                         "letters, digits, '-', '_' and '.' only", "put the file beside the scene");
+    if (auto file = find_table_file(name, v.directory(key))) return *file;
+    std::vector<std::string> places;
+    for (const auto& where : data_directories(v.directory(key)))
+        places.push_back(where.string());
+    throw SceneError(v.place(key), std::string(key), fmt::format("there is no {}", name),
+                     fmt::format("looked in {}", fmt::join(places, ", ")), "put the file beside the scene");
+}
+
+Atmosphere atmosphere(const Values& v) {
+    Atmosphere a;
+    a.model = find_atmosphere(v.word("environment.atmosphere.model"));
+    if (v.is_effective("environment.atmosphere.density"))
+        a.constant_density = v.number("environment.atmosphere.density");
+    if (v.is_effective("environment.atmosphere.temperature_offset"))
+        a.temperature_offset = v.number("environment.atmosphere.temperature_offset");
+    if (constexpr const char* key = "environment.atmosphere.table"; v.is_effective(key)) {
+        const auto file = table_file(v, key);
+        a.table = read_air_table(read_text_file(file), file.string(), v.word(key));
+    }
+    return a;
+}
+
+Wind wind(const Values& v) {
+    const std::string& model = v.word("environment.wind.model");
+    if (model == "uniform")
+        return uniform_wind(wind_from(v.number("environment.wind.speed"), v.number("environment.wind.from")));
+    if (model == "components")
+        return uniform_wind({v.number("environment.wind.east"), v.number("environment.wind.north"),
+                             v.number("environment.wind.up")});
+    const auto file = table_file(v, "environment.wind.table");
+    return read_wind_table(read_text_file(file), file.string(), v.word("environment.wind.table"));
+}
+
 Environment environment(const Values& v) {
     Environment e;
-    e.atmosphere.model = find_atmosphere(v.word("environment.atmosphere.model"));
-    if (v.given("environment.atmosphere.density"))
-        e.atmosphere.constant_density = v.number("environment.atmosphere.density");
+    e.atmosphere = atmosphere(v);
     e.gravity = v.number("environment.gravity");
     e.ground = v.number("environment.ground");
+    if (v.has_table("environment.wind")) e.wind = wind(v);
     return e;
 }
 
-Release release(const Values& v, double ground) {
+Release release(const Values& v, const Environment& environment) {
     Release r;
-    r.altitude =
-        v.given("release.altitude") ? v.number("release.altitude") : ground + v.number("release.height");
-    // The air is at rest: over ground and relative to the air are the same.
-    r.speed = v.number(v.given("release.speed") ? "release.speed" : "release.airspeed");
+    r.altitude = v.given("release.altitude") ? v.number("release.altitude")
+                                             : environment.ground + v.number("release.height");
+    const bool over_ground = v.given("release.speed");
+    const char* key = over_ground ? "release.speed" : "release.airspeed";
+    r.speed = v.number(key);
     if (v.given("release.path_angle")) {
         r.path_angle = v.number("release.path_angle");
     } else if (r.speed > 0.0) {
-        const bool over_ground = v.given("release.speed");
-        throw SceneError(v.place(over_ground ? "release.speed" : "release.airspeed"), "release.path_angle",
-                         "is missing", "a speed needs a direction",
+        throw SceneError(v.place(key), "release.path_angle", "is missing", "a speed needs a direction",
                          "add e.g. path_angle = \"90 deg\" for straight down");
     } else {
         r.path_angle = 0.5 * pi;
     }
     r.heading = v.number("release.heading");
+    if (!over_ground && environment.wind) return carried_by(environment.wind->at(r.altitude), r);
     return r;
 }
 
 FillTime fill_time(const Values& v) {
     FillTime f;
     f.model = find_fill_time(v.word("parachute.fill_time.model"));
-    if (v.given("parachute.fill_time.n")) {
+    if (v.is_effective("parachute.fill_time.n")) {
         f.n = v.number("parachute.fill_time.n");
         f.density_exponent = v.number("parachute.fill_time.density_exponent");
     }
-    if (v.given("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
+    if (v.is_effective("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
     return f;
 }
 
@@ -119,9 +159,14 @@ Parachute parachute(const Values& v, Materials& materials) {
 
 Aerodynamics aerodynamics(const Values& v) {
     Aerodynamics a;
-    if (v.has_table("aerodynamics.added_mass"))
-        a.added_mass = {find_added_mass(v.word("aerodynamics.added_mass.model")),
-                        AddedMassMomentum::inertia_only};
+    if (v.has_table("aerodynamics.added_mass")) {
+        AddedMassSpec& spec = a.added_mass.emplace();
+        spec.model = find_added_mass(v.word("aerodynamics.added_mass.model"));
+        if (v.word("aerodynamics.added_mass.momentum") == "accreting")
+            spec.momentum = AddedMassMomentum::accreting;
+        if (v.is_effective("aerodynamics.added_mass.depth_ratio"))
+            spec.depth_ratio = v.number("aerodynamics.added_mass.depth_ratio");
+    }
     if (v.has_table("aerodynamics.line_drag")) a.line_drag = LineDrag{};
     if (v.has_table("aerodynamics.breathing_damping"))
         a.breathing_damping = v.number("aerodynamics.breathing_damping.k");
@@ -160,15 +205,24 @@ FullSettings full(const Values& v) {
 
 }  // namespace
 
-Scene assemble_scene(const Values& v, const std::filesystem::path& directory) {
+Release carried_by(const Vec3& wind, const Release& through_air) {
+    Release r = through_air;
+    const Vec3 velocity = velocity_over_ground(through_air) + wind;
+    r.speed = velocity.norm();
+    r.path_angle = std::atan2(-velocity.z(), std::hypot(velocity.x(), velocity.y()));
+    if (velocity.x() != 0.0 || velocity.y() != 0.0) r.heading = std::atan2(velocity.x(), velocity.y());
+    return r;
+}
+
+Scene assemble_scene(const Values& v) {
     Scene scene;
     scene.name = v.word("name");
     scene.inputs = v.inputs();
-    Materials materials(v, directory, scene.inputs);
+    Materials materials(v, scene.inputs);
     scene.environment = environment(v);
     scene.payload.mass = v.number("payload.mass");
     if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
-    scene.release = release(v, scene.environment.ground);
+    scene.release = release(v, scene.environment);
     scene.parachutes.push_back(parachute(v, materials));
     scene.aerodynamics = aerodynamics(v);
     scene.stop = stop(v);

@@ -3,18 +3,23 @@
 
 #include <filesystem>
 
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/scene/values.hpp"
 
 namespace twinchute {
 
-/// The scene that the values describe, with the materials that they name (looked for from
-/// `directory`). Everything but file and sha256 is filled in. Throws SceneError.
-Scene assemble_scene(const Values& values, const std::filesystem::path& directory);
+/// The scene that the values describe, with the materials and tables that they name. Everything but
+/// file and sha256 is filled in. Throws SceneError.
+Scene assemble_scene(const Values& values);
 
 /// Refuses what no single key can show: a release below the ground, t_i >= t_f, ...
-/// Throws SceneError at the key that is most likely wrong.
-void check_scene(const Scene& scene, const Values& values);
+/// Throws SceneError at the key that is most likely wrong. What is odd, but not wrong, becomes a warning
+/// of the scene.
+void check_scene(Scene& scene, const Values& values);
+
+/// The release over ground that is `through_air` in air that moves with `wind` [m/s].
+Release carried_by(const Vec3& wind, const Release& through_air);
 
 /// Path of a design or material file. Throws SceneError at the key: not a name, or no such file.
 std::filesystem::path data_file(std::string_view folder, const std::string& name, std::string_view key,

@@ -6,9 +6,13 @@
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/line_stretch.hpp"
 
 namespace twinchute {
 namespace {
+
+/// [m/s] below which the air draws out nothing; what is left of equal velocities after rounding is less.
+constexpr double smallest_airspeed = 1e-6;
 
 /// The complaint about a key, at its place.
 class Complain {
@@ -31,15 +35,27 @@ void check_release(const Scene& scene, const Values& values, const Complain& com
         complain.about(key, "the release is not above the ground",
                        fmt::format("altitude {} m, ground {} m", altitude, e.ground),
                        "raise the release or lower environment.ground");
-    const AtmosphereModel& air = *e.atmosphere.model;
-    if (altitude < air.lowest || altitude > air.highest)
-        complain.about(key, fmt::format("{} m is outside the atmosphere", altitude),
-                       fmt::format("'{}' reaches from {} to {} m", air.name, air.lowest, air.highest),
+    const Atmosphere& air = e.atmosphere;
+    const std::string reach =
+        fmt::format("'{}' reaches from {} to {} m", air.model->name, air.lowest(), air.highest());
+    if (altitude < air.lowest() || altitude > air.highest())
+        complain.about(key, fmt::format("{} m is outside the atmosphere", altitude), reach,
                        "release lower or choose another atmosphere");
-    if (e.ground < air.lowest)
-        complain.about("environment.ground", fmt::format("{} m is outside the atmosphere", e.ground),
-                       fmt::format("'{}' reaches from {} to {} m", air.name, air.lowest, air.highest),
+    if (e.ground < air.lowest())
+        complain.about("environment.ground", fmt::format("{} m is outside the atmosphere", e.ground), reach,
                        "raise the ground or choose another atmosphere");
+}
+
+/// Soundings seldom begin at the ground: that is no mistake, but it is said.
+void warn_of_wind(Scene& scene) {
+    const Environment& e = scene.environment;
+    if (!e.wind || e.wind->covers(e.ground, scene.release.altitude)) return;
+    scene.warnings.push_back({fmt::format("the wind of {} ends inside the flight", e.wind->table),
+                              fmt::format("its levels reach from {} to {} m, the fall from {} to {} m; the "
+                                          "wind of the nearest level goes on",
+                                          e.wind->levels.front().altitude, e.wind->levels.back().altitude,
+                                          e.ground, scene.release.altitude),
+                              "add levels to the table"});
 }
 
 void check_canopy(const Parachute& p, const Complain& complain) {
@@ -51,6 +67,12 @@ void check_canopy(const Parachute& p, const Complain& complain) {
         complain.about("parachute.risers", fmt::format("{} does not divide {} gores", p.risers, p.gores),
                        "every link takes the same number of lines",
                        "choose a divisor of the number of gores");
+    if (p.line_length <= mouth_radius_at_line_stretch(p))
+        complain.about("parachute.line_length",
+                       fmt::format("{} m does not reach from the mouth's edge to the axis", p.line_length),
+                       fmt::format("at line stretch the mouth has a radius of {:.3g} m",
+                                   mouth_radius_at_line_stretch(p)),
+                       "about D0 is common; or lower initial_drag_area_ratio");
     // No canopy comes near it: a key is likely in another unit.
     const double coefficient = p.drag_area / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
     if (coefficient > 5.0)
@@ -63,9 +85,11 @@ void check_canopy(const Parachute& p, const Complain& complain) {
 /// A line-stretch start snatches at once, so that its times are known before anything runs.
 void check_opening(const Scene& scene, const Values& values, const Complain& complain) {
     const Parachute& p = scene.parachutes.front();
-    const double speed = scene.release.speed;
+    Vec3 velocity = velocity_over_ground(scene.release);
+    if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
+    const double speed = scene.environment.wind ? velocity.norm() : scene.release.speed;
     const char* key = values.given("release.speed") ? "release.speed" : "release.airspeed";
-    if (speed <= 0.0)
+    if (speed < smallest_airspeed)
         complain.about(key, "a line-stretch start needs a speed", "lines and canopy are drawn out by the air",
                        "give the snatch speed");
     const double density = scene.environment.atmosphere.at(scene.release.altitude).density;
@@ -87,11 +111,12 @@ void check_opening(const Scene& scene, const Values& values, const Complain& com
 
 }  // namespace
 
-void check_scene(const Scene& scene, const Values& values) {
+void check_scene(Scene& scene, const Values& values) {
     const Complain complain(values);
     check_release(scene, values, complain);
     check_canopy(scene.parachutes.front(), complain);
     check_opening(scene, values, complain);
+    warn_of_wind(scene);
 }
 
 }  // namespace twinchute

@@ -47,6 +47,16 @@ std::vector<fs::path> data_directories(const fs::path& scene_directory) {
     return places;
 }
 
+/// In the first data directory that has it.
+static std::optional<fs::path> first_file(const fs::path& name, const fs::path& scene_directory) {
+    for (const fs::path& place : data_directories(scene_directory)) {
+        fs::path file = place / name;
+        std::error_code error;
+        if (fs::is_regular_file(file, error)) return file;
+    }
+    return std::nullopt;
+}
+
 bool is_data_name(std::string_view name) {
     return !name.empty() && name.front() != '.' && std::ranges::all_of(name, is_name_character);
 }
@@ -54,12 +64,12 @@ bool is_data_name(std::string_view name) {
 std::optional<fs::path> find_data_file(std::string_view folder, std::string_view name,
                                        const fs::path& scene_directory) {
     if (!is_data_name(name)) return std::nullopt;
-    for (const fs::path& place : data_directories(scene_directory)) {
-        fs::path file = place / folder / file_name(name);
-        std::error_code error;
-        if (fs::is_regular_file(file, error)) return file;
-    }
-    return std::nullopt;
+    return first_file(fs::path(folder) / file_name(name), scene_directory);
+}
+
+std::optional<fs::path> find_table_file(std::string_view name, const fs::path& scene_directory) {
+    if (!is_data_name(name)) return std::nullopt;
+    return first_file(name, scene_directory);
 }
 
 std::vector<std::string> data_names(std::string_view folder, const fs::path& scene_directory) {

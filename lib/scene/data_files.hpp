@@ -17,6 +17,10 @@ std::vector<std::filesystem::path> data_directories(const std::filesystem::path&
 std::optional<std::filesystem::path> find_data_file(std::string_view folder, std::string_view name,
                                                     const std::filesystem::path& scene_directory);
 
+/// NAME, with its extension, in the first of these directories that has it.
+std::optional<std::filesystem::path> find_table_file(std::string_view name,
+                                                     const std::filesystem::path& scene_directory);
+
 /// Every name that find_data_file would find in a folder, sorted, each once.
 std::vector<std::string> data_names(std::string_view folder,
                                     const std::filesystem::path& scene_directory = {});

@@ -7,12 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 
 namespace twinchute {
 namespace {
 
 const std::string override_file = "--set";
+constexpr std::size_t most_cases = 1000;
 
 SourcePlace place_of(const std::string& file, const toml::source_region& region) {
     if (file == override_file) return {file, 0, 0};
@@ -63,11 +65,18 @@ std::string_view wanted_name(const Key& key) {
     }
 }
 
+bool is_same_name(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+    return std::ranges::equal(a, b, {}, lower, lower);
+}
+
 /// Walks the parsed tree. Children are visited in the order of the file, so that the first
 /// mistake in the file is the one reported.
 class Walk {
 public:
-    Walk(Document& document, const DocumentKind& kind) : document_(document), kind_(kind) {}
+    /// `overriding`: what is read will be laid over a scene, as --set and the sets of cases are.
+    Walk(Document& document, const DocumentKind& kind, bool overriding = false)
+        : document_(document), kind_(kind), overriding_(overriding) {}
 
     void table(const toml::table& node, const std::string& prefix) {
         std::vector<std::pair<const toml::key*, const toml::node*>> children;
@@ -79,6 +88,12 @@ public:
         });
         for (const auto& [key, child] : children)
             visit(*key, *child, prefix + std::string(key->str()));
+    }
+
+    /// { "release.altitude" = "60 m" }: here a dot in a quoted key is a path.
+    void assignments(const toml::table& node) {
+        dots_are_paths_ = true;
+        table(node, "");
     }
 
 private:
@@ -97,10 +112,21 @@ private:
 
     void visit(const toml::key& name, const toml::node& node, const std::string& path) {
         const SourcePlace place = place_of(document_.file, name.source());
+        const bool is_path = dots_are_paths_ && path == name.str();
         // A dot inside a quoted key would look like a path.
-        const bool plain = name.str().find('.') == std::string_view::npos && !name.str().empty();
+        const bool plain = (is_path || name.str().find('.') == std::string_view::npos) && !name.str().empty();
         const Key* key = plain ? find_key(kind_.keys, path) : nullptr;
-        if (key && key->kind == KeyKind::tolerance) {
+        if (overriding_ && (path == "base" || path == "case" || path.starts_with("case.")))
+            refuse(place, path, "cannot be overridden", "", "write it at the top of a scene");
+        if (is_path)
+            for (std::string_view table = parent_of(path); key && !table.empty(); table = parent_of(table))
+                document_.tables.insert_or_assign(std::string(table), place);
+        const Key* above = plain && is_path ? find_key(kind_.keys, parent_of(path)) : nullptr;
+        if (above && above->kind == KeyKind::tolerance) {
+            tolerance(*above, node, path, place);
+        } else if (key && path == "case") {
+            cases(node, place);
+        } else if (key && key->kind == KeyKind::tolerance) {
             tolerances(*key, node, path, place);
         } else if (key && key->kind != KeyKind::table) {
             document_.entries.insert_or_assign(path, leaf(*key, node, path, place));
@@ -112,7 +138,7 @@ private:
     }
 
     void branch(const toml::node& node, const std::string& path, const SourcePlace& place) {
-        if (path == "parachute" && document_.file != override_file) return parachutes(node, place);
+        if (path == "parachute" && !overriding_) return parachutes(node, place);
         if (path == "environment.atmosphere" && node.is_string()) {  // short for { model = "..." }
             const Key& key = *find_key(kind_.keys, path + ".model");
             document_.entries.insert_or_assign(path + ".model", leaf(key, node, path + ".model", place));
@@ -142,6 +168,60 @@ private:
         table(*array->front().as_table(), "parachute.");
     }
 
+    void cases(const toml::node& node, const SourcePlace& place) {
+        const toml::array* array = node.as_array();
+        if (!array || array->empty())
+            refuse(place, "case", "is not a list of tables", "", "write [[case]] with two brackets");
+        for (const toml::node& item : *array) {
+            const SourcePlace where = place_of(document_.file, item.source());
+            if (!item.is_table())
+                refuse(where, "case", fmt::format("{} where a table belongs", type_name(item)), "",
+                       "write [[case]] with name and set below");
+            if (document_.cases.size() == most_cases)
+                refuse(where, "case", fmt::format("more than {} cases", most_cases), "every one is a run",
+                       "split the series");
+            document_.cases.push_back(one_case(*item.as_table(), where));
+        }
+    }
+
+    DocumentCase one_case(const toml::table& node, const SourcePlace& place) {
+        for (const auto& [key, child] : node)
+            if (key.str() != "name" && key.str() != "set")
+                refuse(place_of(document_.file, key.source()), "case." + std::string(key.str()),
+                       "unknown key", "", suggest(key.str(), {"name", "set"}));
+        const toml::node* name = node.get("name");
+        if (!name) refuse(place, "case.name", "is missing", "results are kept by it", "add name = \"...\"");
+        DocumentCase found{name->value_exact<std::string>().value_or(""), place, {}};
+        const SourcePlace name_place = place_of(document_.file, name->source());
+        if (!name->is_string())
+            refuse(name_place, "case.name", fmt::format("{} where text belongs", type_name(*name)), "",
+                   "write it in quotes");
+        if (found.name.empty() || file_stem_of(found.name) != found.name)
+            refuse(name_place, "case.name", fmt::format("'{}' is not fit for a directory", found.name),
+                   "letters, digits, '-', '_' and '.', at most 80 of them, no '.' or '-' at an end",
+                   fmt::format("write e.g. \"{}\"", file_stem_of(found.name)));
+        for (const DocumentCase& other : document_.cases)
+            if (is_same_name(other.name, found.name))
+                refuse(name_place, "case.name",
+                       fmt::format("'{}' stands in line {} too", other.name, other.place.line),
+                       "results are kept by name, and not every system tells capitals apart",
+                       "name each case once");
+        found.set.file = document_.file;
+        const toml::node* set = node.get("set");
+        if (!set) return found;
+        if (!set->is_table())
+            refuse(place_of(document_.file, set->source()), "case.set",
+                   fmt::format("{} where a table belongs", type_name(*set)), "",
+                   "write set = { \"payload.mass\" = \"80 kg\" }");
+        try {
+            Walk(found.set, kind_, true).assignments(*set->as_table());
+        } catch (const SceneError& error) {
+            throw error.within(case_title(found.name));
+        }
+        imply_models(found.set);
+        return found;
+    }
+
     void tolerances(const Key& key, const toml::node& node, const std::string& path,
                     const SourcePlace& place) {
         const toml::table* inner = node.as_table();
@@ -149,20 +229,25 @@ private:
             refuse(place, path, fmt::format("{} where a table belongs", type_name(node)), "",
                    "name a metric, e.g. compare.tolerance.peak_force = \"10 %\"");
         document_.tables.insert_or_assign(path, place);
+        for (const auto& [name, child] : *inner)
+            tolerance(key, child, path + "." + std::string(name.str()),
+                      place_of(document_.file, name.source()));
+    }
+
+    void tolerance(const Key& key, const toml::node& node, const std::string& path,
+                   const SourcePlace& place) {
+        const std::string_view name = std::string_view(path).substr(key.path.size() + 1);
         std::vector<std::string_view> names;
         for (const ToleranceMetric& metric : tolerance_metrics())
             names.push_back(metric.name);
-        for (const auto& [name, child] : *inner) {
-            const std::string child_path = path + "." + std::string(name.str());
-            const SourcePlace child_place = place_of(document_.file, name.source());
-            if (std::ranges::find(names, name.str()) == names.end())
-                refuse(child_place, child_path, "unknown metric", "", suggest(name.str(), names));
-            document_.entries.insert_or_assign(child_path, leaf(key, child, child_path, child_place));
-        }
+        if (std::ranges::find(names, name) == names.end())
+            refuse(place, path, "unknown metric", "", suggest(name, names));
+        document_.entries.insert_or_assign(path, leaf(key, node, path, place));
     }
 
     Entry leaf(const Key& key, const toml::node& node, const std::string& path, const SourcePlace& place) {
-        Entry entry{&key, {}, place, place_of(document_.file, node.source()), {}, kind_.origin};
+        Entry entry{&key, {},           place,          place_of(document_.file, node.source()),
+                    {},   kind_.origin, kind_.directory};
         const toml::node* value = &node;
         if (const toml::table* annotated = node.as_table()) {
             value = annotated->get("value");
@@ -223,6 +308,8 @@ private:
 
     Document& document_;
     const DocumentKind& kind_;
+    bool overriding_;
+    bool dots_are_paths_ = false;
 };
 
 toml::table parsed(std::string_view text, const std::string& file, const std::string& key) {
@@ -238,26 +325,7 @@ toml::table parsed(std::string_view text, const std::string& file, const std::st
     }
 }
 
-/// The parameters of a model imply it: { density = ... } is a constant atmosphere.
-void imply_models(Document& document) {
-    std::map<std::string, Entry> implied;
-    for (const auto& [path, entry] : document.entries) {
-        const std::string model = std::string(parent_of(path)) + ".model";
-        if (entry.key->only_with.empty() || document.entries.contains(model) || implied.contains(model))
-            continue;
-        Entry& added = implied[model] = entry;
-        added.key = find_key(scene_keys(), model);
-        added.value = std::string(entry.key->only_with);
-        added.source.clear();
-    }
-    document.entries.merge(implied);
-}
-
 }  // namespace
-
-std::string_view shown_path(std::string_view path, std::string_view prefix) {
-    return path.starts_with(prefix) ? path.substr(prefix.size()) : path;
-}
 
 Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind) {
     const toml::table root = parsed(text, file, "");
@@ -308,26 +376,9 @@ Document read_override(const std::string& assignment, const DocumentKind& kind) 
     }
     Document document;
     document.file = override_file;
-    Walk(document, kind).table(root, kind.prefix);
+    Walk(document, kind, true).table(root, kind.prefix);
     imply_models(document);
     return document;
-}
-
-void overlay(Document& lower, const Document& upper) {
-    for (const auto& [path, entry] : upper.entries) {
-        lower.entries.erase(std::string(entry.key->instead_of));
-        if (last_of(path) != "model") continue;
-        const std::string table = std::string(parent_of(path)) + ".";
-        std::erase_if(lower.entries, [&](const auto& below) {
-            const std::string_view model = below.second.key->only_with;
-            return below.first.starts_with(table) && !model.empty() &&
-                   RawValue(std::string(model)) != entry.value;
-        });
-    }
-    for (const auto& [path, entry] : upper.entries)
-        lower.entries.insert_or_assign(path, entry);
-    for (const auto& [path, place] : upper.tables)
-        lower.tables.insert_or_assign(path, place);
 }
 
 }  // namespace twinchute

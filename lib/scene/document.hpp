@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -24,12 +25,23 @@ struct Entry {
     SourcePlace key_place, value_place;
     std::string source;  ///< from { value = ..., source = "..." }
     InputOrigin origin = InputOrigin::given;
+    std::filesystem::path directory;  ///< where files that the value names are looked for first
 };
+
+struct DocumentCase;
 
 struct Document {
     std::string file;                           ///< for messages about what is not there
     std::map<std::string, Entry> entries;       ///< by path, e.g. "parachute.fill_time.n"
     std::map<std::string, SourcePlace> tables;  ///< the tables that are present
+    std::vector<DocumentCase> cases;            ///< a series, see [[case]]
+};
+
+/// One case of a series: keys to lay over the rest.
+struct DocumentCase {
+    std::string name;
+    SourcePlace place;
+    Document set;
 };
 
 /// Which table of keys a file is read with.
@@ -37,7 +49,8 @@ struct DocumentKind {
     std::span<const Key> keys;
     std::string prefix = {};  ///< of every key in the file: "" for a scene, "parachute." for a design
     InputOrigin origin = InputOrigin::given;
-    std::string asked_by = {};  ///< the key that named the file, for messages
+    std::string asked_by = {};             ///< the key that named the file, for messages
+    std::filesystem::path directory = {};  ///< of the entries
 };
 
 /// Parses TOML and matches every key with its row. Throws SceneError: not TOML, an unknown key, a
@@ -50,6 +63,13 @@ Document read_override(const std::string& assignment, const DocumentKind& kind);
 /// Lays `upper` over `lower`. A key above also removes from below what cannot stand beside it: the
 /// other way to say the same (altitude and height), and parameters of another model.
 void overlay(Document& lower, const Document& upper);
+
+/// The parameters of a model imply it: { density = ... } is a constant atmosphere. Of parameters that
+/// do not belong together the first in the file decides; the others are then refused as unused.
+void imply_models(Document& document);
+
+/// "case 'x'", as messages call it.
+std::string case_title(std::string_view name);
 
 /// The key as it is written in a file of that kind.
 std::string_view shown_path(std::string_view path, std::string_view prefix);

@@ -46,11 +46,14 @@ Words fill_times() {
 Words laws() {
     return names_of(drag_area_laws());
 }
+Words winds() {
+    return {"uniform", "components", "table"};
+}
 Words added_masses() {
     return names_of(added_mass_models());
 }
 Words momentums() {
-    return {"inertia-only"};
+    return {"inertia-only", "accreting"};
 }
 Words line_drags() {
     return {"cylinder"};
@@ -79,14 +82,36 @@ constexpr Key scene_rows[] = {
     {.path = "schema", .kind = integer, .range = from(1, 1), .meaning = "version of this list of keys"},
     {.path = "name", .kind = text, .meaning = "what the scene is called in tables and reports"},
 
+    {.path = "base", .kind = text, .need = optional, .fallback = "all keys given here",
+     .meaning = "the file of a scene that this one starts from; keys given here override it"},
+    {.path = "case", .kind = table, .need = optional, .meaning = "[[case]], a series: every case is run for itself"},
+    {.path = "case.name", .kind = text, .meaning = "unique, and fit for the name of a directory"},
+    {.path = "case.set", .kind = table, .need = optional, .meaning = "what differs in it: { \"release.altitude\" = \"60 m\" }"},
+
     {.path = "environment.atmosphere.model", .kind = word, .need = defaulted, .fallback = "us76", .choices = atmospheres,
      .meaning = "the air; atmosphere = \"us76\" is short for it", .source = "US Standard Atmosphere 1976"},
     {.path = "environment.atmosphere.density", .unit = "kg/m^3", .range = above(0, 100), .only_with = "constant",
      .meaning = "uniform density; makes the model \"constant\""},
+    {.path = "environment.atmosphere.temperature_offset", .unit = "K", .need = defaulted, .fallback = "0", .range = from(-100, 100),
+     .only_with = "us76", .meaning = "warmer than standard at the same pressure altitude; a difference, in K"},
+    {.path = "environment.atmosphere.table", .kind = csv_file, .only_with = "table",
+     .meaning = "columns altitude, temperature, and pressure or density; makes the model \"table\""},
     {.path = "environment.gravity", .unit = "m/s^2", .need = defaulted, .fallback = "9.80665", .range = above(0, 100),
      .meaning = "downward acceleration", .source = "standard gravity, ISO 80000-3"},
     {.path = "environment.ground", .unit = "m", .need = defaulted, .fallback = "0", .range = from(-1000, 80000),
      .meaning = "elevation of the ground above sea level"},
+    {.path = "environment.wind", .kind = table, .need = optional, .meaning = "the air moves; absent: it is at rest"},
+    {.path = "environment.wind.model", .kind = word, .choices = winds,
+     .meaning = "follows from the keys below: uniform by speed and from, components, or a table"},
+    {.path = "environment.wind.speed", .unit = "m/s", .range = from(0, 200), .only_with = "uniform", .meaning = "horizontal"},
+    {.path = "environment.wind.from", .unit = "rad", .range = from(-2 * pi, 2 * pi), .only_with = "uniform",
+     .meaning = "where it comes from, from north, clockwise; 270 deg blows toward the east"},
+    {.path = "environment.wind.east", .unit = "m/s", .range = from(-200, 200), .only_with = "components", .meaning = "toward the east"},
+    {.path = "environment.wind.north", .unit = "m/s", .range = from(-200, 200), .only_with = "components", .meaning = "toward the north"},
+    {.path = "environment.wind.up", .unit = "m/s", .need = defaulted, .fallback = "0", .range = from(-100, 100),
+     .only_with = "components", .meaning = "upward"},
+    {.path = "environment.wind.table", .kind = csv_file, .only_with = "table",
+     .meaning = "columns altitude, and speed and from, or east, north and perhaps up; its ends hold beyond them"},
 
     {.path = "payload.mass", .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
     {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
@@ -98,7 +123,7 @@ constexpr Key scene_rows[] = {
     {.path = "release.speed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.airspeed",
      .meaning = "over ground"},
     {.path = "release.airspeed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.speed",
-     .meaning = "relative to the air, which is at rest"},
+     .meaning = "relative to the air; path angle and heading are then through the air too"},
     {.path = "release.path_angle", .unit = "rad", .need = optional, .fallback = "required when speed > 0",
      .range = from(-pi / 2, pi / 2), .meaning = "of the flight path below the horizon, 90 deg is straight down"},
     {.path = "release.heading", .unit = "rad", .need = defaulted, .fallback = "1.5707963267948966",
@@ -137,7 +162,7 @@ constexpr Key scene_rows[] = {
      .only_with = "fill-constant", .meaning = "k of the altitude correction (rho/rho_0)^k", .source = "paper 5.2 (0.8 there)"},
     {.path = "parachute.fill_time.time", .unit = "s", .range = above(0, 1000), .only_with = "given", .meaning = "the filling time itself"},
     {.path = "parachute.drag_area_law", .kind = word, .need = defaulted, .fallback = "ludtke", .choices = laws,
-     .meaning = "growth of the drag area", .source = "paper Eqs 14-15"},
+     .meaning = "growth of the drag area", .source = "paper Eqs 14-15; power laws: Knacke NWC TP 6575, Fig. 5-51"},
     {.path = "parachute.initial_drag_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.04", .range = below(0, 1),
      .meaning = "(C_D S)_i/(C_D S)_0 = eta^2; dominates the peak force", .source = "assumption of this toolkit, eta = 0.2"},
     {.path = "parachute.initial_phase", .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
@@ -149,6 +174,9 @@ constexpr Key scene_rows[] = {
      .meaning = "volume of that air", .source = "paper Eqs 16 and 18"},
     {.path = "aerodynamics.added_mass.momentum", .kind = word, .need = defaulted, .fallback = "inertia-only", .choices = momentums,
      .meaning = "what becomes of the momentum of air that joins", .source = "paper 3.3"},
+    {.path = "aerodynamics.added_mass.depth_ratio", .unit = "1", .need = defaulted, .fallback = "0.41", .range = above(0, 2),
+     .only_with = "half-ellipsoid", .meaning = "depth of the canopy over its projected diameter, h_p/D_p",
+     .source = "Ewing, quoted in the paper, 5.2 (its own simulation: 0.45)"},
     {.path = "aerodynamics.line_drag", .kind = table, .need = optional, .user = full, .meaning = "drag of the suspension lines"},
     {.path = "aerodynamics.line_drag.model", .kind = word, .need = defaulted, .fallback = "cylinder", .choices = line_drags,
      .user = full, .meaning = "cross-flow drag against Reynolds number", .source = "paper Eq. 10; Wieselsberger"},

@@ -16,6 +16,7 @@ enum class KeyKind {
     word,              ///< one of `choices`
     text,              ///< any text, not empty
     data_file,         ///< the name of a file in `folder` of the data, without .toml
+    csv_file,          ///< the name of a CSV file beside the scene or in the data
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
     table              ///< physics that is left out when its table is absent
 };

@@ -84,6 +84,8 @@ std::string range_text(const Key& key) {
             return "any text";
         case KeyKind::data_file:
             return fmt::format("a file in {}/", key.folder);
+        case KeyKind::csv_file:
+            return "a CSV file";
         case KeyKind::table:
             return "a table";
         default:

@@ -1,5 +1,11 @@
 #include "lib/scene/read_scene.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
 #include "lib/math/sha256.hpp"
 #include "lib/scene/assemble.hpp"
 #include "lib/scene/data_files.hpp"
@@ -9,40 +15,135 @@
 namespace twinchute {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Puts the design that a document names under it: keys in the scene win.
-void add_design(Document& document, const std::filesystem::path& directory) {
+void add_design(Document& document) {
     const auto design = document.entries.find("parachute.design");
     if (design == document.entries.end()) return;
     const auto* name = std::get_if<std::string>(&design->second.value);
     if (!name) return;  // the wrong type is refused with the other values
+    const fs::path& directory = design->second.directory;
     const auto path =
         data_file("parachutes", *name, "parachute.design", design->second.value_place, directory);
-    Document below = read_document(read_text_file(path), path.string(),
-                                   {design_keys(), "parachute.", InputOrigin::design, "parachute.design"});
+    Document below =
+        read_document(read_text_file(path), path.string(),
+                      {design_keys(), "parachute.", InputOrigin::design, "parachute.design", directory});
     below.file = document.file;
     overlay(below, document);
+    document.entries = std::move(below.entries);
+    document.tables = std::move(below.tables);
+}
+
+/// The file that `base` names: seen from the file it stands in, or among the scenes of the data.
+fs::path base_file(const Entry& base) {
+    const auto* name = std::get_if<std::string>(&base.value);
+    if (!name)
+        throw SceneError(base.value_place, "base", "a number where text belongs", "",
+                         "name the file of a scene");
+    std::error_code ignored;
+    const fs::path beside = base.directory / *name;
+    if (fs::is_regular_file(beside, ignored)) return beside;
+    if (const auto file = find_table_file(*name, base.directory)) return *file;
+    if (is_data_name(*name))
+        for (const fs::path& place : data_directories(base.directory))
+            if (fs::path file = place / "scenes" / *name; fs::is_regular_file(file, ignored)) return file;
+    throw SceneError(base.value_place, "base", fmt::format("there is no scene '{}'", *name),
+                     "looked beside this file and in the scenes of the data", "check the path");
+}
+
+/// Puts the scene that a document is based on under it, and what that one is based on under both.
+/// `chain`: the files that led here, this one last.
+void add_base(Document& document, std::vector<fs::path> chain) {
+    const auto entry = document.entries.find("base");
+    if (entry == document.entries.end()) return;
+    const Entry base = entry->second;
+    const fs::path file = base_file(base);
+    std::error_code ignored;
+    const bool round =
+        std::ranges::any_of(chain, [&](const fs::path& seen) { return fs::equivalent(seen, file, ignored); });
+    chain.push_back(file);
+    if (round) {
+        std::vector<std::string> names;
+        for (const fs::path& link : chain)
+            names.push_back(link.filename().string());
+        throw SceneError(base.value_place, "base", "goes round in a circle",
+                         fmt::format("{}", fmt::join(names, " -> ")),
+                         "base a scene on one that does not lead back to it");
+    }
+    Document below = read_document(read_text_file(file), file.string(),
+                                   {scene_keys(), "", InputOrigin::given, "", file.parent_path()});
+    add_base(below, std::move(chain));
+    overlay(below, document);
+    below.file = document.file;
+    if (!document.cases.empty()) below.cases = std::move(document.cases);
     document = std::move(below);
+}
+
+Document read_whole(std::string_view text, const std::string& name, const fs::path& directory) {
+    Document document = read_document(text, name, {scene_keys(), "", InputOrigin::given, "", directory});
+    add_base(document, {name});
+    return document;
+}
+
+std::vector<Document> read_overrides(const std::vector<std::string>& overrides, const fs::path& directory) {
+    std::vector<Document> layers;
+    for (const std::string& assignment : overrides)
+        layers.push_back(read_override(assignment, {scene_keys(), "", InputOrigin::given, "", directory}));
+    return layers;
+}
+
+Scene finished(Document document, const std::vector<Document>& overrides) {
+    for (const Document& layer : overrides)
+        overlay(document, layer);
+    add_design(document);
+    const Values values(document, {scene_keys()});
+    Scene scene = assemble_scene(values);
+    check_scene(scene, values);
+    return scene;
 }
 
 }  // namespace
 
-Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
-                      const std::vector<std::string>& overrides) {
-    const DocumentKind kind{scene_keys()};
-    Document document = read_document(text, name, kind);
-    for (const std::string& assignment : overrides)
-        overlay(document, read_override(assignment, kind));
-    add_design(document, directory);
-
-    const Values values(document, kind);
-    Scene scene = assemble_scene(values, directory);
-    check_scene(scene, values);
-    scene.file = name;
-    scene.sha256 = sha256_hex(text);
-    return scene;
+std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name, const fs::path& directory,
+                                    const std::vector<std::string>& overrides) {
+    const Document document = read_whole(text, name, directory);
+    const std::vector<Document> layers = read_overrides(overrides, directory);
+    std::vector<Scene> scenes;
+    if (document.cases.empty()) scenes.push_back(finished(document, layers));
+    for (const DocumentCase& one : document.cases) {
+        Document with_case = document;
+        overlay(with_case, one.set);
+        try {
+            Scene& scene = scenes.emplace_back(finished(std::move(with_case), layers));
+            scene.case_name = one.name;
+            if (!one.set.entries.contains("name")) scene.name += ", " + one.name;
+        } catch (const SceneError& error) {
+            throw error.within(case_title(one.name));
+        }
+    }
+    for (Scene& scene : scenes) {
+        scene.file = name;
+        scene.sha256 = sha256_hex(text);
+    }
+    return scenes;
 }
 
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+std::vector<Scene> read_scenes(const fs::path& file, const std::vector<std::string>& overrides) {
+    return read_scenes_text(read_text_file(file), file.string(), file.parent_path(), overrides);
+}
+
+Scene read_scene_text(std::string_view text, const std::string& name, const fs::path& directory,
+                      const std::vector<std::string>& overrides) {
+    std::vector<Scene> scenes = read_scenes_text(text, name, directory, overrides);
+    if (!scenes.front().case_name.empty())
+        throw SceneError({name, 1, 1}, "case",
+                         fmt::format("a series of {} where a single scene is wanted", scenes.size()), "",
+                         "take out [[case]] or choose one of them");
+    return std::move(scenes.front());
+}
+
+Scene read_scene(const fs::path& file, const std::vector<std::string>& overrides) {
     return read_scene_text(read_text_file(file), file.string(), file.parent_path(), overrides);
 }
 

@@ -14,11 +14,20 @@ namespace twinchute {
 /// Data files are looked for beside the scene, then in $TWINCHUTE_DATA, then in the installed
 /// share/twinchute (or the source tree's data/ when run from a build directory).
 /// `overrides`: "key=value" with value in TOML, e.g. "payload.mass='150 kg'", applied before validation.
-/// Throws SceneError for everything that is wrong with the input.
+/// Throws SceneError for everything that is wrong with the input, a series of cases included.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same from text; `name` stands for the file in messages, `directory` is where it would lie.
 Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
                       const std::vector<std::string>& overrides = {});
+
+/// The scenes of a file: one for each [[case]], in their order, or the one scene when there is none. Laid
+/// over each other are, from below: a design, the file that `base` names, the file, the case, `overrides`.
+/// Messages about a case name it. The cases of a file take the place of those of its base.
+std::vector<Scene> read_scenes(const std::filesystem::path& file,
+                               const std::vector<std::string>& overrides = {});
+std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,
+                                    const std::filesystem::path& directory,
+                                    const std::vector<std::string>& overrides = {});
 
 }  // namespace twinchute

@@ -15,27 +15,36 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/models/material.hpp"
+#include "lib/models/wind.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
 
 struct Environment {
     Atmosphere atmosphere;
-    double gravity = 0.0;  ///< [m/s^2], downward
-    double ground = 0.0;   ///< [m] elevation above sea level
+    double gravity = 0.0;           ///< [m/s^2], downward
+    double ground = 0.0;            ///< [m] elevation above sea level
+    std::optional<Wind> wind = {};  ///< absent: the air is at rest
+
+    bool operator==(const Environment&) const = default;
 };
 
 struct Payload {
     double mass = 0.0;                ///< [kg]
     std::optional<double> drag_area;  ///< C_D S [m^2]; absent: no payload drag
+
+    bool operator==(const Payload&) const = default;
 };
 
-/// The initial state of the payload.
+/// The initial state of the payload, over ground. A scene that gives an airspeed means path angle
+/// and heading through the air as well; the reader has added the wind.
 struct Release {
     double altitude = 0.0;    ///< [m] above sea level
     double speed = 0.0;       ///< [m/s] over ground
     double path_angle = 0.0;  ///< [rad] below the horizon, in [-pi/2, pi/2]
     double heading = 0.0;     ///< [rad] from north, clockwise
+
+    bool operator==(const Release&) const = default;
 };
 
 /// How the parachute gets out of its pack.
@@ -45,6 +54,8 @@ enum class DeployBy { line_stretch };
 struct InitialPhase {
     bool transit = true;   ///< t_i = 0.5 D0/v_s, the air's way from skirt to apex
     double seconds = 0.0;  ///< [s] otherwise
+
+    bool operator==(const InitialPhase&) const = default;
 };
 
 /// Materials of the reinforcements; each is a cable of the full model.
@@ -52,6 +63,8 @@ struct Tapes {
     Cord radial;  ///< along the gore seams
     Cord skirt;
     Cord vent;
+
+    bool operator==(const Tapes&) const = default;
 };
 
 struct Parachute {
@@ -74,15 +87,22 @@ struct Parachute {
     const DragAreaLaw* drag_area_law = nullptr;
     double initial_drag_area_ratio = 0.0;  ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
+
+    bool operator==(const Parachute&) const = default;
 };
 
-struct LineDrag {};  ///< cylinder drag of the suspension lines (paper, Eq. 10); present or not
+/// Cylinder drag of the suspension lines (paper, Eq. 10); present or not.
+struct LineDrag {
+    bool operator==(const LineDrag&) const = default;
+};
 
 struct Aerodynamics {
     std::optional<AddedMassSpec> added_mass;
     std::optional<LineDrag> line_drag;
     std::optional<double> breathing_damping;  ///< k_b [-]
     double radial_pressure = 0.0;             ///< phi(t_f) of Eq. 12 [-]
+
+    bool operator==(const Aerodynamics&) const = default;
 };
 
 /// When something happens: exactly one condition, and a delay after it.
@@ -91,17 +111,23 @@ struct Trigger {
     Kind kind = Kind::steady_descent;
     double value = 0.0;  ///< [s] since release, for Kind::time
     double delay = 0.0;  ///< [s] after the condition
+
+    bool operator==(const Trigger&) const = default;
 };
 
 struct RomSettings {
     std::string method;  ///< a row of explicit_methods(), lib/solve/sundials.hpp
     double rtol = 0.0;   ///< [-] relative tolerance of position and velocity
+
+    bool operator==(const RomSettings&) const = default;
 };
 
 /// Initial disturbance of the canopy nodes: uniform in a cube of half edge `amplitude`.
 struct Noise {
     double amplitude = 0.0;  ///< [m]
     std::uint64_t seed = 0;
+
+    bool operator==(const Noise&) const = default;
 };
 
 struct MeshCounts {
@@ -109,6 +135,8 @@ struct MeshCounts {
     int gore_rows = 0;       ///< elements from vent to skirt
     int line_elements = 0;   ///< per suspension line
     int riser_elements = 0;  ///< per riser
+
+    bool operator==(const MeshCounts&) const = default;
 };
 
 struct FullSettings {
@@ -119,16 +147,21 @@ struct FullSettings {
     double strain_limit = 0.0;      ///< largest strain that a run may reach [-]
     double output_rate = 0.0;       ///< [1/s] rows of the history
     std::optional<Noise> noise;
+
+    bool operator==(const FullSettings&) const = default;
 };
 
 /// How far two fidelities may be apart in one metric.
 struct Tolerance {
     double value = 0.0;
     bool relative = true;  ///< of the reference; otherwise in the metric's own SI unit
+
+    bool operator==(const Tolerance&) const = default;
 };
 
 struct Scene {
     std::string name;
+    std::string case_name;  ///< of a series, safe as the name of a directory; empty: no series
     std::filesystem::path file;
     std::string sha256;  ///< of the scene file's bytes
 
@@ -142,7 +175,8 @@ struct Scene {
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
 
-    std::vector<Input> inputs;  ///< every effective key, for the record
+    std::vector<Input> inputs;      ///< every effective key, for the record
+    std::vector<Warning> warnings;  ///< about the inputs, for the record
 };
 
 }  // namespace twinchute

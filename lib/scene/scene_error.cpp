@@ -7,11 +7,9 @@
 namespace twinchute {
 namespace {
 
-std::string message(const SourcePlace& place, const std::string& key, const std::string& problem,
-                    const std::string& why, const std::string& suggestion) {
-    std::string text = place.file;
-    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
-    if (!text.empty()) text += ": ";
+std::string complaint_text(const std::string& key, const std::string& problem, const std::string& why,
+                           const std::string& suggestion) {
+    std::string text;
     if (!key.empty()) text += key + ": ";
     text += problem;
     if (!why.empty()) text += " (" + why + ")";
@@ -19,12 +17,27 @@ std::string message(const SourcePlace& place, const std::string& key, const std:
     return text;
 }
 
+std::string message(const SourcePlace& place, const std::string& complaint) {
+    std::string text = place.file;
+    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
+    if (!text.empty()) text += ": ";
+    return text + complaint;
+}
+
 }  // namespace
 
 SceneError::SceneError(SourcePlace place, std::string key, std::string problem, std::string why,
                        std::string suggestion)
-    : std::runtime_error(message(place, key, problem, why, suggestion)),
+    : SceneError(place, key, complaint_text(key, problem, why, suggestion), "") {}
+
+SceneError::SceneError(SourcePlace place, std::string key, std::string complaint, const std::string& part)
+    : std::runtime_error(message(place, part.empty() ? complaint : part + ": " + complaint)),
       place_(std::move(place)),
-      key_(std::move(key)) {}
+      key_(std::move(key)),
+      complaint_(part.empty() ? std::move(complaint) : part + ": " + complaint) {}
+
+SceneError SceneError::within(const std::string& part) const {
+    return {place_, key_, complaint_, part};
+}
 
 }  // namespace twinchute

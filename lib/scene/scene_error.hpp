@@ -22,9 +22,15 @@ public:
     const SourcePlace& place() const { return place_; }
     const std::string& key() const { return key_; }
 
+    /// The same complaint, said of one part of a scene: "file:line:column: part: key: ...".
+    SceneError within(const std::string& part) const;
+
 private:
+    SceneError(SourcePlace place, std::string key, std::string complaint, const std::string& part);
+
     SourcePlace place_;
     std::string key_;
+    std::string complaint_;  ///< what() after the place
 };
 
 }  // namespace twinchute

@@ -36,9 +36,11 @@ Values::Values(const Document& document, const DocumentKind& kind)
             values_.emplace(path, checked(path, entry));
     }
     // `model` first, since it decides which other keys are active.
-    for (const bool models : {true, false})
+    const auto fill_in_all = [this](bool models) {
         for (const Key& key : kind_.keys)
             if (key.path.ends_with(".model") == models) fill_in(key);
+    };
+    fill_in_all(true);
     for (const auto* item : entries) {
         const auto& [path, entry] = *item;
         if (entry.key->only_with.empty() || is_active(*entry.key)) continue;
@@ -47,6 +49,7 @@ Values::Values(const Document& document, const DocumentKind& kind)
                fmt::format("{} is '{}'", shown_path(model, kind_.prefix), word(model)),
                fmt::format("take it out or write model = \"{}\"", entry.key->only_with));
     }
+    fill_in_all(false);
 }
 
 void Values::refuse(const SourcePlace& place, std::string_view path, std::string problem, std::string why,
@@ -83,7 +86,7 @@ double Values::checked_number(const std::string& path, const Entry& entry) const
 
 Values::Value Values::checked(const std::string& path, const Entry& entry) const {
     const Key& key = *entry.key;
-    Value value{&key, {}, entry.value_place, entry.source, entry.origin};
+    Value value{&key, {}, entry.value_place, entry.source, entry.origin, entry.directory};
     const auto* text = std::get_if<std::string>(&entry.value);
     const auto* whole = std::get_if<std::int64_t>(&entry.value);
     const auto wrong_type = [&](std::string_view wanted) {
@@ -150,7 +153,8 @@ void Values::read_tolerance(const std::string& path, const Entry& entry) {
         refuse(entry.value_place, path, fmt::format("{} is out of range", *text), allowed_text(*entry.key),
                "write a tolerance that is not negative");
     tolerances_[name] = tolerance;
-    values_.emplace(path, Value{entry.key, *text, entry.value_place, entry.source, entry.origin});
+    values_.emplace(path,
+                    Value{entry.key, *text, entry.value_place, entry.source, entry.origin, entry.directory});
 }
 
 /// Part of physics that is present, and of the model that is chosen.
@@ -173,6 +177,15 @@ void Values::require_alternatives(const Key& key) const {
                "both say the same thing", "keep exactly one of the two");
 }
 
+/// The table that a key should stand in, or the top of the file.
+SourcePlace Values::place_of_absent(std::string_view path) const {
+    for (std::string table(path); table.find('.') != std::string::npos;) {
+        table.resize(table.rfind('.'));
+        if (const auto found = tables_.find(table); found != tables_.end()) return found->second;
+    }
+    return {file_, 1, 1};
+}
+
 /// The default of a key that is absent, or a complaint when there is none.
 void Values::fill_in(const Key& key) {
     if (!key.instead_of.empty()) require_alternatives(key);
@@ -186,24 +199,15 @@ void Values::fill_in(const Key& key) {
     if (!key.instead_of.empty() && values_.contains(key.instead_of)) return;
     if (key.need == KeyNeed::optional) return;
     if (key.need == KeyNeed::required) {
-        // The table it should stand in, or the top of the file.
-        SourcePlace place{file_, 1, 1};
-        for (std::string table(key.path); table.find('.') != std::string::npos;) {
-            table.resize(table.rfind('.'));
-            if (const auto found = tables_.find(table); found != tables_.end()) {
-                place = found->second;
-                break;
-            }
-        }
         const std::string unit = key.record_unit().empty() ? "" : fmt::format(", in {}", key.unit);
-        refuse(place, key.path, "is missing", fmt::format("{}{}", key.meaning, unit),
+        refuse(place_of_absent(key.path), key.path, "is missing", fmt::format("{}{}", key.meaning, unit),
                key.instead_of.empty()
                    ? allowed_text(key)
                    : fmt::format("give it or {}", shown_path(key.instead_of, kind_.prefix)));
     }
     Value value;
     value.key = &key;
-    value.place = {file_, 0, 0};
+    value.place = place_of_absent(key.path);
     value.source = key.source;
     if (key.kind == KeyKind::integer)
         value.value = static_cast<std::int64_t>(plain_number(key.fallback));
@@ -243,7 +247,7 @@ bool Values::has_table(std::string_view path) const {
 
 SourcePlace Values::place(std::string_view path) const {
     const auto found = values_.find(path);
-    return found == values_.end() ? SourcePlace{file_, 0, 0} : found->second.place;
+    return found == values_.end() ? place_of_absent(path) : found->second.place;
 }
 
 std::vector<Input> Values::inputs() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
@@ -28,13 +29,17 @@ public:
 
     /// Given, by the scene or a design: not a default.
     bool given(std::string_view path) const;
+    /// Given or defaulted; keys of a model that was not chosen are neither.
+    bool is_effective(std::string_view path) const { return values_.contains(path); }
     /// The key holds a word and not a quantity.
     bool is_word(std::string_view path) const;
     /// The table of optional physics is present.
     bool has_table(std::string_view path) const;
 
-    /// Where a key was given; the file alone for a default.
+    /// Where a key was given; for a default the table it would stand in, or the top of the file.
     SourcePlace place(std::string_view path) const;
+    /// Where the files that a key names are looked for first.
+    const std::filesystem::path& directory(std::string_view path) const { return at(path).directory; }
 
     const std::map<std::string, Tolerance>& tolerances() const { return tolerances_; }
 
@@ -48,6 +53,7 @@ private:
         SourcePlace place;
         std::string source;
         InputOrigin origin = InputOrigin::fallback;
+        std::filesystem::path directory;
     };
 
     Value checked(const std::string& path, const Entry& entry) const;
@@ -55,6 +61,7 @@ private:
     void read_tolerance(const std::string& path, const Entry& entry);
     void require_alternatives(const Key& key) const;
     void fill_in(const Key& key);
+    SourcePlace place_of_absent(std::string_view path) const;
     bool is_active(const Key& key) const;
     const Value& at(std::string_view path) const;
     [[noreturn]] void refuse(const SourcePlace& place, std::string_view path, std::string problem,

@@ -6,6 +6,7 @@ RunRecord begin_record(const Scene& scene, std::string_view fidelity) {
     RunRecord record;
     record.scene = {scene.name, scene.file.string(), scene.sha256};
     record.inputs = scene.inputs;
+    record.warnings = scene.warnings;
     record.fidelity = fidelity;
     record.provenance = current_provenance();
     return record;

@@ -4,15 +4,18 @@
 
 #include <cmath>
 
+#include "lib/scene/line_stretch.hpp"
+
 namespace twinchute {
 
 Vec3 heading_direction(const Release& release) {
     return {std::sin(release.heading), std::cos(release.heading), 0.0};
 }
 
-Vec3 release_velocity(const Release& release) {
-    return release.speed * (std::cos(release.path_angle) * heading_direction(release) -
-                            std::sin(release.path_angle) * Vec3::UnitZ());
+Vec3 release_airspeed(const Scene& scene) {
+    const Vec3 velocity = velocity_over_ground(scene.release);
+    return scene.environment.wind ? Vec3(velocity - scene.environment.wind->at(scene.release.altitude))
+                                  : velocity;
 }
 
 Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density) {

@@ -10,9 +10,10 @@
 
 namespace twinchute {
 
-/// Velocity [m/s] and horizontal unit vector of the release; x east, y north, z up.
-Vec3 release_velocity(const Release& release);
+/// Horizontal unit vector of the release; x east, y north, z up.
 Vec3 heading_direction(const Release& release);
+/// Velocity [m/s] of the release through the air.
+Vec3 release_airspeed(const Scene& scene);
 
 /// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
 /// in air of `density` [kg/m^3].

@@ -143,6 +143,10 @@ void ErkSolver::stop_at(double t) {
     impl_->require(ERKStepSetStopTime(impl_->memory, t), "ERKStepSetStopTime");
 }
 
+void ErkSolver::fix_step(double dt) {
+    impl_->require(ERKStepSetFixedStep(impl_->memory, dt), "ERKStepSetFixedStep");
+}
+
 void ErkSolver::watch(int count, Roots roots) {
     Impl& s = *impl_;
     s.roots = std::move(roots);
@@ -181,6 +185,12 @@ std::span<const double> ErkSolver::state() const {
 
 void ErkSolver::interpolate(double t, std::span<double> y) const {
     Impl& s = *impl_;
+    // ARKODE refuses times outside its last internal step, and the ends of tiny steps miss it by
+    // round-off.
+    double length = 0.0, now = 0.0;
+    s.require(ERKStepGetLastStep(s.memory, &length), "ERKStepGetLastStep");
+    s.require(ERKStepGetCurrentTime(s.memory, &now), "ERKStepGetCurrentTime");
+    t = std::clamp(t, now - length, now);
     s.require(ERKStepGetDky(s.memory, t, 0, s.scratch), "ERKStepGetDky");
     std::ranges::copy(values(s.scratch), y.begin());
 }

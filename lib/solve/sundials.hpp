@@ -46,6 +46,9 @@ public:
     /// Goes on from (t, y) as if new: the right-hand side may have changed there.
     void restart(double t, std::span<const double> y);
     void stop_at(double t);
+    /// Steps of this length [s] from here on, without error control; 0 brings it back. Shorter only to
+    /// end on a stop time.
+    void fix_step(double dt);
     /// Looks for sign changes of `count` functions from here on; count = 0 ends the search.
     void watch(int count, Roots roots);
 

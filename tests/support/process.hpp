@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -26,8 +27,9 @@ struct Ended {
 class Process {
 public:
     /// Starts `words[0]` in `directory`. Standard output is kept, or goes to `device` when one is given.
+    /// `prepare` runs in the child just before the program does, and may refuse to go on.
     Process(const std::vector<std::string>& words, const std::filesystem::path& directory,
-            const std::string& device = {})
+            const std::string& device = {}, const std::function<bool()>& prepare = {})
         : device_(device) {
         std::vector<char*> arguments;
         for (const std::string& word : words)
@@ -43,7 +45,8 @@ public:
             return fd >= 0 && ::dup2(fd, to) >= 0;
         };
         const bool ready = ::chdir(directory.c_str()) == 0 && redirect("/dev/null", 0, O_RDONLY) &&
-                           redirect(out, 1, O_WRONLY | O_CREAT) && redirect(err, 2, O_WRONLY | O_CREAT);
+                           redirect(out, 1, O_WRONLY | O_CREAT) && redirect(err, 2, O_WRONLY | O_CREAT) &&
+                           (!prepare || prepare());
         if (ready) ::execv(arguments[0], arguments.data());
         ::_exit(127);
     }
@@ -56,8 +59,8 @@ public:
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
-    /// Waits until the process handles a signal itself, then sends it. False if it ended before.
-    bool send_when_handled(int signal) {
+    /// Waits until the process handles a signal itself, or no longer does. False if it ended before.
+    bool wait_until_handled(int signal, bool handled = true) {
         const std::string status = "/proc/" + std::to_string(pid_) + "/status";
         for (;;) {
             siginfo_t ended{};
@@ -67,11 +70,16 @@ public:
             for (std::string line; std::getline(lines, line);) {
                 if (!line.starts_with("SigCgt:")) continue;
                 const unsigned long long caught = std::stoull(line.substr(7), nullptr, 16);
-                if ((caught >> (signal - 1)) & 1) return ::kill(pid_, signal) == 0;
+                if (((caught >> (signal - 1)) & 1) == handled) return true;
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
     }
+
+    /// Waits until the process handles a signal itself, then sends it. False if it ended before.
+    bool send_when_handled(int signal) { return wait_until_handled(signal) && ::kill(pid_, signal) == 0; }
+
+    pid_t id() const { return pid_; }
 
     Ended wait() {
         int status = 0;

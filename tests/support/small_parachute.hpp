@@ -6,6 +6,7 @@
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/state.hpp"
 #include "fullsim/step/midpoint.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "tests/support/c9_scene.hpp"
 
 namespace twinchute::test {
@@ -15,7 +16,7 @@ inline fullsim::Mesh coarse_c9(int columns = 2, int rows = 3, double load = 0.0)
     const Scene scene = c9_scene();
     const Parachute& chute = scene.parachutes.front();
     return fullsim::make_gore_mesh(chute, {columns, rows, 2, 1}, scene.payload.mass, Vec3::UnitZ(),
-                                   fullsim::mouth_area_at_line_stretch(chute), load);
+                                   mouth_area_at_line_stretch(chute), load);
 }
 
 /// The mesh at its own positions, moving with `velocity`, in air of 1.225 kg/m^3 from below.

@@ -103,6 +103,23 @@ TEST(RecordFiles, ABatchThatIsNotCommittedLeavesNothing) {
     EXPECT_TRUE(tree_of(scratch.path()).empty());
 }
 
+TEST(RecordFiles, ACommitThatFailsPutsBackWhatStoodThere) {
+    const ScratchDir scratch;
+    for (const char* name : {"a.csv", "b.csv", "summary.json"})
+        scratch.write(name, "old");
+    FileBatch batch;
+    for (const char* name : {"new.csv", "a.csv", "b.csv"})
+        batch.add(scratch / name, "new");
+    batch.add(scratch / "summary.json", "new", FileBatch::Kind::marker);
+    fs::remove(scratch / "b.csv");  // somebody else's hand, between add() and commit()
+    scratch.write("b.csv/chapter.tex", "years of work");
+    EXPECT_THROW(batch.commit(), WriteError);
+    EXPECT_EQ(content_of(scratch / "a.csv"), "old");
+    EXPECT_EQ(content_of(scratch / "b.csv/chapter.tex"), "years of work");
+    EXPECT_EQ(content_of(scratch / "summary.json"), "old");
+    EXPECT_FALSE(fs::exists(scratch / "new.csv"));
+}
+
 TEST(RecordFiles, ADirectoryUnderTheNameOfAFileIsFoundBeforeAnythingChanges) {
     const ScratchDir scratch;
     scratch.write("history.csv", "old");

@@ -75,9 +75,20 @@ TEST(SceneValues, ShippedVariants) {
 
 TEST(SceneValues, EveryShippedSceneReads) {
     const auto names = data_names("scenes", TWINCHUTE_SOURCE_DIR "/data");
-    EXPECT_GE(names.size(), 3u);
+    EXPECT_GE(names.size(), 5u);
     for (const std::string& name : names)
-        EXPECT_NO_THROW(read_scene(scenes + name + ".toml")) << name;
+        EXPECT_NO_THROW(read_scenes(scenes + name + ".toml")) << name;
+}
+
+TEST(SceneValues, ShippedSeriesIsTheDemoAtThreeSpeeds) {
+    const auto series = read_scenes(scenes + "c9-inflation-speeds.toml");
+    ASSERT_EQ(series.size(), 3u);
+    for (const Scene& one : series) {
+        const double froude = one.release.speed * one.release.speed / (9.80665 * 8.53);
+        EXPECT_NEAR(froude, std::stod(one.case_name.substr(3)), 0.05) << one.case_name;
+        EXPECT_EQ(one.payload.mass, 152.4);
+    }
+    EXPECT_TRUE(read_scene(scenes + "c9-drift.toml").warnings.empty());  // its wind covers the fall
 }
 
 TEST(SceneValues, EveryShippedDesignValueNamesItsSource) {

@@ -7,24 +7,18 @@
 
 #include <cmath>
 
-#include "fullsim/run_fullsim.hpp"
-#include "rom/run_rom.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
 
 namespace twinchute {
 namespace {
 
 using test::c9_scene;
-
-RunRecord full(const Scene& scene) {
-    twinchute::Run control;
-    return fullsim::run_fullsim(scene, control);
-}
+using test::run_full;
+using test::run_rom;
 
 double peak_ratio(const Scene& scene) {
-    twinchute::Run control;
-    const double rom = *rom::run_rom(scene, control).metric("peak_force_N");
-    return *full(scene).metric("peak_force_N") / rom;
+    return *run_full(scene).metric("peak_force_N") / *run_rom(scene).metric("peak_force_N");
 }
 
 /// To just after the peak at 1.54 s.
@@ -36,10 +30,9 @@ Scene to_the_peak() {
 
 TEST(FullDemo, MeetsTheRomAndItsOwnSteadyState) {
     const Scene scene = c9_scene();
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
-    twinchute::Run control;
-    const RunRecord rom = rom::run_rom(scene, control);
+    const RunRecord rom = run_rom(scene);
     EXPECT_NEAR(*record.metric("peak_force_N") / *rom.metric("peak_force_N"), 1.0, 0.02);
     // sqrt(2 m g/(rho C_D S)) with the mass that the mesh has.
     const double equilibrium = std::sqrt(2.0 * (152.4 + 5.19) * standard_gravity / (1.225 * 42.56));
@@ -75,7 +68,7 @@ TEST(FullDemo, PeakDoesNotDependOnTheMesh) {
     for (const MeshCounts counts : {MeshCounts{1, 9, 16, 3}, {2, 17, 31, 5}, {2, 39, 47, 8}}) {
         Scene scene = to_the_peak();
         scene.full.mesh = counts;
-        peak[level++] = *full(scene).metric("peak_force_N");
+        peak[level++] = *run_full(scene).metric("peak_force_N");
     }
     EXPECT_NEAR(peak[0] / peak[1], 1.0, 0.005);
     EXPECT_NEAR(peak[2] / peak[1], 1.0, 0.005);
@@ -83,16 +76,16 @@ TEST(FullDemo, PeakDoesNotDependOnTheMesh) {
 
 TEST(FullDemo, PeakDoesNotDependOnTheStep) {
     Scene scene = to_the_peak();
-    const double whole = *full(scene).metric("peak_force_N");
+    const double whole = *run_full(scene).metric("peak_force_N");
     scene.full.time_step_factor *= 0.5;
-    EXPECT_NEAR(*full(scene).metric("peak_force_N") / whole, 1.0, 0.005);
+    EXPECT_NEAR(*run_full(scene).metric("peak_force_N") / whole, 1.0, 0.005);
 }
 
 TEST(FullDemo, SameInputGivesSameBits) {
     Scene scene = c9_scene();
     scene.stop = {Trigger::Kind::time, 0.4, 0.0};
     scene.full.noise = Noise{1e-4, 3};
-    const RunRecord first = full(scene), second = full(scene);
+    const RunRecord first = run_full(scene), second = run_full(scene);
     ASSERT_EQ(first.channels.size(), second.channels.size());
     for (std::size_t i = 0; i < first.channels.size(); ++i)
         EXPECT_EQ(first.channels[i].values, second.channels[i].values) << first.channels[i].name;
@@ -107,9 +100,9 @@ TEST(FullDemo, HeadingTurnsTheAnswerAndNothingElse) {
     Scene scene = c9_scene();
     scene.release.path_angle = 60.0 * pi / 180.0;
     scene.stop = {Trigger::Kind::time, 0.25, 0.0};
-    const RunRecord east = full(scene);
+    const RunRecord east = run_full(scene);
     scene.release.heading += 37.0 * pi / 180.0;
-    const RunRecord turned = full(scene);
+    const RunRecord turned = run_full(scene);
     const auto end = [](const RunRecord& r, const char* name) { return r.find_channel(name)->values.back(); };
     EXPECT_NEAR(end(turned, "force_raw") / end(east, "force_raw"), 1.0, 1e-6);
     EXPECT_NEAR(end(turned, "altitude"), end(east, "altitude"), 1e-6);
@@ -124,7 +117,7 @@ TEST(FullDemo, BounceDiesOutInALongDescent) {
     Scene scene = c9_scene();
     scene.full.mesh = {1, 9, 16, 3};
     scene.stop = {Trigger::Kind::time, 15.0, 0.0};
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     const auto& time = record.find_channel("time")->values;
     const auto& force = record.find_channel("force")->values;
     const double weight = 152.4 * standard_gravity;
@@ -141,9 +134,8 @@ TEST(FullDemo, ObliqueReleaseSwingsOutAndMeetsTheRom) {
     Scene scene = c9_scene();
     scene.release.path_angle = 60.0 * pi / 180.0;
     scene.stop = {Trigger::Kind::time, 16.0, 0.0};
-    twinchute::Run control;
-    const RunRecord rom = rom::run_rom(scene, control);
-    const RunRecord record = full(scene);
+    const RunRecord rom = run_rom(scene);
+    const RunRecord record = run_full(scene);
     ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
     EXPECT_NEAR(*record.metric("peak_force_N") / *rom.metric("peak_force_N"), 1.0, 0.03);
     // The swing shows in the payload's horizontal speed once the release's own is gone, after 4 s: its

@@ -4,23 +4,19 @@
 
 #include <cmath>
 
-#include "fullsim/run_fullsim.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
 
 namespace twinchute {
 namespace {
+
+using test::run_full;
 
 Scene coarse_scene() {
     Scene scene = test::c9_scene();
     scene.full.mesh = {1, 9, 8, 2};
     scene.stop = {Trigger::Kind::time, 1.0, 0.0};
     return scene;
-}
-
-RunRecord full(const Scene& scene, std::stop_token stop = {}) {
-    twinchute::Run control;
-    control.stop = stop;
-    return fullsim::run_fullsim(scene, control);
 }
 
 void expect_finite(const RunRecord& record) {
@@ -34,7 +30,7 @@ TEST(FullStops, AStepAboveTheLimitIsNamedAndItsNumbersAreDropped) {
     // the open canopy; the slack one of the first tenths of a second can bear it.
     Scene scene = coarse_scene();
     scene.full.time_step_factor = 4.0;
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     EXPECT_TRUE(is_numerical_failure(record.status.code)) << status_name(record.status.code);
     EXPECT_LT(record.find_channel("time")->values.back(), 0.6);
     // Forces grow a thousandfold within the steps between two checks; none of that is reported.
@@ -47,7 +43,7 @@ TEST(FullStops, NotANumberIsCaughtWithItsPlace) {
     Scene scene = coarse_scene();
     scene.full.time_step_factor = 4.0;
     scene.full.strain_limit = 1e300;  // nothing else may catch it first but the ledger
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     EXPECT_TRUE(record.status.code == StatusCode::not_finite ||
                 record.status.code == StatusCode::energy_grew);
     expect_finite(record);
@@ -57,7 +53,7 @@ TEST(FullStops, StrainLimitNamesTheElement) {
     Scene scene = coarse_scene();
     scene.full.strain_limit = 0.005;  // lines reach 1.4 % at the peak
     scene.stop = {Trigger::Kind::time, 2.0, 0.0};
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     EXPECT_EQ(record.status.code, StatusCode::strain_limit);
     EXPECT_TRUE(record.status.detail.find("cable") != std::string::npos ||
                 record.status.detail.find("triangle") != std::string::npos)
@@ -68,7 +64,7 @@ TEST(FullStops, StrainLimitNamesTheElement) {
 TEST(FullStops, AStopRequestEndsCleanly) {
     std::stop_source source;
     source.request_stop();
-    const RunRecord record = full(coarse_scene(), source.get_token());
+    const RunRecord record = run_full(coarse_scene(), source.get_token());
     EXPECT_EQ(record.status.code, StatusCode::interrupted);
     EXPECT_LT(record.cost.steps, 60);
 }
@@ -76,18 +72,18 @@ TEST(FullStops, AStopRequestEndsCleanly) {
 TEST(FullStops, GroundComesFirst) {
     Scene scene = coarse_scene();
     scene.release.altitude = 10.0;
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
     ASSERT_NE(record.find_event("ground"), nullptr);
     EXPECT_NEAR(record.find_event("ground")->altitude, 0.0, 0.01);  // one step of fall
     scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
-    EXPECT_EQ(full(scene).status.code, StatusCode::completed);
+    EXPECT_EQ(run_full(scene).status.code, StatusCode::completed);
 }
 
 TEST(FullStops, EventsComeExactlyAtTheirTimes) {
     Scene scene = coarse_scene();
     scene.stop = {Trigger::Kind::time, 1.8, 0.0};
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     const double speed = 21.0;
     EXPECT_EQ(record.find_event("end-of-initial-phase")->time, 0.5 * 8.53 / speed);
     EXPECT_DOUBLE_EQ(record.find_event("full-open")->time, 4.0 * 8.53 / speed);
@@ -100,10 +96,10 @@ TEST(FullStops, ZeroStrengthPhysicsEqualsAbsentPhysics) {
     scene.stop = {Trigger::Kind::time, 0.3, 0.0};
     scene.aerodynamics.breathing_damping = 0.0;
     scene.payload.drag_area = 0.0;
-    const RunRecord zero = full(scene);
+    const RunRecord zero = run_full(scene);
     scene.aerodynamics.breathing_damping.reset();
     scene.payload.drag_area.reset();
-    const RunRecord absent = full(scene);
+    const RunRecord absent = run_full(scene);
     EXPECT_DOUBLE_EQ(zero.find_channel("force_raw")->values.back(),
                      absent.find_channel("force_raw")->values.back());
     EXPECT_EQ(zero.cost.blocks.size(), absent.cost.blocks.size() + 2);
@@ -114,7 +110,7 @@ TEST(FullStops, ABadMassIsSaid) {
     Scene scene = coarse_scene();
     scene.stop = {Trigger::Kind::time, 0.01, 0.0};
     scene.parachutes.front().mass = 6.0;
-    const RunRecord record = full(scene);
+    const RunRecord record = run_full(scene);
     bool said = false;
     for (const Warning& w : record.warnings)
         said |= w.what.find("6.000 kg") != std::string::npos;

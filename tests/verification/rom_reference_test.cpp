@@ -1,25 +1,18 @@
 // The reduced-order model against independent integrations and exact solutions.
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <vector>
 
-#include "rom/run_rom.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/reference_rows.hpp"
+#include "tests/support/runs.hpp"
 
 namespace twinchute {
 namespace {
 
 using test::c9_scene;
-
-RunRecord run(const Scene& scene) {
-    twinchute::Run control;
-    return rom::run_rom(scene, control);
-}
+using test::reference_rows;
+using test::run_rom;
 
 /// No added mass, no initial phase, payload alone: what the closed forms and rom_cases assume.
 Scene bare_scene() {
@@ -37,27 +30,13 @@ TEST(RomReference, C9InflationWithAndWithoutAddedMass) {
     // D_p/D0 = 0.65, inertia-only. Tolerances: the digits that those results are given with.
     Scene scene = c9_scene();
     scene.environment.gravity = 9.81;
-    const RunRecord with = run(scene);
+    const RunRecord with = run_rom(scene);
     EXPECT_NEAR(*with.metric("peak_force_ratio"), 3.31346, 1e-5);
     EXPECT_NEAR(*with.metric("time_to_peak_force_s"), 1.5360, 1e-4);
     scene.aerodynamics.added_mass.reset();
-    const RunRecord without = run(scene);
+    const RunRecord without = run_rom(scene);
     EXPECT_NEAR(*without.metric("peak_force_ratio"), 3.74754, 1e-5);
     EXPECT_NEAR(*without.metric("time_to_peak_force_s"), 1.5899, 1e-4);
-}
-
-/// Rows of numbers of a file in data/reference; lines that start with # or a letter are skipped.
-std::vector<std::vector<double>> reference_rows(const char* name) {
-    std::ifstream file(std::string(TWINCHUTE_SOURCE_DIR) + "/data/reference/" + name);
-    std::vector<std::vector<double>> rows;
-    for (std::string line; std::getline(file, line);) {
-        if (line.empty() || line[0] == '#' || std::isalpha(static_cast<unsigned char>(line[0]))) continue;
-        std::istringstream cells(line);
-        rows.emplace_back();
-        for (std::string cell; std::getline(cells, cell, ',');)
-            rows.back().push_back(std::stod(cell));
-    }
-    return rows;
 }
 
 TEST(RomReference, PointMassInflationCases) {
@@ -75,7 +54,7 @@ TEST(RomReference, PointMassInflationCases) {
         scene.release.path_angle = -row[5] * pi / 180.0;
         scene.parachutes.front().initial_drag_area_ratio = row[6] * row[6];
         scene.rom.rtol = 1e-10;
-        const RunRecord record = run(scene);
+        const RunRecord record = run_rom(scene);
         // With a parachute without mass the opening force is the drag.
         EXPECT_NEAR(*record.metric("peak_force_N"), row[7], 0.005) << row[5] << ' ' << row[4];
         EXPECT_NEAR(*record.metric("peak_force_ratio"), row[8], 0.5e-5);
@@ -100,7 +79,7 @@ TEST(RomReference, LudtkeTable) {
         scene.payload.mass = row[0] * 1.225 * 21.0 * fill_time * 42.56 / 2.0;
         scene.parachutes.front().initial_drag_area_ratio = row[1] * row[1];
         scene.stop = {Trigger::Kind::time, 2.0, 0.0};
-        const RunRecord record = run(scene);
+        const RunRecord record = run_rom(scene);
         EXPECT_NEAR(*record.metric("peak_force_N") / (0.5 * 1.225 * 21.0 * 21.0 * 42.56), row[2], 0.6e-6);
         EXPECT_NEAR(*record.metric("time_to_peak_force_s") / fill_time, row[3], 2e-5)
             << row[0] << ' ' << row[1];
@@ -120,7 +99,7 @@ TEST(RomReference, DragOnlyInflationFollowsLudtkesClosedForm) {
             scene.parachutes.front().initial_drag_area_ratio = eta * eta;
             scene.rom.rtol = 1e-11;
             scene.stop = {Trigger::Kind::time, 2.0, 0.0};
-            const RunRecord record = run(scene);
+            const RunRecord record = run_rom(scene);
             const double v_s = 21.0, t_f = 4.0 * 8.53 / v_s;
             const double M = 2.0 * mass / (1.225 * v_s * t_f * 42.56);
             const auto speed = [&](double tau) {
@@ -141,13 +120,67 @@ TEST(RomReference, DragOnlyInflationFollowsLudtkesClosedForm) {
         }
 }
 
+TEST(RomReference, DragOnlyInflationFollowsThePowerFamily) {
+    // As above with eta^2 + (1 - eta^2) tau^j: I(tau) = eta^2 tau + (1 - eta^2) tau^(j+1)/(j+1).
+    struct Law {
+        const char* name;
+        double j;
+    };
+    for (const Law law : {Law{"power-0.5", 0.5}, {"power-1", 1.0}, {"power-2", 2.0}, {"power-6", 6.0}})
+        for (const double eta : {0.0, 0.3})
+            for (const double mass : {5.0, 152.4}) {
+                Scene scene = bare_scene();
+                scene.environment.gravity = 1e-12;
+                scene.release.path_angle = 0.0;
+                scene.payload.mass = mass;
+                scene.parachutes.front().initial_drag_area_ratio = eta * eta;
+                scene.parachutes.front().drag_area_law = find_drag_area_law(law.name);
+                scene.rom.rtol = 1e-11;
+                scene.stop = {Trigger::Kind::time, 2.0, 0.0};
+                const RunRecord record = run_rom(scene);
+                const double t_f = 4.0 * 8.53 / 21.0, M = 2.0 * mass / (1.225 * 21.0 * t_f * 42.56);
+                const auto speed = [&](double tau) {
+                    const double I =
+                        eta * eta * tau + (1 - eta * eta) * std::pow(tau, law.j + 1) / (law.j + 1);
+                    return 1.0 / (1.0 + I / M);
+                };
+                double peak = 0.0;
+                for (int i = 0; i <= 400000; ++i) {
+                    const double tau = i / 400000.0;
+                    peak = std::max(
+                        peak, std::pow(speed(tau), 2) * (eta * eta + (1 - eta * eta) * std::pow(tau, law.j)));
+                }
+                const double scale = 0.5 * 1.225 * 21.0 * 21.0 * 42.56;
+                EXPECT_NEAR(*record.metric("peak_force_N") / scale, peak, 1e-7)
+                    << law.name << eta << ' ' << mass;
+                EXPECT_NEAR(record.find_event("full-open")->speed / 21.0, speed(1.0), 1e-7)
+                    << law.name << eta;
+            }
+}
+
+TEST(RomReference, FallsAsTanhWithConstantDragArea) {
+    // eta = 1: the drag area never changes. v = v_e tanh(g t/v_e + atanh(v_0/v_e)), exactly.
+    Scene scene = bare_scene();
+    scene.release.speed = 0.5;
+    scene.parachutes.front().initial_drag_area_ratio = 1.0;
+    scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, 0.3};
+    scene.stop = {Trigger::Kind::time, 1.0, 0.0};
+    scene.rom.rtol = 1e-10;
+    const RunRecord record = run_rom(scene);
+    const double v_e = std::sqrt(2.0 * 152.4 * standard_gravity / (1.225 * 42.56));
+    const auto &t = record.find_channel("time")->values, &v = record.find_channel("speed")->values;
+    for (std::size_t i = 0; i < t.size(); ++i)
+        EXPECT_NEAR(v[i], v_e * std::tanh(standard_gravity * t[i] / v_e + std::atanh(0.5 / v_e)), 1e-7)
+            << t[i];
+}
+
 TEST(RomReference, FallsInVacuumOnAParabola) {
     // No air to speak of: x = v cos(gamma) t, z = z0 - v sin(gamma) t - g t^2/2, exactly.
     Scene scene = bare_scene();
     scene.environment.atmosphere.constant_density = 1e-15;
     scene.release = {300.0, 30.0, 20.0 * pi / 180.0, 0.0};
     scene.stop = {Trigger::Kind::time, 3.0, 0.0};
-    const RunRecord record = run(scene);
+    const RunRecord record = run_rom(scene);
     EXPECT_NEAR(record.find_channel("altitude")->values.back(),
                 300.0 - 30.0 * std::sin(scene.release.path_angle) * 3.0 - 0.5 * standard_gravity * 9.0, 1e-9);
     EXPECT_NEAR(record.find_channel("north")->values.back(), 90.0 * std::cos(scene.release.path_angle), 1e-9);
@@ -158,11 +191,11 @@ TEST(RomReference, ReachesTheEquilibriumSpeed) {
     // sqrt(2 m g/(rho C_D S)); by the definition of steadiness within 0.5 %.
     Scene scene = c9_scene();
     scene.stop = {Trigger::Kind::time, 20.0, 0.0};
-    const RunRecord record = run(scene);
+    const RunRecord record = run_rom(scene);
     const double equilibrium = std::sqrt(2.0 * (152.4 + 5.19) * standard_gravity / (1.225 * 42.56));
     EXPECT_NEAR(*record.metric("descent_rate_m_s"), equilibrium, 1e-6);
     scene.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
-    const RunRecord early = run(scene);
+    const RunRecord early = run_rom(scene);
     EXPECT_EQ(early.status.code, StatusCode::completed);
     EXPECT_NEAR(*early.metric("descent_rate_m_s"), equilibrium, 0.005 * equilibrium);
     EXPECT_LT(early.find_channel("time")->values.back(), 10.0);
@@ -174,7 +207,7 @@ TEST(RomReference, LandsWhereAndWhenItsHistorySays) {
     scene.release.heading = 0.0;
     scene.environment.ground = 50.0;
     scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
-    const RunRecord record = run(scene);
+    const RunRecord record = run_rom(scene);
     EXPECT_EQ(record.status.code, StatusCode::completed);
     EXPECT_NEAR(record.find_channel("altitude")->values.back(), 50.0, 1e-9);
     EXPECT_EQ(*record.metric("flight_time_s"), record.find_channel("time")->values.back());
@@ -182,15 +215,15 @@ TEST(RomReference, LandsWhereAndWhenItsHistorySays) {
     EXPECT_NEAR(*record.metric("landing_east_m"), 0.0, 1e-12);
     // Ground before the wanted end: named, and not "completed".
     scene.stop = {Trigger::Kind::time, 1000.0, 0.0};
-    EXPECT_EQ(run(scene).status.code, StatusCode::stopped_by_event);
+    EXPECT_EQ(run_rom(scene).status.code, StatusCode::stopped_by_event);
 }
 
 TEST(RomReference, PlanarFallStraightDownIsTheVerticalFall) {
     // 1-D and 2-D are different instantiations of one equation: a path 1e-6 rad off the vertical.
     Scene scene = c9_scene();
-    const RunRecord vertical = run(scene);
+    const RunRecord vertical = run_rom(scene);
     scene.release.path_angle = 0.5 * pi - 1e-6;
-    const RunRecord planar = run(scene);
+    const RunRecord planar = run_rom(scene);
     EXPECT_EQ(vertical.find_channel("east"), nullptr);
     ASSERT_NE(planar.find_channel("east"), nullptr);
     EXPECT_NEAR(*planar.metric("peak_force_N") / *vertical.metric("peak_force_N"), 1.0, 1e-6);
@@ -199,20 +232,20 @@ TEST(RomReference, PlanarFallStraightDownIsTheVerticalFall) {
 TEST(RomReference, ErrorFallsWithTheToleranceAndStaysBelowIt) {
     Scene scene = c9_scene();
     scene.rom.rtol = 1e-12;
-    const double truth = *run(scene).metric("peak_force_N");
+    const double truth = *run_rom(scene).metric("peak_force_N");
     scene.rom.rtol = 1e-8;  // the default
-    EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-6);
+    EXPECT_NEAR(*run_rom(scene).metric("peak_force_N") / truth, 1.0, 1e-6);
     scene.rom.rtol = 1e-4;
-    EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-3);
+    EXPECT_NEAR(*run_rom(scene).metric("peak_force_N") / truth, 1.0, 1e-3);
 }
 
 TEST(RomReference, AllMethodsAgree) {
     Scene scene = c9_scene();
-    const double truth = *run(scene).metric("peak_force_N");
+    const double truth = *run_rom(scene).metric("peak_force_N");
     for (const char* method : {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince"}) {
         scene.rom.method = method;
         scene.rom.rtol = 1e-7;
-        EXPECT_NEAR(*run(scene).metric("peak_force_N") / truth, 1.0, 1e-5) << method;
+        EXPECT_NEAR(*run_rom(scene).metric("peak_force_N") / truth, 1.0, 1e-5) << method;
     }
 }
 

@@ -1,0 +1,37 @@
+// A CSV file of numbers: the first line names the columns, the second their units.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/scene/keys.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute {
+
+/// A column that a table may have.
+struct CsvColumn {
+    std::string_view name;
+    std::string_view unit;  ///< SI; the file may use any other of its kind
+    KeyRange range = {};    ///< in SI
+};
+
+/// Columns in SI, each as long as the others.
+struct CsvTable {
+    std::string file;
+    std::map<std::string, std::vector<double>, std::less<>> columns;
+
+    bool has(std::string_view name) const { return columns.contains(name); }
+    const std::vector<double>& at(std::string_view name) const { return columns.find(name)->second; }
+};
+
+/// Reads a table whose columns are among `known` and whose first one in that list is there, rises from line
+/// to line and has at least two values. Cells are plain: no quotes, no empty ones; the last line may end
+/// without a line feed, lines may end in CR LF.
+/// Throws SceneError with file, line and column (counted in bytes from 1) of the cell that is wrong.
+CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known);
+
+}  // namespace twinchute

@@ -1,0 +1,31 @@
+#include "lib/scene/line_stretch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/math/vec.hpp"
+
+namespace twinchute {
+
+Vec3 velocity_over_ground(const Release& r) {
+    return r.speed * Vec3(std::cos(r.path_angle) * std::sin(r.heading),
+                          std::cos(r.path_angle) * std::cos(r.heading), -std::sin(r.path_angle));
+}
+
+double smallest_projected_area(const Parachute& chute) {
+    const double scale = chute.nominal_diameter / 8.53;
+    return 0.05 * scale * scale;
+}
+
+double mouth_area_at_line_stretch(const Parachute& chute) {
+    const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;
+    return std::max(chute.initial_drag_area_ratio * 0.25 * pi * steady_diameter * steady_diameter,
+                    smallest_projected_area(chute));
+}
+
+double mouth_radius_at_line_stretch(const Parachute& chute) {
+    const double polygon = 0.5 * chute.gores * std::sin(2.0 * pi / chute.gores);
+    return std::sqrt(mouth_area_at_line_stretch(chute) / polygon);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,21 @@
+// Release and closed canopy at line stretch, as far as the scene alone decides them.
+#pragma once
+
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+/// Velocity [m/s] of a release over ground; x east, y north, z up.
+Vec3 velocity_over_ground(const Release& release);
+
+/// [m^2] floor of the projected area that the canopy pressure divides by; 0.05 m^2 for a C-9.
+double smallest_projected_area(const Parachute& chute);
+
+/// Mouth area [m^2] at line stretch: that of the steady canopy times the initial drag-area ratio, so that
+/// shape and prescribed drag area say the same, and never below smallest_projected_area.
+double mouth_area_at_line_stretch(const Parachute& chute);
+
+/// Distance [m] of the seams from the axis when they alone border that mouth: the lines have to be longer.
+double mouth_radius_at_line_stretch(const Parachute& chute);
+
+}  // namespace twinchute

@@ -1,0 +1,53 @@
+// One document over another: a scene over its design and its base, a case and --set over a scene.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "lib/scene/document.hpp"
+
+namespace twinchute {
+
+std::string case_title(std::string_view name) {
+    return fmt::format("case '{}'", name);
+}
+
+std::string_view shown_path(std::string_view path, std::string_view prefix) {
+    return path.starts_with(prefix) ? path.substr(prefix.size()) : path;
+}
+
+void imply_models(Document& document) {
+    std::map<std::string, Entry> implied;
+    const auto place = [](const Entry& entry) {
+        return std::pair(entry.key_place.line, entry.key_place.column);
+    };
+    for (const auto& [path, entry] : document.entries) {
+        const std::string model = path.substr(0, path.rfind('.')) + ".model";
+        if (entry.key->only_with.empty() || document.entries.contains(model)) continue;
+        const auto before = implied.find(model);
+        if (before != implied.end() && place(before->second) <= place(entry)) continue;
+        Entry& added = implied[model] = entry;
+        added.key = find_key(scene_keys(), model);
+        added.value = std::string(entry.key->only_with);
+        added.source.clear();
+    }
+    document.entries.merge(implied);
+}
+
+void overlay(Document& lower, const Document& upper) {
+    for (const auto& [path, entry] : upper.entries) {
+        const RawValue& chosen = entry.value;
+        lower.entries.erase(std::string(entry.key->instead_of));
+        if (!path.ends_with(".model")) continue;
+        const std::string table = path.substr(0, path.rfind('.') + 1);
+        std::erase_if(lower.entries, [&](const auto& below) {
+            const std::string_view model = below.second.key->only_with;
+            return below.first.starts_with(table) && !model.empty() && RawValue(std::string(model)) != chosen;
+        });
+    }
+    for (const auto& [path, entry] : upper.entries)
+        lower.entries.insert_or_assign(path, entry);
+    for (const auto& [path, place] : upper.tables)
+        lower.tables.insert_or_assign(path, place);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,19 @@
+// Air and wind as a CSV file gives them, level by level.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/wind.hpp"
+
+namespace twinchute {
+
+/// Columns altitude, temperature, and pressure or density. `file` stands for it in messages, `name` is
+/// what a scene calls it. Throws SceneError.
+AirTable read_air_table(std::string_view text, const std::string& file, const std::string& name);
+
+/// Columns altitude, and speed and from, or east, north and perhaps up. Throws SceneError.
+Wind read_wind_table(std::string_view text, const std::string& file, const std::string& name);
+
+}  // namespace twinchute

@@ -1,0 +1,198 @@
+#include "lib/scene/write_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "lib/scene/keys.hpp"
+#include "lib/scene/units.hpp"
+
+namespace twinchute {
+namespace {
+
+/// A TOML basic string.
+std::string quoted(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\')
+            out += {'\\', c};
+        else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        else
+            out += c;
+    }
+    return out + "\"";
+}
+
+class Writer {
+public:
+    void table(std::string_view head) { text_ += fmt::format("\n{}\n", head); }
+    void number(std::string_view key, double value) {
+        // "-0" would be a whole number, which has no sign to keep.
+        const std::string written = value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
+        text_ += fmt::format("{} = {}\n", key, written);
+    }
+    void whole(std::string_view key, std::uint64_t value) { text_ += fmt::format("{} = {}\n", key, value); }
+    void count(std::string_view key, int value) { text_ += fmt::format("{} = {}\n", key, value); }
+    void words(std::string_view key, std::string_view value) {
+        text_ += fmt::format("{} = {}\n", key, quoted(value));
+    }
+    std::string text() && { return std::move(text_); }
+
+private:
+    std::string text_;
+};
+
+void write_environment(Writer& w, const Environment& e) {
+    w.table("[environment]");
+    w.words("atmosphere.model", e.atmosphere.model->name);
+    const std::string_view model = e.atmosphere.model->name;
+    if (model == "constant") w.number("atmosphere.density", e.atmosphere.constant_density);
+    if (model == "us76") w.number("atmosphere.temperature_offset", e.atmosphere.temperature_offset);
+    if (model == "table") w.words("atmosphere.table", e.atmosphere.table.file);
+    w.number("gravity", e.gravity);
+    w.number("ground", e.ground);
+    if (!e.wind) return;
+    if (!e.wind->table.empty()) {
+        w.words("wind.table", e.wind->table);
+        return;
+    }
+    const Vec3& velocity = e.wind->levels.front().velocity;
+    w.number("wind.east", velocity.x());
+    w.number("wind.north", velocity.y());
+    w.number("wind.up", velocity.z());
+}
+
+void write_parachute(Writer& w, const Parachute& p) {
+    w.table("[[parachute]]");
+    w.words("name", p.name);
+    w.number("nominal_diameter", p.nominal_diameter);
+    w.number("drag_area", p.drag_area);
+    w.number("projected_diameter_ratio", p.projected_diameter_ratio);
+    w.number("mass", p.mass);
+    w.count("gores", p.gores);
+    w.number("vent_diameter", p.vent_diameter);
+    w.number("line_length", p.line_length);
+    w.number("riser_length", p.riser_length);
+    w.count("risers", p.risers);
+    w.words("fabric", p.fabric.name);
+    w.words("line", p.line.name);
+    w.words("tapes.radial", p.tapes.radial.name);
+    w.words("tapes.skirt", p.tapes.skirt.name);
+    w.words("tapes.vent", p.tapes.vent.name);
+    w.words("deploy.by", "line-stretch");  // the only word there is
+    w.words("fill_time.model", p.fill_time.model->name);
+    if (p.fill_time.model->name == "given") {
+        w.number("fill_time.time", p.fill_time.given);
+    } else {
+        w.number("fill_time.n", p.fill_time.n);
+        w.number("fill_time.density_exponent", p.fill_time.density_exponent);
+    }
+    w.words("drag_area_law", p.drag_area_law->name);
+    w.number("initial_drag_area_ratio", p.initial_drag_area_ratio);
+    if (p.initial_phase.transit)
+        w.words("initial_phase", "transit");
+    else
+        w.number("initial_phase", p.initial_phase.seconds);
+}
+
+void write_aerodynamics(Writer& w, const Aerodynamics& a) {
+    w.table("[aerodynamics]");
+    if (a.added_mass) {
+        w.words("added_mass.model", a.added_mass->model->name);
+        const bool accreting = a.added_mass->momentum == AddedMassMomentum::accreting;
+        w.words("added_mass.momentum", accreting ? "accreting" : "inertia-only");
+        if (a.added_mass->model->name == "half-ellipsoid")
+            w.number("added_mass.depth_ratio", a.added_mass->depth_ratio);
+    }
+    if (a.line_drag) w.words("line_drag.model", "cylinder");
+    if (a.breathing_damping) w.number("breathing_damping.k", *a.breathing_damping);
+    w.number("radial_pressure", a.radial_pressure);
+}
+
+void write_stop(Writer& w, const Trigger& stop) {
+    w.table("[stop]");
+    if (stop.kind == Trigger::Kind::time)
+        w.number("time", stop.value);
+    else
+        w.words("at", stop.kind == Trigger::Kind::ground ? "ground" : "steady-descent");
+    w.number("delay", stop.delay);
+}
+
+void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full) {
+    w.table("[rom]");
+    w.words("method", rom.method);
+    w.number("rtol", rom.rtol);
+    w.table("[full]");
+    w.count("mesh.gore_columns", full.mesh.gore_columns);
+    w.count("mesh.gore_rows", full.mesh.gore_rows);
+    w.count("mesh.line_elements", full.mesh.line_elements);
+    w.count("mesh.riser_elements", full.mesh.riser_elements);
+    w.number("alpha", full.alpha);
+    w.number("bulk_viscosity", full.bulk_viscosity);
+    w.number("time_step_factor", full.time_step_factor);
+    w.number("strain_limit", full.strain_limit);
+    w.number("output_rate", full.output_rate);
+    if (!full.noise) return;
+    w.number("noise.amplitude", full.noise->amplitude);
+    w.whole("noise.seed", full.noise->seed);
+}
+
+/// The number of per cent that is read as this share. Times 100 may miss it by a rounding error, so its
+/// neighbours are asked too.
+std::string per_cent(double share) {
+    for (const double away : {0.0, 1.0, -1.0, 2.0, -2.0}) {
+        double number = 100.0 * share;
+        for (int i = 0; i < std::abs(away); ++i)
+            number = std::nextafter(number, away > 0.0 ? HUGE_VAL : -HUGE_VAL);
+        const std::string text = fmt::format("{} %", number);
+        if (number >= 0.0 && to_si(text, "1") == share) return text;
+    }
+    return fmt::format("{} %", 100.0 * share);
+}
+
+void write_tolerances(Writer& w, const std::map<std::string, Tolerance>& tolerances) {
+    if (tolerances.empty()) return;
+    w.table("[compare.tolerance]");
+    for (const auto& [name, tolerance] : tolerances) {
+        const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
+        const std::string_view unit = metric == tolerance_metrics().end() ? "1" : metric->unit;
+        w.words(name, tolerance.relative ? per_cent(tolerance.value)
+                      : unit == "1"      ? fmt::format("{}", tolerance.value)
+                                         : fmt::format("{} {}", tolerance.value, unit));
+    }
+}
+
+}  // namespace
+
+std::string write_scene(const Scene& scene) {
+    Writer w;
+    w.count("schema", 1);
+    w.words("name", scene.name);
+    write_environment(w, scene.environment);
+    w.table("[payload]");
+    w.number("mass", scene.payload.mass);
+    if (scene.payload.drag_area) w.number("drag_area", *scene.payload.drag_area);
+    w.table("[release]");
+    w.number("altitude", scene.release.altitude);
+    w.number("speed", scene.release.speed);
+    w.number("path_angle", scene.release.path_angle);
+    w.number("heading", scene.release.heading);
+    for (const Parachute& parachute : scene.parachutes)
+        write_parachute(w, parachute);
+    write_aerodynamics(w, scene.aerodynamics);
+    write_stop(w, scene.stop);
+    write_settings(w, scene.rom, scene.full);
+    write_tolerances(w, scene.tolerances);
+    return std::move(w).text();
+}
+
+bool same_scene(const Scene& a, const Scene& b) {
+    return a.name == b.name && a.environment == b.environment && a.payload == b.payload &&
+           a.release == b.release && a.parachutes == b.parachutes && a.aerodynamics == b.aerodynamics &&
+           a.stop == b.stop && a.rom == b.rom && a.full == b.full && a.tolerances == b.tolerances;
+}
+
+}  // namespace twinchute

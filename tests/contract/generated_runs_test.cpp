@@ -1,0 +1,73 @@
+// Scenes made by chance from the table of keys, run: every one ends in a named status, and whatever
+// is reported is a finite number.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fullsim/simulation.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "tests/support/runs.hpp"
+#include "tests/support/scene_generator.hpp"
+
+namespace twinchute::test {
+namespace {
+
+void expect_sound(const RunRecord& record, const std::string& text) {
+    ASSERT_FALSE(status_name(record.status.code).empty());
+    ASSERT_FALSE(record.status.detail.empty()) << status_name(record.status.code) << '\n' << text;
+    for (const Metric& metric : record.metrics)
+        ASSERT_TRUE(std::isfinite(metric.value)) << metric.key << ", " << record.status.detail << '\n'
+                                                 << text;
+    for (const Channel& channel : record.channels)
+        for (const double value : channel.values)
+            ASSERT_TRUE(std::isfinite(value)) << channel.name << ", " << record.status.detail << '\n' << text;
+    for (const Event& event : record.events)
+        ASSERT_TRUE(std::isfinite(event.time) && std::isfinite(event.speed)) << event.name << '\n' << text;
+}
+
+class GeneratedRuns : public testing::Test {
+protected:
+    GeneratedRuns() { write_generated_tables(directory_); }
+    ScratchDir directory_;
+};
+
+TEST_F(GeneratedRuns, RomEndsSoundly) {
+    SceneGenerator generator(4);
+    std::map<StatusCode, int> endings;
+    for (int i = 0; i < 2000; ++i) {
+        const std::string text = scene_of_lines(generator.valid());
+        Scene scene = read_scene_text(text, "generated.toml", directory_.path());
+        const RunRecord record = run_rom(scene);
+        ++endings[record.status.code];
+        expect_sound(record, text);
+        if (HasFatalFailure()) return;
+    }
+    for (const auto& [code, count] : endings)
+        RecordProperty(std::string(status_name(code)), count);
+    EXPECT_GT(endings[StatusCode::completed], 500);
+}
+
+TEST_F(GeneratedRuns, FullEndsSoundly) {
+    SceneGenerator generator(5);
+    std::map<StatusCode, int> endings;
+    for (int i = 0; i < 50; ++i) {
+        const std::string text = scene_of_lines(generator.valid());
+        Scene scene = read_scene_text(text, "generated.toml", directory_.path());
+        scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores
+        // Materials by chance may ask for steps of nanoseconds: as far as 1000 of them go.
+        const double step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
+        scene.stop = {Trigger::Kind::time, std::min(0.5, 1e3 * step), 0.0};
+        const RunRecord record = run_full(scene);
+        ++endings[record.status.code];
+        expect_sound(record, text);
+        if (HasFatalFailure()) return;
+    }
+    for (const auto& [code, count] : endings)
+        RecordProperty(std::string(status_name(code)), count);
+    EXPECT_GT(endings[StatusCode::completed], 10);
+}
+
+}  // namespace
+}  // namespace twinchute::test

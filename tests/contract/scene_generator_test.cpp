@@ -1,0 +1,70 @@
+// What the table of keys promises, over scenes made by chance from that table: whatever is inside it is
+// read, whatever is outside is refused with its place, and a scene that is written reads back the same.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "lib/scene/read_scene.hpp"
+#include "lib/scene/scene_error.hpp"
+#include "lib/scene/write_scene.hpp"
+#include "tests/support/scene_generator.hpp"
+
+namespace twinchute::test {
+namespace {
+
+class GeneratedScenes : public testing::Test {
+protected:
+    GeneratedScenes() { write_generated_tables(directory_); }
+    Scene read(const std::string& text) const {
+        return read_scene_text(text, "generated.toml", directory_.path());
+    }
+
+    ScratchDir directory_;
+};
+
+TEST_F(GeneratedScenes, ValidOnesAreRead) {
+    SceneGenerator generator(1);
+    std::set<std::string> seen;
+    for (int i = 0; i < 2000; ++i) {
+        const auto lines = generator.valid();
+        for (const SceneLine& line : lines)
+            seen.insert(line.path);
+        ASSERT_NO_THROW(read(scene_of_lines(lines))) << i << "\n" << scene_of_lines(lines);
+    }
+    for (const Key& key : scene_keys()) {
+        const bool aside = key.path == "base" || key.path.starts_with("case") || key.kind == KeyKind::table ||
+                           key.kind == KeyKind::tolerance;
+        EXPECT_TRUE(aside || seen.contains(std::string(key.path))) << key.path << " was never used";
+    }
+    for (const ToleranceMetric& metric : tolerance_metrics())
+        EXPECT_TRUE(seen.contains("compare.tolerance." + std::string(metric.name))) << metric.name;
+}
+
+TEST_F(GeneratedScenes, BrokenOnesAreRefusedWithTheirPlace) {
+    SceneGenerator generator(2);
+    for (int i = 0; i < 2000; ++i) {
+        const auto broken = generator.broken();
+        try {
+            read(broken.text);
+            ADD_FAILURE() << broken.what << " was read:\n" << broken.text;
+        } catch (const SceneError& error) {
+            EXPECT_GT(error.place().line, 0) << broken.what << ": " << error.what();
+            EXPECT_GT(error.place().column, 0) << broken.what << ": " << error.what();
+            EXPECT_EQ(error.place().file, "generated.toml") << error.what();
+        }
+    }
+}
+
+TEST_F(GeneratedScenes, ReadBackWhatIsWritten) {
+    SceneGenerator generator(3);
+    for (int i = 0; i < 500; ++i) {
+        const Scene scene = read(scene_of_lines(generator.valid()));
+        const std::string text = write_scene(scene);
+        const Scene again = read(text);
+        ASSERT_TRUE(same_scene(scene, again)) << i << "\n" << text;
+        EXPECT_EQ(write_scene(again), text);
+    }
+}
+
+}  // namespace
+}  // namespace twinchute::test

@@ -1,0 +1,388 @@
+// Scenes by chance, from the table of keys itself: valid ones that use every key somewhere in its range
+// and in some unit, and broken ones that differ from a valid one in a single place.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/math/vec.hpp"
+#include "lib/scene/keys.hpp"
+#include "lib/scene/units.hpp"
+#include "tests/support/chance.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute::test {
+
+/// One key and its value as they stand in a line of their own.
+struct SceneLine {
+    std::string path;   ///< e.g. "payload.mass"
+    std::string value;  ///< TOML
+
+    bool of_parachute() const { return path.starts_with("parachute."); }
+    std::string text() const {
+        return fmt::format("{} = {}\n", of_parachute() ? path.substr(10) : path, value);
+    }
+};
+
+/// A scene as lines: those of the top in any order, then those of [[parachute]].
+inline std::string scene_of_lines(const std::vector<SceneLine>& lines) {
+    std::string text, parachute = "[[parachute]]\n";
+    for (const SceneLine& line : lines)
+        (line.of_parachute() ? parachute : text) += line.text();
+    return text + parachute;
+}
+
+/// The CSV files that generated scenes name, to lie where they are read from.
+inline void write_generated_tables(const ScratchDir& directory) {
+    directory.write("generated-air.csv",
+                    "altitude,temperature,pressure\nm,K,hPa\n-1000,290,1139\n0,285,1013\n5000,250,540\n"
+                    "30000,226,12\n86000,190,0.004\n");
+    directory.write("generated-wind.csv",
+                    "altitude,speed,from\nft,knot,deg\n0,5,270\n3000,25,280\n40000,90,250\n");
+}
+
+class SceneGenerator : Chance {
+public:
+    using Chance::Chance;
+
+    std::vector<SceneLine> valid();
+
+    struct Broken {
+        std::string what;  ///< the kind of mistake and where it is
+        std::string text;
+    };
+    /// One mistake in a valid scene.
+    Broken broken();
+
+private:
+    double number_of(const Key& key) {
+        const double low = std::max(key.range.low, -1e12), high = std::min(key.range.high, 1e12);
+        if (!key.range.above_low && chance(0.03)) return low;
+        return key.range.below_high ? 0.999 * number_in(low, high) : number_in(low, high);
+    }
+
+    /// A bare number, or text in some unit of the kind; now and then with its source.
+    std::string quantity(double value, std::string_view unit);
+    std::string text();
+    void decide(const Key& key, std::map<std::string, std::string, std::less<>>& words);
+    void put(std::string_view path, std::string value) {
+        lines_.push_back({std::string(path), std::move(value)});
+    }
+    void put_number(std::string_view path, double value) {
+        put(path, quantity(value, find_key(scene_keys(), path)->unit));
+    }
+    void put_release();
+    void put_canopy();
+    void put_opening();
+    void put_tolerances();
+    std::optional<std::string> spoiled(const Key& key, std::size_t kind);
+
+    std::vector<SceneLine> lines_;
+    double diameter_ = 0.0;           ///< D0 [m]
+    std::optional<double> airspeed_;  ///< [m/s] at release, where the generator knows it
+    bool has_wind_ = false;
+    std::string air_;  ///< model of the atmosphere
+};
+
+inline std::string SceneGenerator::quantity(double value, std::string_view unit) {
+    static const std::map<std::string_view, std::vector<std::string>> units{
+        {"m", {"m", "ft", "km", "cm", "inch", "nmi"}},
+        {"kg", {"kg", "g", "lb", "lbm", "oz", "slug"}},
+        {"m/s", {"m/s", "ft/s", "fps", "knot", "km/h", "mph"}},
+        {"rad", {"rad", "deg", "degree", "arcmin"}},
+        {"s", {"s", "ms", "min"}},
+        {"m^2", {"m^2", "m2", "ft^2", "cm^2"}},
+        {"kg/m^3", {"kg/m^3", "g/cm^3", "lb/ft^3"}},
+        {"m/s^2", {"m/s^2", "ft/s^2", "g0"}},
+        {"K", {"K", "mK"}},
+        {"1", {"%", "percent"}},
+        {"1/s", {"1/s", "Hz", "kHz"}},
+        {"N", {"N", "kN", "lbf"}},
+    };
+    std::string written = fmt::format("{}", value);
+    if (const auto list = units.find(unit); list != units.end() && chance(0.7)) {
+        const std::string& chosen = one_of(list->second);
+        const double number = value / to_si("1 " + chosen, unit);
+        written = fmt::format("\"{}{}{}\"", number, chance(0.8) ? " " : "  ", chosen);
+    }
+    return chance(0.1) ? fmt::format("{{ value = {}, source = \"by chance\", grade = \"C\" }}", written)
+                       : written;
+}
+
+inline std::string SceneGenerator::text() {
+    static const std::vector<std::string> words{"C-9", "5.3", "\xC3\xA9", "\\\"x\\\"", "\\\\b", "= [", "#1"};
+    std::string out = one_of(words);
+    for (std::size_t i = below(4); i > 0; --i)
+        out += " " + one_of(words);
+    return "\"" + out + (chance(0.5) ? "\\t.\"" : "\"");
+}
+
+/// What needs no knowledge of other keys, only of the row itself.
+inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::string, std::less<>>& words) {
+    const std::string path(key.path);
+    const std::string table = path.substr(0, path.rfind('.') + 1);
+    if (!key.only_with.empty() && words[table + "model"] != key.only_with) return;
+    const bool needed = key.need == KeyNeed::required;
+    if (!key.choices && !needed && chance(0.5)) return;
+    std::string value;
+    switch (key.kind) {
+        case KeyKind::quantity:
+            return put_number(path, number_of(key));
+        case KeyKind::integer:
+            value = fmt::format("{}", static_cast<long long>(std::floor(number_of(key))));
+            break;
+        case KeyKind::quantity_or_word:
+        case KeyKind::word: {
+            const std::string word(one_of(key.choices()));
+            words[path] = word;
+            if (word == key.fallback && chance(0.5)) return;
+            value = '"' + word + '"';
+            break;
+        }
+        case KeyKind::csv_file:
+            value = path.starts_with("environment.wind") ? "\"generated-wind.csv\"" : "\"generated-air.csv\"";
+            break;
+        default:
+            value = text();
+    }
+    put(path, std::move(value));
+}
+
+inline void SceneGenerator::put_release() {
+    const double lowest = -1000.0, highest = 85000.0;
+    double ground = 0.0;
+    if (chance(0.5)) put_number("environment.ground", ground = number_in(lowest + 100.0, 20000.0));
+    const double height = number_in(1.0, highest - ground);
+    if (chance(0.5))
+        put_number("release.altitude", ground + height);
+    else
+        put_number("release.height", height);
+    const bool over_ground = chance(0.5);
+    const double speed = number_in(0.05, 999.0);
+    put_number(over_ground ? "release.speed" : "release.airspeed", speed);
+    if (!over_ground || !has_wind_) airspeed_ = speed;
+    put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));
+}
+
+inline void SceneGenerator::put_canopy() {
+    const bool design = chance(0.6);
+    if (design) put("parachute.design", "\"usaf-c9\"");
+    const auto give = [&] { return !design || chance(0.4); };
+    diameter_ = 8.53;
+    if (give()) {  // what has to fit together comes together
+        put_number("parachute.nominal_diameter", diameter_ = number_in(0.1, 199.0));
+        put_number("parachute.vent_diameter", diameter_ * number_in(0.01, 0.9));
+        const double area = 0.25 * pi * diameter_ * diameter_, coefficient = number_in(0.01, 3.0);
+        if (chance(0.5))
+            put_number("parachute.drag_area", std::min(coefficient * area, 9e4));
+        else
+            put_number("parachute.drag_coefficient", coefficient);
+    }
+    if (give()) {
+        const std::size_t links = 1 + below(8), each = 1 + below(12);
+        put("parachute.risers", fmt::format("{}", links));
+        put("parachute.gores", fmt::format("{}", std::max<std::size_t>(3, each) * links));
+    }
+    for (const Key& key : scene_keys()) {
+        if (key.kind != KeyKind::data_file || key.path == "parachute.design" || !give()) continue;
+        put(key.path, key.path == "parachute.fabric" ? "\"mil-c-7020-c9\"" : "\"mil-c-5040-type-ii\"");
+    }
+    for (const char* path :
+         {"parachute.projected_diameter_ratio", "parachute.mass", "parachute.riser_length"})
+        if (give()) put_number(path, number_of(*find_key(scene_keys(), path)));
+    // Longer than the widest mouth, a triangle's at the largest ratios.
+    put_number("parachute.line_length", diameter_ * number_in(1.0, 2.0));
+}
+
+/// Filling time and initial phase: t_i has to be shorter than t_f.
+inline void SceneGenerator::put_opening() {
+    std::optional<double> filling;  // [s] where the generator knows it
+    bool transit = false;           // fits
+    if (chance(0.6)) {
+        const double n = number_in(0.2, 199.0);
+        put_number("parachute.fill_time.n", n);
+        const bool corrected = chance(0.3);
+        if (corrected) put_number("parachute.fill_time.density_exponent", number_in(-4.9, 4.9));
+        if (!corrected && airspeed_) filling = n * diameter_ / *airspeed_;
+        transit = !corrected && n > 0.6;
+        if (chance(0.5)) put("parachute.fill_time.model", "\"fill-constant\"");
+    } else {
+        filling = number_in(0.001, 999.0);
+        put_number("parachute.fill_time.time", *filling);
+        transit = airspeed_ && 0.5 * diameter_ / *airspeed_ < 0.9 * *filling;
+        if (chance(0.5)) put("parachute.fill_time.model", "\"given\"");
+    }
+    if (transit && chance(0.7)) {
+        if (chance(0.5)) put("parachute.initial_phase", "\"transit\"");
+        return;
+    }
+    put_number("parachute.initial_phase",
+               filling && chance(0.7) ? std::min(900.0, 0.9 * share() * *filling) : 0.0);
+}
+
+inline void SceneGenerator::put_tolerances() {
+    for (const ToleranceMetric& metric : tolerance_metrics()) {
+        if (!chance(0.1)) continue;
+        const double value = number_in(0.0, 1000.0);
+        const std::string unit = chance(0.5) ? "%" : metric.unit == "1" ? "" : std::string(metric.unit);
+        put("compare.tolerance." + std::string(metric.name), fmt::format("\"{} {}\"", value, unit));
+    }
+}
+
+inline std::vector<SceneLine> SceneGenerator::valid() {
+    static const std::set<std::string_view> by_hand{"schema",
+                                                    "base",
+                                                    "environment.ground",
+                                                    "release.altitude",
+                                                    "release.height",
+                                                    "release.speed",
+                                                    "release.airspeed",
+                                                    "release.path_angle",
+                                                    "parachute.fill_time.model",
+                                                    "parachute.fill_time.n",
+                                                    "parachute.fill_time.density_exponent",
+                                                    "parachute.fill_time.time",
+                                                    "parachute.initial_phase",
+                                                    "parachute.nominal_diameter",
+                                                    "parachute.vent_diameter",
+                                                    "parachute.drag_area",
+                                                    "parachute.drag_coefficient",
+                                                    "parachute.risers",
+                                                    "parachute.gores",
+                                                    "parachute.projected_diameter_ratio",
+                                                    "parachute.mass",
+                                                    "parachute.line_length",
+                                                    "parachute.riser_length"};
+    lines_.clear();
+    airspeed_.reset();
+    has_wind_ = chance(0.4);
+    put("schema", "1");
+    std::map<std::string, std::string, std::less<>> words;
+    std::vector<std::string> left_out;  // tables
+    std::map<std::string_view, bool> taken;
+    for (const Key& key : scene_keys()) {
+        if (key.path.starts_with("case") || key.kind == KeyKind::tolerance || key.kind == KeyKind::data_file)
+            continue;
+        if (key.kind == KeyKind::table) {
+            const bool is_wind = key.path == "environment.wind";
+            if (key.need == KeyNeed::optional && !(is_wind ? has_wind_ : chance(0.5)))
+                left_out.push_back(std::string(key.path) + ".");
+            continue;
+        }
+        if (by_hand.contains(key.path)) continue;
+        if (std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); }))
+            continue;
+        if (!key.instead_of.empty()) {  // one of a pair, or none
+            const auto other = taken.find(key.instead_of);
+            const bool mine = other == taken.end() ? chance(0.5) : !other->second;
+            taken[key.path] = mine;
+            if (!mine) continue;
+        }
+        decide(key, words);
+    }
+    put_release();
+    put_canopy();
+    put_opening();
+    if (chance(0.3)) put_tolerances();
+    for (const Key& key : scene_keys()) {  // a table without a key of its own
+        if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||
+            key.path == "case.set")
+            continue;
+        const std::string inside = std::string(key.path) + ".";
+        const bool out = std::ranges::find(left_out, inside) != left_out.end();
+        const bool named =
+            std::ranges::any_of(lines_, [&](const auto& line) { return line.path.starts_with(inside); });
+        if (!out && !named) put(key.path, "{}");
+    }
+    for (std::size_t i = lines_.size(); i > 1; --i)
+        std::swap(lines_[i - 1], lines_[below(i)]);
+    return lines_;
+}
+
+/// A value that the key cannot have; nothing where this kind of mistake cannot be made with it.
+inline std::optional<std::string> SceneGenerator::spoiled(const Key& key, std::size_t kind) {
+    const bool measured = key.kind == KeyKind::quantity || key.kind == KeyKind::quantity_or_word;
+    switch (kind) {
+        case 0:
+            if (measured) return "\"3 furlongz\"";
+            break;
+        case 1:
+            if (measured) return key.unit == "m" ? "\"3 kg\"" : "\"3 m\"";
+            break;
+        case 2:
+            if (!measured && key.kind != KeyKind::integer) break;
+            if (std::isfinite(key.range.low) && chance(0.5))
+                return fmt::format("{}", key.range.low - 1.0 - std::abs(key.range.low));
+            if (std::isfinite(key.range.high))
+                return fmt::format("{}", key.range.high + 1.0 + std::abs(key.range.high));
+            break;
+        case 3:
+            if (measured)
+                return one_of(std::vector<std::string>{"nan", "inf", "-inf", "\"nan\"", "\"1e999 m\""});
+            break;
+        case 4:
+            return one_of(std::vector<std::string>{"true", "[1, 2]", "1979-05-27", "{ source = \"x\" }"});
+        case 5:
+            if (key.kind == KeyKind::word)
+                return one_of(std::vector<std::string>{"\"no-such-word\"", "7", "\"\""});
+            break;
+        case 6:
+            if (key.kind == KeyKind::data_file || key.kind == KeyKind::csv_file)
+                return one_of(
+                    std::vector<std::string>{"\"no-such-file\"", "\"../up\"", "\"/etc/passwd\"", "\"\""});
+            break;
+        case 7:
+            return one_of(std::vector<std::string>{"", "\"", "5 kg", "{ value = ", "=", "[1"});
+        default:
+            break;
+    }
+    return std::nullopt;
+}
+
+inline SceneGenerator::Broken SceneGenerator::broken() {
+    static const std::set<std::string_view> needed{"schema",
+                                                   "name",
+                                                   "payload.mass",
+                                                   "release.altitude",
+                                                   "release.height",
+                                                   "release.speed",
+                                                   "release.airspeed",
+                                                   "release.path_angle",
+                                                   "parachute.deploy.by"};
+    for (;;) {
+        std::vector<SceneLine> lines = valid();
+        const std::size_t at = below(lines.size()), kind = below(12);
+        SceneLine& line = lines[at];
+        const Key* key = find_key(scene_keys(), line.path);
+        if (!key || key->kind == KeyKind::table) continue;
+        const std::string what = fmt::format("mistake {} in {}", kind, line.path);
+        if (kind < 8) {
+            const auto value = spoiled(*key, kind);
+            if (!value) continue;
+            line.value = *value;
+        } else if (kind == 8) {
+            line.path += "_x";
+        } else if (kind == 9) {
+            lines.push_back(line);
+        } else if (kind == 10) {
+            if (!needed.contains(line.path)) continue;
+            lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(at));
+        } else {
+            if (key->instead_of.empty()) continue;
+            const Key& other = *find_key(scene_keys(), key->instead_of);
+            lines.push_back(
+                {std::string(other.path), other.choices ? '"' + std::string(other.choices()[0]) + '"' : "1"});
+        }
+        return {what, scene_of_lines(lines)};
+    }
+}
+
+}  // namespace twinchute::test

@@ -1,0 +1,99 @@
+// Series of cases as a script sees them: a directory for each, one exit code for all.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute {
+namespace {
+
+using nlohmann::json;
+using test::Ended;
+using test::Process;
+using Words = std::vector<std::string>;
+
+class SystemSeries : public testing::Test {
+protected:
+    SystemSeries() {
+        here_.write("series.toml",
+                    "base = \"c9-inflation.toml\"\n"
+                    "full.mesh = { gore_columns = 1, gore_rows = 4, line_elements = 4 }\n"
+                    "stop.time = 0.25\n"
+                    "compare.tolerance.peak_force = \"1000 %\"\n"  // of a moment on a coarse mesh
+                    "[[case]]\nname = \"light\"\nset = { \"payload.mass\" = \"80 kg\" }\n"
+                    "[[case]]\nname = \"heavy\"\nset = { \"payload.mass\" = \"250 kg\" }\n");
+    }
+    Ended run(Words words) {
+        words.insert(words.begin(), TWINCHUTE_PROGRAM);
+        return Process(words, here_.path()).wait();
+    }
+    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
+
+    ScratchDir here_;
+};
+
+TEST_F(SystemSeries, EveryCaseHasItsDirectory) {
+    const Ended rom = run({"rom", "series.toml", "--out", "r"});
+    EXPECT_EQ(rom.code, 0) << rom.err;
+    EXPECT_EQ(read("r/light/summary.json")["inputs"]["payload.mass"]["value"], 80);
+    EXPECT_EQ(read("r/heavy/summary.json")["inputs"]["payload.mass"]["value"], 250);
+    EXPECT_FALSE(std::filesystem::exists(here_ / "r/summary.json"));
+    EXPECT_NE(rom.out.find(", light"), std::string::npos) << rom.out;
+    EXPECT_NE(rom.out.find(", heavy"), std::string::npos) << rom.out;
+
+    const Ended full = run({"full", "series.toml", "--quiet"});
+    EXPECT_EQ(full.code, 0) << full.err;
+    EXPECT_EQ(read("series.out/light/summary.json")["fidelity"], "full");
+    EXPECT_EQ(read("series.out/heavy/summary.json")["fidelity"], "full");
+    EXPECT_EQ(run({"full", "series.toml", "--quiet"}).code, 0);  // our own results may be written again
+}
+
+TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
+    const Ended ended =
+        run({"compare", "series.toml", "--json", "--out", "c", "--tolerance", "max_force=1000%"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    const json gaps = json::parse(ended.out);
+    ASSERT_TRUE(gaps.is_array());
+    EXPECT_EQ(gaps.size(), 2u);
+    EXPECT_EQ(read("c/light/gap.json"), gaps[0]);
+    EXPECT_EQ(read("c/heavy/gap.json"), gaps[1]);
+
+    here_.write("one-fails.toml",
+                "base = \"series.toml\"\n[[case]]\nname = \"wide\"\nset = { compare.tolerance.max_force = "
+                "\"1000 %\" }\n"
+                "[[case]]\nname = \"narrow\"\nset = { compare.tolerance.max_force = \"0 %\" }\n"
+                "[[case]]\nname = \"last\"\nset = { compare.tolerance.max_force = \"1000 %\" }\n");
+    const Ended verdict = run({"compare", "one-fails.toml", "--quiet", "--out", "v"});
+    EXPECT_EQ(verdict.code, 1) << verdict.err;
+    EXPECT_EQ(read("v/wide/gap.json")["exit_code"], 0);
+    EXPECT_EQ(read("v/narrow/gap.json")["exit_code"], 1);
+    EXPECT_EQ(read("v/last/gap.json")["exit_code"], 0);  // the series goes on
+}
+
+TEST_F(SystemSeries, AMistakeInOneCaseRunsNone) {
+    const Ended ended = run({"rom", "series.toml", "--out", "r", "--set", "payload.mass=-1"});
+    EXPECT_EQ(ended.code, 2);
+    here_.write("bad.toml",
+                "base = \"series.toml\"\n[[case]]\nname = \"good\"\n"
+                "[[case]]\nname = \"bad\"\nset = { \"payload.mass\" = \"80 m\" }\n");
+    const Ended bad = run({"rom", "bad.toml", "--out", "r"});
+    EXPECT_EQ(bad.code, 2);
+    EXPECT_TRUE(bad.err.starts_with("bad.toml:6:26: case 'bad': payload.mass: ")) << bad.err;
+    EXPECT_EQ(bad.out, "");
+    EXPECT_FALSE(std::filesystem::exists(here_ / "r"));
+}
+
+TEST_F(SystemSeries, CheckSpeaksOfEveryCase) {
+    const Ended ended = run({"full", "series.toml", "--check"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_NE(ended.out.find("light' is valid"), std::string::npos) << ended.out;
+    EXPECT_NE(ended.out.find("heavy' is valid"), std::string::npos) << ended.out;
+    const json checked = json::parse(run({"rom", "series.toml", "--check", "--json"}).out);
+    EXPECT_EQ(checked.size(), 2u);
+    EXPECT_EQ(checked[1]["valid"], true);
+}
+
+}  // namespace
+}  // namespace twinchute
