@@ -15,6 +15,10 @@ constexpr std::optional<Tolerance> none;
 
 // clang-format off
 constexpr std::array rows{
+    MetricRow{"line_stretch_time", "line_stretch_time_s", "s", "Line stretch"},
+    MetricRow{"snatch_time", "snatch_time_s", "s", "Snatch"},
+    MetricRow{"payload_snatch_speed", "payload_snatch_speed_m_s", "m/s", "Payload's speed at snatch", none, Show::when_judged},
+    MetricRow{"snatch_force", "snatch_force_N", "N", "Snatch force"},
     MetricRow{"snatch_speed", "snatch_speed_m_s", "m/s", "Snatch speed"},
     MetricRow{"filling_time", "filling_time_s", "s", "Filling time", ten_percent},
     MetricRow{"peak_force", "peak_force_N", "N", "Peak opening force", ten_percent},

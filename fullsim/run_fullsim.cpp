@@ -179,13 +179,14 @@ void FullRun::fill_results() {
 
     OpeningResult result;
     result.snatch_speed = release_airspeed(scene_).norm();
-    result.snatch_path_angle = scene_.release.path_angle;
     result.snatch_density = rows.front().density;
     if (last.time >= filled + shape_average) {
         steady_area_ = observer_.mean(&HistoryRow::projected_area, shape_average);
         result.filling_time = observer_.first_time_of_area(*steady_area_);
     }
-    result.peak_force = result.max_force = observer_.peak().value;
+    result.payload_snatch_speed = result.snatch_speed;
+    result.max_force = observer_.peak().value;
+    result.peak_force = result.max_force;
     result.peak_time = observer_.peak().time;
     if (last.time >= filled) result.impulse = observer_.impulse(0.0, filled);
     result.max_deceleration = observer_.largest_acceleration();
@@ -208,7 +209,7 @@ void FullRun::fill_results() {
         if (row == rows.end()) --row;
         add_event(name, time, row->position, row->velocity);
     };
-    if (result.peak_force > 0.0) add_past_event("peak-force", result.peak_time);
+    if (result.max_force > 0.0) add_past_event("peak-force", result.peak_time);
     if (result.filling_time) add_past_event("canopy-filled", *result.filling_time);
     std::ranges::stable_sort(record_.events, {}, &Event::time);
     if (steady_area_) {
@@ -239,7 +240,9 @@ void FullRun::add_warnings() {
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
         record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
-    add_scene_warnings(record_, scene_, simulation_.inflation(), observer_.rows().front().density);
+    add_opening_warnings(record_, scene_, simulation_.inflation(), release_airspeed(scene_).norm(),
+                         observer_.rows().front().density);
+    add_scene_warnings(record_, scene_);
     const double meshed = simulation_.mesh().parachute_mass();
     if (std::abs(meshed - chute.mass) > 0.02 * chute.mass)
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, chute.mass),

@@ -54,7 +54,8 @@ public:
         add_metrics(record, result);
         add_channels(record);
         add_left_out(record);
-        add_scene_warnings(record, scene_, model_.inflation, density_);
+        add_opening_warnings(record, scene_, model_.inflation, release_airspeed(scene_).norm(), density_);
+        add_scene_warnings(record, scene_);
         return record;
     }
 
@@ -230,9 +231,10 @@ private:
                 break;
         }
         result.snatch_speed = release_airspeed(scene_).norm();
-        result.snatch_path_angle = scene_.release.path_angle;
+        result.payload_snatch_speed = result.snatch_speed;
         result.snatch_density = density_;
-        result.peak_force = result.max_force = observer_.peak().value;
+        result.max_force = observer_.peak().value;
+        result.peak_force = result.max_force;
         result.peak_time = observer_.peak().at;
         const HistoryRow& top = observer_.row_near(result.peak_time);
         record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});

@@ -128,6 +128,40 @@ FillTime fill_time(const Values& v) {
     return f;
 }
 
+ForceHistory extraction(const Values& v) {
+    ForceHistory f;
+    f.duration = v.number("parachute.deploy.duration");
+    if (constexpr const char* key = "parachute.deploy.force_table"; v.is_effective(key)) {
+        const auto file = table_file(v, key);
+        return read_force_table(read_text_file(file), file.string(), v.word(key), f.duration);
+    }
+    const double force = v.number("parachute.deploy.force");
+    f.time = {0.0, f.duration};
+    f.force = {force, force};
+    return f;
+}
+
+Deployment deployment(const Values& v) {
+    const auto key = [](const char* name) { return std::string("parachute.deploy.") + name; };
+    Deployment d;
+    d.by = std::ranges::find(deployment_rows(), v.word(key("by")), &DeploymentRow::name)->by;
+    if (d.by == DeployBy::static_line) {
+        d.static_line_length = v.number(key("length"));
+        d.far_end_moves = v.word(key("far_end")) == "aircraft";
+    }
+    if (d.by == DeployBy::extraction) {
+        d.extraction = extraction(v);
+        d.extraction_on_apex = v.word(key("load")) == "point";
+    }
+    if (!d.starts_packed()) return d;
+    d.pitch = v.number(key("pitch"));
+    d.pack_ratio = v.number(key("pack_ratio"));
+    d.drag_coefficient = v.number(key("drag_coefficient"));
+    if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
+    d.fold_resistance = v.number(key("fold_resistance"));
+    return d;
+}
+
 Parachute parachute(const Values& v, Materials& materials) {
     Parachute p;
     p.name = v.word("parachute.name");
@@ -148,7 +182,7 @@ Parachute parachute(const Values& v, Materials& materials) {
     p.tapes.skirt = materials.cord("parachute.tapes.skirt");
     p.tapes.vent = materials.cord("parachute.tapes.vent");
 
-    p.deploy_by = DeployBy::line_stretch;  // the only word that the table knows
+    p.deploy = deployment(v);
     p.fill_time = fill_time(v);
     p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
     p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
@@ -180,7 +214,10 @@ Trigger stop(const Values& v) {
         t.kind = Trigger::Kind::time;
         t.value = v.number("stop.time");
     } else {
-        t.kind = v.word("stop.at") == "ground" ? Trigger::Kind::ground : Trigger::Kind::steady_descent;
+        const std::string& at = v.word("stop.at");
+        t.kind = at == "ground"       ? Trigger::Kind::ground
+                 : at == "peak-force" ? Trigger::Kind::peak_force
+                                      : Trigger::Kind::steady_descent;
     }
     t.delay = v.number("stop.delay");
     return t;
@@ -192,6 +229,10 @@ FullSettings full(const Values& v) {
     f.mesh.gore_rows = static_cast<int>(v.integer("full.mesh.gore_rows"));
     f.mesh.line_elements = static_cast<int>(v.integer("full.mesh.line_elements"));
     f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
+    f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;
+    f.switch_area_ratio = v.number("full.switch_area_ratio");
+    f.ramp_time = v.number("full.ramp_time");
+    f.beta = v.number("full.beta");
     f.alpha = v.number("full.alpha");
     f.bulk_viscosity = v.number("full.bulk_viscosity");
     f.time_step_factor = v.number("full.time_step_factor");

@@ -82,6 +82,24 @@ void check_canopy(const Parachute& p, const Complain& complain) {
                        "check drag_area and nominal_diameter");
 }
 
+/// A packed start finds its snatch speed while it runs; that a filling time of n diameters outlasts an
+/// initial phase of half a diameter holds at any speed, or at none.
+void check_packed_opening(const Scene& scene, const Complain& complain) {
+    const Parachute& p = scene.parachutes.front();
+    const double speed = 1.0, density = scene.environment.atmosphere.at(scene.release.altitude).density;
+    const double filling = p.fill_time.seconds({p.nominal_diameter, speed, density});
+    const bool both_scale = p.initial_phase.transit && p.fill_time.given == 0.0;
+    const bool both_given = !p.initial_phase.transit && p.fill_time.given > 0.0;
+    const double initial =
+        p.initial_phase.transit ? 0.5 * p.nominal_diameter / speed : p.initial_phase.seconds;
+    if ((both_scale || both_given) && initial >= filling)
+        complain.about(both_given ? "parachute.initial_phase" : "parachute.fill_time.n",
+                       "the initial phase is not shorter than the filling time",
+                       both_given ? fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling)
+                                  : "it lasts half a diameter, the filling n diameters, at any speed",
+                       "shorten initial_phase or lengthen fill_time");
+}
+
 /// A line-stretch start snatches at once, so that its times are known before anything runs.
 void check_opening(const Scene& scene, const Values& values, const Complain& complain) {
     const Parachute& p = scene.parachutes.front();
@@ -115,7 +133,15 @@ void check_scene(Scene& scene, const Values& values) {
     const Complain complain(values);
     check_release(scene, values, complain);
     check_canopy(scene.parachutes.front(), complain);
-    check_opening(scene, values, complain);
+    switch (scene.parachutes.front().deploy.by) {
+        case DeployBy::line_stretch:
+            check_opening(scene, values, complain);
+            break;
+        case DeployBy::inflated:
+            break;
+        default:
+            check_packed_opening(scene, complain);
+    }
     warn_of_wind(scene);
 }
 

@@ -10,6 +10,7 @@
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/scene/deployment.hpp"
 
 namespace twinchute {
 namespace {
@@ -18,6 +19,9 @@ using enum KeyKind;
 using enum KeyNeed;
 using enum KeyUser;
 using Words = std::vector<std::string_view>;
+
+/// Deployments that start from a pack, as `only_with` wants them.
+constexpr std::string_view packed = "static-line|free|extraction";
 
 constexpr KeyRange above(double low, double high) {
     return {low, high, true, false};
@@ -59,10 +63,19 @@ Words line_drags() {
     return {"cylinder"};
 }
 Words deployments() {
-    return {"line-stretch"};
+    return names_of(deployment_rows());
+}
+Words far_ends() {
+    return {"aircraft", "fixed"};
+}
+Words extraction_loads() {
+    return {"point", "distributed"};
 }
 Words stops() {
-    return {"steady-descent", "ground"};
+    return {"steady-descent", "peak-force", "ground"};
+}
+Words structures() {
+    return {"msd-fe", "fe"};
 }
 Words phases() {
     return {"transit"};
@@ -153,7 +166,33 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.tapes.skirt", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the skirt"},
     {.path = "parachute.tapes.vent", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the vent"},
     {.path = "parachute.deploy.by", .kind = word, .choices = deployments,
-     .meaning = "how it leaves its pack; line-stretch: the scene starts with lines and canopy drawn out"},
+     .meaning = "how it leaves its pack; line-stretch and inflated: the scene starts with lines and canopy drawn out"},
+    {.path = "parachute.deploy.length", .unit = "m", .range = above(0, 1000), .only_with = "static-line",
+     .meaning = "of the static line, from its far end to the apex"},
+    {.path = "parachute.deploy.far_end", .kind = word, .need = defaulted, .fallback = "aircraft", .choices = far_ends,
+     .only_with = "static-line", .meaning = "of the static line: flies on at the speed of the release, or stands still"},
+    {.path = "parachute.deploy.force", .unit = "N", .range = above(0, 1e7), .instead_of = "parachute.deploy.force_table",
+     .only_with = "extraction", .meaning = "pulls the parachute straight behind the release, until snatch at the latest",
+     .source = "paper 2.1"},
+    {.path = "parachute.deploy.duration", .unit = "s", .need = defaulted, .fallback = "36000", .range = above(0, 36000),
+     .only_with = "extraction", .meaning = "of that force, from release; beside a force_table it cuts it short"},
+    {.path = "parachute.deploy.force_table", .kind = csv_file, .need = optional, .fallback = "deploy.force",
+     .instead_of = "parachute.deploy.force", .only_with = "extraction", .meaning = "columns time and force; none after its end"},
+    {.path = "parachute.deploy.load", .kind = word, .need = defaulted, .fallback = "point", .choices = extraction_loads,
+     .only_with = "extraction", .user = full, .meaning = "where it acts: on the apex, or on the canopy by area"},
+    {.path = "parachute.deploy.pitch", .unit = "rad", .need = defaulted, .fallback = "0", .range = from(-pi, pi),
+     .only_with = packed, .user = full, .meaning = "of the pack from the line straight behind the release, apex up"},
+    {.path = "parachute.deploy.pack_ratio", .unit = "1", .need = defaulted, .fallback = "0.01", .range = above(0, 0.5),
+     .only_with = packed, .user = full, .meaning = "length of the pack over that of the parachute drawn out",
+     .source = "paper 4: compressed to a very small length"},
+    {.path = "parachute.deploy.drag_coefficient", .unit = "1", .need = defaulted, .fallback = "0.1", .range = from(0, 5),
+     .only_with = packed, .user = full, .meaning = "of the canopy's cloth until snatch, on its area across the air",
+     .source = "paper 3.2.1; flags and windsocks, assumption of this toolkit"},
+    {.path = "parachute.deploy.pack_drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .only_with = packed,
+     .user = rom, .meaning = "C_D S of the pack until line stretch"},
+    {.path = "parachute.deploy.fold_resistance", .unit = "N/m", .need = defaulted, .fallback = "2", .range = from(0, 1e5),
+     .only_with = packed, .user = full, .meaning = "of folded cloth against being drawn out, per width; lines come first",
+     .source = "paper 5.2: a small force, value not printed; assumption of this toolkit"},
     {.path = "parachute.fill_time.model", .kind = word, .need = defaulted, .fallback = "fill-constant", .choices = fill_times,
      .meaning = "time from snatch to full drag area", .source = "paper Eq. 13"},
     {.path = "parachute.fill_time.n", .unit = "1", .range = above(0, 200), .only_with = "fill-constant",
@@ -206,6 +245,15 @@ constexpr Key scene_rows[] = {
      .meaning = "cables a suspension line", .source = "about the paper's 1461 cables on 28 gores"},
     {.path = "full.mesh.riser_elements", .kind = integer, .need = defaulted, .fallback = "5", .range = from(1, 2000), .user = full,
      .meaning = "cables a riser"},
+    {.path = "full.structure", .kind = word, .need = defaulted, .fallback = "msd-fe", .choices = structures, .user = full,
+     .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
+     .source = "paper 2"},
+    {.path = "full.switch_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.12", .range = from(0, 1), .user = full,
+     .meaning = "mouth over steady projected area at which finite elements take over", .source = "paper 4: 10 to 20 %"},
+    {.path = "full.ramp_time", .unit = "s", .need = defaulted, .fallback = "0.15", .range = above(0, 10), .user = full,
+     .meaning = "over which their stiffness grows", .source = "docs/theory/deployment.md"},
+    {.path = "full.beta", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 10), .user = full,
+     .meaning = "stiffness-proportional damping of cables and of spring-dashpot edges", .source = "paper Eq. 3"},
     {.path = "full.alpha", .unit = "1/s", .need = defaulted, .fallback = "0", .range = from(0, 1e4), .user = full,
      .meaning = "mass-proportional damping about the mean motion"},
     {.path = "full.bulk_viscosity", .unit = "1", .need = defaulted, .fallback = "0.06", .range = from(0, 2), .user = full,
@@ -238,6 +286,7 @@ constexpr Key material_rows[] = {
 };
 
 constexpr ToleranceMetric metric_rows[] = {
+    {"line_stretch_time", "s"}, {"snatch_time", "s"}, {"payload_snatch_speed", "m/s"}, {"snatch_force", "N"},
     {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"},
     {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
     {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
@@ -281,6 +330,24 @@ std::span<const Key> cord_keys() {
 }
 std::span<const ToleranceMetric> tolerance_metrics() {
     return metric_rows;
+}
+
+bool Key::goes_with(std::string_view word) const {
+    for (std::string_view rest = only_with; !rest.empty();) {
+        const std::size_t bar = std::min(rest.find('|'), rest.size());
+        if (rest.substr(0, bar) == word) return true;
+        rest.remove_prefix(std::min(bar + 1, rest.size()));
+    }
+    return only_with.empty();
+}
+
+const Key* selector_of(std::span<const Key> keys, const Key& key) {
+    const std::string_view table = key.path.substr(0, key.path.rfind('.') + 1);
+    const auto row = std::ranges::find_if(keys, [&](const Key& k) {
+        return k.is_selector() && k.path.starts_with(table) &&
+               k.path.find('.', table.size()) == std::string_view::npos;
+    });
+    return row == keys.end() ? nullptr : &*row;
 }
 
 const Key* find_key(std::span<const Key> keys, std::string_view path) {

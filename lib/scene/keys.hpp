@@ -52,13 +52,17 @@ struct Key {
     std::vector<std::string_view> (*choices)() = nullptr;
     std::string_view folder = {};      ///< of a data_file
     std::string_view instead_of = {};  ///< exactly one of this key and that one is given
-    std::string_view only_with = {};   ///< used only with this value of the `model` beside it
+    std::string_view only_with = {};   ///< used only with these words, "a|b", of the selector beside it
     KeyUser user = KeyUser::both;
     std::string_view meaning = {};
     std::string_view source = {};  ///< of the definition or of the default
 
     /// A whole number or a quantity, as opposed to words.
     bool is_number() const { return kind == KeyKind::quantity || kind == KeyKind::integer; }
+    /// Decides which of the keys beside it are used: `model`, or `by` of a deployment.
+    bool is_selector() const { return path.ends_with(".model") || path.ends_with(".by"); }
+    /// Whether it is used with this word of its selector.
+    bool goes_with(std::string_view word) const;
     /// The unit to write to a record: empty for ratios.
     std::string_view record_unit() const { return unit == "1" ? std::string_view{} : unit; }
 };
@@ -74,6 +78,9 @@ std::span<const Key> design_keys();
 std::span<const Key> fabric_keys();
 std::span<const Key> cord_keys();
 std::span<const Key> material_keys();  ///< both
+
+/// The selector beside a key that is not used with all of its words.
+const Key* selector_of(std::span<const Key> keys, const Key& key);
 
 /// The row of a path in a table of keys, or null.
 const Key* find_key(std::span<const Key> keys, std::string_view path);

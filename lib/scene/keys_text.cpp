@@ -15,7 +15,13 @@ namespace {
 /// What a reader sees of a row.
 std::array<std::string, 6> cells(const Key& key) {
     std::string meaning(key.meaning);
-    if (!key.only_with.empty()) meaning += fmt::format("; only with model {}", key.only_with);
+    if (!key.only_with.empty()) {
+        std::string words(key.only_with);
+        for (std::size_t bar = 0; (bar = words.find('|', bar)) != std::string::npos;)
+            words.replace(bar, 1, " or ");
+        const std::string_view selector = selector_of(scene_keys(), key)->path;
+        meaning += fmt::format("; only with {} {}", selector.substr(selector.rfind('.') + 1), words);
+    }
     if (!key.instead_of.empty()) meaning += fmt::format("; or {}", key.instead_of);
     return {std::string(key.path),
             std::string(key.unit),

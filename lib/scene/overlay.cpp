@@ -21,8 +21,10 @@ void imply_models(Document& document) {
         return std::pair(entry.key_place.line, entry.key_place.column);
     };
     for (const auto& [path, entry] : document.entries) {
-        const std::string model = path.substr(0, path.rfind('.')) + ".model";
-        if (entry.key->only_with.empty() || document.entries.contains(model)) continue;
+        if (entry.key->only_with.empty()) continue;
+        const std::string model(selector_of(scene_keys(), *entry.key)->path);
+        // How a parachute is deployed is always said.
+        if (!model.ends_with(".model") || document.entries.contains(model)) continue;
         const auto before = implied.find(model);
         if (before != implied.end() && place(before->second) <= place(entry)) continue;
         Entry& added = implied[model] = entry;
@@ -35,13 +37,12 @@ void imply_models(Document& document) {
 
 void overlay(Document& lower, const Document& upper) {
     for (const auto& [path, entry] : upper.entries) {
-        const RawValue& chosen = entry.value;
         lower.entries.erase(std::string(entry.key->instead_of));
-        if (!path.ends_with(".model")) continue;
+        const auto* chosen = std::get_if<std::string>(&entry.value);
+        if (!entry.key->is_selector() || !chosen) continue;
         const std::string table = path.substr(0, path.rfind('.') + 1);
         std::erase_if(lower.entries, [&](const auto& below) {
-            const std::string_view model = below.second.key->only_with;
-            return below.first.starts_with(table) && !model.empty() && RawValue(std::string(model)) != chosen;
+            return below.first.starts_with(table) && !below.second.key->goes_with(*chosen);
         });
     }
     for (const auto& [path, entry] : upper.entries)

@@ -17,6 +17,7 @@
 #include "lib/models/material.hpp"
 #include "lib/models/wind.hpp"
 #include "lib/record/run_record.hpp"
+#include "lib/scene/deployment.hpp"
 
 namespace twinchute {
 
@@ -46,9 +47,6 @@ struct Release {
 
     bool operator==(const Release&) const = default;
 };
-
-/// How the parachute gets out of its pack.
-enum class DeployBy { line_stretch };
 
 /// Start of the drag-area rise after snatch (paper, 3.2.2).
 struct InitialPhase {
@@ -82,7 +80,7 @@ struct Parachute {
     Cord line;
     Tapes tapes;
 
-    DeployBy deploy_by = DeployBy::line_stretch;
+    Deployment deploy;
     FillTime fill_time;
     const DragAreaLaw* drag_area_law = nullptr;
     double initial_drag_area_ratio = 0.0;  ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
@@ -107,7 +105,7 @@ struct Aerodynamics {
 
 /// When something happens: exactly one condition, and a delay after it.
 struct Trigger {
-    enum class Kind { steady_descent, ground, time };
+    enum class Kind { steady_descent, peak_force, ground, time };
     Kind kind = Kind::steady_descent;
     double value = 0.0;  ///< [s] since release, for Kind::time
     double delay = 0.0;  ///< [s] after the condition
@@ -139,13 +137,23 @@ struct MeshCounts {
     bool operator==(const MeshCounts&) const = default;
 };
 
+/// Which structure carries a parachute that starts in its pack.
+enum class Structure {
+    msd_fe,  ///< edges as springs and dashpots until the canopy begins to fill, then finite elements
+    fe       ///< finite elements throughout
+};
+
 struct FullSettings {
     MeshCounts mesh;
-    double alpha = 0.0;             ///< [1/s] mass-proportional Rayleigh damping about the mean motion
-    double bulk_viscosity = 0.0;    ///< b1 [-] (paper, Eq. 3)
-    double time_step_factor = 0.0;  ///< share of the bound on the stable step [-]
-    double strain_limit = 0.0;      ///< largest strain that a run may reach [-]
-    double output_rate = 0.0;       ///< [1/s] rows of the history
+    Structure structure = Structure::msd_fe;
+    double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
+    double ramp_time = 0.0;          ///< [s] over which the stiffness of the finite elements grows
+    double beta = 0.0;               ///< [s] stiffness-proportional damping of cables and spring edges
+    double alpha = 0.0;              ///< [1/s] mass-proportional Rayleigh damping about the mean motion
+    double bulk_viscosity = 0.0;     ///< b1 [-] (paper, Eq. 3)
+    double time_step_factor = 0.0;   ///< share of the bound on the stable step [-]
+    double strain_limit = 0.0;       ///< largest strain that a run may reach [-]
+    double output_rate = 0.0;        ///< [1/s] rows of the history
     std::optional<Noise> noise;
 
     bool operator==(const FullSettings&) const = default;

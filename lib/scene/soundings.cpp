@@ -25,6 +25,8 @@ constexpr std::array<CsvColumn, 6> wind_columns{{altitude,
                                                  {"north", "m/s", {-200.0, 200.0}},
                                                  {"up", "m/s", {-100.0, 100.0}}}};
 
+constexpr std::array<CsvColumn, 2> force_columns{{{"time", "s", {0.0, 36000.0}}, {"force", "N", {0.0, 1e7}}}};
+
 [[noreturn]] void refuse_columns(const std::string& file, std::string problem, std::string hint) {
     throw SceneError({file, 1, 1}, "", std::move(problem), "", std::move(hint));
 }
@@ -68,6 +70,14 @@ Wind read_wind_table(std::string_view text, const std::string& file, const std::
         wind.levels.push_back({table.at("altitude")[i], velocity});
     }
     return wind;
+}
+
+ForceHistory read_force_table(std::string_view text, const std::string& file, const std::string& name,
+                              double duration) {
+    const CsvTable table = read_csv_table(text, file, force_columns);
+    if (!table.has("force"))
+        refuse_columns(file, "the column 'force' is missing", "the columns are time and force");
+    return {name, table.at("time"), table.at("force"), duration};
 }
 
 }  // namespace twinchute

@@ -1,4 +1,4 @@
-// Air and wind as a CSV file gives them, level by level.
+// Air and wind, level by level, and forces against time, as a CSV file gives them.
 #pragma once
 
 #include <string>
@@ -6,6 +6,7 @@
 
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/wind.hpp"
+#include "lib/scene/deployment.hpp"
 
 namespace twinchute {
 
@@ -15,5 +16,9 @@ AirTable read_air_table(std::string_view text, const std::string& file, const st
 
 /// Columns altitude, and speed and from, or east, north and perhaps up. Throws SceneError.
 Wind read_wind_table(std::string_view text, const std::string& file, const std::string& name);
+
+/// Columns time and force; nothing acts after `duration` [s] or the last row. Throws SceneError.
+ForceHistory read_force_table(std::string_view text, const std::string& file, const std::string& name,
+                              double duration);
 
 }  // namespace twinchute

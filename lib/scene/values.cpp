@@ -35,19 +35,20 @@ Values::Values(const Document& document, const DocumentKind& kind)
         else
             values_.emplace(path, checked(path, entry));
     }
-    // `model` first, since it decides which other keys are active.
-    const auto fill_in_all = [this](bool models) {
+    // Selectors first, since they decide which other keys are active.
+    const auto fill_in_all = [this](bool selectors) {
         for (const Key& key : kind_.keys)
-            if (key.path.ends_with(".model") == models) fill_in(key);
+            if (key.is_selector() == selectors) fill_in(key);
     };
     fill_in_all(true);
     for (const auto* item : entries) {
         const auto& [path, entry] = *item;
         if (entry.key->only_with.empty() || is_active(*entry.key)) continue;
-        const std::string model = path.substr(0, path.rfind('.')) + ".model";
+        const std::string_view selector = selector_of(kind_.keys, *entry.key)->path;
         refuse(entry.key_place, path, "is not used",
-               fmt::format("{} is '{}'", shown_path(model, kind_.prefix), word(model)),
-               fmt::format("take it out or write model = \"{}\"", entry.key->only_with));
+               fmt::format("{} is '{}'", shown_path(selector, kind_.prefix), word(selector)),
+               fmt::format("take it out or write {} = \"{}\"", selector.substr(selector.rfind('.') + 1),
+                           entry.key->only_with.substr(0, entry.key->only_with.find('|'))));
     }
     fill_in_all(false);
 }
@@ -164,8 +165,8 @@ bool Values::is_active(const Key& key) const {
             !tables_.contains(std::string(row.path)))
             return false;
     if (key.only_with.empty()) return true;
-    const auto model = values_.find(std::string(key.path.substr(0, key.path.rfind('.'))) + ".model");
-    return model != values_.end() && std::get<std::string>(model->second.value) == key.only_with;
+    const auto selector = values_.find(selector_of(kind_.keys, key)->path);
+    return selector != values_.end() && key.goes_with(std::get<std::string>(selector->second.value));
 }
 
 /// Exactly one of a key and its alternative.

@@ -65,6 +65,28 @@ void write_environment(Writer& w, const Environment& e) {
     w.number("wind.up", velocity.z());
 }
 
+void write_deployment(Writer& w, const Deployment& d) {
+    w.words("deploy.by", deployment_name(d.by));
+    if (d.by == DeployBy::static_line) {
+        w.number("deploy.length", d.static_line_length);
+        w.words("deploy.far_end", d.far_end_moves ? "aircraft" : "fixed");
+    }
+    if (d.by == DeployBy::extraction) {
+        if (d.extraction.table.empty())
+            w.number("deploy.force", d.extraction.force.front());
+        else
+            w.words("deploy.force_table", d.extraction.table);
+        w.number("deploy.duration", d.extraction.duration);
+        w.words("deploy.load", d.extraction_on_apex ? "point" : "distributed");
+    }
+    if (!d.starts_packed()) return;
+    w.number("deploy.pitch", d.pitch);
+    w.number("deploy.pack_ratio", d.pack_ratio);
+    w.number("deploy.drag_coefficient", d.drag_coefficient);
+    w.number("deploy.pack_drag_area", d.pack_drag_area);
+    w.number("deploy.fold_resistance", d.fold_resistance);
+}
+
 void write_parachute(Writer& w, const Parachute& p) {
     w.table("[[parachute]]");
     w.words("name", p.name);
@@ -82,7 +104,7 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.words("tapes.radial", p.tapes.radial.name);
     w.words("tapes.skirt", p.tapes.skirt.name);
     w.words("tapes.vent", p.tapes.vent.name);
-    w.words("deploy.by", "line-stretch");  // the only word there is
+    write_deployment(w, p.deploy);
     w.words("fill_time.model", p.fill_time.model->name);
     if (p.fill_time.model->name == "given") {
         w.number("fill_time.time", p.fill_time.given);
@@ -117,7 +139,9 @@ void write_stop(Writer& w, const Trigger& stop) {
     if (stop.kind == Trigger::Kind::time)
         w.number("time", stop.value);
     else
-        w.words("at", stop.kind == Trigger::Kind::ground ? "ground" : "steady-descent");
+        w.words("at", stop.kind == Trigger::Kind::ground       ? "ground"
+                      : stop.kind == Trigger::Kind::peak_force ? "peak-force"
+                                                               : "steady-descent");
     w.number("delay", stop.delay);
 }
 
@@ -130,6 +154,10 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.count("mesh.gore_rows", full.mesh.gore_rows);
     w.count("mesh.line_elements", full.mesh.line_elements);
     w.count("mesh.riser_elements", full.mesh.riser_elements);
+    w.words("structure", full.structure == Structure::fe ? "fe" : "msd-fe");
+    w.number("switch_area_ratio", full.switch_area_ratio);
+    w.number("ramp_time", full.ramp_time);
+    w.number("beta", full.beta);
     w.number("alpha", full.alpha);
     w.number("bulk_viscosity", full.bulk_viscosity);
     w.number("time_step_factor", full.time_step_factor);

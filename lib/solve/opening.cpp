@@ -30,29 +30,50 @@ Inflation make_inflation(const Parachute& chute, double snatch, double speed, do
     return inflation;
 }
 
+Inflation inflated(const Parachute& chute) {
+    Inflation inflation;
+    inflation.steady_drag_area = chute.drag_area;
+    inflation.eta = 1.0;
+    inflation.law = chute.drag_area_law;
+    return inflation;
+}
+
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
                          const Metric& descent) {
     const Parachute& chute = scene.parachutes.front();
+    const bool packed = chute.deploy.starts_packed();
     const double weight = scene.payload.mass * scene.environment.gravity;
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
     const auto add = [&](const char* key, double value, Standing standing = Standing::result,
                          const char* note = "") { record.add_metric(key, value, standing, note); };
 
-    if (scene.parachutes.front().deploy_by == DeployBy::line_stretch)
+    if (r.line_stretch_time) add("line_stretch_time_s", *r.line_stretch_time);
+    if (r.snatched && packed) {
+        add("snatch_time_s", r.snatch_time);
+        add("snatch_speed_m_s", r.snatch_speed);
+        add("payload_snatch_speed_m_s", r.payload_snatch_speed);
+        if (r.snatch_force)
+            add("snatch_force_N", *r.snatch_force, Standing::result, "until the end of the initial phase");
+    } else if (r.snatched) {
         add("snatch_speed_m_s", r.snatch_speed, Standing::input, "line-stretch start: the release speed");
+    }
     if (r.filling_time) record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
-    add("peak_force_N", r.peak_force);
+    if (r.peak_force) add("peak_force_N", *r.peak_force);
     add("max_force_N", r.max_force);
-    add("peak_force_ratio", r.peak_force / weight);
+    if (r.peak_force) add("peak_force_ratio", *r.peak_force / weight);
     add("load_factor", r.max_force / weight);
-    add("time_to_peak_force_s", r.peak_time - r.snatch_time);
-    add("opening_shock_coefficient", r.peak_force / (pressure * area));
-    add("mass_ratio", scene.payload.mass / (r.snatch_density * std::pow(chute.nominal_diameter, 3)),
-        Standing::input, "m_l/(rho D0^3) at snatch");
-    add("froude_number",
-        r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
-        Standing::input, "v_s^2/(g D0)");
+    if (r.peak_force && r.snatched) {
+        add("time_to_peak_force_s", r.peak_time - r.snatch_time);
+        add("opening_shock_coefficient", *r.peak_force / (pressure * area));
+    }
+    if (r.snatched) {
+        add("mass_ratio", scene.payload.mass / (r.snatch_density * std::pow(chute.nominal_diameter, 3)),
+            Standing::input, "m_l/(rho D0^3) at snatch");
+        add("froude_number",
+            r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
+            packed ? Standing::result : Standing::input, "v_s^2/(g D0)");
+    }
     if (r.impulse) add("impulse_N_s", *r.impulse);
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
     if (r.descent_rate)
@@ -69,7 +90,8 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     }
 }
 
-void add_scene_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double density) {
+void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,
+                          double density) {
     const Parachute& chute = scene.parachutes.front();
     const double mass_ratio = scene.payload.mass / (density * std::pow(chute.nominal_diameter, 3));
     if (mass_ratio > 1.0)
@@ -82,6 +104,17 @@ void add_scene_warnings(RunRecord& record, const Scene& scene, const Inflation& 
                                                100.0 * inflation.initial_time / inflation.filling_time),
                                    "tests show at most 15 % (paper, 3.2.2)",
                                    "give parachute.initial_phase a time, or a longer fill time"});
+    const double height = scene.release.altitude - scene.environment.ground;
+    if (inflation.filling_time * speed > height)
+        record.warnings.push_back(
+            {fmt::format("the canopy fills over {:.3g} m, the release is {:.3g} m above ground",
+                         inflation.filling_time * speed, height),
+             fmt::format("t_f = {:.3g} s at the snatch speed of {:.3g} m/s", inflation.filling_time, speed),
+             "check fill_time, or release higher"});
+}
+
+void add_scene_warnings(RunRecord& record, const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
     if (scene.payload.mass < chute.mass)
         record.warnings.push_back({"payload lighter than its parachute",
                                    "the two-body picture of an opening assumes the opposite",

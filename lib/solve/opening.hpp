@@ -18,6 +18,8 @@ Vec3 release_airspeed(const Scene& scene);
 /// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
 /// in air of `density` [kg/m^3].
 Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density);
+/// The opening of a canopy that starts inflated: over at time 0.
+Inflation inflated(const Parachute& chute);
 
 /// R_0 [m], radius of the steady canopy for the added mass.
 inline double steady_radius(const Parachute& chute) {
@@ -31,14 +33,25 @@ inline constexpr double steady_descent_change = 0.005;
 /// [s] of simulated time after which a run that has not met its stop condition ends.
 inline constexpr double longest_flight = 36000.0;
 
-/// What a run found between snatch and its end. Times in [s] since release.
+/// [s] of simulated time after which a parachute that has not come to snatch never will.
+inline constexpr double longest_deployment = 60.0;
+
+/// What a run found between release and its end. Times in [s] since release.
+///
+/// With a deployment the snatch force is the largest force until t_s + t_i, the peak force that from then
+/// on: the two overlap. Without one the peak counts from t_s.
 struct OpeningResult {
+    /// False when a packed parachute never came to it, and for one that starts inflated: no metrics of
+    /// snatch then.
+    bool snatched = true;
+    std::optional<double> line_stretch_time;  ///< packed starts
     double snatch_time = 0.0;
-    double snatch_speed = 0.0;           ///< [m/s] airspeed
-    double snatch_path_angle = 0.0;      ///< [rad] below the horizon
+    double snatch_speed = 0.0;           ///< [m/s] airspeed of the system's centre of mass
+    double payload_snatch_speed = 0.0;   ///< [m/s] airspeed
     double snatch_density = 0.0;         ///< [kg/m^3]
+    std::optional<double> snatch_force;  ///< [N] packed starts
     std::optional<double> filling_time;  ///< [s] from snatch
-    double peak_force = 0.0;             ///< [N]
+    std::optional<double> peak_force;    ///< [N]
     double peak_time = 0.0;
     double max_force = 0.0;                  ///< [N]
     std::optional<double> impulse;           ///< [N s] of the opening force, snatch to full open
@@ -54,7 +67,15 @@ struct OpeningResult {
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
                          const Metric& filling, const Metric& descent);
 
-/// Warnings about the scene that hold for every fidelity (M_r > 1, ...).
-void add_scene_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double density);
+/// Warnings about an opening that hold for every fidelity (M_r > 1, ...). speed, density: at snatch [m/s],
+/// [kg/m^3].
+void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,
+                          double density);
+/// Warnings about the scene alone.
+void add_scene_warnings(RunRecord& record, const Scene& scene);
+
+/// The drag area is full from t_s + t_f on; a stop at the peak ends a run once the force has fallen to this
+/// share of its maximum after that, or the descent is steady.
+inline constexpr double past_peak = 0.95;
 
 }  // namespace twinchute
