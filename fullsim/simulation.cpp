@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/step/aero_reference.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
@@ -23,37 +23,8 @@ constexpr double largest_residual = 0.002;  // of the energy that changed hands;
 constexpr std::int64_t most_steps = 2'000'000'000;
 constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
 
-Vec3 trailing_direction(const Scene& scene) {
-    const Vec3 velocity = release_airspeed(scene);
-    return velocity.norm() > 0.0 ? Vec3(-velocity.normalized()) : Vec3::UnitZ();
-}
-
-/// Opening force [N] at the instant of line stretch: that of payload and parachute as one rigid
-/// body, m_l (D + M_a g)/(m + M_a) along the lines: gravity pulls the payload out of the air, too.
-double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase) {
-    const Parachute& chute = scene.parachutes.front();
-    const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
-    const double drag = 0.5 * rho * release_airspeed(scene).squaredNorm() * inflation.steady_drag_area *
-                        inflation.drag_area_ratio(phase, inflation.snatch).value;
-    const double added = scene.aerodynamics.added_mass
-                             ? inflation
-                                   .added_mass(*scene.aerodynamics.added_mass, phase, inflation.snatch, rho,
-                                               steady_radius(chute))
-                                   .value
-                             : 0.0;
-    const double held_back = added * scene.environment.gravity * trailing_direction(scene).z();
-    return std::max(0.0, scene.payload.mass * (drag + held_back) / (scene.payload.mass + chute.mass + added));
-}
-
 Phase first_phase(const Inflation& inflation) {
     return inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
-}
-
-Mesh mesh_of(const Scene& scene, const Inflation& inflation) {
-    const Parachute& chute = scene.parachutes.front();
-    return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, trailing_direction(scene),
-                          mouth_area_at_line_stretch(chute),
-                          load_at_start(scene, inflation, first_phase(inflation)));
 }
 
 /// Uniform in [-1, 1), the same on every platform (std::uniform_real_distribution is not).
@@ -90,7 +61,7 @@ Simulation::Simulation(const Scene& scene)
     : scene_(scene),
       inflation_(make_inflation(scene.parachutes.front(), 0.0, release_airspeed(scene).norm(),
                                 scene.environment.atmosphere.at(scene.release.altitude).density)),
-      mesh_(mesh_of(scene, inflation_)),
+      mesh_(start_mesh(scene, inflation_, first_phase(inflation_))),
       structure_(make_structure(scene, mesh_)),
       loads_(make_loads(scene, mesh_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),

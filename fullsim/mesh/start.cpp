@@ -1,0 +1,76 @@
+#include "fullsim/mesh/start.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/mesh/gore_mesh.hpp"
+#include "lib/scene/line_stretch.hpp"
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// The trailing direction turned by the pitch in the vertical plane of the release; a release straight
+/// down, or at rest, turns toward its heading.
+Vec3 pack_axis(const Scene& scene) {
+    const Vec3 behind = trailing_direction(scene);
+    const Vec3 heading = heading_direction(scene.release);
+    const Vec3 across = heading.cross(Vec3::UnitZ());
+    return Eigen::AngleAxisd(scene.parachutes.front().deploy.pitch, across) * behind;
+}
+
+/// Opening force [N] at the instant of line stretch: that of payload and parachute as one rigid
+/// body, m_l (D + M_a g)/(m + M_a) along the lines: gravity pulls the payload out of the air, too.
+double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase) {
+    const Parachute& chute = scene.parachutes.front();
+    const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
+    const double drag = 0.5 * rho * release_airspeed(scene).squaredNorm() * inflation.steady_drag_area *
+                        inflation.drag_area_ratio(phase, inflation.snatch).value;
+    const double added = scene.aerodynamics.added_mass
+                             ? inflation
+                                   .added_mass(*scene.aerodynamics.added_mass, phase, inflation.snatch, rho,
+                                               steady_radius(chute))
+                                   .value
+                             : 0.0;
+    const double held_back = added * scene.environment.gravity * trailing_direction(scene).z();
+    return std::max(0.0, scene.payload.mass * (drag + held_back) / (scene.payload.mass + chute.mass + added));
+}
+
+Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double load) {
+    return make_gore_mesh(scene.parachutes.front(), scene.full.mesh, scene.payload.mass, axis, mouth_area,
+                          load);
+}
+
+}  // namespace
+
+Vec3 trailing_direction(const Scene& scene) {
+    const Vec3 velocity = release_airspeed(scene);
+    return velocity.norm() > 0.0 ? Vec3(-velocity.normalized()) : Vec3::UnitZ();
+}
+
+Mesh unloaded_mesh(const Scene& scene) {
+    const bool packed = scene.parachutes.front().deploy.starts_packed();
+    return drawn_out(scene, packed ? pack_axis(scene) : trailing_direction(scene),
+                     mouth_area_at_line_stretch(scene.parachutes.front()), 0.0);
+}
+
+void pack(Mesh& mesh, double ratio) {
+    for (Vec3& position : mesh.position)
+        position *= ratio;
+}
+
+Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.deploy.starts_packed()) {
+        Mesh mesh = unloaded_mesh(scene);
+        pack(mesh, chute.deploy.pack_ratio);
+        return mesh;
+    }
+    const double open = 0.25 * pi * std::pow(2.0 * steady_radius(chute), 2);
+    return drawn_out(scene, trailing_direction(scene),
+                     chute.deploy.by == DeployBy::inflated ? open : mouth_area_at_line_stretch(chute),
+                     load_at_start(scene, inflation, phase));
+}
+
+}  // namespace twinchute::fullsim

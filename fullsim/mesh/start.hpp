@@ -1,0 +1,25 @@
+// The shapes in which a scene's parachute can start: drawn out without load, packed, under load at line
+// stretch, open.
+#pragma once
+
+#include "fullsim/mesh/mesh.hpp"
+#include "lib/models/inflation.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::fullsim {
+
+/// Unit vector straight behind the release, against the flight through the air; up where there is none.
+Vec3 trailing_direction(const Scene& scene);
+
+/// The parachute drawn out along its axis without any load, mouth as at line stretch: the shape that is
+/// packed. The axis of a pack is turned from the trailing direction by its pitch, apex up.
+Mesh unloaded_mesh(const Scene& scene);
+
+/// Collapses a drawn-out parachute onto the confluence: every distance from it times `ratio` (paper, 4).
+void pack(Mesh& mesh, double ratio);
+
+/// The mesh as a run of this scene begins: packed, or drawn out or open under the opening force of that
+/// instant in the phase the inflation begins with.
+Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase);
+
+}  // namespace twinchute::fullsim
