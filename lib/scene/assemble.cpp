@@ -158,6 +158,7 @@ Deployment deployment(const Values& v) {
     d.pack_ratio = v.number(key("pack_ratio"));
     d.drag_coefficient = v.number(key("drag_coefficient"));
     if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
+    d.fold_repulsion = v.number(key("fold_repulsion"));
     d.fold_resistance = v.number(key("fold_resistance"));
     return d;
 }

@@ -190,6 +190,8 @@ constexpr Key scene_rows[] = {
      .source = "paper 3.2.1; flags and windsocks, assumption of this toolkit"},
     {.path = "parachute.deploy.pack_drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .only_with = packed,
      .user = rom, .meaning = "C_D S of the pack until line stretch"},
+    {.path = "parachute.deploy.fold_repulsion", .unit = "1", .need = defaulted, .fallback = "1e-5", .range = from(0, 1),
+     .only_with = packed, .user = full, .meaning = "of folded cloth, over its stiffness in tension", .source = "paper 2.1"},
     {.path = "parachute.deploy.fold_resistance", .unit = "N/m", .need = defaulted, .fallback = "2", .range = from(0, 1e5),
      .only_with = packed, .user = full, .meaning = "of folded cloth against being drawn out, per width; lines come first",
      .source = "paper 5.2: a small force, value not printed; assumption of this toolkit"},

@@ -84,6 +84,7 @@ void write_deployment(Writer& w, const Deployment& d) {
     w.number("deploy.pack_ratio", d.pack_ratio);
     w.number("deploy.drag_coefficient", d.drag_coefficient);
     w.number("deploy.pack_drag_area", d.pack_drag_area);
+    w.number("deploy.fold_repulsion", d.fold_repulsion);
     w.number("deploy.fold_resistance", d.fold_resistance);
 }
 
