@@ -26,7 +26,7 @@ std::vector<Option> scene_options(std::string out_meaning) {
 }
 
 Option fields_option() {
-    return {"fields", "RATE", "write the fields for VTK too, so many frames a second", false};
+    return {"fields", "RATE", "also write the fields for VTK, frames per simulated second, e.g. 50", false};
 }
 
 std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity) {
