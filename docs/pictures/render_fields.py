@@ -5,8 +5,8 @@
     docs/pictures/render_fields.py c9/fields.pvd c9.png --times 0 0.4 0.8 1.2 2
 
 Needs VTK's Python modules (Debian: python3-vtk9) and neither a display nor a graphics card: it paints the
-cells from back to front itself. Each picture shows the frame nearest to the time that was asked for, all at
-one scale, the payload where it is in the picture's own frame.
+cells from back to front itself. Each panel shows the frame nearest to a time that was asked for, its lowest
+point at the foot of the picture, all at one scale.
 """
 import argparse
 import math
