@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fullsim/fidelity.hpp"
+#include "fullsim/fields.hpp"
 #include "fullsim/observer.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/solve/opening.hpp"
@@ -30,6 +31,7 @@ public:
           record_(begin_record(scene, "full")),
           simulation_(scene),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
+          fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight) {
         if (packed()) observer_.count_peak_from(never);
@@ -41,6 +43,7 @@ public:
         while (!ended_) {
             simulation_.evaluate_forces();
             observer_.observe(state());
+            fields_.observe(state());
             if (state().step % steps_between_checks == 0) check();
             if (!ended_) look_for_events();
             // An end between two checks must not hide what the next one would have found.
@@ -48,6 +51,7 @@ public:
             if (!ended_) simulation_.step_to(next_stop());
         }
         observer_.finish();
+        fields_.accept();
         record_.provenance.instruction_set = lane_instruction_set();
         fill_cost(watch);
         fill_results();
@@ -95,9 +99,11 @@ private:
     void check() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            fields_.forget();
             return end(fault->code, fault->detail);
         }
         observer_.accept();
+        fields_.accept();
         if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
             run_.progress({stage_name(), state().time, expected_share()});
@@ -106,6 +112,7 @@ private:
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            fields_.forget();
             landing_time_.reset();
             end(fault->code, fault->detail);
         }
@@ -240,6 +247,7 @@ private:
     RunRecord record_;
     Simulation simulation_;
     Observer observer_;
+    FieldRecorder fields_;
     double stop_time_;
     double steady_stop_ = longest_flight;
     bool ended_ = false;
@@ -410,7 +418,7 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 
 const Fidelity& full_fidelity() {
     static constexpr Fidelity row{"full", "full aeroelastic model", &run_fullsim,
-                                  [](const Scene&) { return std::vector<std::string>{}; }};
+                                  [](const Scene&) { return std::vector<std::string>{}; }, true};
     return row;
 }
 

@@ -239,6 +239,7 @@ FullSettings full(const Values& v) {
     f.time_step_factor = v.number("full.time_step_factor");
     f.strain_limit = v.number("full.strain_limit");
     f.output_rate = v.number("full.output_rate");
+    if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");
     if (v.has_table("full.noise"))
         f.noise = {v.number("full.noise.amplitude"),
                    static_cast<std::uint64_t>(v.integer("full.noise.seed"))};

@@ -266,6 +266,8 @@ constexpr Key scene_rows[] = {
      .meaning = "a run that strains an element further ends", .source = "nylon cord breaks at about 0.3"},
     {.path = "full.output_rate", .unit = "1/s", .need = defaulted, .fallback = "200", .range = above(0, 1e5), .user = full,
      .meaning = "rows of the history per second"},
+    {.path = "full.fields_rate", .unit = "1/s", .need = optional, .fallback = "no fields", .range = above(0, 1e5), .user = full,
+     .meaning = "frames of the fields per second, for VTK"},
     {.path = "full.noise", .kind = table, .need = optional, .user = full, .meaning = "initial disturbance of the canopy nodes"},
     {.path = "full.noise.amplitude", .unit = "m", .range = from(0, 1), .user = full, .meaning = "half edge of the cube it is drawn from"},
     {.path = "full.noise.seed", .kind = integer, .need = defaulted, .fallback = "1", .range = from(0, 9e15), .user = full,

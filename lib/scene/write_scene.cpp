@@ -164,6 +164,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.number("time_step_factor", full.time_step_factor);
     w.number("strain_limit", full.strain_limit);
     w.number("output_rate", full.output_rate);
+    if (full.fields_rate) w.number("fields_rate", *full.fields_rate);
     if (!full.noise) return;
     w.number("noise.amplitude", full.noise->amplitude);
     w.whole("noise.seed", full.noise->seed);

@@ -244,7 +244,8 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
                                   : mesh_.cables[e % mesh_.cables.size()].node[1];
         const int ca = static_cast<int>(generator() % 3), cb = static_cast<int>(generator() % 3);
         const double ab = derivative(a, ca, b, cb), ba = derivative(b, cb, a, ca);
-        EXPECT_NEAR(ab, ba, 1e-3 * (1.0 + std::abs(ab)));
+        // Differences over 2e-7 m of forces that carry 1e-16 of themselves in round-off.
+        EXPECT_NEAR(ab, ba, 1e-3 * (1.0 + std::abs(ab)) + 2e-9 * largest_force(state));
     }
 }
 
