@@ -218,6 +218,7 @@ void Simulation::begin_ramp() {
 
 void Simulation::end_ramp() {
     grow_ramp();
+    state_.fe_weight = 1.0;  // to the last bit
     change_stage(Stage::flight);
 }
 

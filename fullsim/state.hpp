@@ -85,7 +85,6 @@ struct State {
     std::vector<NodeVector> force;   ///< [N] structural and damping forces
     std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
 
-
     double added_mass_rate = 0.0;  ///< dM_a/dt [kg/s], kept only for accreting added mass
     double added_mass = 0.0;       ///< M_a [kg]
     NodeSums sums;

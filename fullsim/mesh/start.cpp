@@ -16,7 +16,7 @@ namespace {
 Vec3 pack_axis(const Scene& scene) {
     const Vec3 behind = trailing_direction(scene);
     const Vec3 heading = heading_direction(scene.release);
-    const Vec3 across = heading.cross(Vec3::UnitZ());
+    const Vec3 across = Vec3::UnitZ().cross(heading);
     return Eigen::AngleAxisd(scene.parachutes.front().deploy.pitch, across) * behind;
 }
 

@@ -48,4 +48,26 @@ inline Scene c9_scene() {
     return scene;
 }
 
+/// The crane drop of the paper, 5.2: released at rest, packed. With the noise of one seed; a coarse mesh
+/// runs in two seconds.
+inline Scene packed_c9(DeployBy by, bool coarse = true) {
+    Scene scene = c9_scene();
+    scene.environment.ground = -40.0;
+    scene.release = {85.0, 0.0, 0.5 * pi, 0.5 * pi};
+    Parachute& chute = scene.parachutes.front();
+    chute.risers = 4;
+    chute.deploy.by = by;
+    if (by == DeployBy::static_line) chute.deploy.static_line_length = 12.2;
+    chute.deploy.pack_ratio = 0.01;
+    chute.deploy.drag_coefficient = 0.1;
+    chute.deploy.fold_repulsion = 1e-5;
+    chute.deploy.fold_resistance = 2.0;
+    scene.full.noise = Noise{1e-4, 1};
+    scene.full.structure = Structure::msd_fe;
+    scene.full.switch_area_ratio = 0.12;
+    scene.full.ramp_time = 0.15;
+    if (coarse) scene.full.mesh = {2, 7, 10, 2};
+    return scene;
+}
+
 }  // namespace twinchute::test

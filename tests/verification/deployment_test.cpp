@@ -1,0 +1,287 @@
+// From the pack to the open canopy: conservation where nothing acts from outside, the energy of every
+// change of structure, and what the crane drop has to look like.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/simulation.hpp"
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
+#include "tests/support/structure.hpp"
+
+namespace twinchute {
+namespace {
+
+using fullsim::Simulation;
+using fullsim::Stage;
+using fullsim::State;
+using fullsim::to_vec3;
+using test::packed_c9;
+using test::run_full;
+
+/// Linear and angular momentum of mesh nodes, at the half step before state().time: x^{n} x v^{n-1/2} and
+/// x^{n-1} x v^{n-1/2} are the same, since x moves along v.
+struct Momentum {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+    double size = 0.0, turning = 0.0;  // sums of magnitudes
+};
+
+Momentum momentum_of(const Simulation& simulation) {
+    Momentum sum;
+    const State& s = simulation.state();
+    const Vec3 centre = to_vec3(s.node[simulation.mesh().payload()].x);
+    for (int i = 0; i < simulation.mesh().node_count(); ++i) {
+        const Vec3 p = simulation.mesh().mass[i] * to_vec3(s.v_half[i].value);
+        const Vec3 l = to_vec3(s.node[i].x).cross(p);
+        sum.linear += p;
+        sum.angular += l;
+        sum.size += p.norm();
+        sum.turning += (to_vec3(s.node[i].x) - centre).cross(p).norm();
+    }
+    return sum;
+}
+
+/// A free pack in empty space that its own repulsion and a spin draw out.
+Scene in_empty_space() {
+    Scene scene = packed_c9(DeployBy::free);
+    scene.environment.atmosphere.constant_density = 0.0;
+    scene.environment.gravity = 0.0;
+    scene.release.altitude = 0.0;
+    scene.environment.ground = -1e6;
+    return scene;
+}
+
+TEST(Deployment, ConservesMomentumInAVacuum) {
+    // Internal forces act in pairs along the line between two nodes: the midpoint rule keeps linear and
+    // angular momentum to round-off, whatever is slack, taut or colliding. 1e-10 of the sum of magnitudes is
+    // what 20 000 steps of 1e-16 leave with room. A pull on the apex across the pack starts it, turning; from
+    // then on the system is free, and comes to taut lines and beyond.
+    Scene scene = in_empty_space();
+    scene.parachutes.front().deploy.by = DeployBy::extraction;
+    scene.parachutes.front().deploy.pitch = 0.3;
+    scene.parachutes.front().deploy.extraction = {"", {0.0, 0.2}, {300.0, 300.0}, 0.2};
+    Simulation simulation(scene);
+    const auto run_to = [&](double end) {
+        while (simulation.state().time < end) {
+            simulation.evaluate_forces();
+            simulation.step_to(end);
+        }
+    };
+    run_to(0.25);
+    const Momentum before = momentum_of(simulation);
+    EXPECT_NEAR(before.linear.norm(), 60.0, 0.1);
+    bool taut = false;
+    for (double end = 0.3; end < 2.0; end += 0.05) {
+        run_to(end);
+        double longest = 0.0;
+        for (const int i : simulation.mesh().seam_rings.back())
+            longest = std::max(longest, (to_vec3(simulation.state().node[i].x) -
+                                         to_vec3(simulation.state().node[simulation.mesh().payload()].x))
+                                            .norm());
+        taut = taut || longest > 8.4;  // of 8.53 m
+    }
+    EXPECT_TRUE(taut);
+    const Momentum after = momentum_of(simulation);
+    EXPECT_LT((after.linear - before.linear).norm(), 1e-10 * before.size);
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-10 * before.turning);
+}
+
+TEST(Deployment, AFixedFarEndDoesNoWork) {
+    Scene scene = packed_c9(DeployBy::static_line);
+    Simulation simulation(scene);
+    while (simulation.state().time < 2.0) {
+        simulation.evaluate_forces();
+        simulation.step_to(2.0);
+    }
+    const EnergyLedger ledger = simulation.ledger();
+    EXPECT_EQ(ledger.external_work, 0.0);
+    EXPECT_LT(std::abs(fullsim::residual(ledger)), 0.002 * ledger.gravity_work);
+}
+
+TEST(Deployment, AMovingFarEndIsTheSameDropSeenInPassing) {
+    // Without air the drop from an aircraft is the drop from a crane in another inertial frame.
+    Scene crane = packed_c9(DeployBy::static_line);
+    crane.environment.atmosphere.constant_density = 0.0;
+    crane.stop = {Trigger::Kind::time, 2.15, 0.0};
+    Scene aircraft = crane;
+    aircraft.release.speed = 30.0;
+    aircraft.release.path_angle = 0.0;
+    aircraft.parachutes.front().deploy.pitch = 0.5 * pi;  // apex up, as in the crane drop
+    // The canopy's first gore then points elsewhere; without noise the fall is straight down for both.
+    crane.full.noise.reset();
+    aircraft.full.noise.reset();
+    const RunRecord a = run_full(crane), b = run_full(aircraft);
+    EXPECT_NEAR(test::last(a, "altitude"), test::last(b, "altitude"), 2e-3);
+    EXPECT_NEAR(test::last(b, "east"), 30.0 * 2.15, 2e-2);
+    EXPECT_NEAR(a.energy->gravity_work, b.energy->gravity_work, 1e-3 * a.energy->gravity_work);
+    // What the aircraft gives: the far end's pull is vertical here, across its flight.
+    EXPECT_LT(std::abs(b.energy->external_work), 0.02 * b.energy->gravity_work);
+}
+
+TEST(Deployment, FallsFreelyUntilTheStaticLineIsTaut) {
+    // Without air nothing holds payload and pack back: 1/2 g t^2, but for the line's own mass hanging on.
+    Scene scene = packed_c9(DeployBy::static_line);
+    scene.environment.atmosphere.constant_density = 0.0;
+    scene.stop = {Trigger::Kind::time, 1.2, 0.0};
+    const RunRecord record = run_full(scene);
+    EXPECT_NEAR(85.0 - test::last(record, "altitude"), 0.5 * standard_gravity * 1.44, 0.01);
+}
+
+TEST(Deployment, EnergyAddsUpThroughSnatchAndRamp) {
+    // To 0.2 % of what changed hands, the guard of every run, at every check; the end is after the ramp.
+    for (const DeployBy by : {DeployBy::static_line, DeployBy::free, DeployBy::extraction}) {
+        Scene scene = packed_c9(by);
+        if (by != DeployBy::static_line) scene.release.speed = 60.0;
+        scene.parachutes.front().deploy.extraction = {"", {0.0, 0.5}, {300.0, 300.0}, 0.5};
+        scene.environment.ground = -400.0;
+        scene.stop = {Trigger::Kind::time, 4.5, 0.0};
+        const RunRecord record = run_full(scene);
+        ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+        ASSERT_NE(record.find_event("finite-elements-alone"), nullptr);
+        EXPECT_LT(std::abs(record.energy->residual_fraction), 0.01);
+        EXPECT_NE(record.energy->ramp, 0.0);
+        EXPECT_EQ(by == DeployBy::free, record.energy->external_work == 0.0);
+    }
+}
+
+TEST(Deployment, ExtractionWorkIsForceTimesWay) {
+    // A point load on the apex that the canopy alone feels: work over a short while against the momentum it
+    // gives, in empty space. The impulse is F t to the last digit that a step ends on.
+    Scene scene = in_empty_space();
+    scene.parachutes.front().deploy.by = DeployBy::extraction;
+    scene.parachutes.front().deploy.extraction = {"", {0.0, 0.2}, {50.0, 50.0}, 0.2};
+    for (const bool on_apex : {true, false}) {
+        scene.parachutes.front().deploy.extraction_on_apex = on_apex;
+        Simulation simulation(scene);
+        while (simulation.state().time < 0.2) {
+            simulation.evaluate_forces();
+            simulation.step_to(0.2);
+        }
+        // The velocity is that of half a step before the end.
+        const double half = 0.5 * simulation.state().dt;
+        EXPECT_NEAR(momentum_of(simulation).linear.z(), 50.0 * (0.2 - half), 1e-9);
+        EXPECT_LT(std::abs(fullsim::residual(simulation.ledger())),
+                  0.002 * (simulation.ledger().external_work + simulation.state().energy.elastic_start));
+    }
+}
+
+TEST(Deployment, CraneDropOpensAsThePaperSays) {
+    // Coarse, one seed. The paper, 5.2: about 21 m/s at snatch, D_p/D0 = 0.65 and h/D_p = 0.45; the formula of
+    // the descent at the mesh's own mass.
+    const Scene scene = [] {
+        Scene s = packed_c9(DeployBy::static_line);
+        s.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
+        return s;
+    }();
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    EXPECT_NEAR(*record.metric("snatch_speed_m_s"), 21.0, 1.0);
+    EXPECT_NEAR(*record.metric("projected_diameter_ratio"), 0.65, 0.03);
+    EXPECT_NEAR(*record.metric("canopy_depth_ratio"), 0.45, 0.04);
+    const double mass = 152.4 + Simulation(scene).mesh().parachute_mass();
+    const double equilibrium = std::sqrt(2.0 * mass * standard_gravity / (1.225 * 42.56));
+    EXPECT_NEAR(*record.metric("descent_rate_m_s"), equilibrium, 0.005 * equilibrium);
+    const Event *snatch = record.find_event("snatch"), *change = record.find_event("switch");
+    const Event* alone = record.find_event("finite-elements-alone");
+    ASSERT_TRUE(snatch && change && alone);
+    EXPECT_LT(snatch->time, change->time);
+    EXPECT_NEAR(alone->time - change->time, scene.full.ramp_time, 1e-12);
+    EXPECT_NEAR(*record.metric("snatch_time_s") - *record.metric("line_stretch_time_s"), 2e-3, 1e-12);
+}
+
+TEST(Deployment, FiniteElementsThroughoutNeedNoRamp) {
+    Scene scene = packed_c9(DeployBy::static_line);
+    scene.full.structure = Structure::fe;
+    scene.stop = {Trigger::Kind::time, 3.0, 0.0};
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    EXPECT_EQ(record.find_event("switch"), nullptr);
+    EXPECT_EQ(record.energy->ramp, 0.0);
+    EXPECT_TRUE(std::ranges::none_of(record.cost.blocks,
+                                     [](const BlockCost& b) { return b.name == "fabric springs"; }));
+}
+
+TEST(Deployment, WhatIsOverCostsNothing) {
+    // After the ramp neither springs nor static line exist: no block, no node, no entry in any array.
+    Scene scene = packed_c9(DeployBy::static_line);
+    Simulation simulation(scene);
+    EXPECT_GT(simulation.state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    while (!simulation.lines_are_taut()) {
+        simulation.step_to(10.0);
+        simulation.evaluate_forces();
+    }
+    ASSERT_FALSE(simulation.snatch());
+    EXPECT_EQ(simulation.state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    EXPECT_TRUE(simulation.mesh().static_line.cables.empty());
+    simulation.begin_ramp();
+    while (simulation.state().time < simulation.ramp_end()) {
+        simulation.step_to(simulation.ramp_end());
+        simulation.evaluate_forces();
+    }
+    const double end = simulation.ramp_end();
+    simulation.end_ramp();
+    EXPECT_EQ(simulation.state().stage, Stage::flight);
+    EXPECT_EQ(simulation.state().fe_weight, 1.0);
+    EXPECT_EQ(simulation.state().time, end);
+    const auto steps_of = [&](const char* name) {
+        const auto costs = simulation.block_costs();
+        const auto found = std::ranges::find(costs, name, &BlockCost::name);
+        return found == costs.end() ? -1.0 : found->seconds;
+    };
+    const double before = steps_of("fabric springs"), line = steps_of("static line");
+    EXPECT_GT(before, 0.0);
+    for (int i = 0; i < 100; ++i) {
+        simulation.step_to(end + 1.0);
+        simulation.evaluate_forces();
+    }
+    EXPECT_EQ(steps_of("fabric springs"), before);
+    EXPECT_EQ(steps_of("static line"), line);
+}
+
+TEST(Deployment, NoSnatchIsSaidSo) {
+    // No air and nothing that pulls: payload and pack fall side by side.
+    Scene scene = packed_c9(DeployBy::free);
+    scene.environment.atmosphere.constant_density = 0.0;
+    scene.parachutes.front().deploy.fold_resistance = 20.0;
+    scene.release.altitude = -20.0;  // 20 m above the ground
+    const RunRecord record = run_full(scene);
+    EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
+    EXPECT_NE(record.status.detail.find("before the lines came taut"), std::string::npos)
+        << record.status.detail;
+    EXPECT_TRUE(std::ranges::any_of(record.warnings, [](const Warning& w) { return w.what == "no snatch"; }));
+    EXPECT_FALSE(record.metric("snatch_time_s"));
+    EXPECT_FALSE(record.metric("peak_force_N"));
+    for (const Metric& m : record.metrics)
+        EXPECT_TRUE(std::isfinite(m.value)) << m.key;
+}
+
+TEST(Deployment, StartsInflated) {
+    // Open from the start at its own rate of descent: nothing but settling.
+    Scene scene = test::c9_scene();
+    scene.parachutes.front().deploy.by = DeployBy::inflated;
+    scene.release.speed = 7.7;
+    scene.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    EXPECT_FALSE(record.metric("snatch_speed_m_s"));
+    EXPECT_FALSE(record.metric("filling_time_s"));
+    const double equilibrium = std::sqrt(2.0 * (152.4 + 5.19) * standard_gravity / (1.225 * 42.56));
+    EXPECT_NEAR(*record.metric("descent_rate_m_s"), equilibrium, 0.005 * equilibrium);
+}
+
+TEST(Deployment, StopsAfterThePeakForce) {
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {1, 6, 10, 2};
+    Scene whole = scene;
+    whole.stop = {Trigger::Kind::time, 2.5, 0.0};
+    scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    EXPECT_EQ(*record.metric("peak_force_N"), *run_full(whole).metric("peak_force_N"));
+    EXPECT_LT(test::last(record, "time"), 2.0);  // full open is at 1.625 s
+}
+
+}  // namespace
+}  // namespace twinchute
