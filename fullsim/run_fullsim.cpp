@@ -20,6 +20,7 @@ constexpr int steps_between_checks = 50;
 constexpr int steps_between_reports = 500;
 constexpr double shape_average = 2.0;  // [s]: the shape settles later than the speed
 constexpr double sound_area = 0.9;     // signed over positive area below which gores lie inside out
+constexpr double early_peak = 0.25;    // drag area over the steady one below which a peak is the snatch's
 constexpr double taut_hold = 2e-3;     // [s] that lines have to stay taut: flailing ones do not
 constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -347,6 +348,20 @@ void FullRun::add_warnings() {
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
              "give it line drag, a static line, an extraction force, or more height");
+    if (packed() && opened && record_.metric("peak_force_N")) {
+        const Inflation& inflation = simulation_.inflation();
+        const double time = observer_.peak().time;
+        const Phase then = time < inflation.end_of(Phase::initial)   ? Phase::initial
+                           : time < inflation.end_of(Phase::filling) ? Phase::filling
+                                                                     : Phase::open;
+        if (const double ratio = inflation.drag_area_ratio(then, time).value; ratio < early_peak)
+            warn(
+                fmt::format("the peak force comes {:.3g} s after snatch, at {:.0f} % of the steady drag area",
+                            time - inflation.snatch, 100.0 * ratio),
+                "the snatch still rings: payload and canopy bounce on the lines, and little but the cloth "
+                "damps it",
+                "take it for a snatch force, or give full.alpha a value");
+    }
     if (switched_late_)
         warn("finite elements took over at full open only",
              fmt::format("the mouth never reached {:g} of the steady projected area",

@@ -168,8 +168,8 @@ TEST(Deployment, ExtractionWorkIsForceTimesWay) {
 }
 
 TEST(Deployment, CraneDropOpensAsThePaperSays) {
-    // Coarse, one seed. The paper, 5.2: about 21 m/s at snatch, D_p/D0 = 0.65 and h/D_p = 0.45; the formula of
-    // the descent at the mesh's own mass.
+    // Coarse, one seed. The paper, 5.2: about 21 m/s at snatch, D_p/D0 = 0.65 and h/D_p = 0.45; the formula
+    // of the descent at the mesh's own mass.
     const Scene scene = [] {
         Scene s = packed_c9(DeployBy::static_line);
         s.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
