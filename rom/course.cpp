@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "lib/solve/opening.hpp"
 
@@ -19,6 +21,12 @@ double Course::unlimited() {
 }
 
 Leg Course::integrate_to(OdeSolver& solver, double end) {
+    if (end - solver.time() <= 64.0 * std::numeric_limits<double>::epsilon() * end) {
+        // A stage without length, to round-off: ARKODE would refuse it.
+        const std::vector<double> y(solver.state().begin(), solver.state().end());
+        solver.restart(end, y);
+        return Leg::reached_end;
+    }
     solver.stop_at(end);
     for (;;) {
         if (run_.stop.stop_requested()) return Leg::interrupted;

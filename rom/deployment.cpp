@@ -244,8 +244,8 @@ Motion<dimensions> released(const Scene& scene) {
     Motion<dimensions> m;
     m.position.setZero();
     m.position[dimensions - 1] = release.altitude;
-    if constexpr (dimensions == 1) m.velocity << -down;
-    if constexpr (dimensions == 2) m.velocity << release.speed * std::cos(release.path_angle), -down;
+    if constexpr (dimensions == 1) m.velocity << 0.0 - down;  // no -0 at rest
+    if constexpr (dimensions == 2) m.velocity << release.speed * std::cos(release.path_angle), 0.0 - down;
     if constexpr (dimensions == 3) m.velocity = velocity_over_ground(release);
     return m;
 }
