@@ -115,6 +115,15 @@ TEST(RomDeployment, SnatchForceOfTheCraneDropIsTheClosedFormWithinHalfAPercent) 
     }
 }
 
+TEST(RomDeployment, ImpulseCountsFromSnatch) {
+    // Straight down and without drag on the payload F = m_l (g - dv/dt): the impulse from snatch to full open
+    // is m_l (g t_f - change of speed). 1e-6: Simpson's rule on quarters of the steps.
+    const RunRecord record = run_rom(crane_drop());
+    const double change = record.find_event("full-open")->speed - metric(record, "snatch_speed_m_s");
+    const double expected = payload * (g * metric(record, "filling_time_s") - change);
+    EXPECT_NEAR(metric(record, "impulse_N_s") / expected, 1.0, 1e-6);
+}
+
 TEST(RomDeployment, FreePackFallsBackAsItsDragSays) {
     // No gravity, no drag on the payload: the pack slows down as v0/(1 + c v0 t), c = rho A/(2 m), and falls
     // back by v0 t - ln(1 + c v0 t)/c.
@@ -153,6 +162,12 @@ TEST(RomDeployment, ExtractionByAConstantForce) {
         const double stretch =
             static_stretch + std::hypot(static_stretch, dv * std::sqrt(payload * parachute / together / k));
         EXPECT_NEAR(metric(record, "snatch_force_N") / (k * stretch), 1.0, 1e-6);
+        // Straight behind the release, so that it brakes both; up where the release is at rest.
+        const double change = 800.0 * metric(record, "snatch_time_s") / together;
+        EXPECT_NEAR(metric(record, "snatch_speed_m_s"), speed > 0.0 ? speed - change : change, 1e-9);
+        if (speed == 0.0) {
+            EXPECT_GT(last(record, "vertical_speed"), 0.0);
+        }
     }
 }
 
@@ -315,6 +330,21 @@ TEST(RomDeployment, LinesThatNeverComeTautEndWithTheReason) {
     const RunRecord falling = run_rom(scene);
     expect_unopened(falling, StatusCode::time_limit);
     EXPECT_NEAR(last(falling, "time"), longest_deployment, 1e-9);
+}
+
+TEST(RomDeployment, APackThatReachesTheGroundFirstEndsTheRun) {
+    // Thrown upward, the payload leaves its pack behind and below.
+    Scene scene = free_deployment(3.0);
+    scene.environment.ground = 80.0;
+    scene.release = {81.0, 9.0, -0.5 * pi, 0.0};
+    scene.parachutes.front().line_length = 100.0;
+    const RunRecord record = run_rom(scene);
+    EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
+    EXPECT_TRUE(
+        record.status.detail.starts_with("the parachute reached the ground: the lines never came taut"))
+        << record.status.detail;
+    EXPECT_FALSE(record.metric("flight_time_s"));  // the payload has not landed
+    EXPECT_NEAR(last(record, "altitude") - last(record, "separation"), 80.0, 1e-9);
 }
 
 TEST(RomDeployment, RefusesAnOpeningThatTheSnatchSpeedMakesImpossible) {
