@@ -5,6 +5,7 @@
 #include "compare/metrics.hpp"
 #include "compare/verb.hpp"
 #include "fullsim/fidelity.hpp"
+#include "fullsim/mesh_verb.hpp"
 #include "lib/cli/list_verb.hpp"
 #include "lib/cli/program.hpp"
 #include "lib/cli/single_verb.hpp"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
         compare::compare_verb(full, rom),
         single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
+        fullsim::mesh_verb(),
         list_verb(std::move(topics)),
     };
     return run_program(verbs, argc, argv);

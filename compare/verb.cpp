@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "compare/gap.hpp"
@@ -35,8 +37,11 @@ std::vector<std::string> tolerance_overrides(const Arguments& arguments) {
 }
 
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
-    const std::vector<Scene> scenes = scenes_of(arguments, tolerance_overrides(arguments));
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
+    std::vector<std::string> overrides = tolerance_overrides(arguments);
+    for (const Fidelity* fidelity : both)
+        std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
+    const std::vector<Scene> scenes = scenes_of(arguments, overrides);
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
@@ -58,16 +63,20 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         comparison.reference_title = reference.title;
         comparison.candidate_title = candidate.title;
         // The quick one first: it is there even when the long one is interrupted.
-        comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet);
-        comparison.reference = run_watched(reference, scene, interrupt.token(), quiet);
+        FileBatch batch;
+        FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
+        comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet, &of_candidate);
+        comparison.reference = run_watched(reference, scene, interrupt.token(), quiet, &of_reference);
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
-        write_report(comparison, place);
+        add_report(batch, comparison, place);
+        batch.commit();
 
         if (arguments.has("json")) {
             gaps.push_back(gap_json(comparison));
         } else if (!quiet) {
             print((&scene == &scenes.front() ? "" : "\n") + terminal_text(comparison, output_style()));
             print(fmt::format("report    {}\n", printable((place / "report.md").string())));
+            print(fields_text(of_reference) + fields_text(of_candidate));
         }
         code = gravest(code, exit_code(comparison));
         if (code == ExitCode::interrupted) break;
@@ -90,6 +99,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
         {"tolerance", "METRIC=VALUE",
          fmt::format("largest allowed gap, e.g. peak_force=10% (of {}) or peak_force=500N", reference.name),
          true});
+    if (reference.gives_fields || candidate.gives_fields)
+        verb.options.insert(verb.options.begin() + 2, fields_option());
     verb.run = [&reference, &candidate](const Arguments& arguments) {
         return run_compare(reference, candidate, arguments);
     };

@@ -52,9 +52,11 @@ void Observer::observe(const State& state) {
     force_.push(state.time, raw);
     acceleration_.push(state.time, acceleration.norm());
     Extremes& most = extremes_;
-    if (raw > most.raw_peak.value) most.raw_peak = {raw, state.time};
+    Peak& raw_most = state.time >= most.peak_from ? most.raw_peak : most.snatch_peak;
+    if (raw > raw_most.value) raw_most = {raw, state.time};
     if (force_.ready()) {
-        if (force_.value() > most.peak.value) most.peak = {force_.value(), force_.centre()};
+        if (force_.value() > most.peak.value && force_.centre() >= most.peak_from)
+            most.peak = {force_.value(), force_.centre()};
         most.acceleration = std::max(most.acceleration, acceleration_.value());
         settle_rows();
     }
@@ -153,11 +155,11 @@ double Observer::impulse(double from, double to) const {
     return sum;
 }
 
-std::optional<double> Observer::first_time_of_area(double area) const {
+std::optional<double> Observer::first_time_of_area(double area, double from) const {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         const double here = rows_[i].projected_area;
-        if (here < area) continue;
-        if (i == 0) return rows_[i].time;
+        if (here < area || rows_[i].time < from) continue;
+        if (i == 0 || rows_[i - 1].time < from) return rows_[i].time;
         const double before = rows_[i - 1].projected_area;
         return rows_[i - 1].time + (rows_[i].time - rows_[i - 1].time) * (area - before) / (here - before);
     }

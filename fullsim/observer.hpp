@@ -33,6 +33,10 @@ public:
     /// gravity [m/s^2]; output_rate: rows per second.
     Observer(const Mesh& mesh, double gravity, double output_rate);
 
+    /// Largest forces from here on [s] are the opening's, those before the snatch's. At or after the time of
+    /// the last observation; 0 at first.
+    void count_peak_from(double time) { extremes_.peak_from = time; }
+
     /// Called once a step with the forces at state.time evaluated.
     void observe(const State& state);
     /// A check found everything sound so far.
@@ -46,8 +50,10 @@ public:
         double value = 0.0, time = 0.0;
     };
     const std::vector<HistoryRow>& rows() const { return rows_; }
-    const Peak& peak() const { return extremes_.peak; }                     ///< of the filtered force [N]
-    const Peak& raw_peak() const { return extremes_.raw_peak; }             ///< of the raw force [N]
+    const Peak& peak() const { return extremes_.peak; }                ///< of the filtered force [N]
+    const Peak& raw_peak() const { return extremes_.raw_peak; }        ///< of the raw force [N]
+    const Peak& snatch_peak() const { return extremes_.snatch_peak; }  ///< raw, before the peak counts [N]
+    double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
 
     /// Whether the mean of v sqrt(rho), v the canopy's airspeed, over the last second of the rows differs
@@ -59,8 +65,8 @@ public:
     double mean_descent_rate(double seconds) const;
     /// [N s] of the filtered force over [from, to].
     double impulse(double from, double to) const;
-    /// First time at which the projected area reaches `area`; linear between rows.
-    std::optional<double> first_time_of_area(double area) const;
+    /// First time from `from` on at which the projected area reaches `area`; linear between rows.
+    std::optional<double> first_time_of_area(double area, double from) const;
 
     std::vector<Channel> channels() const;
 
@@ -75,7 +81,8 @@ private:
     std::size_t unsettled_ = 0;  // first row whose filtered columns are still open
     MovingAverage force_, acceleration_;
     struct Extremes {
-        Peak peak, raw_peak;
+        Peak peak, raw_peak, snatch_peak;
+        double peak_from = 0.0;
         double acceleration = 0.0;
     };
     Extremes extremes_;

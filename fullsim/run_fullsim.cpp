@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fullsim/fidelity.hpp"
+#include "fullsim/fields.hpp"
 #include "fullsim/observer.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/solve/opening.hpp"
@@ -18,6 +20,8 @@ constexpr int steps_between_checks = 50;
 constexpr int steps_between_reports = 500;
 constexpr double shape_average = 2.0;  // [s]: the shape settles later than the speed
 constexpr double sound_area = 0.9;     // signed over positive area below which gores lie inside out
+constexpr double taut_hold = 2e-3;     // [s] that lines have to stay taut: flailing ones do not
+constexpr double never = std::numeric_limits<double>::infinity();
 
 class FullRun {
 public:
@@ -27,15 +31,19 @@ public:
           record_(begin_record(scene, "full")),
           simulation_(scene),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
+          fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
-                                                            : longest_flight) {}
+                                                            : longest_flight) {
+        if (packed()) observer_.count_peak_from(never);
+    }
 
     RunRecord fly() {
         const Stopwatch watch;
-        add_event("line-stretch");
+        add_event(packed() ? "release" : inflated() ? "full-open" : "line-stretch");
         while (!ended_) {
             simulation_.evaluate_forces();
             observer_.observe(state());
+            fields_.observe(state());
             if (state().step % steps_between_checks == 0) check();
             if (!ended_) look_for_events();
             // An end between two checks must not hide what the next one would have found.
@@ -43,6 +51,7 @@ public:
             if (!ended_) simulation_.step_to(next_stop());
         }
         observer_.finish();
+        fields_.accept();
         record_.provenance.instruction_set = lane_instruction_set();
         fill_cost(watch);
         fill_results();
@@ -51,6 +60,10 @@ public:
 
 private:
     const State& state() const { return simulation_.state(); }
+    const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
+    bool packed() const { return deploy().starts_packed(); }
+    bool inflated() const { return deploy().by == DeployBy::inflated; }
+    double full_open() const { return simulation_.inflation().end_of(Phase::filling); }
 
     void end(StatusCode code, std::string detail) {
         record_.status = {code, std::move(detail)};
@@ -68,15 +81,29 @@ private:
 
     /// What must not be stepped across next.
     double next_stop() const {
-        return std::min({simulation_.inflation().end_of(state().phase), stop_time_, steady_stop_});
+        const double deployed = state().stage == Stage::deployment
+                                    ? std::min({hold_end_, longest_deployment, next_load_change()})
+                                    : simulation_.inflation().end_of(state().phase);
+        return std::min({deployed, simulation_.ramp_end(), stop_time_, steady_stop_});
+    }
+
+    /// The next time at which the extraction force is not smooth.
+    double next_load_change() const {
+        const ForceHistory& force = deploy().extraction;
+        double next = force.duration > state().time ? force.duration : never;
+        for (const double t : force.time)
+            if (t > state().time) next = std::min(next, t);
+        return force.time.empty() ? never : next;
     }
 
     void check() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            fields_.forget();
             return end(fault->code, fault->detail);
         }
         observer_.accept();
+        fields_.accept();
         if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
             run_.progress({stage_name(), state().time, expected_share()});
@@ -85,12 +112,14 @@ private:
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            fields_.forget();
             landing_time_.reset();
             end(fault->code, fault->detail);
         }
     }
 
     std::string_view stage_name() const {
+        if (state().stage == Stage::deployment) return "deployment";
         switch (state().phase) {
             case Phase::initial:
                 return "initial phase";
@@ -104,42 +133,95 @@ private:
 
     /// A descent is usually steady four filling times after snatch; for the progress line only.
     double expected_share() const {
-        const double end = scene_.stop.kind == Trigger::Kind::time
-                               ? stop_time_
-                               : 4.0 * simulation_.inflation().filling_time + 2.0;
-        return std::min(0.99, state().time / end);
+        if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, state().time / stop_time_);
+        if (state().stage == Stage::deployment) return 0.0;
+        const Inflation& inflation = simulation_.inflation();
+        return std::min(0.99, state().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
     }
 
     void look_for_events() {
+        if (state().stage == Stage::deployment)
+            look_for_snatch();
+        else
+            look_for_opening();
+        if (!ended_) look_for_ground();
+        if (!ended_) look_for_stop();
+    }
+
+    /// Lines count as taut once they have stayed so for a while; the end of that is the snatch.
+    void look_for_snatch() {
         const double now = state().time;
+        if (!simulation_.lines_are_taut()) {
+            hold_end_ = never;
+        } else if (hold_end_ == never) {
+            hold_end_ = now + taut_hold;
+        }
+        if (now < hold_end_) {
+            if (now >= longest_deployment)
+                end(StatusCode::time_limit,
+                    fmt::format("the lines never came taut within {:g} s of release", longest_deployment));
+            return;
+        }
+        line_stretch_time_ = now - taut_hold;
+        payload_snatch_speed_ =
+            (to_vec3(state().node[simulation_.mesh().payload()].v) - state().air.wind_at_payload).norm();
+        snatch_speed_ = (state().sums.system_velocity - state().air.wind).norm();
+        snatch_density_ = state().air.density;
+        if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
+        add_event("snatch");
+        observer_.count_peak_from(now + simulation_.inflation().initial_time);
+    }
+
+    void look_for_opening() {
+        const double now = state().time;
+        bool opens = false;
         if (now >= simulation_.inflation().end_of(state().phase)) {
-            const bool opened = state().phase == Phase::filling;
-            add_event(opened ? "full-open" : "end-of-initial-phase");
+            opens = state().phase == Phase::filling;
+            add_event(opens ? "full-open" : "end-of-initial-phase");
             // Drag area and phi are continuous here, only their rates jump: the forces just
             // evaluated are those of the phase that begins, too.
-            simulation_.begin(opened ? Phase::open : Phase::filling);
+            simulation_.begin(opens ? Phase::open : Phase::filling);
         }
-        const NodeRecord& payload = state().node[simulation_.mesh().payload()];
-        if (payload.x[2] <= scene_.environment.ground) {
-            add_event("ground");
-            landing_time_ = now;
-            return scene_.stop.kind == Trigger::Kind::ground
-                       ? end(StatusCode::completed, "ground reached")
-                       : end(StatusCode::stopped_by_event, "ground reached before the stop condition");
+        if (state().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
+            switched_late_ = opens && !simulation_.mouth_is_open();
+            simulation_.begin_ramp();
+            add_event("switch");
+        } else if (now >= simulation_.ramp_end()) {
+            simulation_.end_ramp();
+            add_event("finite-elements-alone");
         }
         if (state().phase == Phase::open && !descent_altitude_ && state().step % steps_between_checks == 0 &&
-            observer_.is_steady(simulation_.inflation().end_of(Phase::filling))) {
+            observer_.is_steady(full_open())) {
             add_event("steady-descent");
-            descent_altitude_ = payload.x[2];
-            if (scene_.stop.kind == Trigger::Kind::steady_descent) steady_stop_ = now + scene_.stop.delay;
+            descent_altitude_ = state().node[simulation_.mesh().payload()].x[2];
+            if (scene_.stop.kind == Trigger::Kind::steady_descent ||
+                scene_.stop.kind == Trigger::Kind::peak_force)
+                steady_stop_ = now + scene_.stop.delay;
         }
-        if (now >= std::min(stop_time_, steady_stop_)) {
-            if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
-                end(StatusCode::time_limit,
-                    fmt::format("stop condition not met within {:g} s of flight", stop_time_));
-            else
-                end(StatusCode::completed, "stop condition met");
-        }
+        if (scene_.stop.kind == Trigger::Kind::peak_force && steady_stop_ == longest_flight &&
+            now > full_open() && observer_.filtered_force() < past_peak * observer_.peak().value)
+            steady_stop_ = now + scene_.stop.delay;
+    }
+
+    void look_for_ground() {
+        if (state().node[simulation_.mesh().payload()].x[2] > scene_.environment.ground) return;
+        add_event("ground");
+        landing_time_ = state().time;
+        if (state().stage == Stage::deployment)
+            return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
+        return scene_.stop.kind == Trigger::Kind::ground
+                   ? end(StatusCode::completed, "ground reached")
+                   : end(StatusCode::stopped_by_event, "ground reached before the stop condition");
+    }
+
+    void look_for_stop() {
+        const double now = state().time;
+        if (now < std::min(stop_time_, steady_stop_)) return;
+        if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
+            end(StatusCode::time_limit,
+                fmt::format("stop condition not met within {:g} s of flight", stop_time_));
+        else
+            end(StatusCode::completed, "stop condition met");
     }
 
     void fill_cost(const Stopwatch& watch) {
@@ -150,7 +232,7 @@ private:
         cost.rhs_calls = state().step;
         cost.dt_min_s = cost.steps > 0 ? simulation_.dt_min() : 0.0;
         cost.dt_max_s = simulation_.dt_max();
-        cost.element_steps = cost.steps * static_cast<std::int64_t>(simulation_.elements_per_step());
+        cost.element_steps = simulation_.element_steps();
         if (cost.element_steps > 0)
             cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
         cost.blocks = simulation_.block_costs();
@@ -165,30 +247,45 @@ private:
     RunRecord record_;
     Simulation simulation_;
     Observer observer_;
+    FieldRecorder fields_;
     double stop_time_;
     double steady_stop_ = longest_flight;
     bool ended_ = false;
+    double hold_end_ = never;  // [s] at which lines that are taut now will have been so long enough
+    bool switched_late_ = false;
+    std::optional<double> line_stretch_time_;
+    double snatch_speed_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
 };
 
 void FullRun::fill_results() {
     const auto& rows = observer_.rows();
     const Parachute& chute = scene_.parachutes.front();
-    const double filled = simulation_.inflation().end_of(Phase::filling);
+    const double snatch = packed() ? simulation_.inflation().snatch : 0.0;
+    const double filled = full_open();
     const HistoryRow& last = rows.back();
 
     OpeningResult result;
-    result.snatch_speed = release_airspeed(scene_).norm();
-    result.snatch_density = rows.front().density;
+    result.snatched = !inflated() && std::isfinite(snatch);
+    if (result.snatched) {
+        result.line_stretch_time = line_stretch_time_;
+        result.snatch_time = snatch;
+        result.snatch_speed = packed() ? snatch_speed_ : release_airspeed(scene_).norm();
+        result.payload_snatch_speed = packed() ? payload_snatch_speed_ : result.snatch_speed;
+        result.snatch_density = packed() ? snatch_density_ : rows.front().density;
+    }
     if (last.time >= filled + shape_average) {
         steady_area_ = observer_.mean(&HistoryRow::projected_area, shape_average);
-        result.filling_time = observer_.first_time_of_area(*steady_area_);
+        if (!inflated()) {
+            result.filling_time = observer_.first_time_of_area(*steady_area_, snatch);
+            if (result.filling_time) *result.filling_time -= snatch;
+        }
     }
-    result.payload_snatch_speed = result.snatch_speed;
-    result.max_force = observer_.peak().value;
-    result.peak_force = result.max_force;
+    if (packed()) result.snatch_force = observer_.snatch_peak().value;
+    if (observer_.peak().value > 0.0) result.peak_force = observer_.peak().value;
+    result.max_force = std::max(observer_.peak().value, observer_.snatch_peak().value);
     result.peak_time = observer_.peak().time;
-    if (last.time >= filled) result.impulse = observer_.impulse(0.0, filled);
+    if (last.time >= filled && !inflated()) result.impulse = observer_.impulse(snatch, filled);
     result.max_deceleration = observer_.largest_acceleration();
     if (descent_altitude_) result.descent_rate = observer_.mean_descent_rate(1.0);
     result.descent_altitude = descent_altitude_;
@@ -202,15 +299,16 @@ void FullRun::fill_results() {
     const Metric descent{"", 0.0, Standing::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record_, scene_, result, filling, descent);
-    record_.add_metric("peak_force_raw_N", observer_.raw_peak().value, Standing::result,
-                       "without the 5 ms average");
+    if (result.peak_force)
+        record_.add_metric("peak_force_raw_N", observer_.raw_peak().value, Standing::result,
+                           "without the 5 ms average");
     const auto add_past_event = [&](const char* name, double time) {
         auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
         if (row == rows.end()) --row;
         add_event(name, time, row->position, row->velocity);
     };
-    if (result.max_force > 0.0) add_past_event("peak-force", result.peak_time);
-    if (result.filling_time) add_past_event("canopy-filled", *result.filling_time);
+    if (result.peak_force) add_past_event("peak-force", result.peak_time);
+    if (result.filling_time) add_past_event("canopy-filled", snatch + *result.filling_time);
     std::ranges::stable_sort(record_.events, {}, &Event::time);
     if (steady_area_) {
         const double diameter = 2.0 * std::sqrt(*steady_area_ / pi);
@@ -240,9 +338,20 @@ void FullRun::add_warnings() {
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
         record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
-    add_opening_warnings(record_, scene_, simulation_.inflation(), release_airspeed(scene_).norm(),
-                         observer_.rows().front().density);
+    const bool opened = std::isfinite(full_open());
+    if (opened && !inflated())
+        add_opening_warnings(record_, scene_, simulation_.inflation(),
+                             packed() ? snatch_speed_ : release_airspeed(scene_).norm(),
+                             packed() ? snatch_density_ : observer_.rows().front().density);
     add_scene_warnings(record_, scene_);
+    if (!opened)
+        warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
+             "give it line drag, a static line, an extraction force, or more height");
+    if (switched_late_)
+        warn("finite elements took over at full open only",
+             fmt::format("the mouth never reached {:g} of the steady projected area",
+                         scene_.full.switch_area_ratio),
+             "look at the shape; a smaller full.switch_area_ratio hands over earlier");
     const double meshed = simulation_.mesh().parachute_mass();
     if (std::abs(meshed - chute.mass) > 0.02 * chute.mass)
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, chute.mass),
@@ -253,11 +362,13 @@ void FullRun::add_warnings() {
              "gores are folded inside out; the model has no contact that would prevent it",
              "look at the shape before trusting the loads");
     if (const auto filled = record_.metric("filling_time_s")) {
-        const auto nearly = observer_.first_time_of_area(0.98 * *steady_area_);
-        if (nearly && *nearly < 0.9 * *filled)
+        const auto nearly =
+            observer_.first_time_of_area(0.98 * *steady_area_, simulation_.inflation().snatch);
+        const double snatch = simulation_.inflation().snatch;
+        if (nearly && *nearly - snatch < 0.9 * *filled)
             warn(
-                fmt::format("98 % of the steady area is reached at {:.3g} s, all of it at {:.3g} s", *nearly,
-                            *filled),
+                fmt::format("98 % of the steady area is reached at {:.3g} s, all of it at {:.3g} s",
+                            *nearly - snatch, *filled),
                 "the canopy opens without overshoot, so that the filling time hangs on the last two per cent",
                 "compare filling times of such a canopy with a wide tolerance");
     }
@@ -268,7 +379,7 @@ void FullRun::add_warnings() {
                 100.0 * static_cast<double>(state().capped_steps) / static_cast<double>(state().step)),
             "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
             "give the canopy a larger initial_drag_area_ratio if this matters");
-    if (record_.status.code != StatusCode::completed) return;
+    if (record_.status.code != StatusCode::completed || !opened) return;
     if (!steady_area_)
         warn("no filling time and no steady shape",
              fmt::format("the run ended less than {:g} s after full open", shape_average),
@@ -281,7 +392,15 @@ void FullRun::add_warnings() {
 void FullRun::add_left_out() {
     const Aerodynamics& aero = scene_.aerodynamics;
     const auto out = [&](const char* what, const char* why) { record_.left_out.push_back({what, why}); };
-    out("deployment and mass-spring-damper model", "the scene starts at line stretch");
+    if (!packed())
+        out("deployment and mass-spring-damper model",
+            inflated() ? "the scene starts with the canopy open" : "the scene starts at line stretch");
+    if (inflated()) out("snatch and inflation", "the scene starts with the canopy open");
+    if (packed() && scene_.full.structure == Structure::fe)
+        out("mass-spring-damper model", "full.structure is \"fe\"");
+    if (deploy().by == DeployBy::free) out("static line, extraction", "deploy.by is \"free\"");
+    if (packed() && deploy().drag_coefficient == 0.0) out("cloth drag", "deploy.drag_coefficient is zero");
+    if (packed() && deploy().fold_resistance == 0.0) out("fold resistance", "deploy.fold_resistance is zero");
     if (!scene_.environment.wind) out("wind", "environment.wind is absent");
     if (!aero.line_drag) out("line drag", "aerodynamics.line_drag is absent");
     if (!aero.breathing_damping) out("breathing damping", "aerodynamics.breathing_damping is absent");
@@ -299,7 +418,7 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 
 const Fidelity& full_fidelity() {
     static constexpr Fidelity row{"full", "full aeroelastic model", &run_fullsim,
-                                  [](const Scene&) { return std::vector<std::string>{}; }};
+                                  [](const Scene&) { return std::vector<std::string>{}; }, true};
     return row;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 
@@ -22,9 +23,25 @@ constexpr double smallest_step = 1e-9;      // [s] below which nothing would eve
 constexpr double largest_residual = 0.002;  // of the energy that changed hands; sound runs: 1e-5 to 1e-4
 constexpr std::int64_t most_steps = 2'000'000'000;
 constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
+constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
+constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
+constexpr double never = std::numeric_limits<double>::infinity();
 
-Phase first_phase(const Inflation& inflation) {
+Phase first_phase(const Scene& scene, const Inflation& inflation) {
+    if (scene.parachutes.front().deploy.by == DeployBy::inflated) return Phase::open;
     return inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
+}
+
+/// A packed canopy's is made at snatch; until then none of it has a time.
+Inflation first_inflation(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.deploy.by == DeployBy::inflated) return inflated(chute);
+    if (chute.deploy.by == DeployBy::line_stretch)
+        return make_inflation(chute, 0.0, release_airspeed(scene).norm(),
+                              scene.environment.atmosphere.at(scene.release.altitude).density);
+    Inflation inflation;
+    inflation.snatch = never;
+    return inflation;
 }
 
 /// Uniform in [-1, 1), the same on every platform (std::uniform_real_distribution is not).
@@ -34,7 +51,8 @@ double uniform(std::mt19937_64& generator) {
 
 State initial_state(const Scene& scene, const Mesh& mesh) {
     State state;
-    const auto count = static_cast<std::size_t>(mesh.node_count()) + 1;
+    const StaticLine& tether = mesh.static_line;
+    const std::size_t count = static_cast<std::size_t>(mesh.node_count()) + 1 + tether.position.size();
     state.node.resize(count);
     state.v_half.resize(count);
     state.force.resize(count);
@@ -49,8 +67,16 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
         state.node[i] = {to_lanes(position), to_lanes(velocity)};
         state.v_half[i].value = to_lanes(velocity);
     }
-    state.node.back() = {splat(0.0), splat(0.0)};
-    state.v_half.back().value = state.force.back().value = state.aero.back().value = splat(0.0);
+    const NodeIndex dummy = mesh.dummy();
+    state.node[dummy] = {splat(0.0), splat(0.0)};
+    state.v_half[dummy].value = state.force[dummy].value = state.aero[dummy].value = splat(0.0);
+    for (std::size_t k = 0; k < tether.position.size(); ++k) {
+        const std::size_t i = mesh.first_static_line_node() + k;
+        const bool far_end = k + 1 == tether.position.size();
+        const Vec3 v = far_end && !scene.parachutes.front().deploy.far_end_moves ? Vec3::Zero() : velocity;
+        state.node[i] = {to_lanes(origin + tether.position[k]), to_lanes(v)};
+        state.v_half[i].value = to_lanes(v);
+    }
     state.air.direction = trailing_direction(scene);
     return state;
 }
@@ -59,33 +85,56 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
 
 Simulation::Simulation(const Scene& scene)
     : scene_(scene),
-      inflation_(make_inflation(scene.parachutes.front(), 0.0, release_airspeed(scene).norm(),
-                                scene.environment.atmosphere.at(scene.release.altitude).density)),
-      mesh_(start_mesh(scene, inflation_, first_phase(inflation_))),
-      structure_(make_structure(scene, mesh_)),
-      loads_(make_loads(scene, mesh_)),
+      inflation_(first_inflation(scene)),
+      mesh_(start_mesh(scene, inflation_, first_phase(scene, inflation_))),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       state_(initial_state(scene, mesh_)),
-      dt_min_(std::numeric_limits<double>::infinity()),
-      largest_load_(structure_.size(), 0.0),
-      block_seconds_(structure_.size() + loads_.size(), 0.0) {
-    state_.phase = first_phase(inflation_);
+      dt_min_(never) {
+    state_.phase = first_phase(scene, inflation_);
+    if (scene.parachutes.front().deploy.starts_packed()) {
+        state_.stage = Stage::deployment;
+        state_.fe_weight = scene.full.structure == Structure::fe ? 1.0 : 0.0;
+        std::ranges::copy_if(mesh_.cables, std::back_inserter(lines_),
+                             [](const Cable& c) { return c.kind == CableKind::line; });
+    }
+    build_blocks();
     update_sums(state_, constants_);
     update_air(state_, scene.environment, mesh_.payload(), constants_.system_mass, 0.0);
-    state_.added_mass = added_mass_after(0.0).value;
+    if (scene.aerodynamics.added_mass && state_.stage == Stage::flight)
+        state_.added_mass = inflation_
+                                .added_mass(*scene.aerodynamics.added_mass, state_.phase, state_.time,
+                                            state_.air.density, steady_radius(scene.parachutes.front()))
+                                .value;
     state_.energy.kinetic_start = kinetic_energy(state_, constants_);
     state_.energy.elastic_start = elastic_energy(state_, structure_);
     refresh_step();
+}
+
+void Simulation::build_blocks() {
+    structure_ = make_structure(scene_, mesh_, state_.stage);
+    loads_ = make_loads(scene_, mesh_, state_.stage);
+    active_.clear();
+    elements_now_ = 0;
+    for (const ForceModels* models : {&structure_, &loads_})
+        for (const auto& model : *models) {
+            const auto known = std::ranges::find(accounts_, model->name(), &Account::name);
+            active_.push_back(static_cast<std::size_t>(known - accounts_.begin()));
+            if (known == accounts_.end()) accounts_.push_back({std::string(model->name())});
+        }
+    for (const auto& model : structure_)
+        elements_now_ += model->elements();
 }
 
 void Simulation::evaluate_forces() {
     State& s = state_;
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
                air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling)));
-    s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
-    s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
-
-    s.added_mass_rate = added_mass_after(0.0).rate;
+    if (s.stage != Stage::deployment) {
+        s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
+        s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
+        s.added_mass_rate = added_mass_after(0.0).rate;
+    }
+    if (s.stage == Stage::ramp) grow_ramp();
 
     // Timing every block in every step would cost more than some blocks do.
     const bool timed = s.step % steps_between_bounds == 0;
@@ -94,19 +143,120 @@ void Simulation::evaluate_forces() {
         for (const auto& model : models) {
             const auto start = timed ? Clock::now() : Clock::time_point{};
             model->add_forces(s);
-            if (timed) block_seconds_[block] += std::chrono::duration<double>(Clock::now() - start).count();
-            ++block;
+            Account& account = accounts_[active_[block++]];
+            ++account.steps;
+            if (!timed) continue;
+            account.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+            ++account.sampled;
         }
     };
     add(structure_);
     s.riser_force = to_vec3(s.force[mesh_.payload()].value);
     add(loads_);
-    if (timed) ++sampled_steps_;
     if (s.air.pressure_capped) ++s.capped_steps;
 }
 
+bool Simulation::lines_are_taut() const {
+    const double weight = scene_.payload.mass * scene_.environment.gravity;
+    if (state_.riser_force.norm() <= taut_risers * weight) return false;
+    const auto taut = std::ranges::count_if(lines_, [&](const Cable& c) {
+        const Lanes d = state_.node[c.node[1]].x - state_.node[c.node[0]].x;
+        return sum3(d * d) > c.rest_length * c.rest_length;
+    });
+    return static_cast<double>(taut) >= taut_lines * static_cast<double>(lines_.size());
+}
+
+std::optional<RunStatus> Simulation::snatch() {
+    const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
+    const Inflation inflation =
+        make_inflation(scene_.parachutes.front(), state_.time, airspeed.norm(), state_.air.density);
+    if (!(inflation.initial_time < inflation.filling_time) || !std::isfinite(inflation.filling_time))
+        return RunStatus{StatusCode::refused,
+                         fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
+                                     "than the filling time of {:.4g} s",
+                                     airspeed.norm(), inflation.initial_time, inflation.filling_time)};
+    inflation_ = inflation;
+    state_.phase = first_phase(scene_, inflation_);
+    if (!mesh_.static_line.cables.empty()) let_static_line_go();
+    lines_ = {};
+    // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
+    const double before = kinetic_energy(state_, constants_);
+    state_.stage = scene_.full.structure == Structure::fe ? Stage::flight : Stage::springs;
+    state_.added_mass = added_mass_after(0.0).value;
+    state_.energy.added_mass += kinetic_energy(state_, constants_) - before;
+    change_stage(state_.stage);
+    return std::nullopt;
+}
+
+void Simulation::let_static_line_go() {
+    double carried_off = static_line_kinetic_energy(state_, constants_);
+    std::erase_if(structure_, [&](const auto& model) {
+        if (model->name() != "static line") return false;
+        carried_off += model->energy(state_);
+        return true;
+    });
+    state_.energy.external_work -= carried_off;
+    mesh_.static_line = {};
+    constants_.static_line_mass = {};
+    const std::size_t left = static_cast<std::size_t>(mesh_.dummy()) + 1;
+    state_.node.resize(left);
+    state_.v_half.resize(left);
+    state_.force.resize(left);
+    state_.aero.resize(left);
+}
+
+bool Simulation::mouth_is_open() const {
+    const double steady = 2.0 * steady_radius(scene_.parachutes.front());
+    return state_.air.signed_area >= scene_.full.switch_area_ratio * 0.25 * pi * steady * steady;
+}
+
+void Simulation::begin_ramp() {
+    ramp_start_ = state_.time;
+    ramp_energy_ = 0.0;
+    change_stage(Stage::ramp);
+}
+
+void Simulation::end_ramp() {
+    grow_ramp();
+    change_stage(Stage::flight);
+}
+
+double Simulation::ramp_end() const {
+    return state_.stage == Stage::ramp ? ramp_start_ + scene_.full.ramp_time : never;
+}
+
+/// The stiffness of the finite elements at state().time, w = (t/T)^3, and the energy that its growth under
+/// strain has brought in since the last step.
+void Simulation::grow_ramp() {
+    State& s = state_;
+    const double share = std::min(1.0, (s.time - ramp_start_) / scene_.full.ramp_time);
+    const double weight = share * share * share, before = s.fe_weight;
+    s.fe_weight = 1.0;
+    const auto membrane = std::ranges::find(structure_, "membrane", &ForceModel::name);
+    const double energy = (*membrane)->energy(s);
+    s.energy.ramp += 0.5 * (weight - before) * (ramp_energy_ + energy);
+    s.fe_weight = weight;
+    ramp_energy_ = energy;
+}
+
+/// New blocks from here on. What springs or elements that go held in store is taken out of the ledger.
+void Simulation::change_stage(Stage stage) {
+    State& s = state_;
+    const double before = elastic_energy(s, structure_);
+    s.stage = stage;
+    build_blocks();
+    s.energy.ramp += elastic_energy(s, structure_) - before;
+    for (NodeVector& f : s.force)
+        f.value = splat(0.0);
+    for (NodeVector& f : s.aero)
+        f.value = splat(0.0);
+    s.damping_power = s.accretion_power = s.external_power = 0.0;
+    refresh_step();
+    evaluate_forces();
+}
+
 ValueAndRate Simulation::added_mass_after(double dt) const {
-    if (!scene_.aerodynamics.added_mass) return {};
+    if (!scene_.aerodynamics.added_mass || state_.stage == Stage::deployment) return {};
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
     const double rho = state_.air.density;
     if (state_.phase != Phase::open)
@@ -121,14 +271,20 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
 
 StableStep Simulation::bound() const {
     RowSums sums;
-    sums.stiffness.assign(constants_.mass.size(), 0.0);
-    sums.damping.assign(constants_.mass.size(), 0.0);
+    sums.stiffness.assign(state_.node.size(), 0.0);
+    sums.damping.assign(state_.node.size(), 0.0);
     for (const ForceModels* models : {&structure_, &loads_})
         for (const auto& model : *models)
             model->add_row_sums(state_, sums);
     std::vector<double> inertia = constants_.mass;
     for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
         inertia[i] += constants_.share[i] * state_.added_mass;
+    // Neither the dummy nor the far end of a static line is accelerated.
+    inertia.push_back(never);
+    if (const auto& line = constants_.static_line_mass; !line.empty()) {
+        inertia.insert(inertia.end(), line.begin(), line.end());
+        inertia.back() = never;
+    }
     return stable_step(sums, inertia);
 }
 
@@ -142,6 +298,7 @@ void Simulation::step_to(double end) {
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
     advance(state_, constants_, dt, added_mass_after(dt).value);
+    element_steps_ += static_cast<std::int64_t>(elements_now_);
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);
@@ -183,7 +340,8 @@ std::optional<RunStatus> Simulation::find_fault() {
         load[i] = most.load;
     }
     const EnergyLedger e = ledger();
-    const double scale = state_.energy.kinetic_start + std::abs(e.gravity_work) + std::abs(e.drag_work);
+    const double scale = state_.energy.kinetic_start + state_.energy.elastic_start +
+                         std::abs(e.gravity_work) + std::abs(e.drag_work) + std::abs(e.external_work);
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
     if (!(std::abs(residual(e)) <= largest_residual * scale))
         return RunStatus{StatusCode::energy_grew,
@@ -193,30 +351,21 @@ std::optional<RunStatus> Simulation::find_fault() {
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};
     for (std::size_t i = 0; i < structure_.size(); ++i)
-        largest_load_[i] = std::max(largest_load_[i], load[i]);
+        if (auto& most = largest_load_[std::string(structure_[i]->name())]; load[i] > most) most = load[i];
     return std::nullopt;
 }
 
 double Simulation::largest_load(std::string_view block) const {
-    for (std::size_t i = 0; i < structure_.size(); ++i)
-        if (structure_[i]->name() == block) return largest_load_[i];
-    return 0.0;
-}
-
-std::size_t Simulation::elements_per_step() const {
-    std::size_t count = 0;
-    for (const auto& model : structure_)
-        count += model->elements();
-    return count;
+    const auto found = largest_load_.find(block);
+    return found == largest_load_.end() ? 0.0 : found->second;
 }
 
 std::vector<BlockCost> Simulation::block_costs() const {
-    const double scale =
-        sampled_steps_ > 0 ? static_cast<double>(state_.step) / static_cast<double>(sampled_steps_) : 0.0;
     std::vector<BlockCost> costs;
-    for (const ForceModels* models : {&structure_, &loads_})
-        for (const auto& model : *models)
-            costs.push_back({std::string(model->name()), scale * block_seconds_[costs.size()]});
+    for (const Account& a : accounts_)
+        if (a.sampled > 0)
+            costs.push_back(
+                {a.name, a.seconds * static_cast<double>(a.steps) / static_cast<double>(a.sampled)});
     return costs;
 }
 

@@ -2,6 +2,8 @@
 // of stop conditions, output or reports.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -16,7 +18,7 @@ namespace twinchute::fullsim {
 
 class Simulation {
 public:
-    /// The parachute at line stretch, at the scene's release. Opens at once: t_s = 0.
+    /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open.
     explicit Simulation(const Scene& scene);
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
@@ -34,6 +36,23 @@ public:
     /// The inflation phase changes at state().time, which step_to has reached exactly.
     void begin(Phase phase) { state_.phase = phase; }
 
+    // Changes of stage at state().time, which step_to has reached exactly. Each evaluates the forces anew.
+
+    /// Whether 80 % of the line elements are in tension and the risers pull with 5 % of the payload's weight
+    /// (the share is the paper's, 5.2; lines that flail reach it without any load).
+    bool lines_are_taut() const;
+    /// Lines and canopy are drawn out: the static line lets go and the canopy begins to fill. Says why it
+    /// cannot, if so.
+    std::optional<RunStatus> snatch();
+    /// Finite elements begin to take over from springs, and have.
+    void begin_ramp();
+    void end_ramp();
+    /// Whether the mouth has opened far enough for that: the signed area, since folds make the positive one
+    /// of a pack as large as a quarter of the canopy.
+    bool mouth_is_open() const;
+    /// [s] end of the ramp; infinite when none is going on.
+    double ramp_end() const;
+
     /// [s] the bound on the stable step of the current tangent, without safety factor.
     StableStep bound() const;
     double dt_min() const { return dt_min_; }
@@ -47,13 +66,17 @@ public:
     /// principal stress resultant [N/m] of the most strained fabric.
     double largest_load(std::string_view block) const;
 
-    /// Element evaluations in one step, and seconds spent in each block so far (sampled).
-    std::size_t elements_per_step() const;
+    /// Element evaluations so far, and seconds spent in each block (sampled).
+    std::int64_t element_steps() const { return element_steps_; }
     std::vector<BlockCost> block_costs() const;
 
 private:
     static constexpr int steps_between_bounds = 20;
 
+    void change_stage(Stage stage);
+    void build_blocks();
+    void grow_ramp();
+    void let_static_line_go();
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
@@ -67,9 +90,20 @@ private:
     State state_;
     double step_ = 0.0;  // [s] bound times factor, as last refreshed
     double dt_min_ = 0.0, dt_max_ = 0.0;
-    std::vector<double> largest_load_;  // by structural block
-    std::vector<double> block_seconds_;
-    std::int64_t sampled_steps_ = 0;
+    double ramp_start_ = 0.0;   // [s]
+    double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
+    std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
+    std::map<std::string, double, std::less<>> largest_load_;  // by structural block
+    /// Of each block: seconds in sampled steps, how many of those, and in how many steps it took part.
+    struct Account {
+        std::string name;
+        double seconds = 0.0;
+        std::int64_t sampled = 0, steps = 0;
+    };
+    std::vector<Account> accounts_;    // in the order in which blocks first took part
+    std::vector<std::size_t> active_;  // account of each block of now, structure first
+    std::int64_t element_steps_ = 0;
+    std::size_t elements_now_ = 0;
 };
 
 }  // namespace twinchute::fullsim

@@ -29,6 +29,15 @@ inline Lanes to_lanes(const Vec3& a) {
     return Lanes{a.x(), a.y(), a.z(), 0.0};
 }
 
+/// What holds the parachute together and what acts on it, one after the other. A scene that starts drawn out
+/// begins in flight; one without springs goes from deployment to flight.
+enum class Stage {
+    deployment,  ///< from the pack to snatch
+    springs,     ///< the canopy begins to fill, its cloth still springs and dashpots
+    ramp,        ///< finite elements take over
+    flight       ///< finite elements alone
+};
+
 /// Sums over nodes that the aerodynamic reference needs; material mass only.
 struct NodeSums {
     Vec3 canopy_position, canopy_velocity;  ///< means over canopy mass [m], [m/s]
@@ -59,6 +68,8 @@ struct EnergyBook {
     double kinetic_start = 0.0, elastic_start = 0.0;                              // [J]
     double gravity_work = 0.0, drag_work = 0.0, damping = 0.0, added_mass = 0.0;  // [J] to time - dt/2
     double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
+    double external_work = 0.0, external_power = 0.0;  // of extraction force and far end
+    double ramp = 0.0;                                 // [J] see EnergyLedger
 };
 
 struct State {
@@ -66,11 +77,14 @@ struct State {
     double dt = 0.0;    ///< [s] length of the step that led here; 0 at the start
     std::int64_t step = 0;
     Phase phase = Phase::initial;
+    Stage stage = Stage::flight;
+    double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have
 
-    std::vector<NodeRecord> node;    ///< node_count() + 1: the last one is a dummy for padding
+    std::vector<NodeRecord> node;    ///< those of the mesh, a dummy for padding, those of the static line
     std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
     std::vector<NodeVector> force;   ///< [N] structural and damping forces
     std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
+
 
     double added_mass_rate = 0.0;  ///< dM_a/dt [kg/s], kept only for accreting added mass
     double added_mass = 0.0;       ///< M_a [kg]
@@ -79,6 +93,7 @@ struct State {
     EnergyBook energy;
     double accretion_power = 0.0;     ///< [W] of the force that brings new air to speed
     double damping_power = 0.0;       ///< [W] dissipated now
+    double external_power = 0.0;      ///< [W] of forces from outside the system now
     Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
 };

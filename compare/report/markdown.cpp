@@ -104,6 +104,8 @@ std::string energy_section(const Sides& sides) {
         Line{"work of drag [J]", &EnergyLedger::drag_work, false},
         Line{"damping [J]", &EnergyLedger::damping, false},
         Line{"added mass [J]", &EnergyLedger::added_mass, false},
+        Line{"change of structure [J]", &EnergyLedger::ramp, false},
+        Line{"external work [J]", &EnergyLedger::external_work, false},
         Line{"residual over work of drag [%]", &EnergyLedger::residual_fraction, true},
     };
     if (std::ranges::none_of(sides, [](const RunRecord* side) { return side->energy.has_value(); }))

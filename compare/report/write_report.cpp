@@ -8,8 +8,7 @@
 
 namespace twinchute::compare {
 
-void write_report(const Comparison& comparison, const std::filesystem::path& directory) {
-    FileBatch batch;
+void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
         add_record(batch, *side, directory / side->fidelity);
     }
@@ -18,6 +17,11 @@ void write_report(const Comparison& comparison, const std::filesystem::path& dir
     batch.add(directory / "report.md", report_markdown(comparison));
     batch.add(directory / "junit.xml", junit_xml(comparison));
     batch.add(directory / "gap.json", gap_json(comparison), FileBatch::Kind::marker);
+}
+
+void write_report(const Comparison& comparison, const std::filesystem::path& directory) {
+    FileBatch batch;
+    add_report(batch, comparison, directory);
     batch.commit();
 }
 

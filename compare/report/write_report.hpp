@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "compare/gap.hpp"
+#include "lib/record/file_batch.hpp"
 
 namespace twinchute::compare {
 
@@ -11,5 +12,8 @@ namespace twinchute::compare {
 /// speed.svg, junit.xml and, last, gap.json. Throws WriteError; then nothing that stood there before
 /// has changed.
 void write_report(const Comparison& comparison, const std::filesystem::path& directory);
+
+/// The same as part of a larger batch.
+void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory);
 
 }  // namespace twinchute::compare

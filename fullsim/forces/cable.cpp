@@ -1,4 +1,4 @@
-// Lines, risers and tapes: 2-node cables that pull and never push.
+// Lines, risers, tapes and the static line: 2-node cables that pull and never push.
 #include <algorithm>
 #include <cmath>
 
@@ -13,34 +13,34 @@ struct alignas(32) Group {
     std::array<LaneNodes, 2> node;
     Lanes inverse_length;  // 1/l0 [1/m]
     Lanes stiffness;       // EA [N]
-    Lanes dashpot;         // b1 rho c1 A [N s/m] (paper, Eq. 3)
+    Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
 };
 
 /// [m] added to every length: keeps the direction of a cable of no length from being 0/0.
 constexpr double smallest_length = 1e-9;
 
-/// T = max(0, EA (l - l0)/l0 + b1 rho c1 A dl/dt): engineering strain, no compression.
+/// T = max(0, EA (l - l0)/l0 + (beta E/l0 + b1 rho c1) A dl/dt): engineering strain, no compression.
 class CableBlock final : public ForceModel {
 public:
-    CableBlock(const Mesh& mesh, double bulk_viscosity) : mesh_(mesh) {
-        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
-        for (std::size_t first = 0; first < mesh.cables.size(); first += lane_count) {
+    CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name,
+               double bulk_viscosity, double beta)
+        : mesh_(mesh), cables_(cables), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {
+        for (std::size_t first = 0; first < cables_.size(); first += lane_count) {
             Group g{};
             for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= mesh.cables.size();
+                const bool padding = first + k >= cables_.size();
                 for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? dummy : mesh.cables[first + k].node[end];
-                g.inverse_length[k] = padding ? 1.0 : 1.0 / mesh.cables[first + k].rest_length;
-                g.stiffness[k] = padding ? 0.0 : stiffness(mesh.cables[first + k]);
-                g.dashpot[k] = padding ? 0.0 : bulk_viscosity * impedance(mesh.cables[first + k]);
+                    g.node[end][k] = padding ? mesh.dummy() : cables_[first + k].node[end];
+                g.inverse_length[k] = padding ? 1.0 : 1.0 / cables_[first + k].rest_length;
+                g.stiffness[k] = padding ? 0.0 : stiffness(cables_[first + k]);
+                g.dashpot[k] = padding ? 0.0 : dashpot(cables_[first + k]);
             }
             groups_.push_back(g);
         }
-        bulk_viscosity_ = bulk_viscosity;
     }
 
-    std::string_view name() const override { return "cable"; }
-    std::size_t elements() const override { return mesh_.cables.size(); }
+    std::string_view name() const override { return name_; }
+    std::size_t elements() const override { return cables_.size(); }
 
     void add_forces(State& state) const override { sweep(state); }
 
@@ -67,17 +67,17 @@ public:
     }
 
     void add_row_sums(const State&, RowSums& sums) const override {
-        for (const Cable& c : mesh_.cables)
+        for (const Cable& c : cables_)
             for (const NodeIndex i : c.node) {
                 // Both blocks of a row have the norm EA/l0; a slack cable may pull tight any time.
                 sums.stiffness[i] += 2.0 * stiffness(c) / c.rest_length;
-                sums.damping[i] += 2.0 * bulk_viscosity_ * impedance(c);
+                sums.damping[i] += 2.0 * dashpot(c);
             }
     }
 
     double energy(const State& state) const override {
         double total = 0.0;
-        for (const Cable& c : mesh_.cables) {
+        for (const Cable& c : cables_) {
             const double e = std::max(0.0, strain(state, c));
             total += 0.5 * stiffness(c) * c.rest_length * e * e;
         }
@@ -86,26 +86,27 @@ public:
 
     Extreme extreme(const State& state) const override {
         Extreme most;
-        for (std::size_t i = 0; i < mesh_.cables.size(); ++i) {
-            const double e = strain(state, mesh_.cables[i]);
-            if (mesh_.cables[i].kind == CableKind::line)
-                most.load = std::max(most.load, stiffness(mesh_.cables[i]) * e);
+        for (std::size_t i = 0; i < cables_.size(); ++i) {
+            const double e = strain(state, cables_[i]);
+            if (cables_[i].kind == CableKind::line)
+                most.load = std::max(most.load, stiffness(cables_[i]) * e);
             if (e > most.strain) most.strain = e, most.element = i;
         }
         return most;
     }
 
     std::string element_name(std::size_t i) const override {
-        return fmt::format("{} cable {}", cable_kind_name(mesh_.cables[i].kind), i);
+        return fmt::format("{} cable {}", cable_kind_name(cables_[i].kind), i);
     }
 
 private:
     double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
 
-    /// rho c1 A [kg/s] with the wave speed c1 = sqrt(E/rho).
-    double impedance(const Cable& c) const {
+    /// (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed c1 = sqrt(E/rho).
+    double dashpot(const Cable& c) const {
         const Cord& cord = mesh_.cord(c.kind);
-        return std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
+        const double impedance = std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
+        return bulk_viscosity_ * impedance + beta_ * stiffness(c) / c.rest_length;
     }
 
     static double strain(const State& state, const Cable& c) {
@@ -114,14 +115,20 @@ private:
     }
 
     const Mesh& mesh_;
+    const std::vector<Cable>& cables_;
+    std::string_view name_;
+    double bulk_viscosity_, beta_;
     std::vector<Group> groups_;
-    double bulk_viscosity_ = 0.0;
 };
 
 }  // namespace
 
-std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity) {
-    return std::make_unique<CableBlock>(mesh, bulk_viscosity);
+std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, mesh.cables, "cable", bulk_viscosity, beta);
+}
+
+std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, mesh.static_line.cables, "static line", bulk_viscosity, beta);
 }
 
 }  // namespace twinchute::fullsim

@@ -57,6 +57,7 @@ public:
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
         Lanes dissipated = splat(0.0);
+        const Lanes weight = splat(state.fe_weight);
         for (const Group& g : groups_) {
             // Deformation gradient by columns: f1, f2 are the images of the plane's unit vectors.
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
@@ -79,12 +80,13 @@ public:
             const Lanes nxx = elastic.xx + g.viscosity * viscous.xx;
             const Lanes nyy = elastic.yy + g.viscosity * viscous.yy;
             const Lanes nxy = elastic.xy + g.viscosity * viscous.xy;
-            dissipated += g.area * g.viscosity *
+            const Lanes area = weight * g.area;
+            dissipated += area * g.viscosity *
                           (viscous.xx * rate.xx + viscous.yy * rate.yy + 2.0 * viscous.xy * rate.xy);
 
             // First Piola-Kirchhoff stress times reference area, then the edges' shares of it.
-            const Lanes3 p1 = g.area * (nxx * f1 + nxy * f2);
-            const Lanes3 p2 = g.area * (nxy * f1 + nyy * f2);
+            const Lanes3 p1 = area * (nxx * f1 + nxy * f2);
+            const Lanes3 p2 = area * (nxy * f1 + nyy * f2);
             const Lanes3 s2 = g.inverse_c * p2;
             const Lanes3 s1 = g.inverse_a * p1 - g.b_over_a * s2;
             const CornerForces c0(s1 + s2), c1(s1), c2(s2);
@@ -101,7 +103,8 @@ public:
         for (std::size_t e = 0; e < triangles_.size(); ++e) {
             const double stretch = std::max(0.0, first_principal(strain_of(state, triangles_[e])));
             // St. Venant-Kirchhoff stiffens with stretch: lambda^2 and the stress itself, 1 + 3 E_1.
-            const double stiffening = 1.0 + 3.0 * stretch, lengthening = 1.0 + 2.0 * stretch;
+            const double stiffening = state.fe_weight * (1.0 + 3.0 * stretch);
+            const double lengthening = state.fe_weight * (1.0 + 2.0 * stretch);
             for (int i = 0; i < 3; ++i) {
                 sums.stiffness[triangles_[e].node[i]] += stiffening * rows_[e].stiffness[i];
                 sums.damping[triangles_[e].node[i]] += lengthening * rows_[e].damping[i];
@@ -113,7 +116,7 @@ public:
         double total = 0.0;
         for (const Triangle& t : triangles_)
             total += t.area() * membrane_energy(law_, strain_of(state, t));
-        return total;
+        return state.fe_weight * total;
     }
 
     Extreme extreme(const State& state) const override {
@@ -123,6 +126,9 @@ public:
             const double first = first_principal(strain);
             if (first > most.strain) most = {first, first_principal(membrane_stress(law_, strain)), i};
         }
+        // Cloth that is held by springs still may look strained to an element: it carries its share only.
+        most.strain *= state.fe_weight;
+        most.load *= state.fe_weight;
         return most;
     }
 

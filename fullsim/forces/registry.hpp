@@ -9,7 +9,19 @@
 namespace twinchute::fullsim {
 
 std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity);
-std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity);
+/// Cloth as springs and dashpots along its edges (paper, 2.1). repulsion: of folded cloth over its stiffness
+/// in tension; beta: [s].
+std::unique_ptr<const ForceModel> make_fabric_springs(const Mesh& mesh, double repulsion,
+                                                      double bulk_viscosity, double beta);
+std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta = 0.0);
+std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
+/// Of the canopy as a piece of cloth, until snatch (paper, 3.2.1).
+std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient);
+/// resistance: [N/m] of width.
+std::unique_ptr<const ForceModel> make_fold_resistance(const Mesh& mesh, double resistance);
+/// direction: unit vector. The history is kept by reference.
+std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
+                                                  const Vec3& direction);
 /// Pressure along e_r and across it, and the flag remainder (paper, Eqs 11-12).
 std::unique_ptr<const ForceModel> make_canopy_pressure(const Mesh& mesh, double smallest_area);
 /// Cylinder drag of the suspension lines (paper, Eq. 10).
@@ -28,18 +40,20 @@ struct ForceBlock {
     std::string_view source;
     bool structural;  ///< holds the parachute together: forces derive from a stored energy plus viscosity
     bool without_net_force;  ///< its forces sum to zero
-    bool zero_at_rest;  ///< no force on an unstrained parachute that moves as one, in still air of no speed
-    bool dissipates;    ///< what it takes out of the motion is booked as damping
-    bool (*needed)(const Scene&);
+    bool zero_at_rest;    ///< no force on an unstrained parachute that moves as one, in still air of no speed
+    bool dissipates;      ///< what it takes out of the motion is booked as damping
+    bool fixed_in_space;  ///< its direction is prescribed; everything else turns with the parachute and the
+                          ///< air
+    bool (*needed)(const Scene&, Stage);
     std::unique_ptr<const ForceModel> (*make)(const Scene&, const Mesh&);
 };
 
 std::span<const ForceBlock> force_blocks();
 
-/// The structural blocks of a scene. They come first in every step, so that the riser force can be
-/// read before anything else acts on the payload.
-ForceModels make_structure(const Scene& scene, const Mesh& mesh);
-/// The other blocks that the scene needs.
-ForceModels make_loads(const Scene& scene, const Mesh& mesh);
+/// The structural blocks of a scene in a stage of its run. They come first in every step, so that the riser
+/// force can be read before anything else acts on the payload.
+ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight);
+/// The other blocks that the scene needs in that stage.
+ForceModels make_loads(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight);
 
 }  // namespace twinchute::fullsim

@@ -87,7 +87,8 @@ public:
                                     mouth_area / (pattern_.skirt_radius * pattern_.skirt_radius),
                                     canopy_stretch(load))) {
         mesh_.fabric = chute.fabric;
-        mesh_.cords = {chute.tapes.radial, chute.tapes.skirt, chute.tapes.vent, chute.line, chute.line};
+        mesh_.cords = {chute.tapes.radial, chute.tapes.skirt, chute.tapes.vent,
+                       chute.line,         chute.line,        chute.line};
         mesh_.axis = axis;
         across_ = axis.unitOrthogonal();
         along_ = axis.cross(across_);

@@ -5,8 +5,8 @@
 namespace twinchute::fullsim {
 
 std::string_view cable_kind_name(CableKind kind) {
-    constexpr std::array<std::string_view, 5> names{"radial tape", "skirt band", "vent band", "line",
-                                                    "riser"};
+    constexpr std::array<std::string_view, 6> names{"radial tape", "skirt band", "vent band",
+                                                    "line",        "riser",      "static line"};
     return names[static_cast<std::size_t>(kind)];
 }
 

@@ -23,7 +23,7 @@ struct Triangle {
     double area() const { return 0.5 * a * c; }  ///< [m^2]
 };
 
-enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser };
+enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
 
 std::string_view cable_kind_name(CableKind kind);
 
@@ -34,11 +34,22 @@ struct Cable {
     CableKind kind;
 };
 
+/// A line from the apex to a far end outside the system. Its nodes come after those of the mesh and the
+/// dummy: they go when it lets go, and no other number changes. First the apex, last the far end.
+struct StaticLine {
+    std::vector<Vec3> position;  ///< [m] as Mesh::position
+    std::vector<double> mass;    ///< [kg]; none at the far end, which nothing accelerates
+    std::vector<Cable> cables;
+};
+
 class Mesh {
 public:
     /// Nodes are numbered canopy first, then lines and risers, the payload last.
     int node_count() const { return static_cast<int>(position.size()); }
     NodeIndex payload() const { return node_count() - 1; }
+    /// Takes the forces of padding elements.
+    NodeIndex dummy() const { return node_count(); }
+    NodeIndex first_static_line_node() const { return node_count() + 1; }
     bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
     const Cord& cord(CableKind kind) const { return cords[static_cast<std::size_t>(kind)]; }
 
@@ -55,7 +66,8 @@ public:
     std::vector<Triangle> triangles;
     std::vector<Cable> cables;
     Fabric fabric;
-    std::array<Cord, 5> cords;  ///< by CableKind
+    std::array<Cord, 6> cords;  ///< by CableKind
+    StaticLine static_line;     ///< empty where there is none
 
     /// Seam nodes, one ring of `gores` for each row from vent to skirt.
     std::vector<std::vector<NodeIndex>> seam_rings;

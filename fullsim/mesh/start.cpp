@@ -42,6 +42,41 @@ Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double l
                           load);
 }
 
+/// As strong as one of four risers would be, and in elements as long as the lines': from the vent's seams by
+/// one cord each to the apex, from there to the far end. `axis`: from payload to apex.
+StaticLine rig_static_line(const Mesh& mesh, const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    const double strands = std::max(1.0, 0.25 * chute.gores);
+    const double length = chute.deploy.static_line_length;
+    const int elements = std::max(
+        1, static_cast<int>(std::lround(length / (chute.line_length / scene.full.mesh.line_elements))));
+    const double linear = chute.line.linear_density();
+    const auto& vent = mesh.seam_rings.front();
+    const double leg = gore_pattern(chute).vent_radius;
+
+    StaticLine line;
+    Vec3 apex = Vec3::Zero();
+    for (const NodeIndex i : vent)
+        apex += mesh.position[i] / static_cast<double>(vent.size());
+    const NodeIndex first = mesh.first_static_line_node();
+    for (int k = 0; k <= elements; ++k) {
+        // Packed like the rest: a line of no length has no direction.
+        line.position.push_back(apex + chute.deploy.pack_ratio * length * k / elements * mesh.axis);
+        line.mass.push_back(0.0);
+    }
+    for (const NodeIndex i : vent)
+        line.cables.push_back({{i, first}, leg, 1.0, CableKind::static_line});
+    line.mass[0] += linear * leg * static_cast<double>(vent.size());
+    for (int k = 0; k < elements; ++k) {
+        const double l0 = length / elements;
+        line.cables.push_back({{first + k, first + k + 1}, l0, strands, CableKind::static_line});
+        line.mass[k] += 0.5 * linear * strands * l0;
+        line.mass[k + 1] += 0.5 * linear * strands * l0;
+    }
+    line.mass.back() = 0.0;
+    return line;
+}
+
 }  // namespace
 
 Vec3 trailing_direction(const Scene& scene) {
@@ -65,6 +100,7 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     if (chute.deploy.starts_packed()) {
         Mesh mesh = unloaded_mesh(scene);
         pack(mesh, chute.deploy.pack_ratio);
+        if (chute.deploy.by == DeployBy::static_line) mesh.static_line = rig_static_line(mesh, scene);
         return mesh;
     }
     const double open = 0.25 * pi * std::pow(2.0 * steady_radius(chute), 2);

@@ -4,13 +4,22 @@
 
 namespace twinchute::fullsim {
 
+double static_line_kinetic_energy(const State& state, const NodeConstants& c) {
+    double twice = 0.0;
+    for (std::size_t k = 0; k < c.static_line_mass.size(); ++k) {
+        const Lanes v = state.node[c.mass.size() + 1 + k].v;
+        twice += c.static_line_mass[k] * sum3(v * v);
+    }
+    return 0.5 * twice;
+}
+
 double kinetic_energy(const State& state, const NodeConstants& c) {
     double twice = 0.0;
     for (std::size_t i = 0; i < c.mass.size(); ++i) {
         const Lanes v = state.node[i].v;
         twice += (c.mass[i] + c.share[i] * state.added_mass) * sum3(v * v);
     }
-    return 0.5 * twice;
+    return 0.5 * twice + static_line_kinetic_energy(state, c);
 }
 
 double elastic_energy(const State& state, const ForceModels& structure) {
@@ -21,7 +30,8 @@ double elastic_energy(const State& state, const ForceModels& structure) {
 }
 
 double residual(const EnergyLedger& e) {
-    return e.kinetic + e.elastic - (e.gravity_work + e.drag_work - e.damping + e.added_mass);
+    return e.kinetic + e.elastic -
+           (e.gravity_work + e.drag_work - e.damping + e.added_mass + e.ramp + e.external_work);
 }
 
 EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure) {
@@ -34,6 +44,8 @@ EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, c
     ledger.drag_work = book.drag_work + half * book.drag_power;
     ledger.damping = book.damping + half * book.damping_power;
     ledger.added_mass = book.added_mass;
+    ledger.ramp = book.ramp;
+    ledger.external_work = book.external_work + half * book.external_power;
     const double scale = std::abs(ledger.drag_work);
     ledger.residual_fraction = scale > 0.0 ? residual(ledger) / scale : 0.0;
     return ledger;

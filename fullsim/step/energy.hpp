@@ -7,6 +7,9 @@
 
 namespace twinchute::fullsim {
 
+/// Of the static line alone [J]; zero where there is none.
+double static_line_kinetic_energy(const State& state, const NodeConstants& constants);
+
 /// 1/2 sum (m_i + M_a,i) v_i^2 [J] at state.time.
 double kinetic_energy(const State& state, const NodeConstants& constants);
 
@@ -14,7 +17,7 @@ double kinetic_energy(const State& state, const NodeConstants& constants);
 double elastic_energy(const State& state, const ForceModels& structure);
 
 /// The balance from the start to state.time:
-///   kinetic + elastic = gravity work + drag work - damping + added mass + residual.
+///   kinetic + elastic = gravity work + drag work - damping + added mass + ramp + external work + residual.
 EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure);
 
 /// The residual of a ledger [J]; positive when energy came from nowhere.

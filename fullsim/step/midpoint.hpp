@@ -10,9 +10,10 @@ struct NodeConstants {
     std::vector<double> mass;   ///< [kg] material, payload included
     std::vector<double> share;  ///< [-] of the added mass; zero outside the canopy
     NodeIndex canopy_nodes = 0;
-    double canopy_mass = 0.0;  ///< [kg]
-    double system_mass = 0.0;  ///< [kg]
-    double gravity = 0.0;      ///< [m/s^2]
+    double canopy_mass = 0.0;              ///< [kg]
+    double system_mass = 0.0;              ///< [kg]
+    double gravity = 0.0;                  ///< [m/s^2]
+    std::vector<double> static_line_mass;  ///< [kg] the far end last, which keeps its velocity
 };
 
 NodeConstants node_constants(const Mesh& mesh, double gravity);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +23,24 @@ std::vector<Option> scene_options(std::string out_meaning) {
         {"json", "", "print the summary as JSON and nothing else"},
         {"quiet", "", "print nothing but errors"},
     };
+}
+
+Option fields_option() {
+    return {"fields", "RATE", "also write the fields for VTK, frames per simulated second, e.g. 50", false};
+}
+
+std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity) {
+    const std::optional<std::string> text = arguments.value("fields");
+    if (!text || !fidelity.gives_fields) return {};
+    double rate = 0.0;
+    const char* const end = text->data() + text->size();
+    const auto [rest, error] = std::from_chars(text->data(), end, rate);
+    if (error != std::errc{} || rest != end || !std::isfinite(rate) || rate <= 0.0)
+        throw UsageError(
+            fmt::format("'--fields {}' is not understood (frames per simulated second are wanted, a "
+                        "positive number), e.g. --fields 50",
+                        *text));
+    return {fmt::format("{}.fields_rate={}", fidelity.name, rate)};
 }
 
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
@@ -72,10 +92,20 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
     if (arguments.has("json")) print(joined_json(scenes, texts));
 }
 
-RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet) {
+RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
+                      FieldFiles* fields) {
     ProgressLine line(fidelity.name, !quiet && progress_is_seen());
     Run run{std::move(stop), line.reporter()};
-    return fidelity.run(scene, run);
+    if (fields) run.fields = [fields](const VtuGrid& frame) { fields->add(frame); };
+    RunRecord record = fidelity.run(scene, run);
+    if (fields) fields->finish();
+    return record;
+}
+
+std::string fields_text(const FieldFiles& fields) {
+    if (fields.count() == 0) return {};
+    return fmt::format("fields    {} ({} {})\n", printable(fields.collection().string()), fields.count(),
+                       fields.count() == 1 ? "frame" : "frames");
 }
 
 void print(const std::string& text) {

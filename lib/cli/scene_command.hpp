@@ -8,12 +8,20 @@
 #include <vector>
 
 #include "lib/cli/verb.hpp"
+#include "lib/record/field_files.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
 
 /// --out, --set, --check, --json, --quiet.
 std::vector<Option> scene_options(std::string out_meaning);
+
+/// --fields, for verbs that run a fidelity which gives fields.
+Option fields_option();
+
+/// What --fields overrides in a scene for this fidelity; nothing where it is absent, or the fidelity gives
+/// none. Throws UsageError.
+std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity);
 
 /// The scene of the operand, or the cases of its series, with every --set, and whatever else overrides
 /// them, applied. Throws SceneError and UsageError.
@@ -35,8 +43,13 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
 /// For --check: says that the scenes are valid.
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments);
 
-/// Runs one fidelity with a progress line where one can be seen.
-RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet);
+/// Runs one fidelity with a progress line where one can be seen. Fields that the scene asks for go into
+/// `fields` where there is one. Throws WriteError where they do not fit.
+RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
+                      FieldFiles* fields = nullptr);
+
+/// For reading: where the fields are, or nothing where there are none.
+std::string fields_text(const FieldFiles& fields);
 
 /// Writes to standard output.
 void print(const std::string& text);

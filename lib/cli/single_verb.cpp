@@ -16,7 +16,7 @@ namespace {
 
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
-    const std::vector<Scene> scenes = scenes_of(arguments);
+    const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
     for (const Scene& scene : scenes)
         require_physics(scene, fidelity, others);
     if (arguments.has("check")) {
@@ -31,15 +31,22 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     ExitCode code = ExitCode::done;
     std::vector<std::string> summaries;
     for (const Scene& scene : scenes) {
-        const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"));
         const std::filesystem::path place = directory_of(scene, directory.value_or(""));
-        if (directory && record.status.code != StatusCode::refused) write_record(record, place);
+        FileBatch batch;
+        FieldFiles fields(batch, place);
+        const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"),
+                                             directory ? &fields : nullptr);
+        if (directory && record.status.code != StatusCode::refused) {
+            add_record(batch, record, place);
+            batch.commit();
+        }
         if (arguments.has("json")) {
             summaries.push_back(summary_json(record));
         } else if (!arguments.has("quiet")) {
             print((&scene == &scenes.front() ? "" : "\n") +
                   record_text(record, fidelity.title, output_style()));
             if (directory) print(fmt::format("record    {}\n", printable((place / "summary.json").string())));
+            print(fields_text(fields));
         }
         code = gravest(code, exit_code(record.status.code));
         if (code == ExitCode::interrupted) break;
@@ -60,6 +67,7 @@ Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput ou
     verb.options =
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
+    if (fidelity.gives_fields) verb.options.insert(verb.options.begin() + 1, fields_option());
     verb.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
         return run_single(fidelity, output, others, arguments);
     };

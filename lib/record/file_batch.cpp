@@ -47,12 +47,17 @@ private:
     int fd_;
 };
 
-/// Opens a new file beside the target; its name starts with a dot and no other process has it.
-int open_temporary(const fs::path& target, fs::path& temporary) {
+/// A name beside the target that starts with a dot and that no other process has.
+fs::path temporary_name(const fs::path& target) {
     static std::atomic<unsigned> count = 0;
+    return parent_of(target) /
+           fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), count.fetch_add(1));
+}
+
+/// Opens a new file beside the target.
+int open_temporary(const fs::path& target, fs::path& temporary) {
     for (;;) {
-        temporary = parent_of(target) /
-                    fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), count.fetch_add(1));
+        temporary = temporary_name(target);
         const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd >= 0 || errno != EEXIST) return fd;
     }
@@ -163,6 +168,10 @@ void FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
     if (const int error = write_all(file, text); error != 0) throw WriteError(target, error);
 }
 
+void FileBatch::remove(const fs::path& target) {
+    removals_.push_back({target, aside_of(temporary_name(target))});
+}
+
 void FileBatch::commit() {
     Renames renames;
     std::set<fs::path> directories;
@@ -173,6 +182,8 @@ void FileBatch::commit() {
             directories.insert(parent_of(file.target));
         }
     }
+    for (const Removal& file : removals_)
+        renames.set_aside(file.target, file.aside);
     for (const Kind kind : {Kind::content, Kind::marker}) {
         for (const Pending& file : pending_) {
             if (file.kind == kind) renames.place(file.temporary, file.target);
@@ -184,7 +195,12 @@ void FileBatch::commit() {
     renames.keep();
     for (const Pending& file : pending_)
         ::unlink(aside_of(file.temporary).c_str());
+    for (const Removal& file : removals_) {
+        if (::unlink(file.aside.c_str()) == 0)
+            ::rmdir(parent_of(file.target).c_str());  // stays when something is in it
+    }
     pending_.clear();
+    removals_.clear();
     made_.clear();
 }
 

@@ -26,6 +26,10 @@ public:
     /// Throws WriteError.
     void add(const std::filesystem::path& target, std::string_view text, Kind kind = Kind::content);
 
+    /// Makes commit() take a file away that nothing of this batch replaces, and the directory that is empty
+    /// after that; there may be no such file.
+    void remove(const std::filesystem::path& target);
+
     /// Gives every file its name: contents first, then markers in the order they were added. Old
     /// markers go before, so that new contents never stand beside an old marker. Throws WriteError; then
     /// every file that stood there before is back under its name.
@@ -36,9 +40,13 @@ private:
         std::filesystem::path target, temporary;
         Kind kind;
     };
+    struct Removal {
+        std::filesystem::path target, aside;
+    };
     void make_directories(const std::filesystem::path& directory);
 
     std::vector<Pending> pending_;
+    std::vector<Removal> removals_;
     std::vector<std::filesystem::path> made_;  ///< directories, outermost first
 };
 

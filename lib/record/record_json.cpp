@@ -66,6 +66,8 @@ Json energy_json(const EnergyLedger& energy) {
     put_unless_zero(json, "drag_work_J", energy.drag_work);
     put_unless_zero(json, "damping_J", energy.damping);
     put_unless_zero(json, "added_mass_J", energy.added_mass);
+    put_unless_zero(json, "ramp_J", energy.ramp);
+    put_unless_zero(json, "external_work_J", energy.external_work);
     put(json, "residual_fraction", energy.residual_fraction);
     return json;
 }

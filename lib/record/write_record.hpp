@@ -9,7 +9,8 @@
 namespace twinchute {
 
 /// Writes history.csv, events.csv and, last, summary.json into `directory`, which is made when it is
-/// not there. Throws WriteError; then nothing that stood there before has changed.
+/// not there; fields of an earlier record go. Throws WriteError; then nothing that stood there before has
+/// changed.
 void write_record(const RunRecord& record, const std::filesystem::path& directory);
 
 /// The same as part of a larger batch.

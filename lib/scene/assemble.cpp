@@ -158,6 +158,7 @@ Deployment deployment(const Values& v) {
     d.pack_ratio = v.number(key("pack_ratio"));
     d.drag_coefficient = v.number(key("drag_coefficient"));
     if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
+    d.fold_repulsion = v.number(key("fold_repulsion"));
     d.fold_resistance = v.number(key("fold_resistance"));
     return d;
 }
@@ -238,6 +239,7 @@ FullSettings full(const Values& v) {
     f.time_step_factor = v.number("full.time_step_factor");
     f.strain_limit = v.number("full.strain_limit");
     f.output_rate = v.number("full.output_rate");
+    if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");
     if (v.has_table("full.noise"))
         f.noise = {v.number("full.noise.amplitude"),
                    static_cast<std::uint64_t>(v.integer("full.noise.seed"))};

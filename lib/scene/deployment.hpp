@@ -51,6 +51,7 @@ struct Deployment {
     double pack_ratio = 0.0;        ///< length of the pack over that of the parachute drawn out [-]
     double drag_coefficient = 0.0;  ///< of cloth until snatch, on its area across the air [-] (full)
     double pack_drag_area = 0.0;    ///< C_D S of the pack [m^2] (rom); needed by a free deployment
+    double fold_repulsion = 0.0;    ///< stiffness of folded cloth over that in tension [-] (full)
     double fold_resistance = 0.0;   ///< [N/m] of folded cloth against being drawn out (full)
 
     bool starts_packed() const { return by != DeployBy::line_stretch && by != DeployBy::inflated; }

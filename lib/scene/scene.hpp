@@ -146,14 +146,15 @@ enum class Structure {
 struct FullSettings {
     MeshCounts mesh;
     Structure structure = Structure::msd_fe;
-    double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
-    double ramp_time = 0.0;          ///< [s] over which the stiffness of the finite elements grows
-    double beta = 0.0;               ///< [s] stiffness-proportional damping of cables and spring edges
-    double alpha = 0.0;              ///< [1/s] mass-proportional Rayleigh damping about the mean motion
-    double bulk_viscosity = 0.0;     ///< b1 [-] (paper, Eq. 3)
-    double time_step_factor = 0.0;   ///< share of the bound on the stable step [-]
-    double strain_limit = 0.0;       ///< largest strain that a run may reach [-]
-    double output_rate = 0.0;        ///< [1/s] rows of the history
+    double switch_area_ratio = 0.0;     ///< mouth area over the steady projected area at the change [-]
+    double ramp_time = 0.0;             ///< [s] over which the stiffness of the finite elements grows
+    double beta = 0.0;                  ///< [s] stiffness-proportional damping of cables and spring edges
+    double alpha = 0.0;                 ///< [1/s] mass-proportional Rayleigh damping about the mean motion
+    double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
+    double time_step_factor = 0.0;      ///< share of the bound on the stable step [-]
+    double strain_limit = 0.0;          ///< largest strain that a run may reach [-]
+    double output_rate = 0.0;           ///< [1/s] rows of the history
+    std::optional<double> fields_rate;  ///< [1/s] frames of the fields; absent: none
     std::optional<Noise> noise;
 
     bool operator==(const FullSettings&) const = default;

@@ -84,6 +84,7 @@ void write_deployment(Writer& w, const Deployment& d) {
     w.number("deploy.pack_ratio", d.pack_ratio);
     w.number("deploy.drag_coefficient", d.drag_coefficient);
     w.number("deploy.pack_drag_area", d.pack_drag_area);
+    w.number("deploy.fold_repulsion", d.fold_repulsion);
     w.number("deploy.fold_resistance", d.fold_resistance);
 }
 
@@ -163,6 +164,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.number("time_step_factor", full.time_step_factor);
     w.number("strain_limit", full.strain_limit);
     w.number("output_rate", full.output_rate);
+    if (full.fields_rate) w.number("fields_rate", *full.fields_rate);
     if (!full.noise) return;
     w.number("noise.amplitude", full.noise->amplitude);
     w.whole("noise.seed", full.noise->seed);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lib/record/run_record.hpp"
+#include "lib/record/vtu.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -23,6 +24,9 @@ struct Progress {
 struct Run {
     std::stop_token stop;                           ///< asks for an early, clean end
     std::function<void(const Progress&)> progress;  ///< may be empty; called now and then
+    /// May be empty; takes the frames of a scene that asks for them, in the order of their times. What it
+    /// throws ends the run.
+    std::function<void(const VtuGrid&)> fields = {};
 };
 
 struct Fidelity {
@@ -31,6 +35,7 @@ struct Fidelity {
     RunRecord (*run)(const Scene&, Run&) = nullptr;
     /// Keys of the scene whose physics this fidelity lacks; never null, usually empty.
     std::vector<std::string> (*lacks)(const Scene&) = nullptr;
+    bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
 };
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.

@@ -19,16 +19,38 @@ inline fullsim::Mesh coarse_c9(int columns = 2, int rows = 3, double load = 0.0)
                                    mouth_area_at_line_stretch(chute), load);
 }
 
+/// Adds a static line of two cables, unstrained, above the apex.
+inline void add_static_line(fullsim::Mesh& mesh) {
+    using fullsim::CableKind;
+    const auto& vent = mesh.seam_rings.front();
+    Vec3 centre = Vec3::Zero();
+    for (const auto i : vent)
+        centre += mesh.position[i] / static_cast<double>(vent.size());
+    const auto first = mesh.first_static_line_node();
+    fullsim::StaticLine& line = mesh.static_line;
+    for (int k = 0; k < 3; ++k)
+        line.position.push_back(centre + (1.0 + k) * mesh.axis);
+    line.mass = {0.05, 0.04, 0.0};
+    for (const auto i : vent)
+        line.cables.push_back(
+            {{i, first}, (line.position[0] - mesh.position[i]).norm(), 1.0, CableKind::static_line});
+    for (int k = 0; k < 2; ++k)
+        line.cables.push_back({{first + k, first + k + 1}, 1.0, 7.0, CableKind::static_line});
+}
+
 /// The mesh at its own positions, moving with `velocity`, in air of 1.225 kg/m^3 from below.
 inline fullsim::State state_of(const fullsim::Mesh& mesh, const Vec3& velocity = Vec3::Zero()) {
     fullsim::State state;
-    const auto count = static_cast<std::size_t>(mesh.node_count()) + 1;
+    const auto dummy = static_cast<std::size_t>(mesh.dummy());
+    const std::size_t count = dummy + 1 + mesh.static_line.position.size();
     state.node.resize(count, {splat(0.0), splat(0.0)});
     state.v_half.resize(count, {splat(0.0)});
     state.force.resize(count, {splat(0.0)});
     state.aero.resize(count, {splat(0.0)});
-    for (std::size_t i = 0; i + 1 < count; ++i) {
-        state.node[i] = {fullsim::to_lanes(mesh.position[i]), fullsim::to_lanes(velocity)};
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i == dummy) continue;
+        const Vec3& place = i < dummy ? mesh.position[i] : mesh.static_line.position[i - dummy - 1];
+        state.node[i] = {fullsim::to_lanes(place), fullsim::to_lanes(velocity)};
         state.v_half[i].value = fullsim::to_lanes(velocity);
     }
     state.air.density = 1.225;

@@ -46,7 +46,7 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryVerb) {
     for (const char* word : {"twinchute ", "commit ", "compiler "}) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
-    for (const std::string verb : {"compare", "rom", "full", "list"}) {
+    for (const std::string verb : {"compare", "rom", "full", "mesh", "list"}) {
         const Ended help = run({verb, "-h"});
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("example: twinchute " + verb), std::string::npos) << help.out;
@@ -120,7 +120,7 @@ TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
 }
 
 TEST_F(SystemCli, CheckRunsNothing) {
-    for (const std::string verb : {"compare", "rom", "full"}) {
+    for (const std::string verb : {"compare", "rom", "full", "mesh"}) {
         const Ended ended = run({verb, scene, "--check"});
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("valid"), std::string::npos);

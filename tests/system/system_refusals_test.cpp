@@ -148,6 +148,17 @@ TEST_F(FullDisk, TheOtherVerbsKeepTheSamePromise) {
     }
 }
 
+TEST_F(FullDisk, FieldsThatDoNotFitEndTheRunAndLeaveTheEarlierOnes) {
+    const Words out{"--out", disk_ / "full"};
+    ASSERT_EQ(run(quick("full") + out + Words{"--fields", "4"}).code, 0);
+    const auto earlier = everything_in(disk_ / "full");
+    for (const std::size_t room : {0u, 64u << 10, 128u << 10}) {
+        disk_.leave(room);
+        expect_refused(run(quick("full") + out + Words{"--fields", "100"}));  // 26 frames of 45 kB
+        EXPECT_TRUE(everything_in(disk_ / "full") == earlier) << "room " << room;
+    }
+}
+
 TEST_F(FullDisk, StandardOutputIsAResultToo) {
     disk_.leave(4u << 10);
     const Ended ended =

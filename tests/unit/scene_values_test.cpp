@@ -175,6 +175,7 @@ TEST(SceneValues, DefaultsAreThoseOfTheTable) {
     EXPECT_EQ(s.full.time_step_factor, 0.8);
     EXPECT_EQ(s.full.strain_limit, 0.5);
     EXPECT_EQ(s.full.output_rate, 200.0);
+    EXPECT_FALSE(s.full.fields_rate);
     EXPECT_EQ(s.full.noise->seed, 1u);
     EXPECT_EQ(s.stop.delay, 0.0);
 }

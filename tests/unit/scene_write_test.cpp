@@ -34,11 +34,13 @@ TEST(WriteScene, KeepsWhatIsAwkward) {
                                              "compare.tolerance.max_deceleration=0.1 g0",
                                              "compare.tolerance.load_factor='0.1'",
                                              "environment.wind={speed=0.0, from='1 deg'}",
+                                             "full.fields_rate='50 Hz'",
                                              "full.noise={amplitude=1e-13, seed=9000000000000000}"};
     const Scene scene = read_text(good_scene, overrides);
     const Scene again = read_text(write_scene(scene));
     EXPECT_TRUE(same_scene(scene, again)) << write_scene(scene);
     EXPECT_EQ(again.full.noise->seed, 9000000000000000u);
+    EXPECT_EQ(again.full.fields_rate, 50.0);
     Scene other = scene;  // the comparison can fail
     other.full.noise->seed += 1;
     EXPECT_FALSE(same_scene(scene, other));

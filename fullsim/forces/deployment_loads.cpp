@@ -1,0 +1,166 @@
+// What acts on a parachute only until snatch: drag of its cloth, resistance of its folds, extraction.
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/forces/gather.hpp"
+#include "fullsim/forces/registry.hpp"
+#include "fullsim/forces/spring.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+struct Group {
+    std::array<LaneNodes, 3> node;
+};
+
+/// 1/2 rho C_D |A.e| V^2 e on each triangle, a third to each corner: V e is the air's velocity relative to
+/// the triangle's own mean (paper, 3.2.1; Eqs 11 and 12 with phi = 0).
+class ClothDrag final : public ForceModel {
+public:
+    ClothDrag(const Mesh& mesh, double coefficient)
+        : coefficient_(coefficient), elements_(mesh.triangles.size()) {
+        for (std::size_t first = 0; first < elements_; first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k)
+                for (int corner = 0; corner < 3; ++corner)
+                    g.node[corner][k] =
+                        first + k < elements_ ? mesh.triangles[first + k].node[corner] : mesh.dummy();
+            groups_.push_back(g);
+        }
+    }
+
+    std::string_view name() const override { return "cloth drag"; }
+    std::size_t elements() const override { return elements_; }
+
+    void add_forces(State& state) const override { sweep(state); }
+
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+        const Vec3& w = state.air.wind;
+        const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
+        const Lanes third = splat(1.0 / 3.0), factor = splat(0.5 * state.air.density * coefficient_ / 3.0);
+        Lanes across = splat(0.0);
+        for (const Group& g : groups_) {
+            const Lanes3 x0 = gather_position(state.node, g.node[0]);
+            const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
+            const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
+            const Lanes3 area = splat(0.5) * cross(e1, e2);
+            const Lanes3 velocity = wind - third * (gather_velocity(state.node, g.node[0]) +
+                                                    gather_velocity(state.node, g.node[1]) +
+                                                    gather_velocity(state.node, g.node[2]));
+            const Lanes flow = dot(area, velocity);  // |A.e| V
+            const Lanes swept = flow > splat(0.0) ? flow : -flow;
+            across += swept / (square_root(dot(velocity, velocity)) + 1e-9);
+            const CornerForces corner(factor * swept * velocity);
+            for (int k = 0; k < lane_count; ++k)
+                for (int c = 0; c < 3; ++c)
+                    state.aero[g.node[c][k]].value += corner.row[k];
+        }
+        state.air.projected_area = sum(across);
+    }
+
+private:
+    double coefficient_;
+    std::size_t elements_;
+    std::vector<Group> groups_;
+};
+
+/// A force per width that holds folded cloth against being drawn out, so that the lines come first (paper,
+/// 5.2): along every edge shorter than unfolded, while it lengthens. It only takes energy. The paper's acts
+/// at rest, too; that would draw a pack together into a point.
+class FoldResistance final : public ForceModel {
+public:
+    FoldResistance(const Mesh& mesh, double resistance) : edges_(fabric_edges(mesh)) {
+        for (const FabricEdge& e : edges_)
+            force_.push_back(resistance * e.section / mesh.fabric.thickness);
+    }
+
+    std::string_view name() const override { return "fold resistance"; }
+    std::size_t elements() const override { return edges_.size(); }
+
+    void add_forces(State& state) const override {
+        double dissipated = 0.0;
+        for (std::size_t i = 0; i < edges_.size(); ++i) {
+            NodeRecord &a = state.node[edges_[i].node[0]], &b = state.node[edges_[i].node[1]];
+            const Vec3 d = to_vec3(b.x - a.x);
+            const double length = d.norm() + 1e-9;
+            if (length >= edges_[i].rest_length) continue;
+            const double lengthening = d.dot(to_vec3(b.v - a.v)) / length;
+            if (lengthening <= 0.0) continue;
+            const double force = force_[i] * std::min(1.0, lengthening / full_speed);
+            const Lanes pull = to_lanes(force / length * d);
+            state.force[edges_[i].node[0]].value += pull;
+            state.force[edges_[i].node[1]].value -= pull;
+            dissipated += force * lengthening;
+        }
+        state.damping_power += dissipated;
+    }
+
+    void add_row_sums(const State&, RowSums& sums) const override {
+        for (std::size_t i = 0; i < edges_.size(); ++i)
+            for (const NodeIndex n : edges_[i].node)
+                sums.damping[n] += 2.0 * force_[i] / full_speed;
+    }
+
+private:
+    static constexpr double full_speed = 1.0;  // [m/s] of lengthening; below it the force is less
+    std::vector<FabricEdge> edges_;
+    std::vector<double> force_;  // [N] of each edge
+};
+
+/// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy
+/// by area.
+class Extraction final : public ForceModel {
+public:
+    Extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex, const Vec3& direction)
+        : history_(history), direction_(direction) {
+        if (on_apex) {
+            const auto& vent = mesh.seam_rings.front();
+            for (const NodeIndex i : vent)
+                shares_.push_back({i, 1.0 / static_cast<double>(vent.size())});
+        } else {
+            const double area = mesh.fabric_area();
+            for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+                shares_.push_back({i, mesh.tributary_area[i] / area});
+        }
+    }
+
+    std::string_view name() const override { return "extraction"; }
+
+    void add_forces(State& state) const override {
+        const double now = history_.at(state.time);
+        if (now == 0.0) return;
+        const Lanes force = to_lanes(now * direction_);
+        Lanes power = splat(0.0);
+        for (const Share& s : shares_) {
+            state.force[s.node].value += s.part * force;
+            power += s.part * force * state.node[s.node].v;
+        }
+        state.external_power += sum3(power);
+    }
+
+private:
+    struct Share {
+        NodeIndex node;
+        double part;  // [-]
+    };
+    const ForceHistory& history_;
+    Vec3 direction_;
+    std::vector<Share> shares_;
+};
+
+}  // namespace
+
+std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient) {
+    return std::make_unique<ClothDrag>(mesh, coefficient);
+}
+
+std::unique_ptr<const ForceModel> make_fold_resistance(const Mesh& mesh, double resistance) {
+    return std::make_unique<FoldResistance>(mesh, resistance);
+}
+
+std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
+                                                  const Vec3& direction) {
+    return std::make_unique<Extraction>(mesh, history, on_apex, direction);
+}
+
+}  // namespace twinchute::fullsim

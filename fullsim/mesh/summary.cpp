@@ -1,0 +1,37 @@
+#include "fullsim/mesh/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace twinchute::fullsim {
+
+Vec3 bounding_size(const Mesh& mesh) {
+    Vec3 low = mesh.position.front(), high = low;
+    for (const Vec3& x : mesh.position) {
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+    }
+    return high - low;
+}
+
+MeshSummary summarise(const Mesh& mesh) {
+    MeshSummary s;
+    s.nodes = mesh.node_count();
+    s.triangles = mesh.triangles.size();
+    s.fabric_area = mesh.fabric_area();
+    s.fabric_mass = mesh.fabric.density * mesh.fabric.thickness * s.fabric_area;
+    s.total_mass = mesh.parachute_mass();
+    s.smallest_edge = std::numeric_limits<double>::infinity();
+    for (const Triangle& t : mesh.triangles)
+        s.smallest_edge = std::min({s.smallest_edge, t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
+    for (const Cable& c : mesh.cables) {
+        const auto kind = static_cast<std::size_t>(c.kind);
+        ++s.cables[kind];
+        s.cable_mass[kind] += mesh.cord(c.kind).linear_density() * c.strands * c.rest_length;
+        s.smallest_edge = std::min(s.smallest_edge, c.rest_length);
+    }
+    return s;
+}
+
+}  // namespace twinchute::fullsim

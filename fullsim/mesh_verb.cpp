@@ -1,0 +1,201 @@
+#include "fullsim/mesh_verb.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "fullsim/fields.hpp"
+#include "fullsim/mesh/start.hpp"
+#include "fullsim/mesh/summary.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+#include "lib/record/file_batch.hpp"
+#include "lib/record/record_json.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A mesh of a scene, and where it goes.
+struct View {
+    std::string what;
+    Mesh mesh;
+    fs::path file;  // empty: nowhere
+};
+
+/// As it starts, without its load: drawn out, and packed where the scene begins so. Both about the payload.
+std::vector<View> views_of(const Scene& scene, const std::optional<fs::path>& out) {
+    const fs::path file = out ? directory_of(scene, out->parent_path()) / out->filename() : fs::path();
+    std::vector<View> views{{"drawn out", unloaded_mesh(scene), file}};
+    const Deployment& deploy = scene.parachutes.front().deploy;
+    if (deploy.starts_packed()) {
+        Mesh packed = views.front().mesh;
+        pack(packed, deploy.pack_ratio);
+        const fs::path beside =
+            out ? file.parent_path() / (file.stem().string() + "-packed.vtu") : fs::path();
+        views.push_back({"packed", std::move(packed), beside});
+    }
+    return views;
+}
+
+std::string vtu_of(const Mesh& mesh) {
+    VtuGrid grid = mesh_grid(mesh);
+    grid.point_data.push_back({"mass_kg", 1, mesh.mass});
+    add_cell_data(grid, mesh, "area_m2", [](const Triangle& t) { return t.area(); }, {});
+    add_cell_data(grid, mesh, "length_m", {}, [](const Cable& c) { return c.rest_length; });
+    return vtu_text(grid);
+}
+
+/// Nobody else's file is overwritten: a mesh of ours says so in its note.
+void check_target(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return;
+    std::string head(512, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+    if (fs::is_empty(file, ignored) || head.find("<!-- twinchute") != std::string::npos) return;
+    throw UsageError(fmt::format(
+        "'{}' is no mesh of twinchute (nothing else is overwritten), name another file with --out",
+        file.string()));
+}
+
+std::optional<fs::path> wanted_file(const Arguments& arguments) {
+    const auto text = arguments.value("out");
+    if (!text) return {};
+    fs::path file = *text;
+    if (file.extension() != ".vtu" || file.stem().empty())
+        throw UsageError(fmt::format(
+            "'--out {}' is not understood (the name of a .vtu file is wanted), e.g. --out c9.vtu", *text));
+    return file;
+}
+
+/// Areas that the mesh is held against: of the nominal circle and of the vent.
+struct Circles {
+    double nominal, vent;  // [m^2]
+};
+
+Circles circles_of(const Parachute& chute) {
+    const auto area = [](double diameter) { return 0.25 * pi * diameter * diameter; };
+    return {area(chute.nominal_diameter), area(chute.vent_diameter)};
+}
+
+std::string summary_json_of(const Scene& scene, const std::vector<View>& views) {
+    using nlohmann::ordered_json;
+    const MeshSummary s = summarise(views.front().mesh);
+    const Circles circles = circles_of(scene.parachutes.front());
+    ordered_json cables = ordered_json::object(), masses = {{"fabric", s.fabric_mass}};
+    for (std::size_t i = 0; i < cable_kind_count; ++i) {
+        const std::string kind(cable_kind_name(static_cast<CableKind>(i)));
+        cables[kind] = s.cables[i];
+        masses[kind] = s.cable_mass[i];
+    }
+    masses["total"] = s.total_mass;
+    masses["parachute.mass"] = scene.parachutes.front().mass;
+    ordered_json meshes = ordered_json::array();
+    for (const View& view : views) {
+        const Vec3 size = bounding_size(view.mesh);
+        ordered_json mesh{{"mesh", view.what}, {"size_m", {size.x(), size.y(), size.z()}}};
+        if (!view.file.empty()) mesh["file"] = view.file.string();
+        meshes.push_back(std::move(mesh));
+    }
+    return json_text({{"generator", "twinchute"},
+                      {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                      {"nodes", s.nodes},
+                      {"triangles", s.triangles},
+                      {"cables", std::move(cables)},
+                      {"mass_kg", std::move(masses)},
+                      {"fabric_area_m2", s.fabric_area},
+                      {"nominal_area_m2", circles.nominal},
+                      {"vent_area_m2", circles.vent},
+                      {"smallest_edge_m", s.smallest_edge},
+                      {"meshes", std::move(meshes)}});
+}
+
+std::string summary_text_of(const Scene& scene, const std::vector<View>& views) {
+    const MeshSummary s = summarise(views.front().mesh);
+    const Parachute& chute = scene.parachutes.front();
+    const Circles circles = circles_of(chute);
+    Table table;
+    table.header = {"", "count", "mass [kg]", ""};
+    table.right = {false, true, true};
+    const auto row = [&](std::string_view what, std::size_t count, double mass) {
+        table.rows.push_back({std::string(what), std::to_string(count), fmt::format("{:.3f}", mass), ""});
+    };
+    table.rows.push_back({"nodes", std::to_string(s.nodes), "", ""});
+    row("fabric triangles", s.triangles, s.fabric_mass);
+    for (std::size_t i = 0; i < cable_kind_count; ++i)
+        row(fmt::format("{} cables", cable_kind_name(static_cast<CableKind>(i))), s.cables[i],
+            s.cable_mass[i]);
+    table.rows.push_back({"parachute", "", fmt::format("{:.3f}", s.total_mass),
+                          fmt::format("parachute.mass says {:.3f} kg, {:+.1f} %", chute.mass,
+                                      100.0 * (s.total_mass / chute.mass - 1.0))});
+    Table sizes;
+    sizes.right = {false, true};
+    sizes.rows = {
+        {"fabric area", readable(s.fabric_area, 6), "m2",
+         fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
+        {"smallest edge", readable(s.smallest_edge), "m", "of a triangle or cable, unstrained"}};
+    for (const View& view : views) {
+        const Vec3 size = bounding_size(view.mesh);
+        sizes.rows.push_back(
+            {view.what,
+             fmt::format("{} x {} x {}", readable(size.x()), readable(size.y()), readable(size.z())), "m",
+             "east, north, up"});
+    }
+    const Style style = output_style();
+    std::string text = style.paint(printable(scene.name), Colour::bold);
+    if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
+    text += "\n\n" + aligned(table, style, 2) + "\n" + aligned(sizes, style, 2);
+    for (const View& view : views)
+        if (!view.file.empty()) text += fmt::format("\nmesh      {}", printable(view.file.string()));
+    return text + (views.front().file.empty() ? "" : "\n");
+}
+
+ExitCode run_mesh(const Arguments& arguments) {
+    const std::optional<fs::path> out = wanted_file(arguments);
+    const std::vector<Scene> scenes = scenes_of(arguments);
+    if (arguments.has("check")) {
+        say_valid(scenes, arguments);
+        return ExitCode::done;
+    }
+    FileBatch batch;
+    std::vector<std::string> texts;
+    for (const Scene& scene : scenes) {
+        const std::vector<View> views = views_of(scene, out);
+        for (const View& view : views) {
+            if (view.file.empty()) continue;
+            check_target(view.file);
+            batch.add(view.file, vtu_of(view.mesh));
+        }
+        texts.push_back(arguments.has("json") ? summary_json_of(scene, views)
+                                              : summary_text_of(scene, views));
+    }
+    batch.commit();
+    if (arguments.has("json")) {
+        print(joined_json(scenes, texts));
+    } else if (!arguments.has("quiet")) {
+        for (const std::string& text : texts)
+            print((&text == &texts.front() ? "" : "\n") + text);
+    }
+    return ExitCode::done;
+}
+
+}  // namespace
+
+Verb mesh_verb() {
+    Verb verb;
+    verb.name = "mesh";
+    verb.summary = "what the full model's mesh weighs and measures, and its shape for VTK";
+    verb.operand = "SCENE";
+    verb.example = "twinchute mesh data/scenes/c9-inflation.toml --out c9.vtu";
+    verb.options = scene_options("write the mesh there (.vtu), a packed one beside it as <name>-packed.vtu");
+    verb.options.front().value = "FILE";
+    verb.run = &run_mesh;
+    return verb;
+}
+
+}  // namespace twinchute::fullsim
