@@ -4,25 +4,11 @@
 
 #include <algorithm>
 
-#include "lib/math/vec.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/inflation.hpp"
-#include "lib/models/wind.hpp"
+#include "rom/motion.hpp"
 
 namespace twinchute::rom {
-
-/// Position or velocity in the space the scene needs: 1 = (up), 2 = (downrange, up), and with wind
-/// 3 = (east, north, up).
-template <int dimensions>
-using Vec = Eigen::Matrix<double, dimensions, 1>;
-
-/// The state vector of the integrator is position [m], then velocity [m/s]; the last component
-/// of each is up, altitude counted from sea level.
-template <int dimensions>
-struct Motion {
-    Vec<dimensions> position, velocity;
-    double altitude() const { return position[dimensions - 1]; }
-};
 
 /// What the air that moves with the canopy does to the equation of motion.
 enum class Air { none, inertia_only, accreting };
@@ -47,13 +33,7 @@ struct RigidComposite {
 
     /// Velocity relative to the air [m/s].
     Vec<dimensions> airspeed(const Motion<dimensions>& motion) const {
-        if constexpr (dimensions == 3) return motion.velocity - wind->at(motion.altitude());
-        return motion.velocity;
-    }
-
-    /// Drag [N] of a drag area [m^2] in air of density rho [kg/m^3] that is met with `velocity`.
-    static Vec<dimensions> drag(double rho, double area, const Vec<dimensions>& velocity) {
-        return -0.5 * rho * area * velocity.norm() * velocity;
+        return airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind);
     }
 
     /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D [- (dM_a/dt) v_air while M_a grows, if accreting]:
@@ -63,7 +43,7 @@ struct RigidComposite {
         const double weighed = payload_mass + parachute_mass;
         const Vec<dimensions> velocity = airspeed(motion);
         double inertia = weighed;
-        Vec<dimensions> force = drag(rho, drag_area(t) + payload_drag_area, velocity);
+        Vec<dimensions> force = drag_of<dimensions>(rho, drag_area(t) + payload_drag_area, velocity);
         force[dimensions - 1] -= weighed * gravity;
         if constexpr (air != Air::none) {
             const ValueAndRate mass = inflation.added_mass(*added_mass, phase, t, rho, steady_radius);
@@ -78,7 +58,7 @@ struct RigidComposite {
         Vec<dimensions> force = payload_mass * acceleration(t, motion);
         force[dimensions - 1] += payload_mass * gravity;
         const double rho = atmosphere.at(motion.altitude()).density;
-        return (force - drag(rho, payload_drag_area, airspeed(motion))).norm();
+        return (force - drag_of<dimensions>(rho, payload_drag_area, airspeed(motion))).norm();
     }
 };
 

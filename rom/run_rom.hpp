@@ -5,8 +5,8 @@
 
 namespace twinchute::rom {
 
-/// From line stretch to the scene's stop condition: initial phase, filling, descent, each its own
-/// stage that ends exactly at its time; steady descent and ground are roots.
+/// From release to the scene's stop condition. A packed parachute is a second body until snatch
+/// (rom/deployment.hpp), from then on, and in the other scenes from the start, both are one (rom/flight.hpp).
 /// One dimension for a vertical fall in still air, two for any other in still air, three with wind.
 RunRecord run_rom(const Scene& scene, Run& run);
 

@@ -1,12 +1,16 @@
 #include "lib/solve/sundials.hpp"
 
+#include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -16,17 +20,73 @@
 namespace twinchute {
 namespace {
 
-struct MethodRow {
-    ExplicitMethod method;
-    ARKODE_ERKTableID table;
+/// ARKODE offers the same calls twice, for its explicit and for its implicit integrators.
+struct Calls {
+    decltype(&ERKStepFree) free;
+    decltype(&ERKStepSetErrHandlerFn) set_error_handler;
+    decltype(&ERKStepSetUserData) set_user_data;
+    decltype(&ERKStepSVtolerances) set_tolerances;
+    decltype(&ERKStepSetInterpolantType) set_interpolant;
+    decltype(&ERKStepSetMaxNumSteps) set_most_steps;
+    decltype(&ERKStepReset) reset;
+    decltype(&ERKStepSetInitStep) set_first_step;
+    decltype(&ERKStepSetStopTime) set_stop_time;
+    decltype(&ERKStepSetFixedStep) set_fixed_step;
+    decltype(&ERKStepRootInit) watch_roots;
+    decltype(&ERKStepSetNoInactiveRootWarn) silence_inactive_roots;
+    decltype(&ERKStepEvolve) evolve;
+    decltype(&ERKStepGetLastStep) last_step;
+    decltype(&ERKStepGetCurrentTime) current_time;
+    decltype(&ERKStepGetDky) interpolate;
+    decltype(&ERKStepGetRootInfo) found_roots;
+    decltype(&ERKStepGetNumSteps) steps;
+    decltype(&ERKStepGetNumStepAttempts) attempts;
 };
 
-constexpr std::array<MethodRow, 4> rows{{
-    {{"heun-euler", 2, "ARKODE HEUN_EULER_2_1_2"}, ARKODE_HEUN_EULER_2_1_2},
-    {{"bogacki-shampine", 3, "ARKODE BOGACKI_SHAMPINE_4_2_3"}, ARKODE_BOGACKI_SHAMPINE_4_2_3},
-    {{"zonneveld", 4, "ARKODE ZONNEVELD_5_3_4"}, ARKODE_ZONNEVELD_5_3_4},
-    {{"dormand-prince", 5, "ARKODE DORMAND_PRINCE_7_4_5"}, ARKODE_DORMAND_PRINCE_7_4_5},
+#define TWINCHUTE_ARKODE_CALLS(step)                                                                        \
+    {                                                                                                       \
+        step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetInterpolantType, \
+            step##SetMaxNumSteps, step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep,    \
+            step##RootInit, step##SetNoInactiveRootWarn, step##Evolve, step##GetLastStep,                   \
+            step##GetCurrentTime, step##GetDky, step##GetRootInfo, step##GetNumSteps,                       \
+            step##GetNumStepAttempts                                                                        \
+    }
+constexpr Calls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
+constexpr Calls implicit_calls = TWINCHUTE_ARKODE_CALLS(ARKStep);
+#undef TWINCHUTE_ARKODE_CALLS
+
+struct MethodRow {
+    OdeMethod method;
+    int table;  ///< ARKODE's number
+};
+
+constexpr std::array<MethodRow, 7> rows{{
+    {{"heun-euler", 2, false, "ARKODE HEUN_EULER_2_1_2"}, ARKODE_HEUN_EULER_2_1_2},
+    {{"bogacki-shampine", 3, false, "ARKODE BOGACKI_SHAMPINE_4_2_3"}, ARKODE_BOGACKI_SHAMPINE_4_2_3},
+    {{"zonneveld", 4, false, "ARKODE ZONNEVELD_5_3_4"}, ARKODE_ZONNEVELD_5_3_4},
+    {{"dormand-prince", 5, false, "ARKODE DORMAND_PRINCE_7_4_5"}, ARKODE_DORMAND_PRINCE_7_4_5},
+    {{"kvaerno-3", 3, true, "ARKODE KVAERNO_4_2_3"}, ARKODE_KVAERNO_4_2_3},
+    {{"kvaerno-4", 4, true, "ARKODE KVAERNO_5_3_4"}, ARKODE_KVAERNO_5_3_4},
+    {{"kvaerno-5", 5, true, "ARKODE KVAERNO_7_4_5"}, ARKODE_KVAERNO_7_4_5},
 }};
+
+constexpr auto methods = [] {
+    std::array<OdeMethod, rows.size()> list{};
+    std::ranges::transform(rows, list.begin(), &MethodRow::method);
+    return list;
+}();
+constexpr auto explicit_count =
+    static_cast<std::size_t>(std::ranges::count(methods, false, &OdeMethod::implicit));
+static_assert(std::ranges::is_partitioned(methods, std::logical_not<>{}, &OdeMethod::implicit));
+
+// Newton's method in these small systems: accuracy is worth more than saving evaluations.
+/// Share of the error tolerance that it may leave in a stage; ARKODE's own 0.1 shows in the result. Its
+/// Jacobian is that of the step at hand: one kept from before a restart made it stop too early, by far.
+constexpr double newton_share = 1e-3;
+constexpr int most_newton_iterations = 10;
+/// Times that a step is cut before it counts as failed: where a stiff transient sets in it has to become
+/// shorter by more than ARKODE's seven cuts.
+constexpr int most_step_cuts = 30;
 
 std::span<double> values(N_Vector v) {
     return {N_VGetArrayPointer(v), static_cast<std::size_t>(N_VGetLength(v))};
@@ -34,24 +94,28 @@ std::span<double> values(N_Vector v) {
 
 }  // namespace
 
-std::span<const ExplicitMethod> explicit_methods() {
-    static const auto methods = [] {
-        std::array<ExplicitMethod, rows.size()> list{};
-        std::ranges::transform(rows, list.begin(), &MethodRow::method);
-        return list;
-    }();
+std::span<const OdeMethod> ode_methods() {
     return methods;
 }
-
-const ExplicitMethod* find_explicit_method(std::string_view name) {
-    const auto all = explicit_methods();
-    const auto row = std::ranges::find(all, name, &ExplicitMethod::name);
-    return row == all.end() ? nullptr : &*row;
+std::span<const OdeMethod> explicit_methods() {
+    return ode_methods().first(explicit_count);
+}
+std::span<const OdeMethod> implicit_methods() {
+    return ode_methods().subspan(explicit_count);
 }
 
-struct ErkSolver::Impl {
+const OdeMethod* find_ode_method(std::string_view name) {
+    const auto row = std::ranges::find(methods, name, &OdeMethod::name);
+    return row == methods.end() ? nullptr : &*row;
+}
+
+struct OdeSolver::Impl {
     SUNContext context = nullptr;
     N_Vector y = nullptr, atol = nullptr, scratch = nullptr;
+    SUNMatrix matrix = nullptr;
+    SUNLinearSolver linear_solver = nullptr;
+    bool implicit = false;
+    Calls calls = explicit_calls;
     void* memory = nullptr;
     Rhs rhs;
     Roots roots;
@@ -62,7 +126,9 @@ struct ErkSolver::Impl {
     std::exception_ptr thrown;  // by the right-hand side: must not cross SUNDIALS' C frames
 
     ~Impl() {
-        if (memory) ERKStepFree(&memory);
+        if (memory) calls.free(&memory);
+        if (linear_solver) SUNLinSolFree(linear_solver);
+        if (matrix) SUNMatDestroy(matrix);
         for (N_Vector v : {y, atol, scratch})
             if (v) N_VDestroy(v);
         if (context) SUNContext_Free(&context);
@@ -71,6 +137,47 @@ struct ErkSolver::Impl {
     /// Every return code goes through here.
     void require(int code, const char* call) {
         if (code < 0) throw std::invalid_argument(fmt::format("{} returned {} ({})", call, code, message));
+    }
+
+    void create(const OdeMethod& method, double t0) {
+        implicit = method.implicit;
+        calls = implicit ? implicit_calls : explicit_calls;
+        memory = implicit ? ARKStepCreate(nullptr, &Impl::call_rhs, t0, y, context)
+                          : ERKStepCreate(&Impl::call_rhs, t0, y, context);
+        if (!memory) throw std::invalid_argument("ARKODE refused the problem");
+    }
+
+    /// The table of the method, and what its stages are solved by.
+    void choose(const OdeMethod& method, sunindextype size) {
+        const auto row =
+            std::ranges::find(rows, method.name, [](const MethodRow& r) { return r.method.name; });
+        if (row == rows.end()) throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
+        if (!implicit) {
+            const auto table = static_cast<ARKODE_ERKTableID>(row->table);
+            return require(ERKStepSetTableNum(memory, table), "SetTableNum");
+        }
+        const auto table = static_cast<ARKODE_DIRKTableID>(row->table);
+        require(ARKStepSetTableNum(memory, table, ARKODE_ERK_NONE), "SetTableNum");
+        matrix = SUNDenseMatrix(size, size, context);
+        linear_solver = matrix ? SUNLinSol_Dense(y, matrix, context) : nullptr;
+        if (!linear_solver) throw std::invalid_argument("SUNLinSol_Dense refused the problem");
+        require(ARKStepSetLinearSolver(memory, linear_solver, matrix), "SetLinearSolver");
+        require(ARKStepSetNonlinConvCoef(memory, newton_share), "SetNonlinConvCoef");
+        require(ARKStepSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
+        require(ARKStepSetLSetupFrequency(memory, 1), "SetLSetupFrequency");
+        require(ARKStepSetJacEvalFrequency(memory, 1), "SetJacEvalFrequency");
+        require(ARKStepSetMaxNonlinIters(memory, most_newton_iterations), "SetMaxNonlinIters");
+    }
+
+    std::int64_t rhs_calls() {
+        long by_stages = 0, by_explicit_part = 0, by_jacobian = 0;
+        if (!implicit) {
+            require(ERKStepGetNumRhsEvals(memory, &by_stages), "GetNumRhsEvals");
+            return by_stages;
+        }
+        require(ARKStepGetNumRhsEvals(memory, &by_explicit_part, &by_stages), "GetNumRhsEvals");
+        require(ARKStepGetNumLinRhsEvals(memory, &by_jacobian), "GetNumLinRhsEvals");
+        return by_stages + by_jacobian;
     }
 
     template <class Call>
@@ -100,8 +207,8 @@ struct ErkSolver::Impl {
     }
 };
 
-ErkSolver::ErkSolver(const ExplicitMethod& method, Rhs rhs, double t0, std::span<const double> y0,
-                     double rtol, std::span<const double> atol)
+OdeSolver::OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
+                     std::span<const double> atol)
     : impl_(std::make_unique<Impl>()) {
     Impl& s = *impl_;
     s.rhs = std::move(rhs);
@@ -116,53 +223,49 @@ ErkSolver::ErkSolver(const ExplicitMethod& method, Rhs rhs, double t0, std::span
     std::ranges::copy(y0, values(s.y).begin());
     std::ranges::copy(atol, values(s.atol).begin());
 
-    s.memory = ERKStepCreate(&Impl::call_rhs, t0, s.y, s.context);
-    if (!s.memory) throw std::invalid_argument("ERKStepCreate refused the problem");
-    s.require(ERKStepSetErrHandlerFn(s.memory, &Impl::keep_message, &s), "ERKStepSetErrHandlerFn");
-    s.require(ERKStepSetUserData(s.memory, &s), "ERKStepSetUserData");
-    s.require(ERKStepSVtolerances(s.memory, rtol, s.atol), "ERKStepSVtolerances");
-    const auto row =
-        std::ranges::find_if(rows, [&](const MethodRow& r) { return r.method.name == method.name; });
-    if (row == rows.end()) throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
-    s.require(ERKStepSetTableNum(s.memory, row->table), "ERKStepSetTableNum");
-    s.require(ERKStepSetInterpolantType(s.memory, ARK_INTERP_HERMITE), "ERKStepSetInterpolantType");
-    s.require(ERKStepSetMaxNumSteps(s.memory, 1'000'000), "ERKStepSetMaxNumSteps");
+    s.create(method, t0);
+    s.require(s.calls.set_error_handler(s.memory, &Impl::keep_message, &s), "SetErrHandlerFn");
+    s.require(s.calls.set_user_data(s.memory, &s), "SetUserData");
+    s.require(s.calls.set_tolerances(s.memory, rtol, s.atol), "SVtolerances");
+    s.choose(method, size);
+    s.require(s.calls.set_interpolant(s.memory, ARK_INTERP_HERMITE), "SetInterpolantType");
+    s.require(s.calls.set_most_steps(s.memory, 1'000'000), "SetMaxNumSteps");
 }
 
-ErkSolver::~ErkSolver() = default;
+OdeSolver::~OdeSolver() = default;
 
-void ErkSolver::restart(double t, std::span<const double> y) {
+void OdeSolver::restart(double t, std::span<const double> y) {
     Impl& s = *impl_;
     std::ranges::copy(y, values(s.y).begin());
     s.t = s.previous = t;
-    s.require(ERKStepReset(s.memory, t, s.y), "ERKStepReset");
-    s.require(ERKStepSetInitStep(s.memory, 0.0), "ERKStepSetInitStep");
+    s.require(s.calls.reset(s.memory, t, s.y), "Reset");
+    s.require(s.calls.set_first_step(s.memory, 0.0), "SetInitStep");
 }
 
-void ErkSolver::stop_at(double t) {
-    impl_->require(ERKStepSetStopTime(impl_->memory, t), "ERKStepSetStopTime");
+void OdeSolver::stop_at(double t) {
+    impl_->require(impl_->calls.set_stop_time(impl_->memory, t), "SetStopTime");
 }
 
-void ErkSolver::fix_step(double dt) {
-    impl_->require(ERKStepSetFixedStep(impl_->memory, dt), "ERKStepSetFixedStep");
+void OdeSolver::fix_step(double dt) {
+    impl_->require(impl_->calls.set_fixed_step(impl_->memory, dt), "SetFixedStep");
 }
 
-void ErkSolver::watch(int count, Roots roots) {
+void OdeSolver::watch(int count, Roots roots) {
     Impl& s = *impl_;
     s.roots = std::move(roots);
     s.root_count = count;
-    s.require(ERKStepRootInit(s.memory, count, count > 0 ? &Impl::call_roots : nullptr), "ERKStepRootInit");
-    if (count > 0) s.require(ERKStepSetNoInactiveRootWarn(s.memory), "ERKStepSetNoInactiveRootWarn");
+    s.require(s.calls.watch_roots(s.memory, count, count > 0 ? &Impl::call_roots : nullptr), "RootInit");
+    if (count > 0) s.require(s.calls.silence_inactive_roots(s.memory), "SetNoInactiveRootWarn");
 }
 
-ErkSolver::Outcome ErkSolver::advance() {
+OdeSolver::Outcome OdeSolver::advance() {
     Impl& s = *impl_;
     double reached = s.t;
     // In one-step mode the time asked for only tells the direction.
-    const int code = ERKStepEvolve(s.memory, s.t + 1.0, s.y, &reached, ARK_ONE_STEP);
+    const int code = s.calls.evolve(s.memory, s.t + 1.0, s.y, &reached, ARK_ONE_STEP);
     if (s.thrown) std::rethrow_exception(std::exchange(s.thrown, nullptr));
     if (code < 0) {
-        s.message = fmt::format("ERKStepEvolve returned {} at t = {:.6g} s ({})", code, reached, s.message);
+        s.message = fmt::format("ARKODE returned {} at t = {:.6g} s ({})", code, reached, s.message);
         return Outcome::failed;
     }
     s.previous = s.t;
@@ -173,46 +276,45 @@ ErkSolver::Outcome ErkSolver::advance() {
     return code == ARK_TSTOP_RETURN ? Outcome::reached_stop : Outcome::stepped;
 }
 
-double ErkSolver::time() const {
+double OdeSolver::time() const {
     return impl_->t;
 }
-double ErkSolver::previous_time() const {
+double OdeSolver::previous_time() const {
     return impl_->previous;
 }
-std::span<const double> ErkSolver::state() const {
+std::span<const double> OdeSolver::state() const {
     return values(impl_->y);
 }
 
-void ErkSolver::interpolate(double t, std::span<double> y) const {
+void OdeSolver::interpolate(double t, std::span<double> y) const {
     Impl& s = *impl_;
     // ARKODE refuses times outside its last internal step, and the ends of tiny steps miss it by
     // round-off.
     double length = 0.0, now = 0.0;
-    s.require(ERKStepGetLastStep(s.memory, &length), "ERKStepGetLastStep");
-    s.require(ERKStepGetCurrentTime(s.memory, &now), "ERKStepGetCurrentTime");
+    s.require(s.calls.last_step(s.memory, &length), "GetLastStep");
+    s.require(s.calls.current_time(s.memory, &now), "GetCurrentTime");
     t = std::clamp(t, now - length, now);
-    s.require(ERKStepGetDky(s.memory, t, 0, s.scratch), "ERKStepGetDky");
+    s.require(s.calls.interpolate(s.memory, t, 0, s.scratch), "GetDky");
     std::ranges::copy(values(s.scratch), y.begin());
 }
 
-int ErkSolver::root() const {
+int OdeSolver::root() const {
     std::vector<int> found(static_cast<std::size_t>(impl_->root_count));
-    impl_->require(ERKStepGetRootInfo(impl_->memory, found.data()), "ERKStepGetRootInfo");
+    impl_->require(impl_->calls.found_roots(impl_->memory, found.data()), "GetRootInfo");
     const auto first = std::ranges::find_if(found, [](int sign) { return sign != 0; });
     return static_cast<int>(first - found.begin());
 }
 
-const std::string& ErkSolver::failure() const {
+const std::string& OdeSolver::failure() const {
     return impl_->message;
 }
 
-ErkSolver::Statistics ErkSolver::statistics() const {
+OdeSolver::Statistics OdeSolver::statistics() const {
     Impl& s = *impl_;
-    long steps = 0, attempts = 0, calls = 0;
-    s.require(ERKStepGetNumSteps(s.memory, &steps), "ERKStepGetNumSteps");
-    s.require(ERKStepGetNumStepAttempts(s.memory, &attempts), "ERKStepGetNumStepAttempts");
-    s.require(ERKStepGetNumRhsEvals(s.memory, &calls), "ERKStepGetNumRhsEvals");
-    return {steps, calls, attempts - steps, steps > 0 ? s.dt_min : 0.0, s.dt_max};
+    long steps = 0, attempts = 0;
+    s.require(s.calls.steps(s.memory, &steps), "GetNumSteps");
+    s.require(s.calls.attempts(s.memory, &attempts), "GetNumStepAttempts");
+    return {steps, s.rhs_calls(), attempts - steps, steps > 0 ? s.dt_min : 0.0, s.dt_max};
 }
 
 }  // namespace twinchute

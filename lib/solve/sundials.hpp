@@ -1,5 +1,5 @@
-// Explicit Runge-Kutta integration of small systems by SUNDIALS ARKODE (ERKStep).
-// This file pair is the only one that sees SUNDIALS.
+// Runge-Kutta integration of small systems by SUNDIALS ARKODE: explicit pairs, and diagonally implicit ones
+// for stiff phases. This file pair is the only one that sees SUNDIALS.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,24 @@
 
 namespace twinchute {
 
-/// A row of the table of explicit methods.
-struct ExplicitMethod {
+/// A row of the table of methods: an embedded Runge-Kutta pair.
+struct OdeMethod {
     std::string_view name;
     int order;
+    bool implicit;  ///< solves its stages by Newton's method with a dense Jacobian of difference quotients
     std::string_view source;
 };
 
-std::span<const ExplicitMethod> explicit_methods();
-const ExplicitMethod* find_explicit_method(std::string_view name);
+std::span<const OdeMethod> ode_methods();       ///< all, the explicit ones first
+std::span<const OdeMethod> explicit_methods();  ///< what `rom.method` chooses from
+std::span<const OdeMethod> implicit_methods();
+const OdeMethod* find_ode_method(std::string_view name);
 
 /// One initial-value problem, advanced one internal step at a time.
 ///
 /// The caller sets a stop time at every discontinuity of the right-hand side: no step reaches
 /// beyond it, and the last one ends on it exactly.
-class ErkSolver {
+class OdeSolver {
 public:
     /// dy/dt = f(t, y); y and dydt have the size of the initial state.
     using Rhs = std::function<void(double t, std::span<const double> y, std::span<double> dydt)>;
@@ -37,11 +40,11 @@ public:
 
     /// atol: absolute tolerance of each component. Throws std::invalid_argument where ARKODE
     /// refuses its arguments.
-    ErkSolver(const ExplicitMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
+    OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
               std::span<const double> atol);
-    ~ErkSolver();
-    ErkSolver(const ErkSolver&) = delete;
-    ErkSolver& operator=(const ErkSolver&) = delete;
+    ~OdeSolver();
+    OdeSolver(const OdeSolver&) = delete;
+    OdeSolver& operator=(const OdeSolver&) = delete;
 
     /// Goes on from (t, y) as if new: the right-hand side may have changed there.
     void restart(double t, std::span<const double> y);

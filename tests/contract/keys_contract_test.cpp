@@ -14,9 +14,11 @@ TEST(KeysContract, RomMethodsAreTheIntegratorsMethods) {
     ASSERT_NE(key, nullptr);
     const auto words = key->choices();
     ASSERT_EQ(words.size(), explicit_methods().size());
-    for (const ExplicitMethod& method : explicit_methods())
+    for (const OdeMethod& method : explicit_methods())
         EXPECT_NE(std::ranges::find(words, method.name), words.end()) << method.name;
-    EXPECT_NE(find_explicit_method(key->fallback), nullptr);
+    const OdeMethod* fallback = find_ode_method(key->fallback);
+    ASSERT_NE(fallback, nullptr);
+    EXPECT_FALSE(fallback->implicit);
 }
 
 }  // namespace

@@ -47,11 +47,16 @@ inline void write_generated_tables(const ScratchDir& directory) {
                     "30000,226,12\n86000,190,0.004\n");
     directory.write("generated-wind.csv",
                     "altitude,speed,from\nft,knot,deg\n0,5,270\n3000,25,280\n40000,90,250\n");
+    directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
+
+/// How generated parachutes leave their packs.
+enum class GeneratedDeployments { all, line_stretch };
 
 class SceneGenerator : Chance {
 public:
-    using Chance::Chance;
+    explicit SceneGenerator(std::uint64_t seed, GeneratedDeployments deployments = GeneratedDeployments::all)
+        : Chance(seed), deployments_(deployments) {}
 
     std::vector<SceneLine> valid();
 
@@ -79,12 +84,14 @@ private:
     void put_number(std::string_view path, double value) {
         put(path, quantity(value, find_key(scene_keys(), path)->unit));
     }
-    void put_release();
+    void put_release(bool may_rest);
+    void put_extraction();
     void put_canopy();
     void put_opening();
     void put_tolerances();
     std::optional<std::string> spoiled(const Key& key, std::size_t kind);
 
+    const GeneratedDeployments deployments_;
     std::vector<SceneLine> lines_;
     double diameter_ = 0.0;           ///< D0 [m]
     std::optional<double> airspeed_;  ///< [m/s] at release, where the generator knows it
@@ -106,6 +113,7 @@ inline std::string SceneGenerator::quantity(double value, std::string_view unit)
         {"1", {"%", "percent"}},
         {"1/s", {"1/s", "Hz", "kHz"}},
         {"N", {"N", "kN", "lbf"}},
+        {"N/m", {"N/m", "kN/m", "lbf/ft"}},
     };
     std::string written = fmt::format("{}", value);
     if (const auto list = units.find(unit); list != units.end() && chance(0.7)) {
@@ -128,8 +136,8 @@ inline std::string SceneGenerator::text() {
 /// What needs no knowledge of other keys, only of the row itself.
 inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::string, std::less<>>& words) {
     const std::string path(key.path);
-    const std::string table = path.substr(0, path.rfind('.') + 1);
-    if (!key.only_with.empty() && words[table + "model"] != key.only_with) return;
+    if (!key.only_with.empty() && !key.goes_with(words[std::string(selector_of(scene_keys(), key)->path)]))
+        return;
     const bool needed = key.need == KeyNeed::required;
     if (!key.choices && !needed && chance(0.5)) return;
     std::string value;
@@ -141,7 +149,9 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
             break;
         case KeyKind::quantity_or_word:
         case KeyKind::word: {
-            const std::string word(one_of(key.choices()));
+            const bool only_stretched =
+                deployments_ == GeneratedDeployments::line_stretch && key.path == "parachute.deploy.by";
+            const std::string word(only_stretched ? "line-stretch" : one_of(key.choices()));
             words[path] = word;
             if (word == key.fallback && chance(0.5)) return;
             value = '"' + word + '"';
@@ -156,7 +166,15 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
     put(path, std::move(value));
 }
 
-inline void SceneGenerator::put_release() {
+/// A force, or its history.
+inline void SceneGenerator::put_extraction() {
+    if (chance(0.5))
+        put_number("parachute.deploy.force", number_of(*find_key(scene_keys(), "parachute.deploy.force")));
+    else
+        put("parachute.deploy.force_table", "\"generated-force.csv\"");
+}
+
+inline void SceneGenerator::put_release(bool may_rest) {
     const double lowest = -1000.0, highest = 85000.0;
     double ground = 0.0;
     if (chance(0.5)) put_number("environment.ground", ground = number_in(lowest + 100.0, 20000.0));
@@ -166,10 +184,10 @@ inline void SceneGenerator::put_release() {
     else
         put_number("release.height", height);
     const bool over_ground = chance(0.5);
-    const double speed = number_in(0.05, 999.0);
+    const double speed = may_rest && chance(0.3) ? 0.0 : number_in(0.05, 999.0);
     put_number(over_ground ? "release.speed" : "release.airspeed", speed);
-    if (!over_ground || !has_wind_) airspeed_ = speed;
-    put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));
+    if (speed > 0.0 && (!over_ground || !has_wind_)) airspeed_ = speed;
+    if (speed > 0.0) put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));
 }
 
 inline void SceneGenerator::put_canopy() {
@@ -246,6 +264,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "release.speed",
                                                     "release.airspeed",
                                                     "release.path_angle",
+                                                    "parachute.deploy.force",
+                                                    "parachute.deploy.force_table",
                                                     "parachute.fill_time.model",
                                                     "parachute.fill_time.n",
                                                     "parachute.fill_time.density_exponent",
@@ -288,7 +308,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         }
         decide(key, words);
     }
-    put_release();
+    const std::string& by = words["parachute.deploy.by"];
+    if (by == "extraction") put_extraction();
+    put_release(by != "line-stretch");
     put_canopy();
     put_opening();
     if (chance(0.3)) put_tolerances();
@@ -356,7 +378,10 @@ inline SceneGenerator::Broken SceneGenerator::broken() {
                                                    "release.speed",
                                                    "release.airspeed",
                                                    "release.path_angle",
-                                                   "parachute.deploy.by"};
+                                                   "parachute.deploy.by",
+                                                   "parachute.deploy.length",
+                                                   "parachute.deploy.force",
+                                                   "parachute.deploy.force_table"};
     for (;;) {
         std::vector<SceneLine> lines = valid();
         const std::size_t at = below(lines.size()), kind = below(12);

@@ -101,7 +101,7 @@ TEST(Keys, TextsOfARow) {
     EXPECT_EQ(default_text(*find_key(scene_keys(), "release.heading")), "90 deg");
     EXPECT_EQ(range_text(*find_key(scene_keys(), "parachute.initial_drag_area_ratio")), ">= 0 and < 1");
     EXPECT_EQ(range_text(*find_key(scene_keys(), "release.path_angle")), ">= -90 and <= 90 deg");
-    EXPECT_EQ(range_text(*find_key(scene_keys(), "stop.at")), "steady-descent | ground");
+    EXPECT_EQ(range_text(*find_key(scene_keys(), "stop.at")), "steady-descent | peak-force | ground");
 }
 
 TEST(Keys, ToleranceUnitsAreUnits) {

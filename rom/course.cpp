@@ -1,0 +1,90 @@
+#include "rom/course.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+/// A descent of ten hours takes 40 000: where more are needed, something is stiffer than this method.
+constexpr int most_steps = 100'000;
+
+}  // namespace
+
+double Course::unlimited() {
+    return longest_flight;
+}
+
+Leg Course::integrate_to(OdeSolver& solver, double end) {
+    if (end - solver.time() <= 64.0 * std::numeric_limits<double>::epsilon() * end) {
+        // A stage without length, to round-off: ARKODE would refuse it.
+        const std::vector<double> y(solver.state().begin(), solver.state().end());
+        solver.restart(end, y);
+        return Leg::reached_end;
+    }
+    solver.stop_at(end);
+    for (;;) {
+        if (run_.stop.stop_requested()) return Leg::interrupted;
+        if (++steps_ > most_steps) return Leg::too_many_steps;
+        const auto outcome = solver.advance();
+        if (outcome == OdeSolver::Outcome::failed) return Leg::failed;
+        observer.step(solver);
+        if (!observer.is_finite()) return Leg::not_finite;
+        if (outcome == OdeSolver::Outcome::reached_stop) return Leg::reached_end;
+        if (outcome == OdeSolver::Outcome::found_root) return Leg::root;
+    }
+}
+
+void Course::add_event(const char* name) {
+    const HistoryRow& r = observer.rows().back();
+    record.events.push_back({name, r.time, r.altitude, r.speed});
+}
+
+void Course::count(const OdeSolver& solver) {
+    const auto s = solver.statistics();
+    Cost& cost = record.cost;
+    if (s.steps > 0) {
+        cost.dt_min_s = cost.steps > 0 ? std::min(cost.dt_min_s, s.dt_min) : s.dt_min;
+        cost.dt_max_s = std::max(cost.dt_max_s, s.dt_max);
+    }
+    cost.steps += s.steps;
+    cost.rhs_calls += s.rhs_calls;
+    cost.rejected_steps += s.rejected;
+}
+
+RunStatus Course::ending(Leg leg, const OdeSolver& solver) const {
+    const double time = observer.rows().back().time;
+    switch (leg) {
+        case Leg::reached_end:
+            if (scene_.stop.kind == Trigger::Kind::time || time < stop_time)
+                return {StatusCode::completed, "stop condition met"};
+            return {StatusCode::time_limit,
+                    fmt::format("stop condition not met within {:g} s of flight", stop_time)};
+        case Leg::not_finite:
+            return {StatusCode::not_finite, fmt::format("force or acceleration after t = {:.6g} s", time)};
+        case Leg::too_many_steps:
+            return {StatusCode::step_limit,
+                    fmt::format("more than {} steps by t = {:.6g} s", most_steps, time)};
+        case Leg::interrupted:
+            return {StatusCode::interrupted, "stopped on request"};
+        case Leg::root:  // the caller's
+        case Leg::failed:
+            break;
+    }
+    return {StatusCode::solver_failed, solver.failure()};
+}
+
+RunStatus Course::landed(const std::string& before) const {
+    if (scene_.stop.kind == Trigger::Kind::ground)
+        return {StatusCode::completed, "ground reached" + (before.empty() ? "" : ": " + before)};
+    return {StatusCode::stopped_by_event,
+            "ground reached before " +
+                (before.empty() ? "the stop condition" : "the parachute opened: " + before)};
+}
+
+}  // namespace twinchute::rom

@@ -1,0 +1,265 @@
+#include "rom/deployment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lib/scene/line_stretch.hpp"
+#include "lib/solve/opening.hpp"
+#include "rom/two_bodies.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+/// Taut lines are the stiff part of a run: with stiff cord and a light canopy they swing in milliseconds.
+constexpr const char* taut_method = "kvaerno-5";
+
+/// [m/s] of a release that is at rest in the air; what is left of equal velocities after rounding is less.
+constexpr double at_rest = 1e-6;
+
+/// [s] after release at which the extraction force bends or jumps, in rising order.
+std::vector<double> corners_of(const ForceHistory& force) {
+    std::vector<double> corners;
+    if (force.time.empty()) return corners;
+    const double end = std::min(force.time.back(), force.duration);
+    for (const double t : force.time)
+        if (t > 0.0 && t < end) corners.push_back(t);
+    corners.push_back(end);
+    return corners;
+}
+
+/// The force from `begin` to the corner after it, by two points inside: at its ends the history is that of
+/// either side.
+ForcePiece piece_of(const ForceHistory& force, double begin, double end) {
+    if (!std::isfinite(end)) return {};
+    const double quarter = 0.25 * (end - begin), middle = begin + 2.0 * quarter;
+    const double value = force.at(middle);
+    return {value, (value - force.at(begin + quarter)) / quarter, middle};
+}
+
+template <int dimensions>
+class DeploymentRun {
+    static constexpr int size = 4 * dimensions;
+    using Model = TwoBodies<dimensions>;
+
+public:
+    DeploymentRun(const Scene& scene, Course& course)
+        : scene_(scene),
+          chute_(scene.parachutes.front()),
+          course_(course),
+          corners_(corners_of(chute_.deploy.extraction)),
+          model_(make_model()) {}
+
+    Deployed<dimensions> run() {
+        Deployed<dimensions> result;
+        std::vector<double> y(size, 0.0);
+        const auto start = released<dimensions>(scene_);
+        std::ranges::copy(start.position, y.begin());
+        std::ranges::copy(start.velocity, y.begin() + dimensions);
+        course_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });
+        if (pay_out(y, result)) stretch(y, result);
+        return result;
+    }
+
+private:
+    enum Root { payload_ground, parachute_ground, along_lines };
+
+    Model make_model() const {
+        Model model;
+        model.atmosphere = scene_.environment.atmosphere;
+        if (scene_.environment.wind) model.wind = &*scene_.environment.wind;
+        model.gravity = scene_.environment.gravity;
+        model.payload_mass = scene_.payload.mass;
+        model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
+        model.parachute_mass = chute_.mass;
+        model.pack_drag_area = chute_.deploy.pack_drag_area;
+        model.stiffness = line_stiffness(chute_);
+        model.taut_distance = taut_distance(chute_);
+        const auto start = released<dimensions>(scene_);
+        const Vec<dimensions> velocity =
+            airspeed_of<dimensions>(start.velocity, start.altitude(), model.wind);
+        model.behind = Vec<dimensions>::Unit(dimensions - 1);
+        if (velocity.norm() > at_rest) model.behind = -velocity.normalized();
+        return model;
+    }
+
+    /// Until the lines come taut.
+    bool pay_out(std::vector<double>& y, Deployed<dimensions>& result) {
+        const bool tied = chute_.deploy.by == DeployBy::static_line;
+        model_.bond = tied ? Bond::held : Bond::loose;
+        if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
+            for (int i = 0; i < dimensions; ++i)
+                y[3 * dimensions + i] = -y[dimensions + i];
+        OdeSolver solver(*find_ode_method(scene_.rom.method), rhs(), 0.0, y, scene_.rom.rtol, tolerances());
+        const Leg leg = integrate(solver, longest_deployment);
+        course_.count(solver);
+        y.assign(solver.state().begin(), solver.state().end());
+        if (leg != Leg::root || solver.root() != along_lines) {
+            result.status = ending(leg, solver, result);
+            return false;
+        }
+        const auto separation = Model::separation_of(y);
+        const auto motion = motion_of<dimensions>(y);
+        course_.add_event("line-stretch");
+        result.line_stretch_time = start_ = solver.time();
+        result.payload_speed =
+            airspeed_of<dimensions>(motion.velocity, motion.altitude(), model_.wind).norm();
+        result.parting_speed = separation.speed();
+        return true;
+    }
+
+    /// Until the lines have brought both bodies to one speed along them.
+    void stretch(std::vector<double>& y, Deployed<dimensions>& result) {
+        model_.bond = Bond::taut;
+        OdeSolver solver(*find_ode_method(taut_method), rhs(), start_, y, scene_.rom.rtol, tolerances());
+        const Leg leg = integrate(solver, start_ + longest_deployment);
+        course_.count(solver);
+        const auto separation = Model::separation_of(solver.state());
+        result.separation = separation.length();
+        result.stretch =
+            (result.separation - model_.taut_distance) / (chute_.line_length + chute_.riser_length);
+        if (leg != Leg::root || solver.root() != along_lines) {
+            result.status = ending(leg, solver, result);
+            return;
+        }
+        auto motion = motion_of<dimensions>(solver.state());
+        motion.velocity = model_.locked_velocity(motion, separation);
+        result.locked = motion;
+        result.snatch_time = solver.time();
+    }
+
+    /// Stops at each corner of the extraction force, where the right-hand side changes.
+    Leg integrate(OdeSolver& solver, double limit) {
+        const double end = std::min(course_.stop_time, limit);
+        for (;;) {
+            const auto corner = std::ranges::upper_bound(corners_, solver.time());
+            const double next = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
+            model_.extraction = piece_of(chute_.deploy.extraction, solver.time(), next);
+            const std::vector<double> y(solver.state().begin(), solver.state().end());
+            solver.restart(solver.time(), y);
+            watch(solver);
+            course_.observer.mark(solver.time(), y);
+            const Leg leg = course_.integrate_to(solver, std::min(next, end));
+            if (leg != Leg::reached_end || solver.time() >= end) return leg;
+        }
+    }
+
+    void watch(OdeSolver& solver) const {
+        solver.watch(3, [this](double, std::span<const double> y, std::span<double> g) {
+            const auto motion = motion_of<dimensions>(y);
+            const auto s = Model::separation_of(y);
+            const double height = motion.altitude() - scene_.environment.ground;
+            g[payload_ground] = height;
+            g[parachute_ground] = height + s.distance[dimensions - 1];
+            g[along_lines] = model_.bond == Bond::taut ? s.speed() : s.length() - model_.taut_distance;
+        });
+    }
+
+    OdeSolver::Rhs rhs() const {
+        return [this](double t, std::span<const double> y, std::span<double> dydt) {
+            const auto motion = motion_of<dimensions>(y);
+            const auto s = Model::separation_of(y);
+            const Vec<dimensions> a = model_.payload_acceleration(motion, s);
+            const Vec<dimensions> parting = model_.parachute_acceleration(t, motion, s) - a;
+            std::ranges::copy(motion.velocity, dydt.begin());
+            std::ranges::copy(a, dydt.begin() + dimensions);
+            std::ranges::copy(s.velocity, dydt.begin() + 2 * dimensions);
+            std::ranges::copy(parting, dydt.begin() + 3 * dimensions);
+        };
+    }
+
+    std::vector<double> tolerances() const {
+        return std::vector<double>(size, smallest_scale * scene_.rom.rtol);
+    }
+
+    HistoryRow row(double t, std::span<const double> y) const {
+        const auto m = motion_of<dimensions>(y);
+        const auto s = Model::separation_of(y);
+        HistoryRow r{};
+        r.time = t;
+        r.altitude = m.altitude();
+        r.vertical_speed = m.velocity[dimensions - 1];
+        r.speed = m.velocity.norm();
+        if constexpr (dimensions >= 2) r.east = m.position[0];
+        if constexpr (dimensions == 3) r.north = m.position[1];
+        r.force = model_.tension(s);
+        r.drag_area = model_.bond == Bond::held ? 0.0 : model_.pack_drag_area;
+        r.dynamic_pressure = 0.5 * model_.atmosphere.at(m.altitude()).density *
+                             airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind).squaredNorm();
+        r.acceleration = model_.payload_acceleration(m, s).norm();
+        r.separation = s.length();
+        return r;
+    }
+
+    /// In words, since a parachute that never opens is what a user wants to know most.
+    RunStatus ending(Leg leg, const OdeSolver& solver, Deployed<dimensions>& result) {
+        const auto s = Model::separation_of(solver.state());
+        const std::string apart =
+            fmt::format("payload and parachute are {:.4g} m apart at t = {:.4g} s, taut lines take {:.4g} m",
+                        s.length(), solver.time(), model_.taut_distance);
+        const std::string why = result.line_stretch_time ? "the lines were still stretching: " + apart
+                                                         : "the lines never came taut: " + apart;
+        course_.record.warnings.push_back(
+            {result.line_stretch_time ? "the run ended before snatch" : "the parachute did not deploy", why,
+             "check parachute.deploy, the payload's drag area and stop"});
+        if (leg == Leg::root) {
+            course_.add_event("ground");
+            result.payload_landed = solver.root() == payload_ground;
+            return result.payload_landed
+                       ? course_.landed(why)
+                       : RunStatus{StatusCode::stopped_by_event, "the parachute reached the ground: " + why};
+        }
+        if (leg == Leg::reached_end && solver.time() < course_.stop_time)
+            return {StatusCode::time_limit, why};
+        return course_.ending(leg, solver);
+    }
+
+    const Scene& scene_;
+    const Parachute& chute_;
+    Course& course_;
+    const std::vector<double> corners_;
+    Model model_;
+    double start_ = 0.0;  // [s] of the stage of taut lines
+};
+
+}  // namespace
+
+double line_stiffness(const Parachute& chute) {
+    return chute.gores * chute.line.axial_stiffness() / (chute.line_length + chute.riser_length);
+}
+
+double taut_distance(const Parachute& chute) {
+    const double lines = chute.line_length + chute.riser_length;
+    if (chute.deploy.by != DeployBy::static_line) return lines;
+    return chute.deploy.static_line_length + lines + 0.5 * chute.nominal_diameter;
+}
+
+template <int dimensions>
+Motion<dimensions> released(const Scene& scene) {
+    const Release& release = scene.release;
+    const double down = release.speed * std::sin(release.path_angle);
+    Motion<dimensions> m;
+    m.position.setZero();
+    m.position[dimensions - 1] = release.altitude;
+    if constexpr (dimensions == 1) m.velocity << 0.0 - down;  // no -0 at rest
+    if constexpr (dimensions == 2) m.velocity << release.speed * std::cos(release.path_angle), 0.0 - down;
+    if constexpr (dimensions == 3) m.velocity = velocity_over_ground(release);
+    return m;
+}
+
+template <int dimensions>
+Deployed<dimensions> deploy(const Scene& scene, Course& course) {
+    return DeploymentRun<dimensions>(scene, course).run();
+}
+
+template Motion<1> released(const Scene&);
+template Motion<2> released(const Scene&);
+template Motion<3> released(const Scene&);
+template Deployed<1> deploy(const Scene&, Course&);
+template Deployed<2> deploy(const Scene&, Course&);
+template Deployed<3> deploy(const Scene&, Course&);
+
+}  // namespace twinchute::rom

@@ -1,0 +1,42 @@
+// From release to snatch: payload and parachute part until the lines come taut, then the lines bring them to
+// one velocity.
+#pragma once
+
+#include <optional>
+
+#include "rom/course.hpp"
+#include "rom/motion.hpp"
+
+namespace twinchute::rom {
+
+template <int dimensions>
+struct Deployed {
+    /// The payload's place and the common velocity at lock-up, which is snatch; absent when it did not come
+    /// to that.
+    std::optional<Motion<dimensions>> locked = {};
+    double snatch_time = 0.0;  ///< [s]
+    RunStatus status = {};     ///< why the run ends here otherwise
+    bool payload_landed = false;
+
+    std::optional<double> line_stretch_time = {};  ///< [s]
+    double payload_speed = 0.0;                    ///< [m/s] through the air at line stretch
+    double parting_speed = 0.0;                    ///< [m/s] along the lines at line stretch
+    double stretch = 0.0;                          ///< [-] largest strain of lines and risers
+    double separation = 0.0;                       ///< [m] of payload and parachute at lock-up
+};
+
+/// The state of a release, as the integrators begin with it.
+template <int dimensions>
+Motion<dimensions> released(const Scene& scene);
+
+/// Runs the deployment of a scene that starts packed.
+template <int dimensions>
+Deployed<dimensions> deploy(const Scene& scene, Course& course);
+
+/// [N/m] of lines and risers together: a riser has as many strands as it carries lines.
+double line_stiffness(const Parachute& chute);
+/// [m] between the payload and the parachute's place where the lines come taut: the far end of a static line,
+/// or the skirt, where a pack stays until then.
+double taut_distance(const Parachute& chute);
+
+}  // namespace twinchute::rom

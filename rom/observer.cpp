@@ -1,0 +1,91 @@
+#include "rom/observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace twinchute::rom {
+
+void Observer::mark(double t, std::span<const double> y) {
+    rows_.push_back(row_of_(t, y));
+    consider(rows_.back());
+}
+
+void Observer::step(const OdeSolver& solver) {
+    const double a = solver.previous_time(), b = solver.time();
+    if (!(b > a)) return;
+    buffer_.resize(solver.state().size());
+    const auto at = [&](double t) {
+        solver.interpolate(t, buffer_);
+        return row_of_(t, buffer_);
+    };
+    const double before = peak_.value;
+    for (int i = 1; i < pieces; ++i)
+        rows_.push_back(at(a + (b - a) * i / pieces));
+    rows_.push_back(row_of_(b, solver.state()));
+    for (std::size_t i = rows_.size() - pieces; i < rows_.size(); ++i)
+        consider(rows_[i]);
+    // Only a step that raised the maximum, or its neighbour, can hold the true one.
+    if (peak_.value > before || rows_.size() - peak_row_ <= 2 * pieces) {
+        const Maximum best = maximum_on([&](double t) { return at(t).force; }, a, b, pieces);
+        if (best.value > peak_.value) peak_ = best;
+    }
+}
+
+bool Observer::is_finite() {
+    const std::size_t first = rows_.size() > pieces ? rows_.size() - pieces : 0;
+    for (std::size_t i = first; i < rows_.size(); ++i) {
+        const HistoryRow& r = rows_[i];
+        if (std::isfinite(r.force + r.acceleration + r.speed + r.altitude + r.dynamic_pressure)) continue;
+        rows_.resize(std::max<std::size_t>(i, 1));
+        return false;
+    }
+    return true;
+}
+
+void Observer::forget_peak() {
+    peak_ = {0.0, -1.0};
+    peak_row_ = rows_.size();
+}
+
+const HistoryRow& Observer::row_near(double t) const {
+    const auto row = std::ranges::lower_bound(rows_, t, {}, &HistoryRow::time);
+    return row == rows_.end() ? rows_.back() : *row;
+}
+
+double Observer::impulse_between(double begin, double end) const {
+    double sum = 0.0;
+    auto i = static_cast<std::size_t>(std::ranges::lower_bound(rows_, begin, {}, &HistoryRow::time) -
+                                      rows_.begin());
+    while (i + 2 < rows_.size() && rows_[i + 2].time <= end * (1.0 + 1e-12)) {
+        const double h = rows_[i + 1].time - rows_[i].time;
+        if (!(h > 0.0)) {  // two rows at one time: a stage boundary
+            ++i;
+            continue;
+        }
+        sum += h / 3.0 * (rows_[i].force + 4.0 * rows_[i + 1].force + rows_[i + 2].force);
+        i += 2;
+    }
+    return sum;
+}
+
+double Observer::altitude_at(double t) const {
+    std::size_t right = 1;
+    while (right + 1 < rows_.size() && rows_[right].time < t)
+        ++right;
+    const HistoryRow &a = rows_[right - 1], &b = rows_[right];
+    const double h = b.time - a.time;
+    if (!(h > 0.0)) return b.altitude;
+    const double x = (t - a.time) / h, y = 1.0 - x;
+    return y * y * (1.0 + 2.0 * x) * a.altitude + x * x * (1.0 + 2.0 * y) * b.altitude +
+           h * x * y * (y * a.vertical_speed - x * b.vertical_speed);
+}
+
+void Observer::consider(const HistoryRow& row) {
+    deceleration_ = std::max(deceleration_, row.acceleration);
+    if (row.force > peak_.value) {
+        peak_ = {row.time, row.force};
+        peak_row_ = static_cast<std::size_t>(&row - rows_.data());
+    }
+}
+
+}  // namespace twinchute::rom

@@ -1,0 +1,92 @@
+#include "rom/rom_record.hpp"
+
+#include <fmt/format.h>
+
+#include "lib/models/snatch.hpp"
+#include "lib/solve/opening.hpp"
+#include "rom/deployment.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+/// [-] Nylon cord breaks at about this strain.
+constexpr double breaking_strain = 0.3;
+
+}  // namespace
+
+Vec3 place_of(const HistoryRow& row, const Scene& scene, int dimensions) {
+    if (dimensions == 3) return {row.east, row.north, row.altitude};
+    return row.east * heading_direction(scene.release) + row.altitude * Vec3::UnitZ();
+}
+
+void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const Scene& scene,
+                  int dimensions) {
+    const auto channel = [&](const char* name, const char* unit, auto&& value) {
+        Channel c{name, unit, {}};
+        c.values.reserve(rows.size());
+        for (const HistoryRow& r : rows)
+            c.values.push_back(value(r));
+        record.channels.push_back(std::move(c));
+    };
+    const auto place = [&](const HistoryRow& r) { return place_of(r, scene, dimensions); };
+    channel("time", "s", [](const HistoryRow& r) { return r.time; });
+    channel("altitude", "m", [](const HistoryRow& r) { return r.altitude; });
+    if (dimensions >= 2) {
+        channel("east", "m", [&](const HistoryRow& r) { return place(r).x(); });
+        channel("north", "m", [&](const HistoryRow& r) { return place(r).y(); });
+    }
+    channel("speed", "m/s", [](const HistoryRow& r) { return r.speed; });
+    channel("vertical_speed", "m/s", [](const HistoryRow& r) { return r.vertical_speed; });
+    channel("acceleration", "m/s^2", [](const HistoryRow& r) { return r.acceleration; });
+    channel("force", "N", [](const HistoryRow& r) { return r.force; });
+    channel("drag_area", "m^2", [](const HistoryRow& r) { return r.drag_area; });
+    channel("dynamic_pressure", "Pa", [](const HistoryRow& r) { return r.dynamic_pressure; });
+    if (scene.aerodynamics.added_mass)
+        channel("added_mass", "kg", [](const HistoryRow& r) { return r.added_mass; });
+    if (scene.parachutes.front().deploy.starts_packed())
+        channel("separation", "m", [](const HistoryRow& r) { return r.separation; });
+}
+
+void add_left_out(RunRecord& record, const Scene& scene, int dimensions) {
+    const Deployment& deploy = scene.parachutes.front().deploy;
+    const auto out = [&](const char* what, const char* why) { record.left_out.push_back({what, why}); };
+    if (dimensions == 1) out("horizontal motion", "the release is straight down and the air is still");
+    if (dimensions == 2) out("motion across the release plane", "the air is still");
+    if (dimensions != 3) out("wind", "environment.wind is absent");
+    if (deploy.by == DeployBy::line_stretch) out("second body", "the scene starts at line stretch");
+    if (deploy.by == DeployBy::inflated) {
+        out("second body", "the scene starts with the canopy open");
+        out("filling", "the scene starts with the canopy open");
+    }
+    if (deploy.starts_packed()) {
+        out("drawing out of cloth and lines", "payload and parachute are two point masses until snatch");
+        if (!(deploy.pack_drag_area > 0.0))
+            out("drag of the pack", "parachute.deploy.pack_drag_area is absent");
+    }
+    out("canopy structure", deploy.starts_packed()
+                                ? "this model moves payload and parachute as one rigid body from snatch on"
+                                : "this model moves payload and parachute as one rigid body");
+    if (scene.aerodynamics.line_drag) out("line drag", "this model has no lines; the full model has");
+    if (scene.aerodynamics.breathing_damping) out("breathing damping", "this model has no canopy shape");
+    if (!scene.aerodynamics.added_mass) out("added mass", "aerodynamics.added_mass is absent");
+    if (!scene.payload.drag_area) out("payload drag", "payload.drag_area is absent");
+}
+
+void add_snatch_forms(RunRecord& record, const Scene& scene, double parting_speed, double stretch) {
+    const Parachute& chute = scene.parachutes.front();
+    const std::string dv = fmt::format("at dv = {:.4g} m/s", parting_speed);
+    record.add_metric("snatch_force_mass_spring_N",
+                      snatch_force_mass_spring(parting_speed, line_stiffness(chute),
+                                               reduced_mass(scene.payload.mass, chute.mass)),
+                      Standing::result, "closed form dv sqrt(k m_red) " + dv);
+    record.add_metric("snatch_force_wave_N",
+                      snatch_force_wave(parting_speed, chute.gores * chute.line.axial_stiffness(),
+                                        chute.gores * chute.line.linear_density()),
+                      Standing::result, "closed form dv sqrt(EA mu), the first wave along the lines " + dv);
+    if (stretch > breaking_strain)
+        record.warnings.push_back({fmt::format("the snatch stretches the lines by {:.0f} %", 100.0 * stretch),
+                                   "nylon cord breaks at about 30 %; this model's lines do not break",
+                                   "slow the deployment, or give stronger lines"});
+}
+
+}  // namespace twinchute::rom

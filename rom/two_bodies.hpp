@@ -1,0 +1,98 @@
+// The equations of motion until snatch: payload and parachute as two point masses, first apart, then joined
+// by elastic lines.
+#pragma once
+
+#include "lib/models/atmosphere.hpp"
+#include "lib/scene/deployment.hpp"
+#include "rom/motion.hpp"
+
+namespace twinchute::rom {
+
+/// A force between two corners of its history: linear there, whatever it does beyond. [N], [N/s], [s]
+struct ForcePiece {
+    double value = 0.0, rate = 0.0, middle = 0.0;
+
+    double at(double t) const { return value + rate * (t - middle); }
+};
+
+/// Where the parachute is, seen from the payload.
+template <int dimensions>
+struct Separation {
+    Vec<dimensions> distance, velocity;  ///< [m], [m/s] of the parachute less the payload's
+
+    double length() const { return distance.norm(); }
+    /// How fast they part [m/s].
+    double speed() const { return distance.dot(velocity) / length(); }
+};
+
+/// What holds the parachute before snatch.
+enum class Bond {
+    held,   ///< by the far end of its static line: it moves on as that does, lines pay out without force
+    loose,  ///< in its pack: weight, drag and extraction force
+    taut    ///< at the end of elastic lines
+};
+
+/// State vector: the payload's position and velocity, then distance and velocity of the parachute from it.
+/// The distance is a component of its own because it is small beside the altitude, and the lines' stretch
+/// smaller.
+template <int dimensions>
+struct TwoBodies {
+    Atmosphere atmosphere;
+    const Wind* wind = nullptr;
+    double gravity = 0.0;            ///< [m/s^2]
+    double payload_mass = 0.0;       ///< [kg]
+    double payload_drag_area = 0.0;  ///< [m^2]
+    double parachute_mass = 0.0;     ///< [kg]
+    double pack_drag_area = 0.0;     ///< [m^2]
+    double stiffness = 0.0;          ///< [N/m] of all lines and risers
+    double taut_distance = 0.0;      ///< [m] between the two where the lines come taut
+    Vec<dimensions> behind;          ///< unit vector of the extraction force
+
+    Bond bond = Bond::loose;  ///< set at each stage boundary, as is the force
+    ForcePiece extraction;
+
+    static Separation<dimensions> separation_of(std::span<const double> y) {
+        return {Vec<dimensions>(y.data() + 2 * dimensions), Vec<dimensions>(y.data() + 3 * dimensions)};
+    }
+
+    /// [N] of the lines. A stage of taut lines ends before they slacken.
+    double tension(const Separation<dimensions>& s) const {
+        return bond == Bond::taut ? stiffness * (s.length() - taut_distance) : 0.0;
+    }
+
+    /// Weight, drag and one more force [N] on a body over its mass.
+    Vec<dimensions> acceleration_of(double mass, double drag_area, double altitude,
+                                    const Vec<dimensions>& velocity, const Vec<dimensions>& force) const {
+        const double rho = atmosphere.at(altitude).density;
+        Vec<dimensions> a =
+            (force + drag_of<dimensions>(rho, drag_area, airspeed_of<dimensions>(velocity, altitude, wind))) /
+            mass;
+        a[dimensions - 1] -= gravity;
+        return a;
+    }
+
+    Vec<dimensions> pull(const Separation<dimensions>& s) const {
+        if (bond != Bond::taut) return Vec<dimensions>::Zero();
+        return tension(s) / s.length() * s.distance;
+    }
+
+    /// m_l dv/dt = m_l g + D_l + T e
+    Vec<dimensions> payload_acceleration(const Motion<dimensions>& m, const Separation<dimensions>& s) const {
+        return acceleration_of(payload_mass, payload_drag_area, m.altitude(), m.velocity, pull(s));
+    }
+
+    /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while it is held.
+    Vec<dimensions> parachute_acceleration(double t, const Motion<dimensions>& m,
+                                           const Separation<dimensions>& s) const {
+        if (bond == Bond::held) return Vec<dimensions>::Zero();
+        return acceleration_of(parachute_mass, pack_drag_area, m.altitude() + s.distance[dimensions - 1],
+                               m.velocity + s.velocity, extraction.at(t) * behind - pull(s));
+    }
+
+    /// The common velocity [m/s] of both once the lines hold them together: momentum is conserved.
+    Vec<dimensions> locked_velocity(const Motion<dimensions>& m, const Separation<dimensions>& s) const {
+        return m.velocity + parachute_mass / (payload_mass + parachute_mass) * s.velocity;
+    }
+};
+
+}  // namespace twinchute::rom
