@@ -50,13 +50,9 @@ inline void write_generated_tables(const ScratchDir& directory) {
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
 
-/// How generated parachutes leave their packs.
-enum class GeneratedDeployments { all, line_stretch };
-
 class SceneGenerator : Chance {
 public:
-    explicit SceneGenerator(std::uint64_t seed, GeneratedDeployments deployments = GeneratedDeployments::all)
-        : Chance(seed), deployments_(deployments) {}
+    explicit SceneGenerator(std::uint64_t seed) : Chance(seed) {}
 
     std::vector<SceneLine> valid();
 
@@ -91,7 +87,6 @@ private:
     void put_tolerances();
     std::optional<std::string> spoiled(const Key& key, std::size_t kind);
 
-    const GeneratedDeployments deployments_;
     std::vector<SceneLine> lines_;
     double diameter_ = 0.0;           ///< D0 [m]
     std::optional<double> airspeed_;  ///< [m/s] at release, where the generator knows it
@@ -149,9 +144,7 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
             break;
         case KeyKind::quantity_or_word:
         case KeyKind::word: {
-            const bool only_stretched =
-                deployments_ == GeneratedDeployments::line_stretch && key.path == "parachute.deploy.by";
-            const std::string word(only_stretched ? "line-stretch" : one_of(key.choices()));
+            const std::string word(one_of(key.choices()));
             words[path] = word;
             if (word == key.fallback && chance(0.5)) return;
             value = '"' + word + '"';
