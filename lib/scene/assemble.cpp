@@ -54,7 +54,7 @@ std::filesystem::path table_file(const Values& v, std::string_view key) {
     if (!is_data_name(name))
         throw SceneError(v.place(key), std::string(key),
                          fmt::format("'{}' is not the name of a data file", name),
-                         "letters, digits, '-', '_' and '.' only", "put the file beside the scene");
+                         "letters, digits, '-', '_', '.' and '/' only", "put the file beside the scene");
     if (auto file = find_table_file(name, v.directory(key))) return *file;
     std::vector<std::string> places;
     for (const auto& where : data_directories(v.directory(key)))
@@ -279,7 +279,7 @@ std::filesystem::path data_file(std::string_view folder, const std::string& name
                                 const SourcePlace& place, const std::filesystem::path& directory) {
     if (!is_data_name(name))
         throw SceneError(place, std::string(key), fmt::format("'{}' is not the name of a data file", name),
-                         "letters, digits, '-', '_' and '.' only",
+                         "letters, digits, '-', '_', '.' and '/' only",
                          fmt::format("write the name of a file in {}/ without .toml", folder));
     if (auto file = find_data_file(folder, name, directory)) return *file;
     const std::vector<std::string> names = data_names(folder, directory);

@@ -58,7 +58,14 @@ static std::optional<fs::path> first_file(const fs::path& name, const fs::path& 
 }
 
 bool is_data_name(std::string_view name) {
-    return !name.empty() && name.front() != '.' && std::ranges::all_of(name, is_name_character);
+    for (;;) {
+        const std::size_t slash = std::min(name.find('/'), name.size());
+        const std::string_view part = name.substr(0, slash);
+        if (part.empty() || part.front() == '.' || !std::ranges::all_of(part, is_name_character))
+            return false;
+        if (slash == name.size()) return true;
+        name.remove_prefix(slash + 1);
+    }
 }
 
 std::optional<fs::path> find_data_file(std::string_view folder, std::string_view name,
@@ -76,10 +83,12 @@ std::vector<std::string> data_names(std::string_view folder, const fs::path& sce
     std::set<std::string> names;
     for (const fs::path& place : data_directories(scene_directory)) {
         std::error_code error;
-        fs::directory_iterator entry(place / folder, error);
-        while (!error && entry != fs::directory_iterator()) {
-            const std::string stem = entry->path().stem().string();
-            if (entry->path().extension() == ".toml" && is_data_name(stem)) names.insert(stem);
+        const fs::path root = place / folder;
+        fs::recursive_directory_iterator entry(root, error);
+        while (!error && entry != fs::recursive_directory_iterator()) {
+            const fs::path inside = entry->path().lexically_relative(root);
+            const std::string name = (inside.parent_path() / inside.stem()).generic_string();
+            if (inside.extension() == ".toml" && is_data_name(name)) names.insert(name);
             entry.increment(error);
         }
     }

@@ -21,11 +21,12 @@ std::optional<std::filesystem::path> find_data_file(std::string_view folder, std
 std::optional<std::filesystem::path> find_table_file(std::string_view name,
                                                      const std::filesystem::path& scene_directory);
 
-/// Every name that find_data_file would find in a folder, sorted, each once.
+/// Every name that find_data_file would find in a folder and the folders in it, sorted, each once.
 std::vector<std::string> data_names(std::string_view folder,
                                     const std::filesystem::path& scene_directory = {});
 
-/// Letters, digits, '-', '_' and '.', not starting with a '.': it cannot leave its folder.
+/// Letters, digits, '-', '_' and '.', and '/' between such names; none starts with a '.': it cannot leave its
+/// folder.
 bool is_data_name(std::string_view name);
 
 /// A name that is safe as a file or directory name on any system, for a scene's name or any other
