@@ -191,6 +191,35 @@ TEST(Deployment, CraneDropOpensAsThePaperSays) {
     EXPECT_NEAR(*record.metric("snatch_time_s") - *record.metric("line_stretch_time_s"), 2e-3, 1e-12);
 }
 
+TEST(Deployment, BothModelsComeToTheSameSnatch) {
+    // 5 %: the reduced-order model's pack is a point that stands at the far end, so that its payload falls
+    // 0.3 m of 25 m further, and none of its parachute moves before line stretch.
+    Scene scene = packed_c9(DeployBy::static_line);
+    scene.stop = {Trigger::Kind::time, 2.5, 0.0};
+    const RunRecord full = run_full(scene), rom = test::run_rom(scene);
+    for (const char* key :
+         {"line_stretch_time_s", "snatch_time_s", "snatch_speed_m_s", "payload_snatch_speed_m_s"})
+        EXPECT_NEAR(full.metric(key).value() / rom.metric(key).value(), 1.0, 0.05) << key;
+}
+
+TEST(Deployment, UnphysicalScenesAreWarnedOf) {
+    const auto warned = [](const RunRecord& record, const char* of) {
+        return std::ranges::any_of(record.warnings,
+                                   [&](const Warning& w) { return w.what.find(of) != std::string::npos; });
+    };
+    Scene light = packed_c9(DeployBy::static_line);
+    light.payload.mass = 2.0;
+    light.stop = {Trigger::Kind::time, 0.01, 0.0};
+    EXPECT_TRUE(warned(run_full(light), "payload lighter than its parachute"));
+    EXPECT_TRUE(warned(test::run_rom(light), "payload lighter than its parachute"));
+    // t_f v_s = n D0 = 171 m in a release 125 m above ground.
+    Scene slow = packed_c9(DeployBy::static_line);
+    slow.parachutes.front().fill_time.n = 20.0;
+    slow.stop = {Trigger::Kind::time, 2.4, 0.0};
+    EXPECT_TRUE(warned(run_full(slow), "the canopy fills over 171 m"));
+    EXPECT_TRUE(warned(test::run_rom(slow), "the canopy fills over 171 m"));
+}
+
 TEST(Deployment, FiniteElementsThroughoutNeedNoRamp) {
     Scene scene = packed_c9(DeployBy::static_line);
     scene.full.structure = Structure::fe;

@@ -108,8 +108,8 @@ TEST(FabricSprings, ModulusOfARandomSheet) {
 
 TEST(FabricSprings, ModulusOfTheGorePattern) {
     // Right-angled cells with mirrored diagonals. Square ones are the worst: the springs along the pull carry
-    // nearly all of it, and stand for the diagonals' share as well. Near the skirt of a C-9 cells are twice as
-    // wide as long.
+    // nearly all of it, and stand for the diagonals' share as well. Near the skirt of a C-9 cells are twice
+    // as wide as long.
     for (const double width : {1.0, 2.0, 0.5}) {
         const Mesh mesh = sheet(
             16, 16, [&](int c, int r) { return Vec3(width * c, r, 0.0); },
