@@ -3,11 +3,13 @@
 # Usage: tidy.sh BUILD all          every source of the tree
 #        tidy.sh BUILD changed      those that differ from the branch this one grew from, and those that
 #                                   include a changed header; with TIDY_SECONDS set, those that fit into it
-# BUILD is a configured build directory with compile_commands.json.
+# BUILD is a configured build directory with compile_commands.json. A third argument leaves out what does not
+# lie below that folder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$1
 which=$2
+folder=${3:-}
 
 tidy=""
 for name in clang-tidy clang-tidy-14; do
@@ -28,7 +30,8 @@ fi
 # Sources that this build compiles: those of a target that is not built here cannot be looked at.
 sources() {
     sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$build/compile_commands.json" |
-        sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|tests|main)' | sort -u
+        sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|tests|main)' |
+        { grep "^$folder" || true; } | sort -u
 }
 
 # The commit to compare with: where this branch left the main line; on the main line itself, the one before.

@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Five, FullDemoSeeds, testing::Range(1, 6));
 
 TEST(FullDemo, PeakDoesNotDependOnTheMesh) {
     // 504, 1904 and 4368 triangles, lines refined along.
-    double peak[3];
+    double peak[3] = {};
     int level = 0;
     for (const MeshCounts counts : {MeshCounts{1, 9, 16, 3}, {2, 17, 31, 5}, {2, 39, 47, 8}}) {
         Scene scene = to_the_peak();
