@@ -41,6 +41,7 @@ public:
     RunRecord fly() {
         const Stopwatch watch;
         add_event(packed() ? "release" : inflated() ? "full-open" : "line-stretch");
+        if (!packed()) met(inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
         while (!ended_) {
             simulation_.evaluate_forces();
             observer_.observe(state());
@@ -85,7 +86,7 @@ private:
         const double deployed = state().stage == Stage::deployment
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
                                     : simulation_.inflation().end_of(state().phase);
-        return std::min({deployed, simulation_.ramp_end(), stop_time_, steady_stop_});
+        return std::min({deployed, simulation_.ramp_end(), stop_time_, event_stop_});
     }
 
     /// The next time at which the extraction force is not smooth.
@@ -100,10 +101,12 @@ private:
     void check() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            record_.events.resize(sound_events_);
             fields_.forget();
             return end(fault->code, fault->detail);
         }
         observer_.accept();
+        sound_events_ = record_.events.size();
         fields_.accept();
         if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
@@ -113,6 +116,7 @@ private:
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
             observer_.forget();
+            record_.events.resize(sound_events_);
             fields_.forget();
             landing_time_.reset();
             end(fault->code, fault->detail);
@@ -170,6 +174,7 @@ private:
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
         add_event("snatch");
+        met(Trigger::Kind::line_stretch);
         observer_.count_peak_from(now + simulation_.inflation().initial_time);
     }
 
@@ -179,6 +184,7 @@ private:
         if (now >= simulation_.inflation().end_of(state().phase)) {
             opens = state().phase == Phase::filling;
             add_event(opens ? "full-open" : "end-of-initial-phase");
+            if (opens) met(Trigger::Kind::full_open);
             // Drag area and phi are continuous here, only their rates jump: the forces just
             // evaluated are those of the phase that begins, too.
             simulation_.begin(opens ? Phase::open : Phase::filling);
@@ -197,11 +203,16 @@ private:
             descent_altitude_ = state().node[simulation_.mesh().payload()].x[2];
             if (scene_.stop.kind == Trigger::Kind::steady_descent ||
                 scene_.stop.kind == Trigger::Kind::peak_force)
-                steady_stop_ = now + scene_.stop.delay;
+                event_stop_ = now + scene_.stop.delay;
         }
-        if (scene_.stop.kind == Trigger::Kind::peak_force && steady_stop_ == longest_flight &&
+        if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
             now > full_open() && observer_.filtered_force() < past_peak * observer_.peak().value)
-            steady_stop_ = now + scene_.stop.delay;
+            event_stop_ = now + scene_.stop.delay;
+    }
+
+    /// What the scene may stop at happens now.
+    void met(Trigger::Kind what) {
+        if (scene_.stop.kind == what) event_stop_ = std::min(event_stop_, state().time + scene_.stop.delay);
     }
 
     void look_for_ground() {
@@ -217,7 +228,10 @@ private:
 
     void look_for_stop() {
         const double now = state().time;
-        if (now < std::min(stop_time_, steady_stop_)) return;
+        if (scene_.stop.kind == Trigger::Kind::altitude && event_stop_ == longest_flight &&
+            state().node[simulation_.mesh().payload()].x[2] <= scene_.stop.value)
+            met(Trigger::Kind::altitude);
+        if (now < std::min(stop_time_, event_stop_)) return;
         if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
             end(StatusCode::time_limit,
                 fmt::format("stop condition not met within {:g} s of flight", stop_time_));
@@ -250,10 +264,11 @@ private:
     Observer observer_;
     FieldRecorder fields_;
     double stop_time_;
-    double steady_stop_ = longest_flight;
+    double event_stop_ = longest_flight;
     bool ended_ = false;
     double hold_end_ = never;  // [s] at which lines that are taut now will have been so long enough
     bool switched_late_ = false;
+    std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     std::optional<double> line_stretch_time_;
     double snatch_speed_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;

@@ -36,8 +36,31 @@ Leg Course::integrate_to(OdeSolver& solver, double end) {
         observer.step(solver);
         if (!observer.is_finite()) return Leg::not_finite;
         if (outcome == OdeSolver::Outcome::reached_stop) return Leg::reached_end;
-        if (outcome == OdeSolver::Outcome::found_root) return Leg::root;
+        if (outcome != OdeSolver::Outcome::found_root) continue;
+        if (solver.root() != floor_root || !stops_above_ground()) return Leg::root;
+        // Not the ground but the altitude to stop at: from here on the ground is watched.
+        below_stop_altitude_ = true;
+        met(Trigger::Kind::altitude, solver.time());
+        end = std::min(end, stop_time);
+        const std::vector<double> y(solver.state().begin(), solver.state().end());
+        solver.restart(solver.time(), y);
+        if (solver.time() >= end) return Leg::reached_end;
+        solver.stop_at(end);
     }
+}
+
+bool Course::stops_above_ground() const {
+    return scene_.stop.kind == Trigger::Kind::altitude && !below_stop_altitude_;
+}
+
+double Course::floor() const {
+    return stops_above_ground() ? scene_.stop.value : scene_.environment.ground;
+}
+
+void Course::met(Trigger::Kind what, double time) {
+    if (scene_.stop.kind != what) return;
+    stop_time = std::min(stop_time, time + scene_.stop.delay);
+    stop_is_set_ = true;
 }
 
 void Course::add_event(const char* name) {
@@ -61,8 +84,7 @@ RunStatus Course::ending(Leg leg, const OdeSolver& solver) const {
     const double time = observer.rows().back().time;
     switch (leg) {
         case Leg::reached_end:
-            if (scene_.stop.kind == Trigger::Kind::time || time < stop_time)
-                return {StatusCode::completed, "stop condition met"};
+            if (stop_is_set_ || time < stop_time) return {StatusCode::completed, "stop condition met"};
             return {StatusCode::time_limit,
                     fmt::format("stop condition not met within {:g} s of flight", stop_time)};
         case Leg::not_finite:

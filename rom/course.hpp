@@ -23,11 +23,18 @@ public:
           stop_time(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                            : unlimited()),
           scene_(scene),
-          run_(run) {}
+          run_(run),
+          stop_is_set_(scene.stop.kind == Trigger::Kind::time) {}
 
     RunRecord& record;
     Observer observer;
-    const double stop_time;  ///< [s] since release; no run goes on beyond it
+    double stop_time;  ///< [s] since release; no run goes on beyond it
+    /// The number of the root that every leg watches: the payload's altitude less floor().
+    static constexpr int floor_root = 0;
+    /// [m] the ground, or before that the altitude that the scene stops at.
+    double floor() const;
+    /// What the scene may stop at has happened at `time` [s].
+    void met(Trigger::Kind what, double time);
 
     /// Steps of `solver` to `end`; says why it stopped before, if it did.
     Leg integrate_to(OdeSolver& solver, double end);
@@ -44,9 +51,12 @@ public:
 
 private:
     static double unlimited();
+    bool stops_above_ground() const;
 
     const Scene& scene_;
     Run& run_;
+    bool stop_is_set_;  // the stop condition has a time, so that reaching it completes the run
+    bool below_stop_altitude_ = false;
     int steps_ = 0;
 };
 

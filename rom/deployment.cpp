@@ -65,7 +65,7 @@ public:
     }
 
 private:
-    enum Root { payload_ground, parachute_ground, along_lines };
+    enum Root { payload_ground = Course::floor_root, parachute_ground, along_lines };
 
     Model make_model() const {
         Model model;
@@ -152,7 +152,7 @@ private:
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
             const double height = motion.altitude() - scene_.environment.ground;
-            g[payload_ground] = height;
+            g[payload_ground] = motion.altitude() - course_.floor();
             g[parachute_ground] = height + s.distance[dimensions - 1];
             g[along_lines] = model_.bond == Bond::taut ? s.speed() : s.length() - model_.taut_distance;
         });

@@ -40,7 +40,7 @@ public:
     }
 
 private:
-    enum Root { ground_root, steady_root, peak_root };
+    enum Root { ground_root = Course::floor_root, steady_root, peak_root };
 
     Model make_model(const Inflation& inflation) const {
         const Parachute& chute = scene_.parachutes.front();
@@ -129,7 +129,7 @@ private:
         const int count = search == Search::ground ? 1 : search == Search::steady ? 2 : 3;
         solver_.watch(count, [this](double t, std::span<const double> state, std::span<double> g) {
             const auto motion = motion_of<dimensions>(state);
-            g[ground_root] = motion.altitude() - scene_.environment.ground;
+            g[ground_root] = motion.altitude() - course_.floor();
             if (g.size() > steady_root) g[steady_root] = unsteadiness(t, motion);
             if (g.size() > peak_root) g[peak_root] = above_past_peak(t, motion);
         });
@@ -156,6 +156,7 @@ private:
         if (inflation.initial_time > 0.0) {
             begin_stage(Phase::initial, Search::ground);
             course_.add_event(event);
+            course_.met(Trigger::Kind::line_stretch, solver_.time());
             leg = to_end_of(Phase::initial);
             if (goes_on()) {
                 course_.add_event("end-of-initial-phase");
@@ -164,11 +165,13 @@ private:
         } else {
             begin_filling();
             course_.add_event(event);
+            course_.met(Trigger::Kind::line_stretch, solver_.time());
         }
         if (goes_on()) leg = to_end_of(Phase::filling);
         if (leg != Leg::reached_end || solver_.time() < inflation.end_of(Phase::filling)) return leg;
         result_.filling_time = inflation.filling_time;
         course_.add_event("full-open");
+        course_.met(Trigger::Kind::full_open, solver_.time());
         return descend();
     }
 

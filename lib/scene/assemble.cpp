@@ -209,16 +209,23 @@ Aerodynamics aerodynamics(const Values& v) {
     return a;
 }
 
-Trigger stop(const Values& v) {
+Trigger stop(const Values& v, const Environment& environment) {
     Trigger t;
     if (v.given("stop.time")) {
         t.kind = Trigger::Kind::time;
         t.value = v.number("stop.time");
+    } else if (v.given("stop.altitude") || v.given("stop.height")) {
+        t.kind = Trigger::Kind::altitude;
+        t.value = v.given("stop.altitude") ? v.number("stop.altitude")
+                                           : environment.ground + v.number("stop.height");
     } else {
-        const std::string& at = v.word("stop.at");
-        t.kind = at == "ground"       ? Trigger::Kind::ground
-                 : at == "peak-force" ? Trigger::Kind::peak_force
-                                      : Trigger::Kind::steady_descent;
+        using enum Trigger::Kind;
+        constexpr std::pair<std::string_view, Trigger::Kind> kinds[] = {{"steady-descent", steady_descent},
+                                                                        {"peak-force", peak_force},
+                                                                        {"full-open", full_open},
+                                                                        {"line-stretch", line_stretch},
+                                                                        {"ground", ground}};
+        t.kind = std::ranges::find(kinds, v.word("stop.at"), [](const auto& k) { return k.first; })->second;
     }
     t.delay = v.number("stop.delay");
     return t;
@@ -268,7 +275,7 @@ Scene assemble_scene(const Values& v) {
     scene.release = release(v, scene.environment);
     scene.parachutes.push_back(parachute(v, materials));
     scene.aerodynamics = aerodynamics(v);
-    scene.stop = stop(v);
+    scene.stop = stop(v, scene.environment);
     scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
     scene.full = full(v);
     scene.tolerances = v.tolerances();

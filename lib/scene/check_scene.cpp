@@ -46,6 +46,20 @@ void check_release(const Scene& scene, const Values& values, const Complain& com
                        "raise the ground or choose another atmosphere");
 }
 
+void check_stop(const Scene& scene, const Values& values, const Complain& complain) {
+    const Trigger& stop = scene.stop;
+    if (stop.kind != Trigger::Kind::altitude) return;
+    const char* key = values.given("stop.altitude") ? "stop.altitude" : "stop.height";
+    if (stop.value >= scene.release.altitude)
+        complain.about(key, "the run would end before it begins",
+                       fmt::format("it falls from {} m to {} m", scene.release.altitude, stop.value),
+                       "give an altitude below the release");
+    if (stop.value < scene.environment.ground)
+        complain.about(key, "lies below the ground",
+                       fmt::format("{} m, ground {} m", stop.value, scene.environment.ground),
+                       "write at = \"ground\"");
+}
+
 /// Soundings seldom begin at the ground: that is no mistake, but it is said.
 void warn_of_wind(Scene& scene) {
     const Environment& e = scene.environment;
@@ -142,6 +156,7 @@ void check_scene(Scene& scene, const Values& values) {
         default:
             check_packed_opening(scene, complain);
     }
+    check_stop(scene, values, complain);
     warn_of_wind(scene);
 }
 

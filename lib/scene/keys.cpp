@@ -72,7 +72,7 @@ Words extraction_loads() {
     return {"point", "distributed"};
 }
 Words stops() {
-    return {"steady-descent", "peak-force", "ground"};
+    return {"steady-descent", "peak-force", "full-open", "line-stretch", "ground"};
 }
 Words structures() {
     return {"msd-fe", "fe"};
@@ -228,10 +228,14 @@ constexpr Key scene_rows[] = {
     {.path = "aerodynamics.radial_pressure", .unit = "1", .need = defaulted, .fallback = "0.8", .range = from(0, 5), .user = full,
      .meaning = "phi(t_f) of Eq. 12", .source = "gives the paper's steady shape; the paper prints 0.5"},
 
-    {.path = "stop.at", .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = stops, .instead_of = "stop.time",
-     .meaning = "the event that ends the run"},
-    {.path = "stop.time", .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000), .instead_of = "stop.at",
-     .meaning = "since release"},
+    {.path = "stop.at", .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = stops,
+     .instead_of = "stop.time|stop.altitude|stop.height", .meaning = "the event that ends the run; line-stretch: the snatch"},
+    {.path = "stop.time", .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000),
+     .instead_of = "stop.at|stop.altitude|stop.height", .meaning = "since release"},
+    {.path = "stop.altitude", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(-5000, 86000),
+     .instead_of = "stop.at|stop.time|stop.height", .meaning = "above sea level that the payload falls to"},
+    {.path = "stop.height", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(0, 86000),
+     .instead_of = "stop.at|stop.time|stop.altitude", .meaning = "above ground that the payload falls to"},
     {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
 
     {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "dormand-prince", .choices = methods, .user = rom,
@@ -336,13 +340,18 @@ std::span<const ToleranceMetric> tolerance_metrics() {
     return metric_rows;
 }
 
-bool Key::goes_with(std::string_view word) const {
-    for (std::string_view rest = only_with; !rest.empty();) {
-        const std::size_t bar = std::min(rest.find('|'), rest.size());
-        if (rest.substr(0, bar) == word) return true;
-        rest.remove_prefix(std::min(bar + 1, rest.size()));
+std::vector<std::string_view> words_of(std::string_view list) {
+    std::vector<std::string_view> words;
+    while (!list.empty()) {
+        const std::size_t bar = std::min(list.find('|'), list.size());
+        words.push_back(list.substr(0, bar));
+        list.remove_prefix(std::min(bar + 1, list.size()));
     }
-    return only_with.empty();
+    return words;
+}
+
+bool Key::goes_with(std::string_view word) const {
+    return only_with.empty() || std::ranges::count(words_of(only_with), word) != 0;
 }
 
 const Key* selector_of(std::span<const Key> keys, const Key& key) {

@@ -51,7 +51,7 @@ struct Key {
     KeyRange range = {};
     std::vector<std::string_view> (*choices)() = nullptr;
     std::string_view folder = {};      ///< of a data_file
-    std::string_view instead_of = {};  ///< exactly one of this key and that one is given
+    std::string_view instead_of = {};  ///< exactly one of this key and those, "a|b", is given
     std::string_view only_with = {};   ///< used only with these words, "a|b", of the selector beside it
     KeyUser user = KeyUser::both;
     std::string_view meaning = {};
@@ -66,6 +66,9 @@ struct Key {
     /// The unit to write to a record: empty for ratios.
     std::string_view record_unit() const { return unit == "1" ? std::string_view{} : unit; }
 };
+
+/// The words of a list "a|b|c".
+std::vector<std::string_view> words_of(std::string_view list);
 
 /// Keys of a scene.
 std::span<const Key> scene_keys();

@@ -16,13 +16,12 @@ namespace {
 std::array<std::string, 6> cells(const Key& key) {
     std::string meaning(key.meaning);
     if (!key.only_with.empty()) {
-        std::string words(key.only_with);
-        for (std::size_t bar = 0; (bar = words.find('|', bar)) != std::string::npos;)
-            words.replace(bar, 1, " or ");
         const std::string_view selector = selector_of(scene_keys(), key)->path;
-        meaning += fmt::format("; only with {} {}", selector.substr(selector.rfind('.') + 1), words);
+        meaning += fmt::format("; only with {} {}", selector.substr(selector.rfind('.') + 1),
+                               fmt::join(words_of(key.only_with), " or "));
     }
-    if (!key.instead_of.empty()) meaning += fmt::format("; or {}", key.instead_of);
+    if (!key.instead_of.empty())
+        meaning += fmt::format("; or {}", fmt::join(words_of(key.instead_of), " or "));
     return {std::string(key.path),
             std::string(key.unit),
             default_text(key),

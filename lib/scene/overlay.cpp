@@ -37,7 +37,8 @@ void imply_models(Document& document) {
 
 void overlay(Document& lower, const Document& upper) {
     for (const auto& [path, entry] : upper.entries) {
-        lower.entries.erase(std::string(entry.key->instead_of));
+        for (const std::string_view other : words_of(entry.key->instead_of))
+            lower.entries.erase(std::string(other));
         const auto* chosen = std::get_if<std::string>(&entry.value);
         if (!entry.key->is_selector() || !chosen) continue;
         const std::string table = path.substr(0, path.rfind('.') + 1);

@@ -103,11 +103,12 @@ struct Aerodynamics {
     bool operator==(const Aerodynamics&) const = default;
 };
 
-/// When something happens: exactly one condition, and a delay after it.
+/// When something happens: exactly one condition, and a delay after it. An altitude is met in falling; line
+/// stretch is met at snatch.
 struct Trigger {
-    enum class Kind { steady_descent, peak_force, ground, time };
+    enum class Kind { steady_descent, peak_force, full_open, line_stretch, ground, time, altitude };
     Kind kind = Kind::steady_descent;
-    double value = 0.0;  ///< [s] since release, for Kind::time
+    double value = 0.0;  ///< [s] since release, for Kind::time; [m] above sea level, for Kind::altitude
     double delay = 0.0;  ///< [s] after the condition
 
     bool operator==(const Trigger&) const = default;

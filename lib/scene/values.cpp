@@ -171,11 +171,12 @@ bool Values::is_active(const Key& key) const {
 
 /// Exactly one of a key and its alternative.
 void Values::require_alternatives(const Key& key) const {
-    const auto one = values_.find(key.path), other = values_.find(key.instead_of);
-    if (one != values_.end() && other != values_.end())
-        refuse(one->second.place, key.path,
-               fmt::format("stands beside {}", shown_path(key.instead_of, kind_.prefix)),
-               "both say the same thing", "keep exactly one of the two");
+    const auto one = values_.find(key.path);
+    for (const std::string_view other : words_of(key.instead_of))
+        if (one != values_.end() && values_.contains(other))
+            refuse(one->second.place, key.path,
+                   fmt::format("stands beside {}", shown_path(other, kind_.prefix)),
+                   "both say the same thing", "keep exactly one of the two");
 }
 
 /// The table that a key should stand in, or the top of the file.
@@ -197,14 +198,16 @@ void Values::fill_in(const Key& key) {
         return;
     }
     if (values_.contains(key.path) || !is_active(key)) return;
-    if (!key.instead_of.empty() && values_.contains(key.instead_of)) return;
+    const auto others = words_of(key.instead_of);
+    if (std::ranges::any_of(others, [this](std::string_view other) { return values_.contains(other); }))
+        return;
     if (key.need == KeyNeed::optional) return;
     if (key.need == KeyNeed::required) {
         const std::string unit = key.record_unit().empty() ? "" : fmt::format(", in {}", key.unit);
         refuse(place_of_absent(key.path), key.path, "is missing", fmt::format("{}{}", key.meaning, unit),
                key.instead_of.empty()
                    ? allowed_text(key)
-                   : fmt::format("give it or {}", shown_path(key.instead_of, kind_.prefix)));
+                   : fmt::format("give it or {}", shown_path(others.front(), kind_.prefix)));
     }
     Value value;
     value.key = &key;

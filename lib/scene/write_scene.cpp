@@ -137,12 +137,29 @@ void write_aerodynamics(Writer& w, const Aerodynamics& a) {
 
 void write_stop(Writer& w, const Trigger& stop) {
     w.table("[stop]");
-    if (stop.kind == Trigger::Kind::time)
-        w.number("time", stop.value);
-    else
-        w.words("at", stop.kind == Trigger::Kind::ground       ? "ground"
-                      : stop.kind == Trigger::Kind::peak_force ? "peak-force"
-                                                               : "steady-descent");
+    switch (stop.kind) {
+        case Trigger::Kind::time:
+            w.number("time", stop.value);
+            break;
+        case Trigger::Kind::altitude:
+            w.number("altitude", stop.value);
+            break;
+        case Trigger::Kind::steady_descent:
+            w.words("at", "steady-descent");
+            break;
+        case Trigger::Kind::peak_force:
+            w.words("at", "peak-force");
+            break;
+        case Trigger::Kind::full_open:
+            w.words("at", "full-open");
+            break;
+        case Trigger::Kind::line_stretch:
+            w.words("at", "line-stretch");
+            break;
+        case Trigger::Kind::ground:
+            w.words("at", "ground");
+            break;
+    }
     w.number("delay", stop.delay);
 }
 

@@ -181,6 +181,14 @@ inline void SceneGenerator::put_release(bool may_rest) {
     put_number(over_ground ? "release.speed" : "release.airspeed", speed);
     if (speed > 0.0 && (!over_ground || !has_wind_)) airspeed_ = speed;
     if (speed > 0.0) put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));
+    const bool stops = std::ranges::any_of(
+        lines_, [](const SceneLine& line) { return line.path == "stop.at" || line.path == "stop.time"; });
+    if (stops || chance(0.5)) return;
+    const double above = height * number_in(0.01, 0.99);
+    if (chance(0.5))
+        put_number("stop.altitude", ground + above);
+    else
+        put_number("stop.height", above);
 }
 
 inline void SceneGenerator::put_canopy() {
@@ -257,6 +265,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "release.speed",
                                                     "release.airspeed",
                                                     "release.path_angle",
+                                                    "stop.altitude",
+                                                    "stop.height",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
                                                     "parachute.fill_time.model",
@@ -293,9 +303,15 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         if (by_hand.contains(key.path)) continue;
         if (std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); }))
             continue;
-        if (!key.instead_of.empty()) {  // one of a pair, or none
-            const auto other = taken.find(key.instead_of);
-            const bool mine = other == taken.end() ? chance(0.5) : !other->second;
+        if (!key.instead_of.empty()) {  // one of a group, or none
+            bool decided = true, mine = true;
+            for (const std::string_view other : words_of(key.instead_of)) {
+                if (by_hand.contains(other)) continue;
+                const auto before = taken.find(other);
+                decided = decided && before != taken.end();
+                mine = mine && (before == taken.end() || !before->second);
+            }
+            mine = mine && (decided || chance(0.5));
             taken[key.path] = mine;
             if (!mine) continue;
         }
@@ -395,7 +411,7 @@ inline SceneGenerator::Broken SceneGenerator::broken() {
             lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(at));
         } else {
             if (key->instead_of.empty()) continue;
-            const Key& other = *find_key(scene_keys(), key->instead_of);
+            const Key& other = *find_key(scene_keys(), words_of(key->instead_of).front());
             lines.push_back(
                 {std::string(other.path), other.choices ? '"' + std::string(other.choices()[0]) + '"' : "1"});
         }

@@ -32,10 +32,11 @@ TEST(Keys, RowsAreConsistent) {
         if (!key.unit.empty()) {
             EXPECT_EQ(to_si("2 " + std::string(key.unit), key.unit), 2.0);
         }
-        if (!key.instead_of.empty()) {
-            const Key* other = find_key(scene_keys(), key.instead_of);
+        for (const std::string_view name : words_of(key.instead_of)) {
+            const Key* other = find_key(scene_keys(), name);
             ASSERT_NE(other, nullptr);
-            EXPECT_EQ(other->instead_of, key.path);
+            const auto back = words_of(other->instead_of);
+            EXPECT_EQ(std::ranges::count(back, key.path), 1);
         }
         if (key.need != KeyNeed::defaulted) continue;
         ASSERT_FALSE(key.fallback.empty());
@@ -101,7 +102,8 @@ TEST(Keys, TextsOfARow) {
     EXPECT_EQ(default_text(*find_key(scene_keys(), "release.heading")), "90 deg");
     EXPECT_EQ(range_text(*find_key(scene_keys(), "parachute.initial_drag_area_ratio")), ">= 0 and < 1");
     EXPECT_EQ(range_text(*find_key(scene_keys(), "release.path_angle")), ">= -90 and <= 90 deg");
-    EXPECT_EQ(range_text(*find_key(scene_keys(), "stop.at")), "steady-descent | peak-force | ground");
+    EXPECT_EQ(range_text(*find_key(scene_keys(), "stop.at")),
+              "steady-descent | peak-force | full-open | line-stretch | ground");
 }
 
 TEST(Keys, ToleranceUnitsAreUnits) {

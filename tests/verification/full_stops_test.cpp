@@ -117,5 +117,52 @@ TEST(FullStops, ABadMassIsSaid) {
     EXPECT_TRUE(said);
 }
 
+/// A line-stretch start that is quick to run.
+Scene coarse() {
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {1, 6, 10, 2};
+    return scene;
+}
+
+TEST(Stops, AtAnAltitude) {
+    Scene scene = coarse();
+    scene.stop = {Trigger::Kind::altitude, 280.0, 0.0};
+    const RunRecord rom = test::run_rom(scene), full = test::run_full(scene);
+    for (const RunRecord* r : {&rom, &full}) {
+        EXPECT_EQ(r->status.code, StatusCode::completed) << r->status.detail;
+        EXPECT_FALSE(r->metric("flight_time_s"));  // nothing has landed
+    }
+    EXPECT_NEAR(test::last(rom, "altitude"), 280.0, 1e-6);  // a root, to the integrator's tolerance
+    // The full model ends with the step that crosses it, and its history is no denser than its rows.
+    EXPECT_NEAR(test::last(full, "altitude"), 280.0, 21.0 / scene.full.output_rate);
+
+    scene.stop.delay = 0.3;
+    const RunRecord later = test::run_rom(scene);
+    EXPECT_NEAR(test::last(later, "time"), test::last(rom, "time") + 0.3, 1e-6);
+    EXPECT_EQ(later.status.code, StatusCode::completed) << later.status.detail;
+}
+
+TEST(Stops, AtLineStretchAndAtFullOpen) {
+    Scene scene = coarse();
+    const double filling = 4.0 * 8.53 / 21.0;
+    scene.stop = {Trigger::Kind::full_open, 0.0, 0.1};
+    for (const RunRecord& r : {test::run_rom(scene), test::run_full(scene)}) {
+        EXPECT_EQ(r.status.code, StatusCode::completed) << r.status.detail;
+        EXPECT_NEAR(test::last(r, "time"), filling + 0.1, 1.0 / scene.full.output_rate);
+    }
+    scene.stop = {Trigger::Kind::line_stretch, 0.0, 0.05};
+    for (const RunRecord& r : {test::run_rom(scene), test::run_full(scene)}) {
+        EXPECT_EQ(r.status.code, StatusCode::completed) << r.status.detail;
+        EXPECT_NEAR(test::last(r, "time"), 0.05, 1.0 / scene.full.output_rate);
+    }
+    // From the pack it is the snatch.
+    Scene packed = test::packed_c9(DeployBy::static_line);
+    packed.stop = {Trigger::Kind::line_stretch, 0.0, 0.0};
+    for (const RunRecord& r : {test::run_rom(packed), test::run_full(packed)}) {
+        EXPECT_EQ(r.status.code, StatusCode::completed) << r.status.detail;
+        EXPECT_NEAR(test::last(r, "time"), r.metric("snatch_time_s").value(), 1.0 / scene.full.output_rate);
+    }
+}
+
 }  // namespace
 }  // namespace twinchute
