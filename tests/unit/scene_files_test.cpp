@@ -46,8 +46,8 @@ TEST(Sha256, PaddingAtEveryLengthOfABlock) {
 TEST(DataNames, StayInTheirFolder) {
     for (const char* good : {"usaf-c9", "a", "A_1.b", "x..y", "paper/crane-drop"})
         EXPECT_TRUE(is_data_name(good)) << good;
-    for (const char* bad :
-         {"", ".", "..", "../x", "a/../b", "a/", "a//b", "a/.b", "/etc/passwd", "a\\b", "a b", ".hidden", "a\n", "~"})
+    for (const char* bad : {"", ".", "..", "../x", "a/../b", "a/", "a//b", "a/.b", "/etc/passwd", "a\\b",
+                            "a b", ".hidden", "a\n", "~"})
         EXPECT_FALSE(is_data_name(bad)) << bad;
     EXPECT_FALSE(find_data_file("parachutes", "../parachutes/usaf-c9", TWINCHUTE_SOURCE_DIR "/data"));
     EXPECT_FALSE(is_data_name(std::string("a\0b", 3)));
