@@ -1,7 +1,4 @@
 // What acts on a parachute only until snatch: drag of its cloth, resistance of its folds, extraction.
-#include <algorithm>
-#include <cmath>
-
 #include "fullsim/forces/gather.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
@@ -72,27 +69,44 @@ public:
     FoldResistance(const Mesh& mesh, double resistance) : edges_(fabric_edges(mesh)) {
         for (const FabricEdge& e : edges_)
             force_.push_back(resistance * e.section / mesh.fabric.thickness);
+        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
+            EdgeGroup g{};
+            for (int k = 0; k < lane_count; ++k) {
+                const bool padding = first + k >= edges_.size();
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = padding ? mesh.dummy() : edges_[first + k].node[end];
+                g.rest_length[k] = padding ? 0.0 : edges_[first + k].rest_length;
+                g.force[k] = padding ? 0.0 : force_[first + k];
+            }
+            groups_.push_back(g);
+        }
     }
 
     std::string_view name() const override { return "fold resistance"; }
     std::size_t elements() const override { return edges_.size(); }
 
-    void add_forces(State& state) const override {
-        double dissipated = 0.0;
-        for (std::size_t i = 0; i < edges_.size(); ++i) {
-            NodeRecord &a = state.node[edges_[i].node[0]], &b = state.node[edges_[i].node[1]];
-            const Vec3 d = to_vec3(b.x - a.x);
-            const double length = d.norm() + 1e-9;
-            if (length >= edges_[i].rest_length) continue;
-            const double lengthening = d.dot(to_vec3(b.v - a.v)) / length;
-            if (lengthening <= 0.0) continue;
-            const double force = force_[i] * std::min(1.0, lengthening / full_speed);
-            const Lanes pull = to_lanes(force / length * d);
-            state.force[edges_[i].node[0]].value += pull;
-            state.force[edges_[i].node[1]].value -= pull;
+    void add_forces(State& state) const override { sweep(state); }
+
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+        const Lanes zero = splat(0.0), one = splat(1.0);
+        Lanes dissipated = zero;
+        for (const EdgeGroup& g : groups_) {
+            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
+            const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
+            const Lanes length = square_root(dot(d, d) + 1e-18);
+            const Lanes inverse = 1.0 / length;
+            const Lanes lengthening = larger(dot(d, w) * inverse, zero);
+            const Lanes share = lengthening / splat(full_speed);
+            const Lanes folded = length < g.rest_length ? g.force : zero;
+            const Lanes force = folded * (share < one ? share : one);
             dissipated += force * lengthening;
+            const CornerForces pull(force * inverse * d);
+            for (int k = 0; k < lane_count; ++k) {
+                state.force[g.node[0][k]].value += pull.row[k];
+                state.force[g.node[1][k]].value -= pull.row[k];
+            }
         }
-        state.damping_power += dissipated;
+        state.damping_power += sum(dissipated);
     }
 
     void add_row_sums(const State&, RowSums& sums) const override {
@@ -102,9 +116,15 @@ public:
     }
 
 private:
+    struct alignas(32) EdgeGroup {
+        std::array<LaneNodes, 2> node;
+        Lanes rest_length;  // [m]
+        Lanes force;        // [N]
+    };
     static constexpr double full_speed = 1.0;  // [m/s] of lengthening; below it the force is less
     std::vector<FabricEdge> edges_;
     std::vector<double> force_;  // [N] of each edge
+    std::vector<EdgeGroup> groups_;
 };
 
 /// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy
