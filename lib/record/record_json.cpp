@@ -1,6 +1,7 @@
 #include "lib/record/record_json.hpp"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace twinchute {
@@ -9,14 +10,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Sets a key unless the value is not finite: JSON has no NaN, and null would read as "left out".
-bool put(Json& object, const char* key, double value) {
+bool put(Json& object, const std::string& key, double value) {
     if (!std::isfinite(value)) return false;
     object[key] = value;
     return true;
 }
 
 /// For quantities that are exactly zero only when there is nothing behind them.
-void put_unless_zero(Json& object, const char* key, double value) {
+void put_unless_zero(Json& object, const std::string& key, double value) {
     if (value != 0.0) put(object, key, value);
 }
 
@@ -37,20 +38,36 @@ Json inputs_json(const std::vector<Input>& inputs) {
     return json;
 }
 
-Json metrics_json(const std::vector<Metric>& metrics, std::vector<Warning>& warnings) {
+Json metrics_json(const std::vector<Metric>& metrics) {
     Json json = Json::object();
-    for (const Metric& metric : metrics) {
-        if (put(json, metric.key.c_str(), metric.value)) continue;
+    for (const Metric& metric : metrics)
+        put(json, metric.key, metric.value);
+    return json;
+}
+
+/// Takes out the metrics that cannot be written; a warning says so.
+void leave_out_not_finite(std::vector<Metric>& metrics, std::vector<Warning>& warnings) {
+    std::erase_if(metrics, [&](const Metric& metric) {
+        if (std::isfinite(metric.value)) return false;
         warnings.push_back({metric.key + " is left out of this record", "its value is not a finite number",
                             "look at the status and the last rows of history.csv"});
-    }
-    return json;
+        return true;
+    });
+}
+
+/// What becomes of a value that is not finite: NaN, or 0 where zero is not written either.
+void tell(double& value, double instead = std::numeric_limits<double>::quiet_NaN()) {
+    if (!std::isfinite(value)) value = instead;
+}
+
+/// As it stands in a JSON text: bytes that are not UTF-8 are replaced.
+void tell(std::string& text) {
+    text = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
 Json standing_json(const std::vector<Metric>& metrics) {
     Json json = Json::object();
     for (const Metric& metric : metrics) {
-        if (!std::isfinite(metric.value)) continue;
         Json row{{"input_or_result", standing_name(metric.standing)}};
         if (!metric.note.empty()) row["note"] = metric.note;
         json[metric.key] = std::move(row);
@@ -98,7 +115,7 @@ nlohmann::ordered_json cost_json(const Cost& cost) {
     if (!cost.blocks.empty()) {
         Json& blocks = json["blocks"] = Json::object();
         for (const BlockCost& block : cost.blocks)
-            put(blocks, block.name.c_str(), block.seconds);
+            put(blocks, block.name, block.seconds);
     }
     return json;
 }
@@ -130,7 +147,9 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
 }
 
 std::string summary_json(const RunRecord& record) {
+    std::vector<Metric> metrics = record.metrics;
     std::vector<Warning> warnings = record.warnings;
+    leave_out_not_finite(metrics, warnings);
     Json json;
     json["generator"] = "twinchute";
     json["schema"] = RunRecord::schema;
@@ -138,14 +157,43 @@ std::string summary_json(const RunRecord& record) {
     json["inputs"] = inputs_json(record.inputs);
     json["fidelity"] = record.fidelity;
     json["status"] = status_json(record.status);
-    json["metrics"] = metrics_json(record.metrics, warnings);
-    json["standing"] = standing_json(record.metrics);
+    json["metrics"] = metrics_json(metrics);
+    json["standing"] = standing_json(metrics);
     if (record.energy) json["energy"] = energy_json(*record.energy);
     json["cost"] = cost_json(record.cost);
     json["warnings"] = warnings_json(warnings);
     json["left_out"] = left_out_json(record.left_out);
     json["provenance"] = provenance_json(record.provenance);
     return json_text(json);
+}
+
+RunRecord as_written(RunRecord record) {
+    leave_out_not_finite(record.metrics, record.warnings);
+    for (Input& input : record.inputs)
+        if (auto* number = std::get_if<double>(&input.value)) tell(*number);
+    if (record.energy) {
+        EnergyLedger& energy = *record.energy;
+        for (double* term : {&energy.kinetic, &energy.gravity_work, &energy.residual_fraction})
+            tell(*term);
+        for (double* term : {&energy.elastic, &energy.drag_work, &energy.damping, &energy.added_mass,
+                             &energy.ramp, &energy.external_work})
+            tell(*term, 0.0);
+    }
+    Cost& cost = record.cost;
+    for (double* value :
+         {&cost.wall_s, &cost.cpu_s, &cost.dt_min_s, &cost.dt_max_s, &cost.ns_per_element_step})
+        tell(*value);
+    if (cost.element_steps <= 0) cost.ns_per_element_step = 0.0;
+    std::erase_if(cost.blocks, [](const BlockCost& block) { return !std::isfinite(block.seconds); });
+    for (std::string* text : {&record.scene.name, &record.scene.file, &record.status.detail})
+        tell(*text);
+    for (Channel& channel : record.channels)
+        for (double& value : channel.values)
+            tell(value);
+    for (Event& event : record.events)
+        for (double* value : {&event.time, &event.altitude, &event.speed})
+            tell(*value);
+    return record;
 }
 
 std::string json_text(const nlohmann::ordered_json& json) {

@@ -1,0 +1,94 @@
+#include "lib/record/read_record.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "lib/record/record_parts.hpp"
+
+namespace twinchute {
+namespace {
+
+namespace fs = std::filesystem;
+
+// [bytes] Real summaries take some 30 kB and histories some MB: what is far beyond is no record of ours.
+constexpr std::size_t largest_summary = 4u << 20, largest_history = 256u << 20, largest_events = 4u << 20;
+
+void require_size(std::string_view text, std::size_t largest, const std::string& file) {
+    if (text.size() <= largest) return;
+    throw RecordError({file}, "is too large", fmt::format("more than {} MiB", largest >> 20),
+                      "is it a file of a record?");
+}
+
+/// Only regular files: a pipe would be waited for, a device has no end.
+std::string content(const fs::path& file, std::size_t largest) {
+    const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
+        return RecordError({file.string()}, problem, why, hint);
+    };
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status)) throw refuse("no such file", "the record is not whole", "run the scene again");
+    if (!fs::is_regular_file(status)) throw refuse("is not a regular file", "", "run the scene again");
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    std::string text, chunk(1 << 16, '\0');
+    do {
+        stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+        text.append(chunk, 0, static_cast<std::size_t>(stream.gcount()));
+    } while (stream && text.size() <= largest);
+    if (stream.bad() || !stream.is_open())
+        throw refuse("cannot be read", errno ? std::strerror(errno) : "", "check its permissions");
+    require_size(text, largest, file.string());
+    return text;
+}
+
+std::string message(const RecordPlace& place, const std::string& problem, const std::string& why,
+                    const std::string& suggestion) {
+    std::string text = place.file;
+    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
+    if (!text.empty()) text += ": ";
+    text += problem;
+    if (!why.empty()) text += " (" + why + ")";
+    if (!suggestion.empty()) text += ", " + suggestion;
+    return text;
+}
+
+}  // namespace
+
+RecordError::RecordError(RecordPlace place, const std::string& problem, const std::string& why,
+                         const std::string& suggestion)
+    : std::runtime_error(message(place, problem, why, suggestion)), place_(std::move(place)) {}
+
+RunRecord read_record(const fs::path& directory) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(directory, ignored);
+    if (!fs::exists(status))
+        throw RecordError({directory.string()}, "no such directory", "", "check the path");
+    if (!fs::is_directory(status))
+        throw RecordError({directory.string()}, "is not a directory", "a record is one", "check the path");
+    if (!fs::exists(fs::status(directory / "summary.json", ignored)))
+        throw RecordError({directory.string()}, "is not a record", "there is no summary.json in it",
+                          "name a directory that twinchute wrote");
+    const std::string summary = content(directory / "summary.json", largest_summary),
+                      history = content(directory / "history.csv", largest_history),
+                      events = content(directory / "events.csv", largest_events);
+    return read_record_text(summary, history, events, directory);
+}
+
+RunRecord read_record_text(std::string_view summary, std::string_view history, std::string_view events,
+                           const fs::path& directory) {
+    const auto name = [&](const char* file) { return (directory / file).string(); };
+    require_size(summary, largest_summary, name("summary.json"));
+    require_size(history, largest_history, name("history.csv"));
+    require_size(events, largest_events, name("events.csv"));
+    RunRecord record = read_summary(summary, name("summary.json"));
+    record.channels = read_history(history, name("history.csv"));
+    record.events = read_events(events, name("events.csv"));
+    return record;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,22 @@
+// What read_record puts together.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/record/record_error.hpp"
+#include "lib/record/run_record.hpp"
+
+namespace twinchute {
+
+/// Everything but channels and events. `file` stands for it in messages. Throws RecordError.
+RunRecord read_summary(std::string_view text, const std::string& file);
+
+/// Throws RecordError.
+std::vector<Channel> read_history(std::string_view text, const std::string& file);
+
+/// Throws RecordError.
+std::vector<Event> read_events(std::string_view text, const std::string& file);
+
+}  // namespace twinchute
