@@ -11,30 +11,15 @@
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
+#include "compare/tolerances.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-/// --tolerance peak_force=10% is the scene's compare.tolerance.peak_force = "10%": one reader
-/// for both.
-std::vector<std::string> tolerance_overrides(const Arguments& arguments) {
-    std::vector<std::string> overrides;
-    for (const std::string& text : arguments.values("tolerance")) {
-        const auto equals = text.find('=');
-        if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-            throw UsageError(
-                fmt::format("'--tolerance {}' is not understood (METRIC=VALUE is wanted), e.g. "
-                            "--tolerance peak_force=10% or --tolerance peak_force=500N",
-                            text));
-        }
-        overrides.push_back("compare.tolerance." + text);
-    }
-    return overrides;
-}
 
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
@@ -65,8 +50,10 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         // The quick one first: it is there even when the long one is interrupted.
         FileBatch batch;
         FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
-        comparison.candidate = run_watched(candidate, scene, interrupt.token(), quiet, &of_candidate);
-        comparison.reference = run_watched(reference, scene, interrupt.token(), quiet, &of_reference);
+        comparison.candidate =
+            as_written(run_watched(candidate, scene, interrupt.token(), quiet, &of_candidate));
+        comparison.reference =
+            as_written(run_watched(reference, scene, interrupt.token(), quiet, &of_reference));
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
         add_report(batch, comparison, place);
         batch.commit();
@@ -94,11 +81,7 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.operand = "SCENE";
     verb.example = "twinchute compare data/scenes/c9-inflation.toml";
     verb.options = scene_options("write records and report there instead of ./<scene file>.out");
-    verb.options.insert(
-        verb.options.begin() + 1,
-        {"tolerance", "METRIC=VALUE",
-         fmt::format("largest allowed gap, e.g. peak_force=10% (of {}) or peak_force=500N", reference.name),
-         true});
+    verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
     verb.run = [&reference, &candidate](const Arguments& arguments) {

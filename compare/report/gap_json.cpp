@@ -1,5 +1,6 @@
 #include "compare/report/gap_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "lib/record/record_json.hpp"
@@ -11,14 +12,20 @@ using Json = nlohmann::ordered_json;
 
 constexpr int gap_schema = 1;
 
+/// Of values near the ends of what a double holds, difference and quotient are not finite: JSON has no word
+/// for that.
+void put(Json& object, const char* key, const std::optional<double>& value) {
+    if (value && std::isfinite(*value)) object[key] = *value;
+}
+
 Json metric_json(const MetricGap& metric) {
     Json json;
     json["name"] = metric.row->name;
     if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
     if (metric.reference) json["reference"] = metric.reference->value;
     if (metric.candidate) json["candidate"] = metric.candidate->value;
-    if (metric.difference) json["difference"] = *metric.difference;
-    if (metric.relative) json["relative"] = *metric.relative;
+    put(json, "difference", metric.difference);
+    put(json, "relative", metric.relative);
     if (metric.tolerance) {
         json["tolerance"] = {{"value", metric.tolerance->value}, {"relative", metric.tolerance->relative}};
     }
@@ -62,7 +69,7 @@ std::string gap_json(const Comparison& comparison) {
     Json& cost = json["cost"] = Json::object();
     cost["reference"] = cost_json(comparison.reference.cost);
     cost["candidate"] = cost_json(comparison.candidate.cost);
-    if (comparison.gap.cost_ratio) cost["ratio"] = *comparison.gap.cost_ratio;
+    put(cost, "ratio", comparison.gap.cost_ratio);
     json["reference"] = side_json(comparison.reference, comparison.reference_title);
     json["candidate"] = side_json(comparison.candidate, comparison.candidate_title);
     json["provenance"] = provenance_json(comparison.reference.provenance);

@@ -143,13 +143,18 @@ void draw_markers(Canvas& canvas, const Plot& plot, const Axis& x) {
     }
 }
 
-/// The runs of finite points inside [low, high], so that gaps in the data stay gaps.
+/// Differences and shares of what is larger are not finite any more.
+bool is_drawable(double value) {
+    return std::abs(value) <= 1e100;  // not of a NaN either
+}
+
+/// The runs of drawable points inside [low, high], so that gaps in the data stay gaps.
 std::vector<std::vector<Point>> runs_of(const Series& series, double low, double high) {
     std::vector<std::vector<Point>> runs(1);
     const std::size_t count = std::min(series.x.size(), series.y.size());
     for (std::size_t i = 0; i < count; ++i) {
         const Point point{series.x[i], series.y[i]};
-        if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
+        if (!is_drawable(point.x) || !is_drawable(point.y)) {
             if (!runs.back().empty()) runs.emplace_back();
         } else if (point.x >= low && point.x <= high) {
             runs.back().push_back(point);
@@ -177,8 +182,11 @@ void draw_series(Canvas& canvas, const Series& series, const Axis& x, const Axis
 }  // namespace
 
 Ticks nice_ticks(double low, double high, int wanted) {
-    if (!(high > low)) {  // a constant still gets an axis
-        const double margin = low == 0 ? 1 : 0.1 * std::abs(low);
+    // A constant still gets an axis; so does what differs by round-off only, whose ticks would be the same
+    // number over and over.
+    const double size = std::max(std::abs(low), std::abs(high));
+    if (!(high - low > std::max(1e-9 * size, 1e-100))) {
+        const double margin = size < 1e-100 ? 1 : 0.1 * size;
         low -= margin;
         high += margin;
     }
@@ -200,7 +208,7 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t buckets
     if (buckets == 0 || points.size() <= 4 * buckets) return points;
     const double low = points.front().x, span = points.back().x - low;
     const auto bucket_of = [&](const Point& point) {
-        const double share = span > 0 ? (point.x - low) / span : 0;
+        const double share = span > 0 ? std::clamp((point.x - low) / span, 0.0, 1.0) : 0;
         return std::min(buckets - 1, static_cast<std::size_t>(share * static_cast<double>(buckets)));
     };
     std::vector<Point> kept;

@@ -8,15 +8,19 @@
 
 namespace twinchute::compare {
 
-void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
-    for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
-        add_record(batch, *side, directory / side->fidelity);
-    }
+void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
     batch.add(directory / "force.svg", force_svg(comparison));
     batch.add(directory / "speed.svg", speed_svg(comparison));
     batch.add(directory / "report.md", report_markdown(comparison));
     batch.add(directory / "junit.xml", junit_xml(comparison));
     batch.add(directory / "gap.json", gap_json(comparison), FileBatch::Kind::marker);
+}
+
+void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
+        add_record(batch, *side, directory / side->fidelity);
+    }
+    add_gap_files(batch, comparison, directory);
 }
 
 void write_report(const Comparison& comparison, const std::filesystem::path& directory) {

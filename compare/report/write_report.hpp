@@ -16,4 +16,7 @@ void write_report(const Comparison& comparison, const std::filesystem::path& dir
 /// The same as part of a larger batch.
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory);
 
+/// The same without the records: what can be made again from them.
+void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory);
+
 }  // namespace twinchute::compare

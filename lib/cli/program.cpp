@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "lib/cli/text.hpp"
+#include "lib/record/record_error.hpp"
 #include "lib/record/write_error.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -147,15 +148,17 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
                 fmt::format("--{} is given twice (one place, one value), keep one", option.name));
         }
     }
-    const bool optional = verb.operand.starts_with('[');
-    if (operands.size() > 1) {
+    const bool optional = verb.operand.starts_with('['), several = verb.operand.ends_with("...");
+    if (operands.size() > 1 && !several) {
         throw UsageError(fmt::format("'{}' is one argument too many (`twinchute {}` takes one {})",
                                      operands[1], verb.name, verb.operand));
     }
     if (operands.empty() && !optional) {
-        throw UsageError(fmt::format("no {} given, e.g. {}", verb.operand, verb.example));
+        const std::string operand = verb.operand.substr(0, verb.operand.find("..."));
+        throw UsageError(fmt::format("no {} given, e.g. {}", operand, verb.example));
     }
     if (!operands.empty()) arguments.operand = operands[0];
+    arguments.operands = std::move(operands);
     return arguments;
 }
 
@@ -195,6 +198,9 @@ int run_program(std::span<const Verb> verbs, int argc, const char* const* argv) 
         flush_output();
     } catch (const SceneError& error) {
         // "file:line:column: ..." as compilers write it, so that editors can jump there.
+        const char* prefix = error.place().line > 0 ? "" : "twinchute: ";
+        code = complain(ExitCode::usage, prefix + std::string(error.what()));
+    } catch (const RecordError& error) {
         const char* prefix = error.place().line > 0 ? "" : "twinchute: ";
         code = complain(ExitCode::usage, prefix + std::string(error.what()));
     } catch (const UsageError& error) {

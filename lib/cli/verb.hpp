@@ -27,7 +27,8 @@ struct Option {
 
 /// What stood on the command line after the verb; every name is one of the verb's options.
 struct Arguments {
-    std::string operand;  ///< the one positional argument; empty when it is optional and absent
+    std::string operand;  ///< the first positional argument; empty when it is optional and absent
+    std::vector<std::string> operands;  ///< all of them; more than one only where the verb takes several
     std::map<std::string, std::vector<std::string>, std::less<>> options;
 
     bool has(std::string_view name) const { return options.contains(name); }
@@ -38,7 +39,7 @@ struct Arguments {
 struct Verb {
     std::string name;
     std::string summary;  ///< one line
-    std::string operand;  ///< "SCENE"; in brackets when it may be left out: "[TOPIC]"
+    std::string operand;  ///< "SCENE"; "[TOPIC]" when it may be left out, "DIR..." when there may be several
     std::string example;  ///< a command line that runs as it stands
     std::vector<Option> options;
     /// Throws UsageError, SceneError or WriteError.

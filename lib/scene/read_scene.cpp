@@ -147,4 +147,12 @@ Scene read_scene(const fs::path& file, const std::vector<std::string>& overrides
     return read_scene_text(read_text_file(file), file.string(), file.parent_path(), overrides);
 }
 
+std::map<std::string, Tolerance> read_tolerances(const std::vector<std::string>& overrides) {
+    const DocumentKind kind{{find_key(scene_keys(), "compare.tolerance"), 1}, "", InputOrigin::given, "", {}};
+    Document document;
+    for (const std::string& assignment : overrides)
+        overlay(document, read_override(assignment, kind));
+    return Values(document, kind).tolerances();
+}
+
 }  // namespace twinchute

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,9 @@ std::vector<Scene> read_scenes(const std::filesystem::path& file,
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,
                                     const std::filesystem::path& directory,
                                     const std::vector<std::string>& overrides = {});
+
+/// The tolerances among such overrides, by metric: {"compare.tolerance.peak_force=10 %"}. Any other key is
+/// unknown here. Throws SceneError.
+std::map<std::string, Tolerance> read_tolerances(const std::vector<std::string>& overrides);
 
 }  // namespace twinchute

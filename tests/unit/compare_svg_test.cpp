@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include "compare/report/plots.hpp"
 #include "compare/report/svg_plot.hpp"
@@ -32,6 +34,22 @@ TEST(CompareTicks, SurviveEveryScale) {
     }
 }
 
+TEST(CompareTicks, SurviveWhatOnlyAForeignRecordHolds) {
+    // Steps below the last bit, beyond the largest number, below the smallest one.
+    for (const auto& [low, high] :
+         std::initializer_list<std::pair<double, double>>{{1e20, std::nextafter(1e20, 1e21)},
+                                                          {-1e100, 1e100},
+                                                          {0, 5e-324},
+                                                          {-5e-324, 5e-324},
+                                                          {7e99, 7e99}}) {
+        const Ticks ticks = nice_ticks(low, high, 6);
+        EXPECT_LE(ticks.values.front(), low);
+        EXPECT_GE(ticks.values.back(), high);
+        EXPECT_GE(ticks.values.size(), 2u);
+        EXPECT_LE(ticks.values.size(), 14u);
+    }
+}
+
 TEST(CompareThinning, KeepsEveryExtreme) {
     std::vector<Point> points;
     for (int i = 0; i < 100000; ++i)
@@ -46,6 +64,13 @@ TEST(CompareThinning, KeepsEveryExtreme) {
     EXPECT_TRUE(std::ranges::is_sorted(kept, {}, &Point::x));
     EXPECT_EQ(kept.front().x, points.front().x);
     EXPECT_EQ(kept.back().x, points.back().x);
+}
+
+TEST(CompareThinning, EndsWhereTimeRunsBackwards) {
+    std::vector<Point> points;
+    for (int i = 0; i < 10000; ++i)
+        points.push_back({i % 3 == 0 ? -1e100 : 1e-3 * i, 1.0});
+    EXPECT_LE(thinned(points, 600).size(), points.size());
 }
 
 TEST(CompareThinning, LeavesShortSeriesAlone) {

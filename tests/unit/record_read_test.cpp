@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <clocale>
 #include <limits>
+#include <locale>
 #include <nlohmann/json.hpp>
 
 #include "lib/record/read_record.hpp"
@@ -136,12 +137,18 @@ TEST(RecordRead, RunsOfBothModelsComeBackToTheLastBit) {
 }
 
 TEST(RecordRead, TheLocaleChangesNothing) {
+    struct Comma : std::numpunct<char> {
+        char do_decimal_point() const override { return ','; }
+        char do_thousands_sep() const override { return '.'; }
+        std::string do_grouping() const override { return "\3"; }
+    };
     const RunRecord record = compare::made_up_record("rom", 4800.5, 1.45, 4e-4);
-    const std::string before = std::setlocale(LC_ALL, nullptr);
-    if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "de_DE.utf8"))
-        GTEST_SKIP() << "no German locale here";
+    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})  // where there is one
+        if (std::setlocale(LC_ALL, name) != nullptr) break;
     const std::string difference = record_difference(record, read_back(record));
-    std::setlocale(LC_ALL, before.c_str());
+    std::setlocale(LC_ALL, "C");
+    std::locale::global(before);
     EXPECT_EQ(difference, "");
 }
 

@@ -1,0 +1,26 @@
+// The tolerances of a comparison: asked for on the command line, or told by a record.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/cli/verb.hpp"
+#include "lib/record/run_record.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::compare {
+
+/// --tolerance METRIC=VALUE.
+Option tolerance_option(std::string_view reference);
+
+/// --tolerance peak_force=10% is the scene's compare.tolerance.peak_force = "10%": one reader
+/// for both. Throws UsageError.
+std::vector<std::string> tolerance_overrides(const Arguments& arguments);
+
+/// What was asked for when a record was made, by metric: its inputs hold it. Metrics that this version does
+/// not know are left out. `file` stands for the record in messages. Throws RecordError.
+std::map<std::string, Tolerance> recorded_tolerances(const RunRecord& record, const std::string& file);
+
+}  // namespace twinchute::compare

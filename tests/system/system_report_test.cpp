@@ -1,0 +1,220 @@
+// `twinchute report`: what compare wrote, again from its records.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute {
+namespace {
+
+using nlohmann::json;
+using test::Ended;
+using test::Process;
+using Words = std::vector<std::string>;
+
+class SystemReport : public testing::Test {
+protected:
+    SystemReport() {
+        here_.write("scene.toml",
+                    "base = \"c9-inflation.toml\"\n"
+                    "full.mesh = { gore_columns = 1, gore_rows = 4, line_elements = 4 }\n"
+                    "stop.time = 0.25\n"
+                    "[compare.tolerance]\n"
+                    "peak_force = \"1000 %\"\n"  // of a moment on a coarse mesh
+                    "descent_rate = \"12.5 ft/s\"\n"
+                    "max_line_tension = \"3 kN\"\n"  // which one side lacks
+                    "projected_diameter_ratio = \"0.5\"\n");
+    }
+    Ended run(Words words) {
+        words.insert(words.begin(), TWINCHUTE_PROGRAM);
+        return Process(words, here_.path()).wait();
+    }
+    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
+    void write(const std::string& file, const json& content) { here_.write(file, content.dump()); }
+
+    /// Every file below a directory, by name.
+    std::map<std::string, std::string> files(const std::string& directory) const {
+        std::map<std::string, std::string> contents;
+        for (const std::string& name : tree_of(here_ / directory)) {
+            const auto file = here_ / (directory + "/" + name);
+            if (std::filesystem::is_regular_file(file)) contents[name] = content_of(file);
+        }
+        return contents;
+    }
+    /// All but the records.
+    void remove_report(const std::string& directory) const {
+        for (const char* name : {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg"})
+            std::filesystem::remove(here_ / (directory + "/" + name));
+    }
+
+    ScratchDir here_;
+};
+
+TEST_F(SystemReport, IsTheOneThatCompareWroteByteForByte) {
+    const Ended compared =
+        run({"compare", "scene.toml", "--json", "--out", "out", "--tolerance", "max_force=0%"});
+    EXPECT_EQ(compared.code, 1) << compared.err;
+    const auto before = files("out");
+    ASSERT_EQ(before.size(), 11u);
+    remove_report("out");
+    const Ended again = run({"report", "out", "--json"});
+    EXPECT_EQ(again.code, 1) << again.err;
+    EXPECT_EQ(again.err, "");
+    EXPECT_EQ(again.out, compared.out);
+    EXPECT_EQ(files("out"), before);  // the records are as they were, too
+    EXPECT_EQ(read("out/gap.json")["metrics"]["max_force_N"]["tolerance"]["value"], 0);
+    EXPECT_EQ(read("out/gap.json")["metrics"]["max_line_tension_N"]["verdict"], "missing");
+
+    EXPECT_EQ(run({"report", "out/", "--quiet"}).out, "");
+    EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemReport, PrintsWhatComparePrints) {
+    const Ended compared = run({"compare", "scene.toml", "--out", "out"});
+    const Ended again = run({"report", "out"});
+    EXPECT_EQ(again.out, compared.out);
+    EXPECT_EQ(again.code, compared.code);
+}
+
+TEST_F(SystemReport, AWholeOpeningIsRemadeAsItWas) {
+    const Ended compared =
+        run({"compare", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml", "--quiet", "--set",
+             "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4", "--out", "out"});
+    const auto before = files("out");
+    remove_report("out");
+    EXPECT_EQ(run({"report", "out", "--quiet"}).code, compared.code);
+    EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemReport, ARunThatBrokeOffIsRemadeAsItWas) {
+    const Ended compared = run({"compare", "scene.toml", "--out", "out", "--set", "full.strain_limit=1e-6"});
+    EXPECT_EQ(compared.code, 3);
+    const auto before = files("out");
+    remove_report("out");
+    EXPECT_EQ(run({"report", "out"}).code, 3);
+    EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemReport, AnotherToleranceIsAnotherVerdictAndIsNotRemembered) {
+    ASSERT_EQ(
+        run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "max_line_tension=1N"}).code,
+        1);
+    const auto before = files("out");
+    const Ended narrow = run({"report", "out", "--json", "--tolerance", "max_force=0%"});
+    EXPECT_EQ(narrow.code, 1) << narrow.err;
+    EXPECT_EQ(json::parse(narrow.out)["metrics"]["max_force_N"]["verdict"], "exceeded");
+    EXPECT_EQ(json::parse(narrow.out), read("out/gap.json"));
+    EXPECT_EQ(json::parse(narrow.out)["metrics"]["peak_force_N"]["tolerance"]["value"], 10);
+    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 1);
+    EXPECT_EQ(files("out"), before);
+    for (const Words& words : {Words{"report", "out", "--tolerance", "peak_force"},
+                               Words{"report", "out", "--tolerance", "peak_force=5s"},
+                               Words{"report", "out", "--tolerance", "peak_force=-5%"},
+                               Words{"report", "out", "--tolerance", "payload.mass=5%"}}) {
+        const Ended wrong = run(words);
+        EXPECT_EQ(wrong.code, 2);
+        EXPECT_NE(wrong.err, "");
+    }
+    EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemReport, TakesSeveralDirectoriesAndSeries) {
+    here_.write(
+        "series.toml",
+        "base = \"scene.toml\"\n[[case]]\nname = \"b\"\nset = { compare.tolerance.max_force = \"0 %\" }\n"
+        "[[case]]\nname = \"a\"\nset = { compare.tolerance.max_line_tension = \"1 N\" }\n");
+    run({"compare", "series.toml", "--quiet", "--out", "s"});
+    run({"rom", "scene.toml", "--quiet", "--out", "s/not-a-comparison"});
+    run({"compare", "scene.toml", "--quiet", "--out", "one"});
+    const auto series = files("s"), one = files("one");
+    for (const char* place : {"s/a", "s/b", "one"})
+        remove_report(place);
+    const Ended all = run({"report", "one", "s", "one", "--json"});
+    EXPECT_EQ(all.code, 1) << all.err;
+    EXPECT_EQ(files("s"), series);
+    EXPECT_EQ(files("one"), one);
+    const json gaps = json::parse(all.out);
+    ASSERT_EQ(gaps.size(), 3u);  // each once
+    EXPECT_EQ(gaps[0], read("one/gap.json"));
+    EXPECT_EQ(gaps[1], read("s/a/gap.json"));
+    EXPECT_EQ(gaps[2], read("s/b/gap.json"));
+    EXPECT_EQ(run({"report", "one", "./one/", "--quiet"}).code, 1);  // the same under two names
+    EXPECT_EQ(files("one"), one);
+}
+
+TEST_F(SystemReport, BadRecordsAreExitTwoAndChangeNothing) {
+    run({"compare", "scene.toml", "--quiet", "--out", "good"});
+    const auto breaking = [&](const std::string& what, const auto& change) {
+        std::filesystem::remove_all(here_ / "bad");
+        std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
+        change();
+        remove_report("good");  // would come back if the good one were written before the bad one is read
+        const auto before = files("bad");
+        const Ended ended = run({"report", "good", "bad"});
+        EXPECT_EQ(ended.code, 2) << what;
+        EXPECT_EQ(ended.out, "") << what;
+        EXPECT_NE(ended.err.find(what), std::string::npos) << what << "\n" << ended.err;
+        EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+        EXPECT_EQ(files("bad"), before) << what;
+        EXPECT_FALSE(std::filesystem::exists(here_ / "good/gap.json")) << what;
+    };
+    const std::string rom = "bad/rom/summary.json", full = "bad/full/summary.json";
+    const auto with = [&](const std::string& file, const std::string& pointer, const json& value) {
+        return [this, file, pointer, value] {
+            json content = read(file);
+            content[json::json_pointer(pointer)] = value;
+            write(file, content);
+        };
+    };
+    breaking("'bad' holds no comparison", [&] {
+        std::filesystem::remove(here_ / rom);
+        std::filesystem::remove(here_ / full);
+    });
+    breaking("bad/full: is not a record (there is no summary.json in it)",
+             [&] { std::filesystem::remove(here_ / full); });
+    breaking("bad/rom/history.csv:3:1: 'x' is not a number",
+             [&] { here_.write("bad/rom/history.csv", "time\ns\nx\n"); });
+    breaking("summary.json: fidelity", with(rom, "/fidelity", 3));
+    breaking("is not a record of rom (it says that it is of 'full')", with(rom, "/fidelity", "full"));
+    breaking("is not a record of rom", with(rom, "/fidelity", "../../x"));
+    breaking("bad: its two records are not of one scene (the SHA-256", with(rom, "/scene/sha256", "ff"));
+    breaking("they differ in payload.mass", with(rom, "/inputs/payload.mass/value", 3));
+    breaking("schema: 2 is not known", with(full, "/schema", 2));
+    breaking("status.code: 'splendid' is not known", with(full, "/status/code", "splendid"));
+    const std::string tolerance = "/inputs/compare.tolerance.peak_force/value";
+    const auto both = [&](const json& value) {
+        return [&, value] {
+            with(rom, tolerance, value)();
+            with(full, tolerance, value)();
+        };
+    };
+    breaking("bad/full/summary.json: inputs.compare.tolerance.peak_force: is not a tolerance", both("10 s"));
+    breaking("is not a tolerance", both(10));
+    breaking("is not a tolerance", both("10 %\" # \""));
+    breaking("is not a tolerance", both("-1 %"));
+    EXPECT_EQ(run({"report", "nowhere"}).code, 2);
+    EXPECT_EQ(run({"report"}).code, 2);
+    EXPECT_EQ(run({"report", "good", "--out", "x"}).code, 2);
+    EXPECT_EQ(run({"report", "good", "--quiet"}).code, 1);
+}
+
+TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out"});
+    const auto before = files("out");
+    for (const std::string file : {"out/rom/summary.json", "out/full/summary.json"}) {
+        auto content = nlohmann::ordered_json::parse(content_of(here_ / file));
+        content["later"] = {1, 2, 3};
+        content["provenance"]["later"] = "words";
+        here_.write(file, content.dump());
+    }
+    const Ended again = run({"report", "out", "--quiet"});
+    EXPECT_EQ(again.err, "");
+    for (const char* name : {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg"})
+        EXPECT_EQ(content_of(here_ / ("out/" + std::string(name))), before.at(name)) << name;
+}
+
+}  // namespace
+}  // namespace twinchute
