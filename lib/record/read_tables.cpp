@@ -17,11 +17,16 @@ namespace {
 
 constexpr std::size_t most_columns = 1024, most_events = 4096;
 
+/// Line and column, both from 1.
+struct Spot {
+    int line = 0, column = 0;
+};
+
 struct Cell {
     std::string_view raw;  ///< as it stands; between the quotes where it is quoted
     bool quoted = false;
     bool last = false;  ///< of its line
-    RecordPlace place;
+    Spot place = {};    ///< where it begins
 
     std::string text() const {
         std::string plain(raw);
@@ -31,11 +36,6 @@ struct Cell {
         return plain;
     }
 };
-
-[[noreturn]] void refuse(const RecordPlace& place, const std::string& problem, const std::string& why = "",
-                         const std::string& hint = "run the scene again") {
-    throw RecordError(place, problem, why, hint);
-}
 
 /// Foreign text in a message: short, and no control characters.
 std::string shown(std::string_view text) {
@@ -53,7 +53,12 @@ public:
     bool at_end() const { return at_ == text_.size(); }
     std::size_t left() const { return text_.size() - at_; }
     int line() const { return line_; }
-    RecordPlace here() const { return {file_, line_, column_of(at_)}; }
+    Spot here() const { return {line_, column_of(at_)}; }
+
+    [[noreturn]] void refuse(const Spot& place, const std::string& problem, const std::string& why = "",
+                             const std::string& hint = "run the scene again") const {
+        throw RecordError({file_, place.line, place.column}, problem, why, hint);
+    }
 
     Cell next() {
         Cell cell;
@@ -102,7 +107,7 @@ private:
                1;
     }
 
-    std::string_view quoted(const RecordPlace& begin_place) {
+    std::string_view quoted(const Spot& begin_place) {
         const std::size_t begin = ++at_;
         for (;; ++at_) {
             if (at_ == text_.size()) refuse(begin_place, "a quotation mark that is not closed");
@@ -125,23 +130,23 @@ private:
 };
 
 /// A number, or NaN for the empty cell of one that was not finite.
-double number(const Cell& cell) {
+double number(const Cells& cells, const Cell& cell) {
     if (cell.raw.empty() && !cell.quoted) return std::numeric_limits<double>::quiet_NaN();
     double value = 0.0;
     const char* const last = cell.raw.data() + cell.raw.size();
     const auto [end, error] = std::from_chars(cell.raw.data(), last, value);
     if (cell.quoted || error == std::errc::invalid_argument || end != last)
-        refuse(cell.place, fmt::format("'{}' is not a number", shown(cell.raw)));
+        cells.refuse(cell.place, fmt::format("'{}' is not a number", shown(cell.raw)));
     if (error != std::errc{} || !std::isfinite(value))
-        refuse(cell.place, fmt::format("'{}' is not a finite number", shown(cell.raw)),
-               "one that is not finite is an empty cell");
+        cells.refuse(cell.place, fmt::format("'{}' is not a finite number", shown(cell.raw)),
+                     "one that is not finite is an empty cell");
     return value;
 }
 
-void require_width(const Cell& cell, std::size_t index, std::size_t columns) {
+void require_width(const Cells& cells, const Cell& cell, std::size_t index, std::size_t columns) {
     if (cell.last == (index + 1 == columns)) return;
-    refuse(cell.place, cell.last ? "too few cells" : "too many cells",
-           fmt::format("the first line has {}", columns));
+    cells.refuse(cell.place, cell.last ? "too few cells" : "too many cells",
+                 fmt::format("the first line has {}", columns));
 }
 
 /// The names of the columns, each once, and below them their units.
@@ -155,12 +160,12 @@ Header read_header(Cells& cells) {
     for (const Cell& cell : cells.line_of_cells()) {
         std::string name = cell.text();
         if (!seen.insert(name).second)
-            refuse(cell.place, fmt::format("the column '{}' stands here twice", shown(name)));
+            cells.refuse(cell.place, fmt::format("the column '{}' stands here twice", shown(name)));
         header.names.push_back(std::move(name));
     }
     std::size_t index = 0;
     for (const Cell& cell : cells.line_of_cells()) {
-        require_width(cell, index++, header.names.size());
+        require_width(cells, cell, index++, header.names.size());
         header.units.push_back(cell.text());
     }
     return header;
@@ -173,7 +178,7 @@ std::vector<Channel> read_history(std::string_view text, const std::string& file
     Header header = read_header(cells);
     const std::size_t columns = header.names.size();
     if (columns == 1 && header.names[0].empty() && header.units[0].empty()) {  // a record without channels
-        if (!cells.at_end()) refuse(cells.here(), "numbers without a column");
+        if (!cells.at_end()) cells.refuse(cells.here(), "numbers without a column");
         return {};
     }
     // A row takes at least a byte a column: what is reserved is bounded by the size of the text.
@@ -182,7 +187,7 @@ std::vector<Channel> read_history(std::string_view text, const std::string& file
         std::min(static_cast<std::size_t>(std::ranges::count(rest, '\n')), rest.size() / columns);
     std::vector<Channel> channels;
     for (std::size_t i = 0; i < columns; ++i) {
-        if (header.names[i].empty()) refuse({file, 1, 1}, fmt::format("column {} has no name", i + 1));
+        if (header.names[i].empty()) cells.refuse({1, 1}, fmt::format("column {} has no name", i + 1));
         std::string& unit = header.units[i];
         channels.push_back({std::move(header.names[i]), unit == "1" ? "" : std::move(unit), {}});
         channels.back().values.reserve(rows);
@@ -190,8 +195,8 @@ std::vector<Channel> read_history(std::string_view text, const std::string& file
     while (!cells.at_end()) {
         for (std::size_t i = 0; i < columns; ++i) {
             const Cell cell = cells.next();
-            require_width(cell, i, columns);
-            channels[i].values.push_back(number(cell));
+            require_width(cells, cell, i, columns);
+            channels[i].values.push_back(number(cells, cell));
         }
     }
     return channels;
@@ -210,28 +215,28 @@ std::vector<Event> read_events(std::string_view text, const std::string& file) {
     for (const Column& column : known) {
         const auto found = std::ranges::find(header.names, column.name);
         if (found == header.names.end())
-            refuse({file, 1, 1}, fmt::format("the column '{}' is missing", column.name));
+            cells.refuse({1, 1}, fmt::format("the column '{}' is missing", column.name));
         const std::string& unit = header.units[static_cast<std::size_t>(found - header.names.begin())];
         if (unit != column.unit)
-            refuse({file, 2, 1}, fmt::format("{} is in '{}'", column.name, shown(unit)),
-                   fmt::format("'{}' is known", column.unit));
+            cells.refuse({2, 1}, fmt::format("{} is in '{}'", column.name, shown(unit)),
+                         fmt::format("'{}' is known", column.unit));
     }
     std::vector<Event> events;
     while (!cells.at_end()) {
         if (events.size() == most_events)
-            refuse(cells.here(), "too many events", fmt::format("more than {}", most_events));
+            cells.refuse(cells.here(), "too many events", fmt::format("more than {}", most_events));
         Event event;
         for (std::size_t i = 0; i < header.names.size(); ++i) {
             const Cell cell = cells.next();
-            require_width(cell, i, header.names.size());
+            require_width(cells, cell, i, header.names.size());
             const auto column = std::ranges::find(known, header.names[i], &Column::name);
             if (column == known.end()) continue;  // of a later version
             if (column->value == nullptr)
                 event.name = cell.text();
             else
-                event.*(column->value) = number(cell);
+                event.*(column->value) = number(cells, cell);
         }
-        if (std::isnan(event.time)) refuse({file, cells.line() - 1, 1}, "an event without a time");
+        if (std::isnan(event.time)) cells.refuse({cells.line() - 1, 1}, "an event without a time");
         events.push_back(std::move(event));
     }
     return events;
