@@ -1,0 +1,76 @@
+// Any bytes as a record, its three files one after the other with a NUL between them: a record that survives
+// being written and read again, of which every report can be made, or a RecordError with a place.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "compare/report/gap_json.hpp"
+#include "compare/report/junit.hpp"
+#include "compare/report/markdown.hpp"
+#include "compare/report/plots.hpp"
+#include "compare/report/terminal.hpp"
+#include "lib/record/read_record.hpp"
+#include "lib/record/record_csv.hpp"
+#include "lib/record/record_json.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace {
+
+using namespace twinchute;
+
+std::string_view part_of(std::string_view& text) {
+    const std::size_t end = text.find('\0');
+    const std::string_view part = text.substr(0, end);
+    text.remove_prefix(end == text.npos ? text.size() : end + 1);
+    return part;
+}
+
+bool holds_null(const nlohmann::json& json) {
+    return json.is_null() || (json.is_structured() && std::ranges::any_of(json, holds_null));
+}
+
+/// The record beside itself one metric further: differences and quotients of whatever it holds.
+void report(const RunRecord& record) {
+    compare::Comparison comparison;
+    comparison.reference = comparison.candidate = record;
+    std::vector<Metric>& metrics = comparison.candidate.metrics;
+    for (std::size_t i = 0; i + 1 < metrics.size(); ++i)
+        metrics[i].value = metrics[i + 1].value;
+    comparison.gap = compare::measure_gap(comparison.reference, comparison.candidate, {});
+    const std::string gap = compare::gap_json(comparison);
+    fuzz::require(!holds_null(nlohmann::json::parse(gap)), "what is absent has no key");
+    fuzz::require(!compare::report_markdown(comparison).empty() && !compare::junit_xml(comparison).empty() &&
+                      !compare::terminal_text(comparison, {}).empty(),
+                  "a report says something");
+    constexpr std::size_t largest_plot = 1 << 20;
+    fuzz::require(compare::force_svg(comparison).size() < largest_plot &&
+                      compare::speed_svg(comparison).size() < largest_plot,
+                  "a plot is of the size of a plot");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    std::string_view text = fuzz::text_of(data, size);
+    const std::string_view summary = part_of(text), history = part_of(text), events = part_of(text);
+    RunRecord record;
+    try {
+        record = read_record_text(summary, history, events, "d");
+    } catch (const RecordError& error) {
+        const RecordPlace& place = error.place();
+        fuzz::require(place.file.starts_with("d/") && (place.line > 0) == (place.column > 0),
+                      "an error has a place");
+        fuzz::require(*error.what() != '\0', "an error says something");
+        return 0;
+    }
+    for (const Channel& channel : record.channels)
+        fuzz::require(channel.values.size() == record.channels.front().values.size(),
+                      "all channels have the same length");
+    const std::string written[] = {summary_json(record), history_csv(record), events_csv(record)};
+    const RunRecord again = read_record_text(written[0], written[1], written[2]);
+    fuzz::require(summary_json(again) == written[0] && history_csv(again) == written[1] &&
+                      events_csv(again) == written[2],
+                  "a record is the same when it is read again");
+    fuzz::require(summary_json(as_written(record)) == written[0], "a record that was read is as written");
+    report(record);
+    return 0;
+}
