@@ -79,7 +79,9 @@ constexpr std::array<ForceBlock, 13> blocks{{
      },
      [](const Scene&, const Mesh& m) { return make_accretion(m); }},
     {"mass damping", "paper, Eq. 4", false, true, true, true, false,
-     [](const Scene& s, Stage) { return s.full.alpha > 0.0; },
+     [](const Scene& s, Stage stage) {
+         return s.full.alpha > 0.0 && (s.full.alpha_from_release || stage != Stage::deployment);
+     },
      [](const Scene& s, const Mesh& m) { return make_mass_damping(m, s.full.alpha); }},
 }};
 

@@ -242,6 +242,7 @@ FullSettings full(const Values& v) {
     f.ramp_time = v.number("full.ramp_time");
     f.beta = v.number("full.beta");
     f.alpha = v.number("full.alpha");
+    f.alpha_from_release = v.word("full.alpha_from") == "release";
     f.bulk_viscosity = v.number("full.bulk_viscosity");
     f.time_step_factor = v.number("full.time_step_factor");
     f.strain_limit = v.number("full.strain_limit");

@@ -77,6 +77,9 @@ Words stops() {
 Words structures() {
     return {"msd-fe", "fe"};
 }
+Words alpha_begins() {
+    return {"snatch", "release"};
+}
 Words phases() {
     return {"transit"};
 }
@@ -261,7 +264,9 @@ constexpr Key scene_rows[] = {
     {.path = "full.beta", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 10), .user = full,
      .meaning = "stiffness-proportional damping of cables and of spring-dashpot edges", .source = "paper Eq. 3"},
     {.path = "full.alpha", .unit = "1/s", .need = defaulted, .fallback = "0", .range = from(0, 1e4), .user = full,
-     .meaning = "mass-proportional damping about the mean motion"},
+     .meaning = "mass-proportional damping about the mean motion", .source = "paper Eq. 4"},
+    {.path = "full.alpha_from", .kind = word, .need = defaulted, .fallback = "snatch", .choices = alpha_begins, .user = full,
+     .meaning = "when it begins: while the parachute is drawn out it would hold it back", .source = "docs/theory/deployment.md"},
     {.path = "full.bulk_viscosity", .unit = "1", .need = defaulted, .fallback = "0.06", .range = from(0, 2), .user = full,
      .meaning = "b1 of the cables", .source = "paper Eq. 3"},
     {.path = "full.time_step_factor", .unit = "1", .need = defaulted, .fallback = "0.8", .range = above(0, 4), .user = full,

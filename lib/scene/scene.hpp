@@ -151,6 +151,7 @@ struct FullSettings {
     double ramp_time = 0.0;             ///< [s] over which the stiffness of the finite elements grows
     double beta = 0.0;                  ///< [s] stiffness-proportional damping of cables and spring edges
     double alpha = 0.0;                 ///< [1/s] mass-proportional Rayleigh damping about the mean motion
+    bool alpha_from_release = false;    ///< otherwise from snatch on
     double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
     double time_step_factor = 0.0;      ///< share of the bound on the stable step [-]
     double strain_limit = 0.0;          ///< largest strain that a run may reach [-]

@@ -177,6 +177,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.number("ramp_time", full.ramp_time);
     w.number("beta", full.beta);
     w.number("alpha", full.alpha);
+    w.words("alpha_from", full.alpha_from_release ? "release" : "snatch");
     w.number("bulk_viscosity", full.bulk_viscosity);
     w.number("time_step_factor", full.time_step_factor);
     w.number("strain_limit", full.strain_limit);

@@ -171,6 +171,7 @@ TEST(SceneValues, DefaultsAreThoseOfTheTable) {
     EXPECT_EQ(s.full.mesh.line_elements, 31);
     EXPECT_EQ(s.full.mesh.riser_elements, 5);
     EXPECT_EQ(s.full.alpha, 0.0);
+    EXPECT_FALSE(s.full.alpha_from_release);
     EXPECT_EQ(s.full.bulk_viscosity, 0.06);
     EXPECT_EQ(s.full.time_step_factor, 0.8);
     EXPECT_EQ(s.full.strain_limit, 0.5);
