@@ -48,8 +48,9 @@ public:
 
     /// Called once a step with the forces at state.time evaluated. A frame is due at the first step at or
     /// after a multiple of 1/rate, as a row of the history.
+    bool frame_is_due(double time) const { return time >= next_; }
     void observe(const State& state) {
-        if (state.time >= next_) take(state);
+        if (frame_is_due(state.time)) take(state);
     }
     /// A check found everything sound so far.
     void accept();

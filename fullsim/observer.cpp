@@ -60,7 +60,7 @@ void Observer::observe(const State& state) {
         most.acceleration = std::max(most.acceleration, acceleration_.value());
         settle_rows();
     }
-    if (state.time >= next_row_) {
+    if (row_is_due(state.time)) {
         add_row(state, raw);
         next_row_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
     }

@@ -44,8 +44,10 @@ public:
         if (!packed()) met(inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
         while (!ended_) {
             simulation_.evaluate_forces();
-            observer_.observe(state());
-            fields_.observe(state());
+            const bool all_nodes = observer_.row_is_due(state().time) || fields_.frame_is_due(state().time);
+            const State& now = all_nodes ? simulation_.state() : state();
+            observer_.observe(now);
+            fields_.observe(now);
             if (state().step % steps_between_checks == 0) check();
             if (!ended_) look_for_events();
             // An end between two checks must not hide what the next one would have found.
@@ -54,14 +56,15 @@ public:
         }
         observer_.finish();
         fields_.accept();
-        record_.provenance.instruction_set = lane_instruction_set();
+        record_.provenance.instruction_set = simulation_.layout().instruction_set();
         fill_cost(watch);
         fill_results();
         return std::move(record_);
     }
 
 private:
-    const State& state() const { return simulation_.state(); }
+    /// What is asked here needs no node of canopy or lines.
+    const State& state() const { return simulation_.outline(); }
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
     bool packed() const { return deploy().starts_packed(); }
     bool inflated() const { return deploy().by == DeployBy::inflated; }

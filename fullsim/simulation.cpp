@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -16,8 +15,6 @@
 
 namespace twinchute::fullsim {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double smallest_step = 1e-9;      // [s] below which nothing would ever finish
 constexpr double largest_residual = 0.002;  // of the energy that changed hands; sound runs: 1e-5 to 1e-4
@@ -81,6 +78,12 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
     return state;
 }
 
+/// Gores in lanes where they are alike.
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
+    auto gores = make_gore_layout(scene, mesh, constants);
+    return gores ? std::move(gores) : make_indexed_layout(mesh, constants);
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scene& scene)
@@ -89,6 +92,7 @@ Simulation::Simulation(const Scene& scene)
       mesh_(start_mesh(scene, inflation_, first_phase(scene, inflation_))),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       state_(initial_state(scene, mesh_)),
+      layout_(make_layout(scene, mesh_, constants_)),
       dt_min_(never) {
     state_.phase = first_phase(scene, inflation_);
     if (scene.parachutes.front().deploy.starts_packed()) {
@@ -110,17 +114,22 @@ Simulation::Simulation(const Scene& scene)
     refresh_step();
 }
 
+State& Simulation::whole() const {
+    if (lags_) layout_->store(state_);
+    lags_ = false;
+    return state_;
+}
+
 void Simulation::build_blocks() {
     structure_ = make_structure(scene_, mesh_, state_.stage);
     loads_ = make_loads(scene_, mesh_, state_.stage);
-    active_.clear();
-    elements_now_ = 0;
+    std::vector<std::string> names;
     for (const ForceModels* models : {&structure_, &loads_})
-        for (const auto& model : *models) {
-            const auto known = std::ranges::find(accounts_, model->name(), &Account::name);
-            active_.push_back(static_cast<std::size_t>(known - accounts_.begin()));
-            if (known == accounts_.end()) accounts_.push_back({std::string(model->name())});
-        }
+        for (const auto& model : *models)
+            names.emplace_back(model->name());
+    clock_.begin(names);
+    layout_->begin(state_, structure_, loads_);
+    elements_now_ = 0;
     for (const auto& model : structure_)
         elements_now_ += model->elements();
 }
@@ -136,31 +145,17 @@ void Simulation::evaluate_forces() {
     }
     if (s.stage == Stage::ramp) grow_ramp();
 
-    // Timing every block in every step would cost more than some blocks do.
-    const bool timed = s.step % steps_between_bounds == 0;
-    std::size_t block = 0;
-    const auto add = [&](const ForceModels& models) {
-        for (const auto& model : models) {
-            const auto start = timed ? Clock::now() : Clock::time_point{};
-            model->add_forces(s);
-            Account& account = accounts_[active_[block++]];
-            ++account.steps;
-            if (!timed) continue;
-            account.seconds += std::chrono::duration<double>(Clock::now() - start).count();
-            ++account.sampled;
-        }
-    };
-    add(structure_);
-    s.riser_force = to_vec3(s.force[mesh_.payload()].value);
-    add(loads_);
+    clock_.begin_step(s.step % steps_between_bounds == 0);
+    layout_->evaluate(s, clock_);
     if (s.air.pressure_capped) ++s.capped_steps;
 }
 
 bool Simulation::lines_are_taut() const {
     const double weight = scene_.payload.mass * scene_.environment.gravity;
     if (state_.riser_force.norm() <= taut_risers * weight) return false;
+    const State& s = whole();
     const auto taut = std::ranges::count_if(lines_, [&](const Cable& c) {
-        const Lanes d = state_.node[c.node[1]].x - state_.node[c.node[0]].x;
+        const Lanes d = s.node[c.node[1]].x - s.node[c.node[0]].x;
         return sum3(d * d) > c.rest_length * c.rest_length;
     });
     return static_cast<double>(taut) >= taut_lines * static_cast<double>(lines_.size());
@@ -180,7 +175,7 @@ std::optional<RunStatus> Simulation::snatch() {
     if (!mesh_.static_line.cables.empty()) let_static_line_go();
     lines_ = {};
     // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
-    const double before = kinetic_energy(state_, constants_);
+    const double before = kinetic_energy(whole(), constants_);
     state_.stage = scene_.full.structure == Structure::fe ? Stage::flight : Stage::springs;
     state_.added_mass = added_mass_after(0.0).value;
     state_.energy.added_mass += kinetic_energy(state_, constants_) - before;
@@ -189,7 +184,7 @@ std::optional<RunStatus> Simulation::snatch() {
 }
 
 void Simulation::let_static_line_go() {
-    double carried_off = static_line_kinetic_energy(state_, constants_);
+    double carried_off = static_line_kinetic_energy(whole(), constants_);
     std::erase_if(structure_, [&](const auto& model) {
         if (model->name() != "static line") return false;
         carried_off += model->energy(state_);
@@ -232,7 +227,7 @@ void Simulation::grow_ramp() {
     State& s = state_;
     const double share = std::min(1.0, (s.time - ramp_start_) / scene_.full.ramp_time);
     const double weight = share * share * share, before = s.fe_weight;
-    s.fe_weight = 1.0;
+    whole().fe_weight = 1.0;
     const auto membrane = std::ranges::find(structure_, "membrane", &ForceModel::name);
     const double energy = (*membrane)->energy(s);
     s.energy.ramp += 0.5 * (weight - before) * (ramp_energy_ + energy);
@@ -243,15 +238,10 @@ void Simulation::grow_ramp() {
 /// New blocks from here on. What springs or elements that go held in store is taken out of the ledger.
 void Simulation::change_stage(Stage stage) {
     State& s = state_;
-    const double before = elastic_energy(s, structure_);
+    const double before = elastic_energy(whole(), structure_);
     s.stage = stage;
     build_blocks();
     s.energy.ramp += elastic_energy(s, structure_) - before;
-    for (NodeVector& f : s.force)
-        f.value = splat(0.0);
-    for (NodeVector& f : s.aero)
-        f.value = splat(0.0);
-    s.damping_power = s.accretion_power = s.external_power = 0.0;
     refresh_step();
     evaluate_forces();
 }
@@ -274,9 +264,10 @@ StableStep Simulation::bound() const {
     RowSums sums;
     sums.stiffness.assign(state_.node.size(), 0.0);
     sums.damping.assign(state_.node.size(), 0.0);
+    const State& s = whole();
     for (const ForceModels* models : {&structure_, &loads_})
         for (const auto& model : *models)
-            model->add_row_sums(state_, sums);
+            model->add_row_sums(s, sums);
     std::vector<double> inertia = constants_.mass;
     for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
         inertia[i] += constants_.share[i] * state_.added_mass;
@@ -298,7 +289,8 @@ void Simulation::step_to(double end) {
     const double left = end - state_.time;
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
-    advance(state_, constants_, dt, added_mass_after(dt).value);
+    layout_->advance(state_, dt, added_mass_after(dt).value);
+    lags_ = true;
     element_steps_ += static_cast<std::int64_t>(elements_now_);
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
@@ -322,7 +314,7 @@ std::string Simulation::first_bad_node() const {
 std::optional<RunStatus> Simulation::find_fault() {
     const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
     // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
-    const double everything = kinetic_energy(state_, constants_) + state_.sums.system_position.sum();
+    const double everything = kinetic_energy(whole(), constants_) + state_.sums.system_position.sum();
     if (!std::isfinite(everything))
         return RunStatus{
             StatusCode::not_finite,
@@ -359,15 +351,6 @@ std::optional<RunStatus> Simulation::find_fault() {
 double Simulation::largest_load(std::string_view block) const {
     const auto found = largest_load_.find(block);
     return found == largest_load_.end() ? 0.0 : found->second;
-}
-
-std::vector<BlockCost> Simulation::block_costs() const {
-    std::vector<BlockCost> costs;
-    for (const Account& a : accounts_)
-        if (a.sampled > 0)
-            costs.push_back(
-                {a.name, a.seconds * static_cast<double>(a.steps) / static_cast<double>(a.sampled)});
-    return costs;
 }
 
 }  // namespace twinchute::fullsim

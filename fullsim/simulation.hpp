@@ -8,6 +8,7 @@
 #include <string>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/layout.hpp"
 #include "fullsim/step/energy.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "fullsim/step/stable_step.hpp"
@@ -24,7 +25,11 @@ public:
     Simulation& operator=(const Simulation&) = delete;
 
     const Mesh& mesh() const { return mesh_; }
-    const State& state() const { return state_; }
+    /// All of it.
+    const State& state() const { return whole(); }
+    /// Without the nodes of canopy and lines: what is there after every step at no cost. Nodes of payload, links,
+    /// risers and static line are always right.
+    const State& outline() const { return state_; }
     const Inflation& inflation() const { return inflation_; }
     const NodeConstants& constants() const { return constants_; }
 
@@ -58,7 +63,7 @@ public:
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
 
-    EnergyLedger ledger() const { return energy_ledger(state_, constants_, structure_); }
+    EnergyLedger ledger() const { return energy_ledger(whole(), constants_, structure_); }
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
     /// from nowhere, or a step too small to go on.
     std::optional<RunStatus> find_fault();
@@ -68,7 +73,8 @@ public:
 
     /// Element evaluations so far, and seconds spent in each block (sampled).
     std::int64_t element_steps() const { return element_steps_; }
-    std::vector<BlockCost> block_costs() const;
+    std::vector<BlockCost> block_costs() const { return clock_.costs(); }
+    const Layout& layout() const { return *layout_; }
 
 private:
     static constexpr int steps_between_bounds = 20;
@@ -82,26 +88,24 @@ private:
     ValueAndRate added_mass_after(double dt) const;
     std::string first_bad_node() const;
 
+    /// The state with all its nodes as they are now.
+    State& whole() const;
+
     const Scene& scene_;
     Inflation inflation_;
     Mesh mesh_;
     ForceModels structure_, loads_;
     NodeConstants constants_;
-    State state_;
+    mutable State state_;         // its nodes may lag behind the layout's
+    mutable bool lags_ = false;
+    std::unique_ptr<Layout> layout_;
     double step_ = 0.0;  // [s] bound times factor, as last refreshed
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
     std::map<std::string, double, std::less<>> largest_load_;  // by structural block
-    /// Of each block: seconds in sampled steps, how many of those, and in how many steps it took part.
-    struct Account {
-        std::string name;
-        double seconds = 0.0;
-        std::int64_t sampled = 0, steps = 0;
-    };
-    std::vector<Account> accounts_;    // in the order in which blocks first took part
-    std::vector<std::size_t> active_;  // account of each block of now, structure first
+    BlockClock clock_;
     std::int64_t element_steps_ = 0;
     std::size_t elements_now_ = 0;
 };

@@ -97,4 +97,12 @@ struct State {
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
 };
 
+/// No force on any node, and nothing dissipated yet.
+inline void clear_forces(State& state) {
+    for (std::vector<NodeVector>* forces : {&state.force, &state.aero})
+        for (NodeVector& f : *forces)
+            f.value = splat(0.0);
+    state.damping_power = state.accretion_power = state.external_power = 0.0;
+}
+
 }  // namespace twinchute::fullsim

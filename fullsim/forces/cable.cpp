@@ -16,8 +16,8 @@ struct alignas(32) Group {
     Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
 };
 
-/// [m] added to every length: keeps the direction of a cable of no length from being 0/0.
-constexpr double smallest_length = 1e-9;
+/// [m^2] under every length's root: keeps the direction of a cable of no length from being 0/0.
+constexpr double smallest_square = 1e-18;
 
 /// T = max(0, EA (l - l0)/l0 + (beta E/l0 + b1 rho c1) A dl/dt): engineering strain, no compression.
 class CableBlock final : public ForceModel {
@@ -50,7 +50,7 @@ public:
         for (const Group& g : groups_) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
-            const Lanes length = square_root(dot(d, d)) + smallest_length;
+            const Lanes length = square_root(dot(d, d) + smallest_square);
             const Lanes inverse = 1.0 / length;
             const Lanes lengthening = dot(d, w) * inverse;
             const Lanes spring = g.stiffness * (length * g.inverse_length - 1.0);
@@ -101,12 +101,8 @@ public:
 
 private:
     double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
-
-    /// (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed c1 = sqrt(E/rho).
     double dashpot(const Cable& c) const {
-        const Cord& cord = mesh_.cord(c.kind);
-        const double impedance = std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
-        return bulk_viscosity_ * impedance + beta_ * stiffness(c) / c.rest_length;
+        return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot;
     }
 
     static double strain(const State& state, const Cable& c) {
@@ -122,6 +118,18 @@ private:
 };
 
 }  // namespace
+
+CableConstants cable_constants(const Mesh& mesh, const Cable& c, double bulk_viscosity, double beta) {
+    const Cord& cord = mesh.cord(c.kind);
+    const double stiffness = cord.axial_stiffness() * c.strands;
+    const double impedance = std::sqrt(cord.youngs_modulus * cord.density) * cord.section() * c.strands;
+    return {stiffness, bulk_viscosity * impedance + beta * stiffness / c.rest_length};
+}
+
+std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
+                                              std::string_view name, double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, cables, name, bulk_viscosity, beta);
+}
 
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta) {
     return std::make_unique<CableBlock>(mesh, mesh.cables, "cable", bulk_viscosity, beta);

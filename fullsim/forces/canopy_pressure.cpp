@@ -1,5 +1,7 @@
 // The air's force on the canopy: an average pressure that gives the prescribed drag along e_r and
 // spreads the canopy across it (paper, Eqs 11 and 12).
+#include "fullsim/forces/canopy_pressure.hpp"
+
 #include <algorithm>
 
 #include "fullsim/forces/gather.hpp"
@@ -44,10 +46,7 @@ public:
         const Lanes3 e{splat(air.direction.x()), splat(air.direction.y()), splat(air.direction.z())};
         measure_area(state, e);
 
-        const double drag = air.dynamic_pressure * air.drag_area;
-        const double wanted = drag / std::max(air.projected_area, smallest_area_);
-        air.pressure = std::min(wanted, largest_pressure_coefficient * air.dynamic_pressure);
-        air.pressure_capped = air.pressure < wanted;
+        const Lanes flag = to_lanes(set_pressure(air, smallest_area_));
 
         // A third of Delta P [A_p e_r + phi (A - (A.e_r) e_r)] to each corner.
         const Lanes axial = splat(air.pressure / 3.0),
@@ -62,9 +61,6 @@ public:
                     state.aero[g.node[c][k]].value += corner.row[k];
         }
 
-        // What pressure could not give, cap and floor included, is uniform drag of loose cloth:
-        // the sum along e_r is the prescribed drag to round-off.
-        const Lanes flag = to_lanes((drag - air.pressure * air.projected_area) * air.direction);
         for (NodeIndex i = 0; i < canopy_nodes_; ++i)
             state.aero[i].value += share_[i] * flag;
     }
@@ -96,6 +92,14 @@ private:
 };
 
 }  // namespace
+
+Vec3 set_pressure(AeroState& air, double smallest_area) {
+    const double drag = air.dynamic_pressure * air.drag_area;
+    const double wanted = drag / std::max(air.projected_area, smallest_area);
+    air.pressure = std::min(wanted, largest_pressure_coefficient * air.dynamic_pressure);
+    air.pressure_capped = air.pressure < wanted;
+    return (drag - air.pressure * air.projected_area) * air.direction;
+}
 
 std::unique_ptr<const ForceModel> make_canopy_pressure(const Mesh& mesh, double smallest_area) {
     return std::make_unique<CanopyPressure>(mesh, smallest_area);

@@ -96,7 +96,7 @@ public:
             const Lanes length = square_root(dot(d, d) + 1e-18);
             const Lanes inverse = 1.0 / length;
             const Lanes lengthening = larger(dot(d, w) * inverse, zero);
-            const Lanes share = lengthening / splat(full_speed);
+            const Lanes share = lengthening / splat(full_fold_speed);
             const Lanes folded = length < g.rest_length ? g.force : zero;
             const Lanes force = folded * (share < one ? share : one);
             dissipated += force * lengthening;
@@ -112,7 +112,7 @@ public:
     void add_row_sums(const State&, RowSums& sums) const override {
         for (std::size_t i = 0; i < edges_.size(); ++i)
             for (const NodeIndex n : edges_[i].node)
-                sums.damping[n] += 2.0 * force_[i] / full_speed;
+                sums.damping[n] += 2.0 * force_[i] / full_fold_speed;
     }
 
 private:
@@ -121,7 +121,6 @@ private:
         Lanes rest_length;  // [m]
         Lanes force;        // [N]
     };
-    static constexpr double full_speed = 1.0;  // [m/s] of lengthening; below it the force is less
     std::vector<FabricEdge> edges_;
     std::vector<double> force_;  // [N] of each edge
     std::vector<EdgeGroup> groups_;

@@ -9,6 +9,10 @@
 #include "fullsim/forces/registry.hpp"
 
 namespace twinchute::fullsim {
+
+using HWY_NAMESPACE::membrane_pulls, HWY_NAMESPACE::principal, HWY_NAMESPACE::relaxed_stress,
+    HWY_NAMESPACE::SymmetricTensor;
+
 namespace {
 
 /// Four triangles side by side.
@@ -59,37 +63,16 @@ public:
         Lanes dissipated = splat(0.0);
         const Lanes weight = splat(state.fe_weight);
         for (const Group& g : groups_) {
-            // Deformation gradient by columns: f1, f2 are the images of the plane's unit vectors.
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
             const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
             const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
-            const Lanes3 f1 = g.inverse_a * e1;
-            const Lanes3 f2 = g.inverse_c * (e2 - g.b_over_a * e1);
             const Lanes3 v0 = gather_velocity(state.node, g.node[0]);
             const Lanes3 w1 = gather_velocity(state.node, g.node[1]) - v0;
             const Lanes3 w2 = gather_velocity(state.node, g.node[2]) - v0;
-            const Lanes3 r1 = g.inverse_a * w1;
-            const Lanes3 r2 = g.inverse_c * (w2 - g.b_over_a * w1);
-
-            const SymmetricTensor<Lanes> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
-                                                0.5 * dot(f1, f2)};
-            const SymmetricTensor<Lanes> rate{dot(f1, r1), dot(f2, r2), 0.5 * (dot(f1, r2) + dot(f2, r1))};
-            const auto p = principal(strain);
-            const auto elastic = relaxed_stress(law_, strain, p);
-            const auto viscous = viscous_stress(law_, strain, p, rate);
-            const Lanes nxx = elastic.xx + g.viscosity * viscous.xx;
-            const Lanes nyy = elastic.yy + g.viscosity * viscous.yy;
-            const Lanes nxy = elastic.xy + g.viscosity * viscous.xy;
-            const Lanes area = weight * g.area;
-            dissipated += area * g.viscosity *
-                          (viscous.xx * rate.xx + viscous.yy * rate.yy + 2.0 * viscous.xy * rate.xy);
-
-            // First Piola-Kirchhoff stress times reference area, then the edges' shares of it.
-            const Lanes3 p1 = area * (nxx * f1 + nxy * f2);
-            const Lanes3 p2 = area * (nxy * f1 + nyy * f2);
-            const Lanes3 s2 = g.inverse_c * p2;
-            const Lanes3 s1 = g.inverse_a * p1 - g.b_over_a * s2;
-            const CornerForces c0(s1 + s2), c1(s1), c2(s2);
+            const auto pulls = membrane_pulls(law_, g.inverse_a, g.inverse_c, g.b_over_a, weight * g.area,
+                                              g.viscosity, e1, e2, w1, w2);
+            dissipated += pulls.dissipated;
+            const CornerForces c0(pulls.on_first), c1(pulls.on_second), c2(pulls.on_third);
             for (int k = 0; k < lane_count; ++k) {
                 state.force[g.node[0][k]].value += c0.row[k];
                 state.force[g.node[1][k]].value -= c1.row[k];

@@ -13,7 +13,15 @@ std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_vi
 /// in tension; beta: [s].
 std::unique_ptr<const ForceModel> make_fabric_springs(const Mesh& mesh, double repulsion,
                                                       double bulk_viscosity, double beta);
+/// EA [N], and (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed c1 = sqrt(E/rho) (paper, Eq. 3).
+struct CableConstants {
+    double stiffness, dashpot;
+};
+CableConstants cable_constants(const Mesh& mesh, const Cable& cable, double bulk_viscosity, double beta);
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta = 0.0);
+/// Cables of a list, which is kept by reference.
+std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
+                                              std::string_view name, double bulk_viscosity, double beta);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
 /// Of the canopy as a piece of cloth, until snatch (paper, 3.2.1).
 std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient);

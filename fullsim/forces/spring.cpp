@@ -38,7 +38,7 @@ public:
                     g.node[end][k] = padding ? mesh.dummy() : edges_[first + k].node[end];
                 g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
                 g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
-                g.growth[k] = padding ? 0.0 : growth(edges_[first + k]);
+                g.growth[k] = padding ? 0.0 : spring_growth(edges_[first + k].hardening);
                 g.dashpot[k] = padding ? 0.0 : dashpot_[first + k];
             }
             groups_.push_back(g);
@@ -80,7 +80,7 @@ public:
         for (std::size_t i = 0; i < edges_.size(); ++i) {
             const FabricEdge& e = edges_[i];
             const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);
-            const double tangent = modulus_ * e.section / e.rest_length * (1.0 + 2.0 * growth(e) * low);
+            const double tangent = modulus_ * e.section / e.rest_length * (1.0 + 2.0 * spring_growth(e.hardening) * low);
             for (const NodeIndex n : e.node) {
                 sums.stiffness[n] += 2.0 * tangent;
                 sums.damping[n] += 2.0 * dashpot_[i];
@@ -96,7 +96,7 @@ public:
                 total += 0.5 * repulsion_ * scale * s * s;
                 continue;
             }
-            const double low = std::min(s, full_hardening_strain), high = s - low, g = growth(e);
+            const double low = std::min(s, full_hardening_strain), high = s - low, g = spring_growth(e.hardening);
             total += scale * (0.5 * s * s + g * low * (low * low / 3.0 + high * s));
         }
         return total;
@@ -112,8 +112,6 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric edge {}", i); }
 
 private:
-    static double growth(const FabricEdge& e) { return (e.hardening - 1.0) / (2.0 * full_hardening_strain); }
-
     static double strain(const State& state, const FabricEdge& e) {
         return (to_vec3(state.node[e.node[1]].x) - to_vec3(state.node[e.node[0]].x)).norm() / e.rest_length -
                1.0;

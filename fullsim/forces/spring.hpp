@@ -11,6 +11,14 @@ inline constexpr double full_hardening_strain = 0.05;
 /// [-] growth that keeps cloth below that strain at any load of an opening.
 inline constexpr double largest_hardening = 10.0;
 
+/// [m/s] of lengthening from which folded cloth resists fully; below, the force is less.
+inline constexpr double full_fold_speed = 1.0;
+
+/// Growth g of an edge that hardens by H: EA (e + g e^2) up to full_hardening_strain, of slope H beyond [-].
+constexpr double spring_growth(double hardening) {
+    return (hardening - 1.0) / (2.0 * full_hardening_strain);
+}
+
 struct FabricEdge {
     std::array<NodeIndex, 2> node;
     double rest_length = 0.0;  ///< l0 [m]

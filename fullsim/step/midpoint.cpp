@@ -3,22 +3,12 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// Sums over a range of nodes, in node order.
-struct RangeSums {
-    Lanes mass_position = splat(0.0), mass_velocity = splat(0.0);
-    void add(double mass, const NodeRecord& node) {
-        mass_position += mass * node.x;
-        mass_velocity += mass * node.v;
-    }
-};
-
-void store_sums(State& state, const NodeConstants& c, const RangeSums& canopy, const RangeSums& rest,
-                Lanes area_velocity) {
-    state.sums.canopy_position = to_vec3(canopy.mass_position) / c.canopy_mass;
-    state.sums.canopy_velocity = to_vec3(canopy.mass_velocity) / c.canopy_mass;
-    state.sums.system_position = to_vec3(canopy.mass_position + rest.mass_position) / c.system_mass;
-    state.sums.system_velocity = to_vec3(canopy.mass_velocity + rest.mass_velocity) / c.system_mass;
-    state.sums.canopy_area_velocity = to_vec3(area_velocity);
+void store_sums(State& state, const NodeConstants& c, const StepSums& sums) {
+    state.sums.canopy_position = to_vec3(sums.canopy_position) / c.canopy_mass;
+    state.sums.canopy_velocity = to_vec3(sums.canopy_velocity) / c.canopy_mass;
+    state.sums.system_position = to_vec3(sums.canopy_position + sums.other_position) / c.system_mass;
+    state.sums.system_velocity = to_vec3(sums.canopy_velocity + sums.other_velocity) / c.system_mass;
+    state.sums.canopy_area_velocity = to_vec3(sums.area_velocity);
 }
 
 }  // namespace
@@ -39,64 +29,51 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
 }
 
 void update_sums(State& state, const NodeConstants& c) {
-    RangeSums canopy, rest;
-    Lanes area_velocity = splat(0.0);
+    StepSums sums;
     for (std::size_t i = 0; i < c.mass.size(); ++i) {
-        (static_cast<NodeIndex>(i) < c.canopy_nodes ? canopy : rest).add(c.mass[i], state.node[i]);
-        area_velocity += c.share[i] * state.node[i].v;
+        const bool canopy = static_cast<NodeIndex>(i) < c.canopy_nodes;
+        (canopy ? sums.canopy_position : sums.other_position) += c.mass[i] * state.node[i].x;
+        (canopy ? sums.canopy_velocity : sums.other_velocity) += c.mass[i] * state.node[i].v;
+        sums.area_velocity += c.share[i] * state.node[i].v;
     }
-    store_sums(state, c, canopy, rest, area_velocity);
+    store_sums(state, c, sums);
+}
+
+void NodeMover::move_static_line(const NodeConstants& c, StepSums& sums) {
+    if (c.static_line_mass.empty()) return;
+    const std::size_t first = c.mass.size() + 1, last = first + c.static_line_mass.size() - 1;
+    for (std::size_t i = first; i < last; ++i)
+        move(i, c.static_line_mass[i - first], c.static_line_mass[i - first], sums);
+    NodeRecord& far_end = state_.node[last];
+    state_.external_power -= sum3(state_.force[last].value * far_end.v);
+    far_end.x += dt_ * far_end.v;
+    state_.force[last].value = splat(0.0);
 }
 
 TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double dt, double next_added_mass) {
-    const double kick = 0.5 * (dt + state.dt);
-    const Lanes fall{0.0, 0.0, -c.gravity, 0.0};
-    Lanes drag_power = splat(0.0), momentum = splat(0.0), share_square = splat(0.0);
-    Lanes area_velocity = splat(0.0);
-
-    const auto move = [&](std::size_t i, double mass, double inertia, RangeSums& sums)
-        __attribute__((always_inline)) {
-        NodeRecord& node = state.node[i];
-        const Lanes aero = state.aero[i].value;
-        const Lanes weight = mass * fall;
-        const Lanes acceleration = (state.force[i].value + aero + weight) / splat(inertia);
-        const Lanes before = state.v_half[i].value;
-        const Lanes after = before + kick * acceleration;
-        const Lanes middle = 0.5 * (before + after);  // velocity at t, exact for the energy balance
-        drag_power += aero * middle;
-        momentum += mass * middle;
-        state.v_half[i].value = after;
-        node.x += dt * after;
-        node.v = after + (0.5 * dt) * acceleration;
-        state.force[i].value = state.aero[i].value = splat(0.0);
-        sums.add(mass, node);
-        return middle;
-    };
-
-    RangeSums canopy, rest;
+    NodeMover mover(state, c, dt);
+    StepSums sums;
+    Lanes share_square = splat(0.0);
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i) {
-        const Lanes middle = move(i, c.mass[i], c.mass[i] + c.share[i] * state.added_mass, canopy);
+        const Lanes middle = mover.move(i, c.mass[i], c.mass[i] + c.share[i] * state.added_mass, sums);
         share_square += c.share[i] * (middle * middle);
-        area_velocity += c.share[i] * state.node[i].v;
+        sums.canopy_position += c.mass[i] * state.node[i].x;
+        sums.canopy_velocity += c.mass[i] * state.node[i].v;
+        sums.area_velocity += c.share[i] * state.node[i].v;
     }
+    sums.share_square = sum3(share_square);
     for (std::size_t i = c.canopy_nodes; i < c.mass.size(); ++i)
-        move(i, c.mass[i], c.mass[i], rest);
-    if (!c.static_line_mass.empty()) {
-        RangeSums not_of_the_system;
-        const std::size_t first = c.mass.size() + 1, count = c.static_line_mass.size();
-        for (std::size_t k = 0; k + 1 < count; ++k)
-            move(first + k, c.static_line_mass[k], c.static_line_mass[k], not_of_the_system);
-        // The far end goes its own way; what it pulls is work from outside.
-        NodeRecord& far_end = state.node[first + count - 1];
-        state.external_power -= sum3(state.force[first + count - 1].value * far_end.v);
-        far_end.x += dt * far_end.v;
-        state.force[first + count - 1].value = splat(0.0);
-    }
-    store_sums(state, c, canopy, rest, area_velocity);
+        mover.move_other(i, c.mass[i], sums);
+    mover.move_static_line(c, sums);
+    finish_step(state, c, sums, mover.kick(), dt, next_added_mass);
+}
 
+void finish_step(State& state, const NodeConstants& c, const StepSums& sums, double kick, double dt,
+                 double next_added_mass) {
+    store_sums(state, c, sums);
     EnergyBook& book = state.energy;
-    book.drag_power = sum3(drag_power);
-    book.gravity_power = -c.gravity * momentum[2];
+    book.drag_power = sum3(sums.drag_power);
+    book.gravity_power = -c.gravity * sums.momentum[2];
     book.damping_power = state.damping_power;
     book.drag_work += kick * book.drag_power;
     book.gravity_work += kick * book.gravity_power;
@@ -104,7 +81,7 @@ TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double
     book.external_power = state.external_power;
     book.external_work += kick * book.external_power;
     book.added_mass +=
-        kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sum3(share_square);
+        kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sums.share_square;
     state.added_mass = next_added_mass;
     state.damping_power = state.accretion_power = state.external_power = 0.0;
     state.dt = dt;

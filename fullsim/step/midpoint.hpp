@@ -18,12 +18,62 @@ struct NodeConstants {
 
 NodeConstants node_constants(const Mesh& mesh, double gravity);
 
-/// From time t to t + dt with the forces in state.force and state.aero at t:
-///   v^{n+1/2} = v^{n-1/2} + (dt^{n+1} + dt^n)/2 (f^n/m + g m_material/m),   x^{n+1} = x^n + dt^{n+1}
-///   v^{n+1/2},
-/// and v^{n+1} extrapolated by another half step of the same acceleration. Clears the force arrays,
-/// renews state.sums, and books gravity, drag and damping work and the work of the added mass's
-/// growth from state.added_mass to `next_added_mass`.
+/// Sums over nodes of one step, for reference velocities and books.
+struct StepSums {
+    Lanes canopy_position = splat(0.0), canopy_velocity = splat(0.0);  ///< after the step, times mass
+    Lanes other_position = splat(0.0), other_velocity = splat(0.0);    ///< of what is not canopy
+    Lanes area_velocity = splat(0.0);                                  ///< times share
+    Lanes drag_power = splat(0.0), momentum = splat(0.0);  ///< by component, at the time of the forces
+    double share_square = 0.0;  ///< of share times speed squared, likewise [m^2/s^2]
+};
+
+/// A node from t to t + dt with its forces at t, which are cleared:
+///   v^{n+1/2} = v^{n-1/2} + (dt^{n+1} + dt^n)/2 (f^n/m + g m_material/m),   x^{n+1} = x^n + dt^{n+1} v^{n+1/2},
+/// and v^{n+1} extrapolated by another half step of the same acceleration.
+class NodeMover {
+public:
+    NodeMover(State& state, const NodeConstants& c, double dt)
+        : state_(state), kick_(0.5 * (dt + state.dt)), dt_(dt), fall_{0.0, 0.0, -c.gravity, 0.0} {}
+
+    double kick() const { return kick_; }
+
+    /// Adds to the sums of power and momentum; returns the velocity at t, exact for the energy balance.
+    [[gnu::always_inline]] Lanes move(std::size_t i, double mass, double inertia, StepSums& sums) {
+        NodeRecord& node = state_.node[i];
+        const Lanes aero = state_.aero[i].value;
+        const Lanes weight = mass * fall_;
+        const Lanes acceleration = (state_.force[i].value + aero + weight) / splat(inertia);
+        const Lanes before = state_.v_half[i].value;
+        const Lanes after = before + kick_ * acceleration;
+        const Lanes middle = 0.5 * (before + after);
+        sums.drag_power += aero * middle;
+        sums.momentum += mass * middle;
+        state_.v_half[i].value = after;
+        node.x += dt_ * after;
+        node.v = after + (0.5 * dt_) * acceleration;
+        state_.force[i].value = state_.aero[i].value = splat(0.0);
+        return middle;
+    }
+    [[gnu::always_inline]] void move_other(std::size_t i, double mass, StepSums& sums) {
+        move(i, mass, mass, sums);
+        sums.other_position += mass * state_.node[i].x;
+        sums.other_velocity += mass * state_.node[i].v;
+    }
+    /// Falls with the rest, but is not of the system; what its far end pulls is work from outside.
+    void move_static_line(const NodeConstants& c, StepSums& sums);
+
+private:
+    State& state_;
+    double kick_, dt_;
+    Lanes fall_;
+};
+
+/// Renews state.sums and books gravity, drag and damping work, and the work of the added mass's growth from
+/// state.added_mass to `next_added_mass`.
+void finish_step(State& state, const NodeConstants& constants, const StepSums& sums, double kick, double dt,
+                 double next_added_mass);
+
+/// All nodes from time t to t + dt with the forces in state.force and state.aero at t, and finish_step.
 void advance(State& state, const NodeConstants& constants, double dt, double next_added_mass);
 
 /// state.sums from the node records.

@@ -43,6 +43,22 @@ inline Lanes square_root(Lanes a) {
     return root;
 }
 
+/// 1/sqrt(a), a > 0.
+inline double inverse_root(double a) {
+    return 1.0 / std::sqrt(a);
+}
+inline Lanes inverse_root(Lanes a) {
+    return 1.0 / square_root(a);
+}
+
+/// a where true, else b.
+inline double select(bool which, double a, double b) {
+    return which ? a : b;
+}
+inline Lanes select(LaneMask which, Lanes a, Lanes b) {
+    return which ? a : b;
+}
+
 /// The larger of each pair; b where a is not a number.
 inline Lanes larger(Lanes a, Lanes b) {
     return a > b ? a : b;

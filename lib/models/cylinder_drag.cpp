@@ -35,8 +35,8 @@ double cylinder_drag_coefficient(double reynolds) {
 
 CylinderDragTable::CylinderDragTable() {
     for (std::size_t cell = 0; cell < cells; ++cell) {
-        const double left = std::bit_cast<double>((first_cell + cell) << 48);
-        const double right = std::bit_cast<double>((first_cell + cell + 1) << 48);
+        const double left = std::bit_cast<double>((cell + static_cast<std::uint64_t>(first_cell)) << 48);
+        const double right = std::bit_cast<double>((cell + static_cast<std::uint64_t>(first_cell) + 1) << 48);
         value_[cell] = cylinder_drag_coefficient(left);
         slope_[cell] = (cylinder_drag_coefficient(right) - value_[cell]) / (right - left);
     }

@@ -28,15 +28,20 @@ public:
         if (!(reynolds >= lowest)) return at_lowest_ * lowest / (reynolds + 1e-300);
         if (reynolds >= highest) return value_.back();
         const auto bits = std::bit_cast<std::uint64_t>(reynolds);
-        const std::uint64_t cell = (bits >> 48) - first_cell;
+        const std::uint64_t cell = (bits >> 48) - static_cast<std::uint64_t>(first_cell);
         const double start = std::bit_cast<double>(bits & 0xffff'0000'0000'0000ULL);
         return value_[cell] + (reynolds - start) * slope_[cell];
     }
 
+    // For loops that look up several at once: the cell of a Reynolds number from lowest to below highest is the upper
+    // 16 bits of its double less first_cell, and begins where the lower 48 are zero.
+    static constexpr double lowest = 0.0625;      ///< 2^-4
+    static constexpr double highest = 1048576.0;  ///< 2^20
+    static constexpr std::int64_t first_cell = std::bit_cast<std::int64_t>(lowest) >> 48;
+    const double* values() const { return value_.data(); }
+    const double* slopes() const { return slope_.data(); }
+
 private:
-    static constexpr double lowest = 0.0625;      // 2^-4
-    static constexpr double highest = 1048576.0;  // 2^20
-    static constexpr std::uint64_t first_cell = std::bit_cast<std::uint64_t>(lowest) >> 48;
     static constexpr std::size_t cells = 24 * 16;
 
     std::array<double, cells> value_{};

@@ -79,13 +79,7 @@ inline void stretch_open(fullsim::State& state, double across, double along) {
         node.x *= Lanes{across, across, along, 0.0};
 }
 
-inline void clear_forces(fullsim::State& state) {
-    for (auto& f : state.force)
-        f.value = splat(0.0);
-    for (auto& f : state.aero)
-        f.value = splat(0.0);
-    state.damping_power = 0.0;
-}
+using fullsim::clear_forces;
 
 inline Vec3 total(const std::vector<fullsim::NodeVector>& forces) {
     Lanes sum = splat(0.0);

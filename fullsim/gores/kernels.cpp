@@ -1,0 +1,424 @@
+#include "fullsim/gores/kernels.hpp"
+
+#include <cmath>
+
+// Where a processor has AVX-512, its gains over AVX-512 with later additions are none here.
+#define HWY_DISABLED_TARGETS (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fullsim/gores/kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "fullsim/forces/membrane_kernel.hpp"
+#include "fullsim/gores/vec.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace twinchute::fullsim::HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE Vec3s splat3(const std::array<double, 3>& a) {
+    return {all(a[0]), all(a[1]), all(a[2])};
+}
+HWY_INLINE std::array<double, 3> sum3s(Vec3s a) {
+    return {sum(a.x), sum(a.y), sum(a.z)};
+}
+
+/// One block's nodes.
+struct Block {
+    double *x, *v, *v_half, *force, *aero, *push;
+    Vec live;
+    std::size_t stride;
+
+    HWY_INLINE Block(const GoreFrame& f, int block) {
+        const std::size_t at = f.at(block, 0);
+        x = f.x + at, v = f.v + at, v_half = f.v_half + at;
+        force = f.force + at, aero = f.aero + at, push = f.push + at;
+        live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
+        stride = static_cast<std::size_t>(3) * f.lanes;
+    }
+    HWY_INLINE Vec3s position(std::int32_t node) const { return load3(x + node * stride); }
+    HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
+};
+
+/// The table at as many points at once, all between its ends.
+HWY_INLINE Vec table_value(const CylinderDragTable& table, Vec reynolds) {
+    const hn::RebindToSigned<Tag> whole;
+    const auto bits = hn::BitCast(whole, reynolds.raw);
+    const auto cell = hn::Sub(hn::ShiftRight<48>(bits), hn::Set(whole, CylinderDragTable::first_cell));
+    const Vec start{hn::BitCast(tag, hn::ShiftLeft<48>(hn::ShiftRight<48>(bits)))};
+    const Vec value{hn::GatherIndex(tag, table.values(), cell)};
+    const Vec slope{hn::GatherIndex(tag, table.slopes(), cell)};
+    return value + (reynolds - start) * slope;
+}
+
+template <bool structure, bool pressure>
+FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
+    const Vec3s e = splat3(pass.direction);
+    const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(pass.radial_pressure / 3.0);
+    Vec positive = zero, all_area = zero, dissipated = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        Vec block_positive = zero, block_area = zero, block_dissipated = zero;
+        for (const MembraneElement& m : pass.elements) {
+            const std::int32_t n0 = m.node[0], n1 = m.node[1], n2 = m.node[2];
+            const Vec3s x0 = block.position(n0);
+            const Vec3s e1 = block.position(n1) - x0, e2 = block.position(n2) - x0;
+            if constexpr (structure) {
+                const Vec3s v0 = block.velocity(n0);
+                const Vec3s w1 = block.velocity(n1) - v0, w2 = block.velocity(n2) - v0;
+                const auto pulls =
+                    membrane_pulls(pass.law, all(m.inverse_a), all(m.inverse_c), all(m.b_over_a), all(pass.weight * m.area),
+                                   all(m.viscosity), e1, e2, w1, w2);
+                block_dissipated += pulls.dissipated;
+                add3(pulls.on_first, block.force + n0 * block.stride);
+                take3(pulls.on_second, block.force + n1 * block.stride);
+                take3(pulls.on_third, block.force + n2 * block.stride);
+            }
+            if constexpr (pressure) {
+                // A third of A_p e_r + phi (A - (A.e_r) e_r) to each corner; what it is per area comes later.
+                const Vec3s area = 0.5 * cross(e1, e2);
+                const Vec along = dot(area, e);
+                const Vec swept = larger(along, zero);
+                block_positive += swept;
+                block_area += along;
+                const Vec3s corner = (third * swept - radial * along) * e + radial * area;
+                add3(corner, block.push + n0 * block.stride);
+                add3(corner, block.push + n1 * block.stride);
+                add3(corner, block.push + n2 * block.stride);
+            }
+        }
+        positive += block.live * block_positive;
+        all_area += block.live * block_area;
+        dissipated += block.live * block_dissipated;
+    }
+    return {sum(positive), sum(all_area), sum(dissipated)};
+}
+
+FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double factor,
+                      const std::array<double, 3>& wind) {
+    const Vec3s air = splat3(wind);
+    const Vec zero = all(0.0), third = all(1.0 / 3.0), share = all(factor / 3.0);
+    Vec across = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        Vec block_across = zero;
+        for (const MembraneElement& m : pass.elements) {
+            const std::int32_t n0 = m.node[0], n1 = m.node[1], n2 = m.node[2];
+            const Vec3s x0 = block.position(n0);
+            const Vec3s area = 0.5 * cross(block.position(n1) - x0, block.position(n2) - x0);
+            const Vec3s velocity =
+                air - third * (block.velocity(n0) + block.velocity(n1) + block.velocity(n2));
+            const Vec flow = dot(area, velocity);  // |A.e| V
+            const Vec swept = larger(flow, -flow);
+            block_across += swept * inverse_root(dot(velocity, velocity) + 1e-18);
+            const Vec3s corner = (share * swept) * velocity;
+            add3(corner, block.aero + n0 * block.stride);
+            add3(corner, block.aero + n1 * block.stride);
+            add3(corner, block.aero + n2 * block.stride);
+        }
+        across += block.live * block_across;
+    }
+    return {sum(across), 0.0, 0.0};
+}
+
+template <bool with_springs, bool with_folds>
+double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
+    const Vec zero = all(0.0), one = all(1.0), full = all(full_hardening_strain);
+    const Vec repulsion = all(pass.repulsion), inverse_full_speed = all(1.0 / pass.full_speed);
+    Vec dissipated = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        Vec block_dissipated = zero;
+        for (const SpringElement& s : pass.elements) {
+            const std::int32_t n0 = s.node[0], n1 = s.node[1];
+            const Vec3s d = block.position(n1) - block.position(n0);
+            const Vec3s w = block.velocity(n1) - block.velocity(n0);
+            const Vec square = dot(d, d) + 1e-18;
+            const Vec inverse = inverse_root(square);
+            const Vec lengthening = dot(d, w) * inverse;
+            const Vec strain = square * inverse * all(s.inverse_length) - one;
+            Vec tension = zero;
+            if constexpr (with_springs) {
+                const Vec low = select(strain < full, strain, full);
+                const Vec stiffness = all(s.stiffness);
+                const Vec pull =
+                    stiffness * (strain + all(s.growth) * low * (low + 2.0 * (strain - low)));
+                const Vec push = repulsion * stiffness * strain;
+                const Mask taut = strain > zero;
+                const Vec spring = select(taut, pull, push);
+                tension = select(taut, larger(pull + all(s.dashpot) * lengthening, zero), push);
+                block_dissipated += (tension - spring) * lengthening;
+            }
+            if constexpr (with_folds) {
+                const Vec growing = larger(lengthening, zero);
+                const Vec speed_share = growing * inverse_full_speed;
+                const Vec folded = select(strain < zero, all(s.fold_force), zero);
+                const Vec hold = folded * select(speed_share < one, speed_share, one);
+                block_dissipated += hold * growing;
+                tension += hold;
+            }
+            const Vec3s force = (tension * inverse) * d;
+            add3(force, block.force + n0 * block.stride);
+            take3(force, block.force + n1 * block.stride);
+        }
+        dissipated += block.live * block_dissipated;
+    }
+    return sum(dissipated);
+}
+
+double springs(const GoreFrame& frame, const SpringPass& pass) {
+    if (pass.springs && pass.folds) return spring_pass<true, true>(frame, pass);
+    return pass.springs ? spring_pass<true, false>(frame, pass) : spring_pass<false, true>(frame, pass);
+}
+
+double cables(const GoreFrame& frame, std::span<const CableElement> elements) {
+    const Vec zero = all(0.0), one = all(1.0);
+    Vec dissipated = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        Vec block_dissipated = zero;
+        for (const CableElement& c : elements) {
+            const std::int32_t n0 = c.node[0], n1 = c.node[1];
+            const Vec3s d = block.position(n1) - block.position(n0);
+            const Vec3s w = block.velocity(n1) - block.velocity(n0);
+            const Vec square = dot(d, d) + 1e-18;
+            const Vec inverse = inverse_root(square);
+            const Vec lengthening = dot(d, w) * inverse;
+            const Vec spring = all(c.stiffness) * (square * inverse * all(c.inverse_length) - one);
+            const Vec tension = larger(spring + all(c.dashpot) * lengthening, zero);
+            block_dissipated += (tension - larger(spring, zero)) * lengthening;
+            const Vec3s pull = (tension * inverse) * d;
+            add3(pull, block.force + n0 * block.stride);
+            take3(pull, block.force + n1 * block.stride);
+        }
+        dissipated += block.live * block_dissipated;
+    }
+    return sum(dissipated);
+}
+
+void line_drag(const GoreFrame& frame, std::span<const Node2> elements, const CylinderDragTable& coefficient,
+               double diameter, double density, double viscosity, const std::array<double, 3>& wind) {
+    const Vec3s air = splat3(wind);
+    const double reynolds_per_speed = density * diameter / viscosity;
+    const Vec half = all(0.5), per_speed = all(reynolds_per_speed), factor = all(0.25 * density * diameter);
+    const Vec lowest_speed = all(CylinderDragTable::lowest / reynolds_per_speed);
+    const Vec highest = all(std::nextafter(CylinderDragTable::highest, 0.0));
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        for (const Node2& n : elements) {
+            const Vec3s d = block.position(n[1]) - block.position(n[0]);
+            const Vec3s v = air - half * (block.velocity(n[0]) + block.velocity(n[1]));
+            const Vec square = dot(d, d) + 1e-18;
+            const Vec inverse = inverse_root(square);
+            const Vec3s across = v - (dot(v, d) * inverse * inverse) * d;
+            const Vec speed_square = dot(across, across) + 1e-60;
+            // Below the table C_d Re is constant, so that C_d |V| is what it is at the table's foot.
+            const Vec speed = larger(speed_square * inverse_root(speed_square), lowest_speed);
+            const Vec reynolds = smaller(per_speed * speed, highest);
+            const Vec3s end =
+                (factor * square * inverse * speed * table_value(coefficient, reynolds)) * across;
+            add3(end, block.aero + n[0] * block.stride);
+            add3(end, block.aero + n[1] * block.stride);
+        }
+    }
+}
+
+/// The last lane of a block that has a gore, and the block in which the next gore is.
+HWY_INLINE int last_lane(const GoreFrame& frame, int block) {
+    const int left = frame.gores - block * frame.lanes;
+    return (left < frame.lanes ? left : frame.lanes) - 1;
+}
+
+void show_neighbours(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
+    for (int b = 0; b < frame.blocks; ++b) {
+        const int last = last_lane(frame, b), next = b + 1 < frame.blocks ? b + 1 : 0;
+        for (std::size_t k = 0; k < neighbour.size(); ++k) {
+            const double* own = array + frame.at(b, neighbour[k]);
+            const double* own_of_next = array + frame.at(next, neighbour[k]);
+            double* image = array + frame.at(b, frame.own + static_cast<int>(k));
+            for (int c = 0; c < 3; ++c) {
+                const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * frame.lanes;
+                store(load_anywhere(own + at + 1), image + at);
+                image[at + last] = own_of_next[at];
+            }
+        }
+    }
+}
+
+void give_back(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
+    const Vec zero = all(0.0);
+    for (int b = 0; b < frame.blocks; ++b) {
+        const int before = b > 0 ? b - 1 : frame.blocks - 1, last_before = last_lane(frame, before);
+        for (std::size_t k = 0; k < neighbour.size(); ++k) {
+            double* own = array + frame.at(b, neighbour[k]);
+            const int image_node = frame.own + static_cast<int>(k);
+            const double* image = array + frame.at(b, image_node);
+            const double* image_before = array + frame.at(before, image_node);
+            for (int c = 0; c < 3; ++c) {
+                const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * frame.lanes;
+                const double first = own[at] + image_before[at + last_before];
+                store(load(own + at) + load_anywhere(image + at - 1), own + at);
+                own[at] = first;
+            }
+        }
+    }
+    for (int b = 0; b < frame.blocks; ++b)
+        for (std::size_t k = 0; k < neighbour.size(); ++k) {
+            double* image = array + frame.at(b, frame.own + static_cast<int>(k));
+            store3({zero, zero, zero}, image);
+        }
+}
+
+GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
+    const Vec zero = all(0.0), half = all(0.5);
+    const Vec3s none{zero, zero, zero};
+    const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
+    const Vec pressure = all(step.pressure), alpha = all(step.alpha), gravity = all(step.gravity);
+    const Vec3s flag = splat3(step.flag), extraction = splat3(step.extraction);
+    const Vec3s breathing_mean = splat3(step.breathing_mean), mean = splat3(step.mean), wind = splat3(step.wind);
+    Vec3s position[2] = {none, none}, velocity[2] = {none, none}, area_velocity = none;
+    Vec drag_power = zero, momentum = zero, share_square = zero;
+    Vec dissipated = zero, accretion_power = zero, external_power = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        const Vec live = block.live;
+        for (int n = 0; n < frame.own; ++n) {
+            const GoreNode& node = step.nodes[n];
+            const bool canopy = n < frame.canopy;
+            const std::size_t at = n * block.stride;
+            const Vec mass = all(node.mass) * live, share = all(node.share) * live;
+            const Vec3s v = load3(block.v + at);
+            Vec3s aero = load3(block.aero + at), force = load3(block.force + at);
+            store3(none, block.aero + at);
+            store3(none, block.force + at);
+            if (canopy) {
+                aero += pressure * load3(block.push + at) + share * flag;
+                store3(none, block.push + at);
+                if (step.breathing > 0.0) {
+                    const Vec3s relative = v - breathing_mean;
+                    const Vec3s resistance = (share * all(step.breathing)) * relative;
+                    force = force - resistance;
+                    dissipated += dot(resistance, relative);
+                }
+                if (step.accretion > 0.0) {
+                    const Vec3s push = (share * all(step.accretion)) * (wind - v);
+                    force += push;
+                    accretion_power += dot(push, v);
+                }
+                if (node.extraction > 0.0) {
+                    const Vec3s pull = (live * all(node.extraction)) * extraction;
+                    force += pull;
+                    external_power += dot(pull, v);
+                }
+            }
+            if (step.alpha > 0.0) {
+                const Vec3s relative = v - mean;
+                const Vec3s resistance = (alpha * mass) * relative;
+                force = force - resistance;
+                dissipated += dot(resistance, relative);
+            }
+            Vec3s total = force + aero;
+            total.z = total.z - mass * gravity;
+            // A lane without a gore stays where it is.
+            const Vec3s acceleration = (all(step.inverse_inertia[n]) * live) * total;
+            const Vec3s before = load3(block.v_half + at);
+            const Vec3s after = before + kick * acceleration;
+            const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+            drag_power += live * dot(aero, middle);
+            momentum += mass * middle.z;
+            store3(after, block.v_half + at);
+            const Vec3s x = load3(block.x + at) + (dt * live) * after;
+            const Vec3s now = after + half_dt * acceleration;
+            store3(x, block.x + at);
+            store3(now, block.v + at);
+            position[canopy] += mass * x;
+            velocity[canopy] += mass * now;
+            if (canopy) {
+                share_square += share * dot(middle, middle);
+                area_velocity += share * now;
+            }
+        }
+    }
+    GoreSums sums;
+    sums.canopy_position = sum3s(position[1]);
+    sums.canopy_velocity = sum3s(velocity[1]);
+    sums.line_position = sum3s(position[0]);
+    sums.line_velocity = sum3s(velocity[0]);
+    sums.area_velocity = sum3s(area_velocity);
+    sums.drag_power = sum(drag_power);
+    sums.momentum = sum(momentum);
+    sums.share_square = sum(share_square);
+    sums.dissipated = sum(dissipated);
+    sums.accretion_power = sum(accretion_power);
+    sums.external_power = sum(external_power);
+    return sums;
+}
+
+constexpr std::string_view instruction_set() {
+#if HWY_TARGET == HWY_AVX3
+    return "AVX-512";
+#elif HWY_TARGET == HWY_AVX2
+    return "AVX2";
+#elif HWY_TARGET == HWY_SSE4
+    return "SSE4";
+#elif HWY_TARGET == HWY_NEON
+    return "NEON";
+#else
+    return "generic";
+#endif
+}
+
+GoreKernels kernels() {
+    return {instruction_set(),
+            static_cast<int>(hn::Lanes(tag)),
+            membrane_pass<true, false>,
+            membrane_pass<true, true>,
+            membrane_pass<false, true>,
+            cloth_drag,
+            springs,
+            cables,
+            line_drag,
+            advance,
+            show_neighbours,
+            give_back};
+}
+
+}  // namespace
+
+GoreKernels gore_kernels_here() {
+    return kernels();
+}
+
+}  // namespace twinchute::fullsim::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <vector>
+
+namespace twinchute::fullsim {
+
+HWY_EXPORT(gore_kernels_here);
+
+std::span<const GoreKernels> all_gore_kernels() {
+    static const std::vector<GoreKernels> sets = [] {
+        std::vector<GoreKernels> found;
+        const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
+        // The best has the lowest bit; dispatch asks anew which of those left on is the best.
+        for (std::int64_t left = supported; left != 0; left &= left - 1) {
+            hwy::SetSupportedTargetsForTest(left & -left);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+            found.push_back(HWY_DYNAMIC_DISPATCH(gore_kernels_here)());
+        }
+        hwy::SetSupportedTargetsForTest(0);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        return found;
+    }();
+    return sets;
+}
+
+const GoreKernels& gore_kernels() {
+    return all_gore_kernels().front();
+}
+
+}  // namespace twinchute::fullsim
+#endif

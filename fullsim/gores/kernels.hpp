@@ -1,0 +1,140 @@
+// Inner loops over gores side by side: written once (kernels.cpp), compiled for every instruction set, chosen when
+// the program starts. Nothing here knows of scenes or stages.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "fullsim/forces/membrane.hpp"
+#include "fullsim/forces/spring.hpp"
+#include "lib/models/cylinder_drag.hpp"
+
+namespace twinchute::fullsim {
+
+/// Where the nodes of all gores lie: [block][local node][x, y, z][lane]. A block is as many gores as the processor
+/// works on at once; lanes without a gore stand still (`live` is 0 there, 1 elsewhere).
+struct GoreFrame {
+    int gores = 0;
+    int lanes = 0, blocks = 0, nodes = 0;  ///< per block: own, neighbour's and guests
+    int own = 0, canopy = 0;               ///< the first nodes of a block
+    double *x = nullptr, *v = nullptr;     ///< [m], [m/s] at the same time, as NodeRecord
+    double* v_half = nullptr;              ///< [m/s] half a step before
+    double *force = nullptr, *aero = nullptr;  ///< [N] as State
+    double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
+    const double* live = nullptr;  ///< [block][lane]
+
+    std::size_t at(int block, int node) const {
+        return (static_cast<std::size_t>(block) * nodes + node) * 3 * lanes;
+    }
+};
+
+using Node3 = std::array<std::int32_t, 3>;
+using Node2 = std::array<std::int32_t, 2>;
+
+/// Constants of a triangle, the same in every gore; as the indexed layout's.
+struct MembraneElement {
+    Node3 node;
+    double inverse_a, inverse_c, b_over_a;  // [1/m], [1/m], [-]
+    double area;                            // [m^2] unstrained
+    double viscosity;                       // eta [N s/m]
+};
+
+struct CableElement {
+    Node2 node;
+    double inverse_length, stiffness, dashpot;  // [1/m], EA [N], [N s/m]
+};
+
+struct SpringElement {
+    Node2 node;
+    double inverse_length, stiffness, growth, dashpot;  // as FabricSprings
+    double fold_force;                                  // [N] that holds it while folded
+};
+
+/// What the fabric's pass adds up.
+struct FabricSums {
+    double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
+    double dissipated = 0.0;                        // [W]
+};
+
+struct MembranePass {
+    std::span<const MembraneElement> elements;
+    MembraneLaw law;
+    std::array<double, 3> direction{};  ///< e_r
+    double radial_pressure = 0.0;       ///< phi
+    double weight = 1.0;                ///< share of their stiffness that membranes have
+};
+
+struct SpringPass {
+    std::span<const SpringElement> elements;
+    double repulsion = 0.0;   ///< of folded cloth over its stiffness in tension [-]
+    bool springs = false;     ///< these act,
+    bool folds = false;       ///< and these
+    double full_speed = 1.0;  ///< [m/s] of lengthening from which folds resist fully
+};
+
+/// Constants of a node, the same in every gore.
+struct GoreNode {
+    double mass = 0.0;   ///< [kg]
+    double share = 0.0;  ///< of the fabric's area [-], hence of added mass, flag drag, distributed extraction
+    double extraction = 0.0;  ///< share of the extraction force [-]
+};
+
+/// One step of all gores' own nodes.
+struct GoreAdvance {
+    std::span<const GoreNode> nodes;
+    std::span<const double> inverse_inertia;  ///< [1/kg] of each node
+    double kick = 0.0, dt = 0.0;              ///< [s] between half steps, and of the step
+    double gravity = 0.0;                     ///< [m/s^2]
+    double pressure = 0.0;                    ///< [Pa] on `push`
+    std::array<double, 3> flag{};             ///< [N] on the canopy by share
+    std::array<double, 3> extraction{};       ///< [N]
+    double breathing = 0.0;                   ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
+    std::array<double, 3> breathing_mean{};   ///< [m/s]
+    double alpha = 0.0;                       ///< [1/s] about `mean`
+    std::array<double, 3> mean{};             ///< [m/s]
+    double accretion = 0.0;                   ///< [kg/s] of the whole canopy, by share, from the wind's velocity
+    std::array<double, 3> wind{};             ///< [m/s]
+};
+
+struct GoreSums {
+    std::array<double, 3> canopy_position{}, canopy_velocity{}, line_position{}, line_velocity{};  // times mass
+    std::array<double, 3> area_velocity{};  // times share
+    double drag_power = 0.0;                // [W]
+    double momentum = 0.0;                  // [kg m/s] upwards
+    double share_square = 0.0;              // sum of share times v^2 [m^2/s^2]
+    double dissipated = 0.0, accretion_power = 0.0, external_power = 0.0;  // [W]
+};
+
+/// The loops, for one instruction set. Forces are added to the frame's; a sum does not depend on anything but
+/// the frame's width.
+struct GoreKernels {
+    std::string_view instruction_set;
+    int lanes;
+    /// Membranes alone, pressure areas alone, or both in one pass (the strain's edges give the area).
+    FabricSums (*membrane)(const GoreFrame&, const MembranePass&);
+    FabricSums (*membrane_and_pressure)(const GoreFrame&, const MembranePass&);
+    FabricSums (*pressure)(const GoreFrame&, const MembranePass&);
+    /// Cloth drag; `positive_area` is the area that the air meets. factor: 1/2 rho C_D [kg/m^3].
+    FabricSums (*cloth_drag)(const GoreFrame&, const MembranePass&, double factor,
+                             const std::array<double, 3>& wind);
+    /// Each of these: [W] dissipated.
+    double (*springs)(const GoreFrame&, const SpringPass&);
+    double (*cables)(const GoreFrame&, std::span<const CableElement>);
+    /// diameter [m], density [kg/m^3], viscosity [Pa s].
+    void (*line_drag)(const GoreFrame&, std::span<const Node2>, const CylinderDragTable&, double diameter,
+                      double density, double viscosity, const std::array<double, 3>& wind);
+    GoreSums (*advance)(const GoreFrame&, const GoreAdvance&);
+    /// What own nodes hold in an array of the frame becomes visible to the gore before.
+    void (*show_neighbours)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
+    /// And what a gore has added to the image goes to the node itself; the image is cleared.
+    void (*give_back)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
+};
+
+/// Those of the best instruction set that this machine has.
+const GoreKernels& gore_kernels();
+/// One for each instruction set that is compiled in and that this machine has, the best first.
+std::span<const GoreKernels> all_gore_kernels();
+
+}  // namespace twinchute::fullsim
