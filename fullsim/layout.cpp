@@ -1,6 +1,7 @@
 #include "fullsim/layout.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace twinchute::fullsim {
 namespace {
@@ -18,6 +19,14 @@ public:
         clear_forces(state);
     }
     void store(State&) const override {}
+
+    double membrane_energy(State& state) const override {
+        const auto membrane = std::ranges::find(*structure_, "membrane", &ForceModel::name);
+        const double weight = std::exchange(state.fe_weight, 1.0);
+        const double energy = (*membrane)->energy(state);
+        state.fe_weight = weight;
+        return energy;
+    }
 
     void evaluate(State& state, BlockClock& clock) override {
         const auto add = [&](const ForceModels& models) {

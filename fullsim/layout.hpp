@@ -63,6 +63,9 @@ public:
     /// Renews those node records that a step leaves out of date. Payload, links, risers and static line never are.
     virtual void store(State& state) const = 0;
 
+    /// [J] that the membranes of the stage would hold at full stiffness.
+    virtual double membrane_energy(State& state) const = 0;
+
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure.
     virtual void evaluate(State& state, BlockClock& clock) = 0;
     /// One step with these forces (see advance in midpoint.hpp).

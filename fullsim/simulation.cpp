@@ -227,9 +227,7 @@ void Simulation::grow_ramp() {
     State& s = state_;
     const double share = std::min(1.0, (s.time - ramp_start_) / scene_.full.ramp_time);
     const double weight = share * share * share, before = s.fe_weight;
-    whole().fe_weight = 1.0;
-    const auto membrane = std::ranges::find(structure_, "membrane", &ForceModel::name);
-    const double energy = (*membrane)->energy(s);
+    const double energy = layout_->membrane_energy(s);
     s.energy.ramp += 0.5 * (weight - before) * (ramp_energy_ + energy);
     s.fe_weight = weight;
     ramp_energy_ = energy;

@@ -10,8 +10,10 @@
 
 namespace twinchute::fullsim {
 
-using HWY_NAMESPACE::membrane_pulls, HWY_NAMESPACE::principal, HWY_NAMESPACE::relaxed_stress,
-    HWY_NAMESPACE::SymmetricTensor;
+using HWY_NAMESPACE::membrane_pulls, HWY_NAMESPACE::principal, HWY_NAMESPACE::relaxed_energy,
+    HWY_NAMESPACE::relaxed_stress,
+    HWY_NAMESPACE::SymmetricTensor,
+    HWY_NAMESPACE::turned_back;
 
 namespace {
 
@@ -179,16 +181,13 @@ PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, F
         *state = p.first() <= 0.0                             ? FabricState::slack
                  : p.second() + law.poisson * p.first() > 0.0 ? FabricState::taut
                                                               : FabricState::wrinkled;
-    const auto n = relaxed_stress(law, e, p);
+    const auto n = turned_back(relaxed_stress(law, p), p.half_difference * p.inverse_radius,
+                               e.xy * p.inverse_radius);
     return {n.xx, n.yy, n.xy};
 }
 
 double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain) {
-    const auto p = principal(as_scalar(strain));
-    const double first = p.first(), second = p.second();
-    if (first <= 0.0) return 0.0;
-    if (second + law.poisson * first <= 0.0) return 0.5 * law.tension_modulus * first * first;
-    return 0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * first * second);
+    return relaxed_energy(law, principal(as_scalar(strain)));
 }
 
 PlaneTensor green_strain(const Triangle& t, const std::array<Vec3, 3>& corner) {

@@ -41,42 +41,45 @@ HWY_INLINE PrincipalStrain<T> principal(const SymmetricTensor<T>& strain) {
     return p;
 }
 
-/// Stress resultant [N/m] of the relaxed energy: taut, wrinkled or slack in one selection.
+/// Along the principal directions of strain, which are those of stress, too.
 template <class T>
-HWY_INLINE SymmetricTensor<T> relaxed_stress(const MembraneLaw& law, const SymmetricTensor<T>& e,
-                                  const PrincipalStrain<T>& p) {
+struct Principals {
+    T first, second;
+};
+
+/// Stress resultants [N/m] of the relaxed energy. With E_1 >= E_2: taut where E_2 + nu E_1 > 0, slack where E_1 <= 0,
+/// wrinkled between, and all three are
+///   N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
+template <class T>
+HWY_INLINE Principals<T> relaxed_stress(const MembraneLaw& law, const PrincipalStrain<T>& p) {
     const T zero = p.mean - p.mean;
-    const auto taut = p.second() + law.poisson * p.first() > zero;
-    const auto slack = p.first() <= zero;
-    const T field = law.tension_modulus * 0.5 * p.first();
-    const T field_difference = field * p.half_difference * p.inverse_radius;
-    const T field_shear = field * e.xy * p.inverse_radius;
-    SymmetricTensor<T> n;
-    const T taut_xx = law.plane_modulus * (e.xx + law.poisson * e.yy);
-    const T taut_yy = law.plane_modulus * (e.yy + law.poisson * e.xx);
-    const T taut_xy = law.plane_modulus * (1.0 - law.poisson) * e.xy;
-    n.xx = select(slack, zero, select(taut, taut_xx, field + field_difference));
-    n.yy = select(slack, zero, select(taut, taut_yy, field - field_difference));
-    n.xy = select(slack, zero, select(taut, taut_xy, field_shear));
-    return n;
+    const T second = law.plane_modulus * larger(p.second() + law.poisson * p.first(), zero);
+    return {law.tension_modulus * larger(p.first(), zero) + law.poisson * second, second};
 }
 
-/// Stress per eta [1/s] of bulk viscosity that acts where the fabric carries load: on the trace
-/// of the strain rate where taut, along the tension field where wrinkled, not at all where slack.
+/// From principal values to the plane's own axes.
 template <class T>
-HWY_INLINE SymmetricTensor<T> viscous_stress(const MembraneLaw& law, const SymmetricTensor<T>& e,
-                                  const PrincipalStrain<T>& p, const SymmetricTensor<T>& rate) {
+HWY_INLINE SymmetricTensor<T> turned_back(const Principals<T>& n, T cosine, T sine) {
+    const T mean = 0.5 * (n.first + n.second), half = 0.5 * (n.first - n.second);
+    return {mean + half * cosine, mean - half * cosine, half * sine};
+}
+
+/// Relaxed energy per reference area [J/m^2], of which that stress is the derivative.
+template <class T>
+HWY_INLINE T relaxed_energy(const MembraneLaw& law, const PrincipalStrain<T>& p) {
+    const T first = p.first(), second = p.second(), zero = first - first;
+    const T taut = 0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * (first * second));
+    const T wrinkled = 0.5 * law.tension_modulus * (first * first);
+    return select(first <= zero, zero, select(second + law.poisson * first <= zero, wrinkled, taut));
+}
+
+/// Stress per eta [1/s] of bulk viscosity that acts where the fabric carries load: on the trace of the strain rate
+/// where taut, along the tension field where wrinkled, not at all where slack. `along`: rate in the first direction.
+template <class T>
+HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalStrain<T>& p, T trace, T along) {
     const T zero = p.mean - p.mean;
     const auto taut = p.second() + law.poisson * p.first() > zero;
-    const auto slack = p.first() <= zero;
-    const T trace = rate.xx + rate.yy;
-    const T cosine = p.half_difference * p.inverse_radius, sine = e.xy * p.inverse_radius;
-    const T along = 0.5 * (trace + cosine * (rate.xx - rate.yy)) + sine * rate.xy;
-    SymmetricTensor<T> n;
-    n.xx = select(slack, zero, select(taut, trace, 0.5 * along * (1.0 + cosine)));
-    n.yy = select(slack, zero, select(taut, trace, 0.5 * along * (1.0 - cosine)));
-    n.xy = select(slack, zero, select(taut, zero, 0.5 * along * sine));
-    return n;
+    return {select(p.first() > zero, select(taut, trace, along), zero), select(taut, trace, zero)};
 }
 
 /// What a triangle does to its corners.
@@ -99,18 +102,20 @@ HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a
     const SymmetricTensor<T> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
     const SymmetricTensor<T> rate{dot(f1, r1), dot(f2, r2), 0.5 * (dot(f1, r2) + dot(f2, r1))};
     const auto p = principal(strain);
-    const auto elastic = relaxed_stress(law, strain, p);
-    const auto viscous = viscous_stress(law, strain, p, rate);
-    const T nxx = elastic.xx + viscosity * viscous.xx;
-    const T nyy = elastic.yy + viscosity * viscous.yy;
-    const T nxy = elastic.xy + viscosity * viscous.xy;
+    const T cosine = p.half_difference * p.inverse_radius, sine = strain.xy * p.inverse_radius;
+    const T trace = rate.xx + rate.yy;
+    const T along = 0.5 * (trace + cosine * (rate.xx - rate.yy)) + sine * rate.xy;
+    const auto elastic = relaxed_stress(law, p);
+    const auto viscous = viscous_stress(law, p, trace, along);
+    const auto n = turned_back<T>(
+        {elastic.first + viscosity * viscous.first, elastic.second + viscosity * viscous.second}, cosine, sine);
     // First Piola-Kirchhoff stress times reference area, then the edges' shares of it.
-    const T3 p1 = area * (nxx * f1 + nxy * f2);
-    const T3 p2 = area * (nxy * f1 + nyy * f2);
+    const T3 p1 = (area * n.xx) * f1 + (area * n.xy) * f2;
+    const T3 p2 = (area * n.xy) * f1 + (area * n.yy) * f2;
     const T3 s2 = inverse_c * p2;
     const T3 s1 = inverse_a * p1 - b_over_a * s2;
     return {s1 + s2, s1, s2,
-            area * viscosity * (viscous.xx * rate.xx + viscous.yy * rate.yy + 2.0 * viscous.xy * rate.xy)};
+            area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

@@ -33,16 +33,17 @@ public:
         frame.own = gores.own;
         frame.canopy = gores.canopy;
         frame.gores = gores.count;
-        const std::size_t each = frame.at(frame.blocks, 0), live = static_cast<std::size_t>(frame.blocks) * lanes;
         // A row more at either end: neighbours are read a lane beside their place.
-        const std::size_t all = 6 * each + live + 2 * static_cast<std::size_t>(lanes);
+        const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
+        const std::size_t all = nodes + frame.blocks * row + 2 * row;
         memory_ = hwy::AllocateAligned<double>(all);
         std::fill_n(memory_.get(), all, 0.0);
-        double* next = memory_.get() + lanes;
-        for (double** array : {&frame.x, &frame.v, &frame.v_half, &frame.force, &frame.aero, &frame.push}) {
+        double* next = memory_.get() + row;
+        for (double** array : {&frame.x, &frame.v, &frame.force, &frame.v_half, &frame.aero, &frame.push}) {
             *array = next;
-            next += each;
+            next += 3 * row;
         }
+        next = memory_.get() + row + nodes;
         std::fill_n(next, gores.count, 1.0);
         frame.live = next;
     }
@@ -160,11 +161,16 @@ public:
             has.membrane = acts("membrane");
             has.pressure = acts("canopy pressure");
             has.folds = acts("fold resistance");
+            has.cloth_drag = acts("cloth drag");
             return has;
         }();
     }
 
     void store(State& state) const override { nodes_->store(state); }
+
+    double membrane_energy(State&) const override {
+        return kernels_.membrane_energy(nodes_->frame, fabric_);
+    }
 
     void evaluate(State& state, BlockClock& clock) override {
         for (const Row* row : structure_)
@@ -189,6 +195,8 @@ public:
         step_.inverse_inertia = inverse_inertia_;
         step_.kick = mover.kick();
         step_.dt = dt;
+        // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the skirt.
+        step_.first_aero = has_.cloth_drag ? 0 : gores_.inner;
         step_.gravity = constants_.gravity;
         const GoreSums g = kernels_.advance(frame, step_);
 
@@ -223,7 +231,7 @@ private:
     static constexpr const std::array<Row, 13>& rows = rows_table;
 
     struct Has {
-        bool springs = false, membrane = false, pressure = false, folds = false;
+        bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }

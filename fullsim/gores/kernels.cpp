@@ -34,7 +34,7 @@ struct Block {
         x = f.x + at, v = f.v + at, v_half = f.v_half + at;
         force = f.force + at, aero = f.aero + at, push = f.push + at;
         live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
-        stride = static_cast<std::size_t>(3) * f.lanes;
+        stride = f.stride();
     }
     HWY_INLINE Vec3s position(std::int32_t node) const { return load3(x + node * stride); }
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
@@ -43,9 +43,9 @@ struct Block {
 /// The table at as many points at once, all between its ends.
 HWY_INLINE Vec table_value(const CylinderDragTable& table, Vec reynolds) {
     const hn::RebindToSigned<Tag> whole;
-    const auto bits = hn::BitCast(whole, reynolds.raw);
-    const auto cell = hn::Sub(hn::ShiftRight<48>(bits), hn::Set(whole, CylinderDragTable::first_cell));
-    const Vec start{hn::BitCast(tag, hn::ShiftLeft<48>(hn::ShiftRight<48>(bits)))};
+    const auto left = hn::ShiftRight<48>(hn::BitCast(whole, reynolds.raw));
+    const auto cell = hn::Sub(left, hn::Set(whole, CylinderDragTable::first_cell));
+    const Vec start{hn::BitCast(tag, hn::ShiftLeft<48>(left))};
     const Vec value{hn::GatherIndex(tag, table.values(), cell)};
     const Vec slope{hn::GatherIndex(tag, table.slopes(), cell)};
     return value + (reynolds - start) * slope;
@@ -92,6 +92,25 @@ FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
         dissipated += block.live * block_dissipated;
     }
     return {sum(positive), sum(all_area), sum(dissipated)};
+}
+
+double membrane_energy_pass(const GoreFrame& frame, const MembranePass& pass) {
+    const Vec zero = all(0.0);
+    Vec energy = zero;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        Vec block_energy = zero;
+        for (const MembraneElement& m : pass.elements) {
+            const Vec3s x0 = block.position(m.node[0]);
+            const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
+            const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
+            const SymmetricTensor<Vec> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
+                                              0.5 * dot(f1, f2)};
+            block_energy += all(m.area) * relaxed_energy(pass.law, principal(strain));
+        }
+        energy += block.live * block_energy;
+    }
+    return sum(energy);
 }
 
 FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double factor,
@@ -269,88 +288,102 @@ void give_back(const GoreFrame& frame, std::span<const std::int32_t> neighbour, 
         }
 }
 
-GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
-    const Vec zero = all(0.0), half = all(0.5);
+/// Sums of a step over nodes of a kind, lane by lane.
+struct LaneSums {
+    Vec3s position, velocity, area_velocity;
+    Vec drag_power, momentum, share_square, dissipated, accretion_power, external_power;
+};
+
+/// Nodes from first to last of a block. Templates, so that what a stage has not costs nothing in the loop.
+template <bool canopy, bool with_aero>
+HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int first, int last, LaneSums& sums) {
+    const Vec zero = all(0.0), half = all(0.5), live = block.live;
     const Vec3s none{zero, zero, zero};
-    const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
-    const Vec pressure = all(step.pressure), alpha = all(step.alpha), gravity = all(step.gravity);
-    const Vec3s flag = splat3(step.flag), extraction = splat3(step.extraction);
-    const Vec3s breathing_mean = splat3(step.breathing_mean), mean = splat3(step.mean), wind = splat3(step.wind);
-    Vec3s position[2] = {none, none}, velocity[2] = {none, none}, area_velocity = none;
-    Vec drag_power = zero, momentum = zero, share_square = zero;
-    Vec dissipated = zero, accretion_power = zero, external_power = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
-        const Block block(frame, b);
-        const Vec live = block.live;
-        for (int n = 0; n < frame.own; ++n) {
-            const GoreNode& node = step.nodes[n];
-            const bool canopy = n < frame.canopy;
-            const std::size_t at = n * block.stride;
-            const Vec mass = all(node.mass) * live, share = all(node.share) * live;
-            const Vec3s v = load3(block.v + at);
-            Vec3s aero = load3(block.aero + at), force = load3(block.force + at);
+    // A lane without a gore stays where it is.
+    const Vec kick = all(step.kick) * live, dt = all(step.dt) * live, half_dt = all(0.5 * step.dt) * live;
+    const Vec pressure = all(step.pressure), gravity = all(step.gravity);
+    const Vec3s flag = splat3(step.flag);
+    for (int n = first; n < last; ++n) {
+        const GoreNode& node = step.nodes[n];
+        const std::size_t at = n * block.stride;
+        const Vec mass = all(node.mass) * live, share = all(node.share) * live;
+        Vec3s aero = none, force = load3(block.force + at);
+        store3(none, block.force + at);
+        if constexpr (with_aero) {
+            aero = load3(block.aero + at);
             store3(none, block.aero + at);
-            store3(none, block.force + at);
-            if (canopy) {
-                aero += pressure * load3(block.push + at) + share * flag;
-                store3(none, block.push + at);
-                if (step.breathing > 0.0) {
-                    const Vec3s relative = v - breathing_mean;
-                    const Vec3s resistance = (share * all(step.breathing)) * relative;
-                    force = force - resistance;
-                    dissipated += dot(resistance, relative);
-                }
-                if (step.accretion > 0.0) {
-                    const Vec3s push = (share * all(step.accretion)) * (wind - v);
-                    force += push;
-                    accretion_power += dot(push, v);
-                }
-                if (node.extraction > 0.0) {
-                    const Vec3s pull = (live * all(node.extraction)) * extraction;
-                    force += pull;
-                    external_power += dot(pull, v);
-                }
-            }
-            if (step.alpha > 0.0) {
-                const Vec3s relative = v - mean;
-                const Vec3s resistance = (alpha * mass) * relative;
+        }
+        if constexpr (canopy) {
+            aero += pressure * load3(block.push + at) + share * flag;
+            store3(none, block.push + at);
+            if (step.breathing > 0.0) {
+                const Vec3s relative = load3(block.v + at) - splat3(step.breathing_mean);
+                const Vec3s resistance = (share * all(step.breathing)) * relative;
                 force = force - resistance;
-                dissipated += dot(resistance, relative);
+                sums.dissipated += dot(resistance, relative);
             }
-            Vec3s total = force + aero;
-            total.z = total.z - mass * gravity;
-            // A lane without a gore stays where it is.
-            const Vec3s acceleration = (all(step.inverse_inertia[n]) * live) * total;
-            const Vec3s before = load3(block.v_half + at);
-            const Vec3s after = before + kick * acceleration;
-            const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
-            drag_power += live * dot(aero, middle);
-            momentum += mass * middle.z;
-            store3(after, block.v_half + at);
-            const Vec3s x = load3(block.x + at) + (dt * live) * after;
-            const Vec3s now = after + half_dt * acceleration;
-            store3(x, block.x + at);
-            store3(now, block.v + at);
-            position[canopy] += mass * x;
-            velocity[canopy] += mass * now;
-            if (canopy) {
-                share_square += share * dot(middle, middle);
-                area_velocity += share * now;
+            if (step.accretion > 0.0) {
+                const Vec3s v = load3(block.v + at);
+                const Vec3s push = (share * all(step.accretion)) * (splat3(step.wind) - v);
+                force += push;
+                sums.accretion_power += dot(push, v);
+            }
+            if (node.extraction > 0.0) {
+                const Vec3s pull = (live * all(node.extraction)) * splat3(step.extraction);
+                force += pull;
+                sums.external_power += dot(pull, load3(block.v + at));
             }
         }
+        if (step.alpha > 0.0) {
+            const Vec3s relative = load3(block.v + at) - splat3(step.mean);
+            const Vec3s resistance = (all(step.alpha) * mass) * relative;
+            force = force - resistance;
+            sums.dissipated += dot(resistance, relative);
+        }
+        Vec3s total = force + aero;
+        total.z = total.z - mass * gravity;
+        const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
+        const Vec3s before = load3(block.v_half + at);
+        const Vec3s after = before + kick * acceleration;
+        const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        sums.momentum += mass * middle.z;
+        const Vec3s x = load3(block.x + at) + dt * after;
+        const Vec3s now = after + half_dt * acceleration;
+        store3(after, block.v_half + at);
+        store3(x, block.x + at);
+        store3(now, block.v + at);
+        sums.position += mass * x;
+        sums.velocity += mass * now;
+        if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
+        if constexpr (canopy) {
+            sums.share_square += share * dot(middle, middle);
+            sums.area_velocity += share * now;
+        }
+    }
+}
+
+GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
+    const Vec zero = all(0.0);
+    const Vec3s none{zero, zero, zero};
+    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        if (step.first_aero > 0) move_nodes<true, false>(block, step, 0, step.first_aero, canopy);
+        move_nodes<true, true>(block, step, step.first_aero, frame.canopy, canopy);
+        move_nodes<false, true>(block, step, frame.canopy, frame.own, line);
     }
     GoreSums sums;
-    sums.canopy_position = sum3s(position[1]);
-    sums.canopy_velocity = sum3s(velocity[1]);
-    sums.line_position = sum3s(position[0]);
-    sums.line_velocity = sum3s(velocity[0]);
-    sums.area_velocity = sum3s(area_velocity);
-    sums.drag_power = sum(drag_power);
-    sums.momentum = sum(momentum);
-    sums.share_square = sum(share_square);
-    sums.dissipated = sum(dissipated);
-    sums.accretion_power = sum(accretion_power);
-    sums.external_power = sum(external_power);
+    sums.canopy_position = sum3s(canopy.position);
+    sums.canopy_velocity = sum3s(canopy.velocity);
+    sums.line_position = sum3s(line.position);
+    sums.line_velocity = sum3s(line.velocity);
+    sums.area_velocity = sum3s(canopy.area_velocity);
+    sums.drag_power = sum(canopy.drag_power + line.drag_power);
+    sums.momentum = sum(canopy.momentum + line.momentum);
+    sums.share_square = sum(canopy.share_square);
+    sums.dissipated = sum(canopy.dissipated + line.dissipated);
+    sums.accretion_power = sum(canopy.accretion_power);
+    sums.external_power = sum(canopy.external_power);
     return sums;
 }
 
@@ -374,6 +407,7 @@ GoreKernels kernels() {
             membrane_pass<true, false>,
             membrane_pass<true, true>,
             membrane_pass<false, true>,
+            membrane_energy_pass,
             cloth_drag,
             springs,
             cables,

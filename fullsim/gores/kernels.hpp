@@ -13,7 +13,8 @@
 
 namespace twinchute::fullsim {
 
-/// Where the nodes of all gores lie: [block][local node][x, y, z][lane]. A block is as many gores as the processor
+/// Where the nodes of all gores lie: [block][local node][array][x, y, z][lane], so that all of a node is in one place
+/// and no two arrays are a multiple of a page apart. A block is as many gores as the processor
 /// works on at once; lanes without a gore stand still (`live` is 0 there, 1 elsewhere).
 struct GoreFrame {
     int gores = 0;
@@ -25,8 +26,12 @@ struct GoreFrame {
     double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
     const double* live = nullptr;  ///< [block][lane]
 
+    static constexpr int arrays = 6;
+    /// From a node to the next.
+    std::size_t stride() const { return static_cast<std::size_t>(arrays) * 3 * lanes; }
+    /// Of a node's first lane in an array.
     std::size_t at(int block, int node) const {
-        return (static_cast<std::size_t>(block) * nodes + node) * 3 * lanes;
+        return (static_cast<std::size_t>(block) * nodes + node) * stride();
     }
 };
 
@@ -85,6 +90,7 @@ struct GoreNode {
 struct GoreAdvance {
     std::span<const GoreNode> nodes;
     std::span<const double> inverse_inertia;  ///< [1/kg] of each node
+    int first_aero = 0;                       ///< nodes before it have nothing in `aero`
     double kick = 0.0, dt = 0.0;              ///< [s] between half steps, and of the step
     double gravity = 0.0;                     ///< [m/s^2]
     double pressure = 0.0;                    ///< [Pa] on `push`
@@ -116,6 +122,8 @@ struct GoreKernels {
     FabricSums (*membrane)(const GoreFrame&, const MembranePass&);
     FabricSums (*membrane_and_pressure)(const GoreFrame&, const MembranePass&);
     FabricSums (*pressure)(const GoreFrame&, const MembranePass&);
+    /// [J] at full stiffness, whatever the pass says.
+    double (*membrane_energy)(const GoreFrame&, const MembranePass&);
     /// Cloth drag; `positive_area` is the area that the air meets. factor: 1/2 rho C_D [kg/m^3].
     FabricSums (*cloth_drag)(const GoreFrame&, const MembranePass&, double factor,
                              const std::array<double, 3>& wind);

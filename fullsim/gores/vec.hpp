@@ -40,10 +40,9 @@ HWY_INLINE Mask operator>(Vec a, Vec b) { return {hn::Gt(a.raw, b.raw)}; }
 HWY_INLINE Mask operator<(Vec a, Vec b) { return {hn::Lt(a.raw, b.raw)}; }
 HWY_INLINE Mask operator<=(Vec a, Vec b) { return {hn::Le(a.raw, b.raw)}; }
 HWY_INLINE Vec select(Mask which, Vec a, Vec b) { return {hn::IfThenElse(which.raw, a.raw, b.raw)}; }
-/// The larger of each pair; b where a is not a number.
-HWY_INLINE Vec larger(Vec a, Vec b) { return select(a > b, a, b); }
+HWY_INLINE Vec larger(Vec a, Vec b) { return {hn::Max(a.raw, b.raw)}; }
 
-HWY_INLINE Vec smaller(Vec a, Vec b) { return select(a < b, a, b); }
+HWY_INLINE Vec smaller(Vec a, Vec b) { return {hn::Min(a.raw, b.raw)}; }
 
 /// 1/sqrt(a) to the last bits but one, for normal a > 0. A root and a division take as long as all the rest of a
 /// membrane: an estimate and two steps of Newton do not.

@@ -92,7 +92,15 @@ private:
                     taken[i] = true;
                     met[gore].push_back(i);
                 }
+        // Lines end on the skirt's seam: that node last, so that those before it know nothing of lines.
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            auto& nodes = met[gore];
+            const auto skirt = std::ranges::find(nodes, mesh_.seam_rings.back()[gore]);
+            require(skirt != nodes.end(), "a gore without its seam");
+            std::rotate(skirt, skirt + 1, nodes.end());
+        }
         gores_.canopy = static_cast<int>(met[0].size());
+        gores_.inner = gores_.canopy - 1;
         for (int gore = 0; gore < gores_.count; ++gore) {
             require(static_cast<int>(met[gore].size()) == gores_.canopy, "gores of different nodes");
             for (LocalNode k = 0; k < gores_.canopy; ++k)
@@ -124,6 +132,9 @@ private:
                         give(i, gore, static_cast<LocalNode>(own_[gore].size()));
                         own_[gore].push_back(i);
                     }
+        for (const Cable& c : lines)
+            for (const NodeIndex i : c.node)
+                require(!mesh_.is_canopy(i) || place_[i].local >= gores_.inner, "a line that ends within the canopy");
         gores_.own = static_cast<int>(own_[0].size());
         for (const auto& nodes : own_) {
             require(static_cast<int>(nodes.size()) == gores_.own, "lines of different nodes");

@@ -35,7 +35,8 @@ struct GoreEdge {
 struct Gores {
     int count = 0;         ///< of gores
     int own = 0;           ///< nodes of a gore
-    int canopy = 0;        ///< of those, on the canopy
+    int canopy = 0;        ///< of those, on the canopy,
+    int inner = 0;         ///< and of these, the first without a line
     int local_nodes() const { return own + static_cast<int>(neighbour.size() + guest.size()); }
 
     std::vector<NodeIndex> node;              ///< [gore * own + local node]

@@ -60,6 +60,9 @@ inline Lanes select(LaneMask which, Lanes a, Lanes b) {
 }
 
 /// The larger of each pair; b where a is not a number.
+inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
 inline Lanes larger(Lanes a, Lanes b) {
     return a > b ? a : b;
 }
