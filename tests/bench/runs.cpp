@@ -50,6 +50,10 @@ void measure_full(benchmark::State& bench, const char* file) {
         Run run;
         run.progress = [&](const Progress& p) { marks.push_back({p.time, watch.cpu(), 0.0}); };
         const RunRecord record = fullsim::run_fullsim(scene, run);
+        if (record.status.code != StatusCode::completed) {
+            bench.SkipWithError(record.status.detail.c_str());
+            break;
+        }
         const double cpu = watch.cpu(), steps = static_cast<double>(record.cost.steps);
         // Reports come at equal numbers of steps, of which half an interval is left at the end on average.
         const double interval = steps / (static_cast<double>(marks.size()) - 0.5);
