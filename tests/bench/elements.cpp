@@ -1,0 +1,219 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include "fullsim/fields.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "tests/bench/bench.hpp"
+
+namespace twinchute::bench {
+namespace {
+
+using fullsim::ForceModel;
+using fullsim::Simulation;
+using fullsim::State;
+
+/// A mesh of the C-9, elements of one shape on all, and how far it flies before anything is measured. The
+/// coarse ones fly from line stretch until they fill. Fine ones would take minutes to get there: they start
+/// open, and are measured before the fabric has let go of the stress that it starts with.
+struct Size {
+    const char* triangles;  // about
+    int columns, rows, line_elements;
+    const char* start;
+    int steps;
+};
+
+constexpr const char* drawn_out = "line-stretch";
+constexpr const char* open = "inflated";
+constexpr Size sizes[] = {
+    {"500", 1, 9, 16, drawn_out, 20000},
+    {"2000", 2, 17, 31, drawn_out, 40000},
+    {"8000", 4, 34, 62, open, 20},
+    {"120000", 16, 136, 248, open, 20},
+};
+
+constexpr int packed_steps = 2000;  // of a pack: lines and cloth begin to be drawn out
+
+constexpr const char* inflation = "c9-inflation.toml";
+constexpr const char* crane_drop = "paper/crane-drop.toml";
+
+std::string path_of(const char* scene) {
+    return std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + scene;
+}
+
+/// Bytes that the program has allocated; 0 where the C library cannot tell.
+double allocated() {
+#ifdef __GLIBC__
+    const auto info = ::mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+#else
+    return 0.0;
+#endif
+}
+
+/// A parachute some way into its flight: elements taut, wrinkled and slack, nodes that move.
+class InFlight {
+public:
+    InFlight(const Size& size, bool packed)
+        : scene_(read_scene(path_of(packed ? crane_drop : inflation), keys(size, packed))) {
+        const double before = allocated();
+        simulation_ = std::make_unique<Simulation>(scene_);
+        bytes_ = allocated() - before;
+        step(packed ? packed_steps : size.steps);
+        simulation_->evaluate_forces();
+    }
+
+    const Scene& scene() const { return scene_; }
+    Simulation& simulation() { return *simulation_; }
+    /// [B] of the whole simulation.
+    double bytes() const { return bytes_; }
+
+    /// Whole steps as a run takes them; leaves the forces to be evaluated.
+    void step(int count) {
+        using fullsim::Stage;
+        Simulation& s = *simulation_;
+        for (int n = 0; n < count; ++n) {
+            s.evaluate_forces();
+            if (s.state().stage != Stage::deployment &&
+                s.state().time >= s.inflation().end_of(s.state().phase))
+                s.begin(s.state().phase == Phase::initial ? Phase::filling : Phase::open);
+            s.step_to(s.state().stage == Stage::deployment ? 1e9 : s.inflation().end_of(s.state().phase));
+        }
+    }
+
+    /// [%] of the fabric triangles that are slack, wrinkled, taut in a state of this mesh.
+    std::array<double, 3> fabric_states(const State& state) const {
+        const fullsim::Mesh& mesh = simulation_->mesh();
+        const VtuGrid grid = fullsim::field_frame(fullsim::mesh_grid(mesh), mesh, state);
+        const auto array = std::ranges::find(grid.cell_data, "wrinkling_state", &VtuArray::name);
+        std::array<double, 3> share{};
+        const double each = 100.0 / static_cast<double>(mesh.triangles.size());
+        for (const std::int8_t kind : std::get<std::vector<std::int8_t>>(array->values))
+            if (kind >= 0) share[kind] += each;
+        return share;
+    }
+
+private:
+    static std::vector<std::string> keys(const Size& size, bool packed) {
+        const auto key = [](const char* name, int value) {
+            return std::string("full.mesh.") + name + "=" + std::to_string(value);
+        };
+        std::vector<std::string> all{key("gore_columns", size.columns), key("gore_rows", size.rows),
+                                     key("line_elements", size.line_elements),
+                                     // Symmetric gores would all be in one state.
+                                     "full.noise={ amplitude = '1 mm', seed = 1 }"};
+        if (!packed) all.push_back(std::string("parachute.deploy.by='") + size.start + "'");
+        return all;
+    }
+
+    Scene scene_;
+    std::unique_ptr<Simulation> simulation_;
+    double bytes_ = 0.0;
+};
+
+/// The same one for benchmarks that follow each other, and never two large ones at once.
+InFlight& in_flight(const Size& size, bool packed = false) {
+    static std::unique_ptr<InFlight> held;
+    static std::pair<const char*, bool> what;
+    if (!held || what != std::pair{size.triangles, packed}) {
+        held.reset();
+        held = std::make_unique<InFlight>(size, packed);
+        what = {size.triangles, packed};
+    }
+    return *held;
+}
+
+void count_elements(benchmark::State& bench, double elements) {
+    using benchmark::Counter;
+    bench.counters["elements"] = elements;
+    bench.counters["element_steps_per_s"] = Counter(elements, Counter::kIsIterationInvariantRate);
+    bench.counters["ns_per_element"] =
+        Counter(1e-9 * elements, Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+void count_fabric(benchmark::State& bench, const std::array<double, 3>& share) {
+    bench.counters["slack_percent"] = share[0];
+    bench.counters["wrinkled_percent"] = share[1];
+    bench.counters["taut_percent"] = share[2];
+}
+
+void measure_block(benchmark::State& bench, const Size& size, bool packed, const fullsim::ForceBlock& row) {
+    InFlight& flight = in_flight(size, packed);
+    const fullsim::Mesh& mesh = flight.simulation().mesh();
+    State state = flight.simulation().state();
+    if (row.name == "membrane") count_fabric(bench, flight.fabric_states(state));
+    const std::unique_ptr<const ForceModel> block = row.make(flight.scene(), mesh);
+    for (auto _ : bench)
+        block->add_forces(state);
+    // Loads on nodes have no elements: nodes of the canopy there.
+    const std::size_t elements = block->elements() > 0 ? block->elements() : mesh.canopy_nodes;
+    count_elements(bench, static_cast<double>(elements));
+}
+
+void measure_advance(benchmark::State& bench, const Size& size) {
+    InFlight& flight = in_flight(size);
+    State state = flight.simulation().state();
+    for (auto _ : bench)
+        fullsim::advance(state, flight.simulation().constants(), 1e-7, state.added_mass);
+    count_elements(bench, flight.simulation().mesh().node_count());
+}
+
+/// With the new bound on the step that comes every so many steps.
+void measure_step(benchmark::State& bench, const Size& size) {
+    constexpr int steps = 20;
+    InFlight& flight = in_flight(size);
+    const fullsim::Mesh& mesh = flight.simulation().mesh();
+    count_fabric(bench, flight.fabric_states(flight.simulation().state()));
+    for (auto _ : bench)
+        flight.step(steps);
+    using benchmark::Counter;
+    // Triangles and cables: what a record calls element-steps.
+    const double elements = static_cast<double>(mesh.triangles.size() + mesh.cables.size());
+    count_elements(bench, steps * elements);
+    bench.counters["elements"] = elements;
+    bench.counters["us_per_step"] =
+        Counter(1e-6 * steps, Counter::kIsIterationInvariantRate | Counter::kInvert);
+    bench.counters["triangles"] = static_cast<double>(mesh.triangles.size());
+    bench.counters["B_per_triangle"] = flight.bytes() / static_cast<double>(mesh.triangles.size());
+}
+
+/// "canopy pressure" on 2000 triangles: "element/canopy-pressure/2000".
+std::string name_of(std::string_view block, const Size& size) {
+    std::string name = "element/" + std::string(block) + "/" + size.triangles;
+    std::ranges::replace(name, ' ', '-');
+    return name;
+}
+
+}  // namespace
+
+void register_elements() {
+    using fullsim::Stage;
+    const Scene filling = read_scene(path_of(inflation)), packed = read_scene(path_of(crane_drop));
+    for (const Size& size : sizes) {
+        for (const fullsim::ForceBlock& row : fullsim::force_blocks())
+            if (row.needed(filling, Stage::flight))
+                benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, false,
+                                             row);
+        benchmark::RegisterBenchmark(name_of("node update", size).c_str(), &measure_advance, size);
+        benchmark::RegisterBenchmark(name_of("step", size).c_str(), &measure_step, size);
+        // Those that act before snatch only, in their own state.
+        for (const fullsim::ForceBlock& row : fullsim::force_blocks())
+            if (row.needed(packed, Stage::deployment) && !row.needed(filling, Stage::flight))
+                benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, true,
+                                             row);
+    }
+}
+
+}  // namespace twinchute::bench
