@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <hwy/aligned_allocator.h>
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/gores/kernels.hpp"
@@ -36,14 +35,14 @@ public:
         // A row more at either end: neighbours are read a lane beside their place.
         const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
         const std::size_t all = nodes + frame.blocks * row + 2 * row;
-        memory_ = hwy::AllocateAligned<double>(all);
-        std::fill_n(memory_.get(), all, 0.0);
-        double* next = memory_.get() + row;
+        memory_.assign(all / Line{}.size() + 1, Line{});
+        double* const begin = memory_.front().data();
+        double* next = begin + row;
         for (double** array : {&frame.x, &frame.v, &frame.force, &frame.v_half, &frame.aero, &frame.push}) {
             *array = next;
             next += 3 * row;
         }
-        next = memory_.get() + row + nodes;
+        next = begin + row + nodes;
         std::fill_n(next, gores.count, 1.0);
         frame.live = next;
     }
@@ -110,7 +109,8 @@ private:
     LocalNode first_guest() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
 
     const Gores& gores_;
-    hwy::AlignedFreeUniquePtr<double[]> memory_;
+    struct alignas(64) Line : std::array<double, 8> {};  // of a cache
+    std::vector<Line> memory_;
 };
 
 class GoreLayout final : public Layout {
@@ -355,6 +355,7 @@ private:
             if (c.kind == CableKind::line) lines_.push_back({c.node[0], c.node[1]});
     }
     void add_line_drag(State& state) {
+        if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
         kernels_.line_drag(nodes_->frame, lines_, drag_coefficient_, mesh_.cord(CableKind::line).diameter,
                            state.air.density, state.air.viscosity, plain(state.air.wind));
     }

@@ -430,23 +430,35 @@ HWY_AFTER_NAMESPACE();
 #include <vector>
 
 namespace twinchute::fullsim {
+namespace {
 
-HWY_EXPORT(gore_kernels_here);
+/// Highway is used for its headers alone: its own dispatch needs its library, and that times the processor's clock for
+/// some milliseconds whenever a program starts.
+std::vector<GoreKernels> kernels_of_this_machine() {
+    std::vector<GoreKernels> found;
+#if (HWY_TARGETS & HWY_AVX3) != 0
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512vl"))
+        found.push_back(N_AVX3::gore_kernels_here());
+#endif
+#if (HWY_TARGETS & HWY_AVX2) != 0
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+        __builtin_cpu_supports("bmi2"))
+        found.push_back(N_AVX2::gore_kernels_here());
+#endif
+#if (HWY_TARGETS & HWY_SSE4) != 0
+    if (__builtin_cpu_supports("sse4.2")) found.push_back(N_SSE4::gore_kernels_here());
+#endif
+    // What everything here is compiled for.
+    found.push_back(HWY_NAMESPACE::gore_kernels_here());
+    return found;
+}
+
+}  // namespace
 
 std::span<const GoreKernels> all_gore_kernels() {
-    static const std::vector<GoreKernels> sets = [] {
-        std::vector<GoreKernels> found;
-        const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
-        // The best has the lowest bit; dispatch asks anew which of those left on is the best.
-        for (std::int64_t left = supported; left != 0; left &= left - 1) {
-            hwy::SetSupportedTargetsForTest(left & -left);
-            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-            found.push_back(HWY_DYNAMIC_DISPATCH(gore_kernels_here)());
-        }
-        hwy::SetSupportedTargetsForTest(0);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        return found;
-    }();
+    static const std::vector<GoreKernels> sets = kernels_of_this_machine();
     return sets;
 }
 
