@@ -1,5 +1,5 @@
-// How a parachute's nodes and elements lie in memory, and the two halves of a step over them. The arithmetic is the
-// same in each layout; which one a run has is the mesh's choice.
+// How a parachute's nodes and elements lie in memory, and the two halves of a step over them. The arithmetic
+// is the same in each layout; which one a run has is the mesh's choice.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@
 
 namespace twinchute::fullsim {
 
-/// Seconds spent in each block, from a sample of the steps: a clock read for every block in every step costs more than
-/// some blocks do.
+/// Seconds spent in each block, from a sample of the steps: a clock read for every block in every step costs
+/// more than some blocks do.
 class BlockClock {
 public:
     /// The blocks from here on, by name; those known from an earlier stage go on with their account.
@@ -57,10 +57,11 @@ public:
     virtual std::string_view name() const = 0;
     virtual std::string_view instruction_set() const = 0;
 
-    /// A stage begins: nodes and velocities are taken from the state, forces are cleared in it. The blocks say
-    /// what acts; they outlive the stage.
+    /// A stage begins: nodes and velocities are taken from the state, forces are cleared in it. The blocks
+    /// say what acts; they outlive the stage.
     virtual void begin(State& state, const ForceModels& structure, const ForceModels& loads) = 0;
-    /// Renews those node records that a step leaves out of date. Payload, links, risers and static line never are.
+    /// Renews those node records that a step leaves out of date. Payload, links, risers and static line never
+    /// are.
     virtual void store(State& state) const = 0;
 
     /// [J] that the membranes of the stage would hold at full stiffness.
@@ -75,7 +76,11 @@ public:
 /// Node records of 64 bytes and lists of elements that refer to them: any mesh.
 std::unique_ptr<Layout> make_indexed_layout(const Mesh& mesh, const NodeConstants& constants);
 
-/// Gores in lanes: the same element of several gores at once. Null where gores are not alike.
-std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants);
+struct GoreKernels;
+
+/// Gores in lanes: the same element of several gores at once. Null where gores are not alike. Kernels: the
+/// best of this machine unless others are given.
+std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                                         const GoreKernels* kernels = nullptr);
 
 }  // namespace twinchute::fullsim

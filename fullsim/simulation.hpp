@@ -27,8 +27,8 @@ public:
     const Mesh& mesh() const { return mesh_; }
     /// All of it.
     const State& state() const { return whole(); }
-    /// Without the nodes of canopy and lines: what is there after every step at no cost. Nodes of payload, links,
-    /// risers and static line are always right.
+    /// Without the nodes of canopy and lines: what is there after every step at no cost. Nodes of payload,
+    /// links, risers and static line are always right.
     const State& outline() const { return state_; }
     const Inflation& inflation() const { return inflation_; }
     const NodeConstants& constants() const { return constants_; }
@@ -96,7 +96,7 @@ private:
     Mesh mesh_;
     ForceModels structure_, loads_;
     NodeConstants constants_;
-    mutable State state_;         // its nodes may lag behind the layout's
+    mutable State state_;  // its nodes may lag behind the layout's
     mutable bool lags_ = false;
     std::unique_ptr<Layout> layout_;
     double step_ = 0.0;  // [s] bound times factor, as last refreshed

@@ -101,9 +101,7 @@ public:
 
 private:
     double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
-    double dashpot(const Cable& c) const {
-        return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot;
-    }
+    double dashpot(const Cable& c) const { return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot; }
 
     static double strain(const State& state, const Cable& c) {
         return (to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x)).norm() / c.rest_length -

@@ -46,7 +46,7 @@ public:
                                                     gather_velocity(state.node, g.node[2]));
             const Lanes flow = dot(area, velocity);  // |A.e| V
             const Lanes swept = flow > splat(0.0) ? flow : -flow;
-            across += swept / (square_root(dot(velocity, velocity)) + 1e-9);
+            across += swept * inverse_root(dot(velocity, velocity) + 1e-18);
             const CornerForces corner(factor * swept * velocity);
             for (int k = 0; k < lane_count; ++k)
                 for (int c = 0; c < 3; ++c)

@@ -11,9 +11,7 @@
 namespace twinchute::fullsim {
 
 using HWY_NAMESPACE::membrane_pulls, HWY_NAMESPACE::principal, HWY_NAMESPACE::relaxed_energy,
-    HWY_NAMESPACE::relaxed_stress,
-    HWY_NAMESPACE::SymmetricTensor,
-    HWY_NAMESPACE::turned_back;
+    HWY_NAMESPACE::relaxed_stress, HWY_NAMESPACE::SymmetricTensor, HWY_NAMESPACE::turned_back;
 
 namespace {
 
@@ -181,8 +179,8 @@ PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, F
         *state = p.first() <= 0.0                             ? FabricState::slack
                  : p.second() + law.poisson * p.first() > 0.0 ? FabricState::taut
                                                               : FabricState::wrinkled;
-    const auto n = turned_back(relaxed_stress(law, p), p.half_difference * p.inverse_radius,
-                               e.xy * p.inverse_radius);
+    const auto n =
+        turned_back(relaxed_stress(law, p), p.half_difference * p.inverse_radius, e.xy * p.inverse_radius);
     return {n.xx, n.yy, n.xy};
 }
 

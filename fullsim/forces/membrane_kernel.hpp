@@ -1,6 +1,6 @@
 // The membrane's arithmetic, written once: for a scalar, for four elements in Lanes, and for as many as the
-// processor takes at once. For the last it is compiled anew for every instruction set, hence this guard, which
-// Highway turns over from one to the next, and the namespace.
+// processor takes at once. For the last it is compiled anew for every instruction set, hence this guard,
+// which Highway turns over from one to the next, and the namespace.
 #if defined(TWINCHUTE_MEMBRANE_KERNEL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TWINCHUTE_MEMBRANE_KERNEL
 #undef TWINCHUTE_MEMBRANE_KERNEL
@@ -47,8 +47,8 @@ struct Principals {
     T first, second;
 };
 
-/// Stress resultants [N/m] of the relaxed energy. With E_1 >= E_2: taut where E_2 + nu E_1 > 0, slack where E_1 <= 0,
-/// wrinkled between, and all three are
+/// Stress resultants [N/m] of the relaxed energy. With E_1 >= E_2: taut where E_2 + nu E_1 > 0, slack where
+/// E_1 <= 0, wrinkled between, and all three are
 ///   N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
 template <class T>
 HWY_INLINE Principals<T> relaxed_stress(const MembraneLaw& law, const PrincipalStrain<T>& p) {
@@ -68,15 +68,18 @@ HWY_INLINE SymmetricTensor<T> turned_back(const Principals<T>& n, T cosine, T si
 template <class T>
 HWY_INLINE T relaxed_energy(const MembraneLaw& law, const PrincipalStrain<T>& p) {
     const T first = p.first(), second = p.second(), zero = first - first;
-    const T taut = 0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * (first * second));
+    const T taut =
+        0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * (first * second));
     const T wrinkled = 0.5 * law.tension_modulus * (first * first);
     return select(first <= zero, zero, select(second + law.poisson * first <= zero, wrinkled, taut));
 }
 
-/// Stress per eta [1/s] of bulk viscosity that acts where the fabric carries load: on the trace of the strain rate
-/// where taut, along the tension field where wrinkled, not at all where slack. `along`: rate in the first direction.
+/// Stress per eta [1/s] of bulk viscosity that acts where the fabric carries load: on the trace of the strain
+/// rate where taut, along the tension field where wrinkled, not at all where slack. `along`: rate in the
+/// first direction.
 template <class T>
-HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalStrain<T>& p, T trace, T along) {
+HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalStrain<T>& p, T trace,
+                                        T along) {
     const T zero = p.mean - p.mean;
     const auto taut = p.second() + law.poisson * p.first() > zero;
     return {select(p.first() > zero, select(taut, trace, along), zero), select(taut, trace, zero)};
@@ -89,11 +92,12 @@ struct CornerPulls {
     T dissipated;                      // [W]
 };
 
-/// A triangle from its edges and their velocities: e1, e2 from corner 0 to 1 and 2, w1, w2 alike. The unstrained
-/// triangle by 1/a, 1/c and b/a; area [m^2] times the share of its stiffness that it has; viscosity [N s/m].
+/// A triangle from its edges and their velocities: e1, e2 from corner 0 to 1 and 2, w1, w2 alike. The
+/// unstrained triangle by 1/a, 1/c and b/a; area [m^2] times the share of its stiffness that it has;
+/// viscosity [N s/m].
 template <class T, class T3>
-HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a, T inverse_c, T b_over_a, T area,
-                                  T viscosity, T3 e1, T3 e2, T3 w1, T3 w2) {
+HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a, T inverse_c, T b_over_a,
+                                             T area, T viscosity, T3 e1, T3 e2, T3 w1, T3 w2) {
     // Deformation gradient by columns: f1, f2 are the images of the plane's unit vectors.
     const T3 f1 = inverse_a * e1;
     const T3 f2 = inverse_c * (e2 - b_over_a * e1);
@@ -108,14 +112,14 @@ HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a
     const auto elastic = relaxed_stress(law, p);
     const auto viscous = viscous_stress(law, p, trace, along);
     const auto n = turned_back<T>(
-        {elastic.first + viscosity * viscous.first, elastic.second + viscosity * viscous.second}, cosine, sine);
+        {elastic.first + viscosity * viscous.first, elastic.second + viscosity * viscous.second}, cosine,
+        sine);
     // First Piola-Kirchhoff stress times reference area, then the edges' shares of it.
     const T3 p1 = (area * n.xx) * f1 + (area * n.xy) * f2;
     const T3 p2 = (area * n.xy) * f1 + (area * n.yy) * f2;
     const T3 s2 = inverse_c * p2;
     const T3 s1 = inverse_a * p1 - b_over_a * s2;
-    return {s1 + s2, s1, s2,
-            area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
+    return {s1 + s2, s1, s2, area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

@@ -80,7 +80,8 @@ public:
         for (std::size_t i = 0; i < edges_.size(); ++i) {
             const FabricEdge& e = edges_[i];
             const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);
-            const double tangent = modulus_ * e.section / e.rest_length * (1.0 + 2.0 * spring_growth(e.hardening) * low);
+            const double tangent =
+                modulus_ * e.section / e.rest_length * (1.0 + 2.0 * spring_growth(e.hardening) * low);
             for (const NodeIndex n : e.node) {
                 sums.stiffness[n] += 2.0 * tangent;
                 sums.damping[n] += 2.0 * dashpot_[i];
@@ -96,7 +97,8 @@ public:
                 total += 0.5 * repulsion_ * scale * s * s;
                 continue;
             }
-            const double low = std::min(s, full_hardening_strain), high = s - low, g = spring_growth(e.hardening);
+            const double low = std::min(s, full_hardening_strain), high = s - low,
+                         g = spring_growth(e.hardening);
             total += scale * (0.5 * s * s + g * low * (low * low / 3.0 + high * s));
         }
         return total;

@@ -1,4 +1,5 @@
-// Gores in lanes: a generated canopy is the same gore over and over, so its elements need neither gathers nor scatters.
+// Gores in lanes: a generated canopy is the same gore over and over, so its elements need neither gathers nor
+// scatters.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -115,11 +116,12 @@ private:
 
 class GoreLayout final : public Layout {
 public:
-    GoreLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Gores gores)
+    GoreLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Gores gores,
+               const GoreKernels& kernels)
         : scene_(scene),
           mesh_(mesh),
           constants_(constants),
-          kernels_(gore_kernels()),
+          kernels_(kernels),
           gores_(std::move(gores)),
           nodes_(std::make_unique<GoreNodes>(gores_, kernels_.lanes)),
           fabric_area_(mesh.fabric_area()),
@@ -168,9 +170,7 @@ public:
 
     void store(State& state) const override { nodes_->store(state); }
 
-    double membrane_energy(State&) const override {
-        return kernels_.membrane_energy(nodes_->frame, fabric_);
-    }
+    double membrane_energy(State&) const override { return kernels_.membrane_energy(nodes_->frame, fabric_); }
 
     void evaluate(State& state, BlockClock& clock) override {
         for (const Row* row : structure_)
@@ -195,7 +195,8 @@ public:
         step_.inverse_inertia = inverse_inertia_;
         step_.kick = mover.kick();
         step_.dt = dt;
-        // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the skirt.
+        // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the
+        // skirt.
         step_.first_aero = has_.cloth_drag ? 0 : gores_.inner;
         step_.gravity = constants_.gravity;
         const GoreSums g = kernels_.advance(frame, step_);
@@ -260,9 +261,14 @@ private:
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
         for (const GoreTriangle& t : gores_.triangles) {
-            const double height = t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
+            const double height =
+                t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
             membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
-                                 1.0 / t.a, 1.0 / t.c, t.b / t.a, 0.5 * t.a * t.c, law.viscosity * height});
+                                 1.0 / t.a,
+                                 1.0 / t.c,
+                                 t.b / t.a,
+                                 0.5 * t.a * t.c,
+                                 law.viscosity * height});
         }
         fabric_ = {membrane_, law, {}, 0.0, 1.0};
     }
@@ -276,7 +282,8 @@ private:
     /// Membranes, and the areas that pressure acts on with them.
     void add_membrane(State& state) {
         use_air(state);
-        fabric_sums_ = (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(nodes_->frame, fabric_);
+        fabric_sums_ =
+            (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(nodes_->frame, fabric_);
         state.damping_power += fabric_sums_.dissipated;
     }
     void add_pressure(State& state) {
@@ -291,8 +298,9 @@ private:
     }
     void add_cloth_drag(State& state) {
         state.air.projected_area =
-            kernels_.cloth_drag(nodes_->frame, fabric_, 0.5 * state.air.density * deploy().drag_coefficient,
-                                plain(state.air.wind))
+            kernels_
+                .cloth_drag(nodes_->frame, fabric_, 0.5 * state.air.density * deploy().drag_coefficient,
+                            plain(state.air.wind))
                 .positive_area;
     }
 
@@ -309,9 +317,8 @@ private:
                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
     }
     void add_edges(State& state) {
-        state.damping_power +=
-            kernels_.springs(nodes_->frame, {springs_, deploy().fold_repulsion, has_.springs, has_.folds,
-                                             full_fold_speed});
+        state.damping_power += kernels_.springs(
+            nodes_->frame, {springs_, deploy().fold_repulsion, has_.springs, has_.folds, full_fold_speed});
     }
     /// Springs take the folds along: both need the same lengths.
     void add_folds(State& state) {
@@ -322,15 +329,16 @@ private:
 
     CableElement cable(const GoreCable& c) const {
         const Cable as_indexed{{c.node[0], c.node[1]}, c.rest_length, c.strands, c.kind};
-        const CableConstants k = cable_constants(mesh_, as_indexed, scene_.full.bulk_viscosity, scene_.full.beta);
+        const CableConstants k =
+            cable_constants(mesh_, as_indexed, scene_.full.bulk_viscosity, scene_.full.beta);
         return {{c.node[0], c.node[1]}, 1.0 / c.rest_length, k.stiffness, k.dashpot};
     }
     void prepare_cables(const ForceModel&) {
         cables_.clear();
         for (const GoreCable& c : gores_.cables)
             cables_.push_back(cable(c));
-        trunk_.push_back(make_cables(mesh_, gores_.trunk_cables, "cable", scene_.full.bulk_viscosity,
-                                     scene_.full.beta));
+        trunk_.push_back(
+            make_cables(mesh_, gores_.trunk_cables, "cable", scene_.full.bulk_viscosity, scene_.full.beta));
         risers_ = trunk_.back().get();
     }
     void add_cables(State& state) {
@@ -407,7 +415,7 @@ private:
     Gores gores_;
     std::unique_ptr<GoreNodes> nodes_;
     double fabric_area_;  // [m^2]
-    bool tethered_;  // to a static line
+    bool tethered_;       // to a static line
     std::vector<const Row*> structure_, loads_;
     Has has_;
 
@@ -443,10 +451,12 @@ const std::array<GoreLayout::Row, 13> GoreLayout::rows_table{{
 
 }  // namespace
 
-std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
+std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                                         const GoreKernels* kernels) {
     auto gores = find_gores(mesh);
     if (!gores) return nullptr;
-    return std::make_unique<GoreLayout>(scene, mesh, constants, std::move(*gores));
+    return std::make_unique<GoreLayout>(scene, mesh, constants, std::move(*gores),
+                                        kernels ? *kernels : gore_kernels());
 }
 
 }  // namespace twinchute::fullsim

@@ -67,8 +67,8 @@ FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
                 const Vec3s v0 = block.velocity(n0);
                 const Vec3s w1 = block.velocity(n1) - v0, w2 = block.velocity(n2) - v0;
                 const auto pulls =
-                    membrane_pulls(pass.law, all(m.inverse_a), all(m.inverse_c), all(m.b_over_a), all(pass.weight * m.area),
-                                   all(m.viscosity), e1, e2, w1, w2);
+                    membrane_pulls(pass.law, all(m.inverse_a), all(m.inverse_c), all(m.b_over_a),
+                                   all(pass.weight * m.area), all(m.viscosity), e1, e2, w1, w2);
                 block_dissipated += pulls.dissipated;
                 add3(pulls.on_first, block.force + n0 * block.stride);
                 take3(pulls.on_second, block.force + n1 * block.stride);
@@ -160,8 +160,7 @@ double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
             if constexpr (with_springs) {
                 const Vec low = select(strain < full, strain, full);
                 const Vec stiffness = all(s.stiffness);
-                const Vec pull =
-                    stiffness * (strain + all(s.growth) * low * (low + 2.0 * (strain - low)));
+                const Vec pull = stiffness * (strain + all(s.growth) * low * (low + 2.0 * (strain - low)));
                 const Vec push = repulsion * stiffness * strain;
                 const Mask taut = strain > zero;
                 const Vec spring = select(taut, pull, push);
@@ -432,8 +431,8 @@ HWY_AFTER_NAMESPACE();
 namespace twinchute::fullsim {
 namespace {
 
-/// Highway is used for its headers alone: its own dispatch needs its library, and that times the processor's clock for
-/// some milliseconds whenever a program starts.
+/// Highway is used for its headers alone: its own dispatch needs its library, and that times the processor's
+/// clock for some milliseconds whenever a program starts.
 std::vector<GoreKernels> kernels_of_this_machine() {
     std::vector<GoreKernels> found;
 #if (HWY_TARGETS & HWY_AVX3) != 0

@@ -1,5 +1,5 @@
-// Inner loops over gores side by side: written once (kernels.cpp), compiled for every instruction set, chosen when
-// the program starts. Nothing here knows of scenes or stages.
+// Inner loops over gores side by side: written once (kernels.cpp), compiled for every instruction set, chosen
+// when the program starts. Nothing here knows of scenes or stages.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 
 namespace twinchute::fullsim {
 
-/// Where the nodes of all gores lie: [block][local node][array][x, y, z][lane], so that all of a node is in one place
-/// and no two arrays are a multiple of a page apart. A block is as many gores as the processor
+/// Where the nodes of all gores lie: [block][local node][array][x, y, z][lane], so that all of a node is in
+/// one place and no two arrays are a multiple of a page apart. A block is as many gores as the processor
 /// works on at once; lanes without a gore stand still (`live` is 0 there, 1 elsewhere).
 struct GoreFrame {
     int gores = 0;
-    int lanes = 0, blocks = 0, nodes = 0;  ///< per block: own, neighbour's and guests
-    int own = 0, canopy = 0;               ///< the first nodes of a block
-    double *x = nullptr, *v = nullptr;     ///< [m], [m/s] at the same time, as NodeRecord
-    double* v_half = nullptr;              ///< [m/s] half a step before
+    int lanes = 0, blocks = 0, nodes = 0;      ///< per block: own, neighbour's and guests
+    int own = 0, canopy = 0;                   ///< the first nodes of a block
+    double *x = nullptr, *v = nullptr;         ///< [m], [m/s] at the same time, as NodeRecord
+    double* v_half = nullptr;                  ///< [m/s] half a step before
     double *force = nullptr, *aero = nullptr;  ///< [N] as State
     double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
     const double* live = nullptr;  ///< [block][lane]
@@ -96,20 +96,21 @@ struct GoreAdvance {
     double pressure = 0.0;                    ///< [Pa] on `push`
     std::array<double, 3> flag{};             ///< [N] on the canopy by share
     std::array<double, 3> extraction{};       ///< [N]
-    double breathing = 0.0;                   ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
-    std::array<double, 3> breathing_mean{};   ///< [m/s]
-    double alpha = 0.0;                       ///< [1/s] about `mean`
-    std::array<double, 3> mean{};             ///< [m/s]
-    double accretion = 0.0;                   ///< [kg/s] of the whole canopy, by share, from the wind's velocity
-    std::array<double, 3> wind{};             ///< [m/s]
+    double breathing = 0.0;  ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
+    std::array<double, 3> breathing_mean{};  ///< [m/s]
+    double alpha = 0.0;                      ///< [1/s] about `mean`
+    std::array<double, 3> mean{};            ///< [m/s]
+    double accretion = 0.0;        ///< [kg/s] of the whole canopy, by share, from the wind's velocity
+    std::array<double, 3> wind{};  ///< [m/s]
 };
 
 struct GoreSums {
-    std::array<double, 3> canopy_position{}, canopy_velocity{}, line_position{}, line_velocity{};  // times mass
-    std::array<double, 3> area_velocity{};  // times share
-    double drag_power = 0.0;                // [W]
-    double momentum = 0.0;                  // [kg m/s] upwards
-    double share_square = 0.0;              // sum of share times v^2 [m^2/s^2]
+    std::array<double, 3> canopy_position{}, canopy_velocity{}, line_position{},
+        line_velocity{};                                                   // times mass
+    std::array<double, 3> area_velocity{};                                 // times share
+    double drag_power = 0.0;                                               // [W]
+    double momentum = 0.0;                                                 // [kg m/s] upwards
+    double share_square = 0.0;                                             // sum of share times v^2 [m^2/s^2]
     double dissipated = 0.0, accretion_power = 0.0, external_power = 0.0;  // [W]
 };
 

@@ -37,12 +37,13 @@ public:
         for (int gore = 0; gore < gores_.count; ++gore)
             compare_nodes(gore);
         // Triangles and cables follow each other gore by gore, as the generator sews them.
-        gores_.triangles = alike<GoreTriangle>(mesh_.triangles, "triangles", [&](const Triangle& t, int gore) {
-            GoreTriangle local{{}, t.a, t.b, t.c};
-            for (int k = 0; k < 3; ++k)
-                local.node[k] = local_node(t.node[k], gore);
-            return local;
-        });
+        gores_.triangles =
+            alike<GoreTriangle>(mesh_.triangles, "triangles", [&](const Triangle& t, int gore) {
+                GoreTriangle local{{}, t.a, t.b, t.c};
+                for (int k = 0; k < 3; ++k)
+                    local.node[k] = local_node(t.node[k], gore);
+                return local;
+            });
         for (const CableKind kind : {CableKind::radial, CableKind::skirt, CableKind::vent, CableKind::line})
             std::ranges::copy(cables(of_kind(mesh_.cables, kind)), std::back_inserter(gores_.cables));
         number_static_line();
@@ -134,7 +135,8 @@ private:
                     }
         for (const Cable& c : lines)
             for (const NodeIndex i : c.node)
-                require(!mesh_.is_canopy(i) || place_[i].local >= gores_.inner, "a line that ends within the canopy");
+                require(!mesh_.is_canopy(i) || place_[i].local >= gores_.inner,
+                        "a line that ends within the canopy");
         gores_.own = static_cast<int>(own_[0].size());
         for (const auto& nodes : own_) {
             require(static_cast<int>(nodes.size()) == gores_.own, "lines of different nodes");
@@ -177,7 +179,8 @@ private:
         const auto first = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
         for (std::size_t k = 0; k < gores_.guest.size(); ++k)
             if (gores_.guest[k][gore] == node) return first + static_cast<LocalNode>(k);
-        // Every gore counts its guests in the order in which it meets them: the k-th of one is the k-th of all.
+        // Every gore counts its guests in the order in which it meets them: the k-th of one is the k-th of
+        // all.
         std::size_t k = 0;
         while (k < gores_.guest.size() && gores_.guest[k][gore] >= 0)
             ++k;
@@ -215,8 +218,8 @@ private:
 
     std::vector<GoreCable> cables(const std::vector<Cable>& all) {
         return alike<GoreCable>(all, "cables", [&](const Cable& c, int gore) {
-            return GoreCable{{local_node(c.node[0], gore), local_node(c.node[1], gore)},
-                             c.rest_length, c.strands, c.kind};
+            return GoreCable{
+                {local_node(c.node[0], gore), local_node(c.node[1], gore)}, c.rest_length, c.strands, c.kind};
         });
     }
 
@@ -235,7 +238,9 @@ private:
             const bool in_a = b == a || b == (a + 1) % gores_.count;
             const int gore = in_a ? a : b;
             GoreEdge local{{local_node(e.node[0], gore), local_node(e.node[1], gore)},
-                           e.rest_length, e.section, e.hardening};
+                           e.rest_length,
+                           e.section,
+                           e.hardening};
             // An edge on the seam to the next gore is the next gore's own.
             if (local.node[0] > local.node[1]) std::swap(local.node[0], local.node[1]);
             of[gore].push_back(local);

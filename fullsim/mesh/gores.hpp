@@ -33,15 +33,16 @@ struct GoreEdge {
 
 /// One gore for all, and how its nodes are called in the mesh.
 struct Gores {
-    int count = 0;         ///< of gores
-    int own = 0;           ///< nodes of a gore
-    int canopy = 0;        ///< of those, on the canopy,
-    int inner = 0;         ///< and of these, the first without a line
+    int count = 0;   ///< of gores
+    int own = 0;     ///< nodes of a gore
+    int canopy = 0;  ///< of those, on the canopy,
+    int inner = 0;   ///< and of these, the first without a line
     int local_nodes() const { return own + static_cast<int>(neighbour.size() + guest.size()); }
 
-    std::vector<NodeIndex> node;              ///< [gore * own + local node]
-    std::vector<LocalNode> neighbour;         ///< own nodes that the gore before sees as local node own + k
-    std::vector<std::vector<NodeIndex>> guest;  ///< [k][gore]: the shared node that is local own + neighbours + k
+    std::vector<NodeIndex> node;       ///< [gore * own + local node]
+    std::vector<LocalNode> neighbour;  ///< own nodes that the gore before sees as local node own + k
+    std::vector<std::vector<NodeIndex>>
+        guest;  ///< [k][gore]: the shared node that is local own + neighbours + k
 
     std::vector<GoreTriangle> triangles;
     std::vector<GoreCable> cables;       ///< tapes and lines
@@ -54,8 +55,8 @@ struct Gores {
     std::vector<Cable> trunk_static_line;  ///< of a static line, from the apex on
 };
 
-/// The gores of a mesh, if they are alike: the same elements in the same order, the same measures and masses to
-/// 1e-12. Otherwise nothing, and `why` says what differs.
+/// The gores of a mesh, if they are alike: the same elements in the same order, the same measures and masses
+/// to 1e-12. Otherwise nothing, and `why` says what differs.
 std::optional<Gores> find_gores(const Mesh& mesh, std::string* why = nullptr);
 
 }  // namespace twinchute::fullsim

@@ -28,7 +28,8 @@ struct StepSums {
 };
 
 /// A node from t to t + dt with its forces at t, which are cleared:
-///   v^{n+1/2} = v^{n-1/2} + (dt^{n+1} + dt^n)/2 (f^n/m + g m_material/m),   x^{n+1} = x^n + dt^{n+1} v^{n+1/2},
+///   v^{n+1/2} = v^{n-1/2} + (dt^{n+1} + dt^n)/2 (f^n/m + g m_material/m),   x^{n+1} = x^n + dt^{n+1}
+///   v^{n+1/2},
 /// and v^{n+1} extrapolated by another half step of the same acceleration.
 class NodeMover {
 public:

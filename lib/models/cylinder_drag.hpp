@@ -33,8 +33,8 @@ public:
         return value_[cell] + (reynolds - start) * slope_[cell];
     }
 
-    // For loops that look up several at once: the cell of a Reynolds number from lowest to below highest is the upper
-    // 16 bits of its double less first_cell, and begins where the lower 48 are zero.
+    // For loops that look up several at once: the cell of a Reynolds number from lowest to below highest is
+    // the upper 16 bits of its double less first_cell, and begins where the lower 48 are zero.
     static constexpr double lowest = 0.0625;      ///< 2^-4
     static constexpr double highest = 1048576.0;  ///< 2^20
     static constexpr std::int64_t first_cell = std::bit_cast<std::int64_t>(lowest) >> 48;
