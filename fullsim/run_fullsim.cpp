@@ -56,7 +56,8 @@ public:
         }
         observer_.finish();
         fields_.accept();
-        record_.provenance.instruction_set = simulation_.layout().instruction_set();
+        const Layout& layout = simulation_.layout();
+        record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
         fill_cost(watch);
         fill_results();
         return std::move(record_);
