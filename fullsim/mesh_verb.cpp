@@ -104,6 +104,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
     }
     return json_text({{"generator", "twinchute"},
                       {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                      {"grading", grading_name(scene.full.mesh.grading)},
                       {"nodes", s.nodes},
                       {"triangles", s.triangles},
                       {"cables", std::move(cables)},
@@ -138,7 +139,8 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     sizes.rows = {
         {"fabric area", readable(s.fabric_area, 6), "m2",
          fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
-        {"smallest edge", readable(s.smallest_edge), "m", "of a triangle or cable, unstrained"}};
+        {"smallest edge", readable(s.smallest_edge), "m",
+         fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(scene.full.mesh.grading))}};
     for (const View& view : views) {
         const Vec3 size = bounding_size(view.mesh);
         sizes.rows.push_back(

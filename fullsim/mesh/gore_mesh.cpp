@@ -83,9 +83,10 @@ public:
           counts_(counts),
           line_stretch_(1.0 + load / (chute.gores * chute.line.axial_stiffness())),
           pattern_(gore_pattern(chute)),
-          canopy_(canopy_with_mouth(chute.gores, counts.gore_columns,
+          canopy_(canopy_with_mouth(chute.gores, pleats(),
                                     mouth_area / (pattern_.skirt_radius * pattern_.skirt_radius),
                                     canopy_stretch(load))) {
+        lay_out_rows();
         mesh_.fabric = chute.fabric;
         mesh_.cords = {chute.tapes.radial, chute.tapes.skirt, chute.tapes.vent,
                        chute.line,         chute.line,        chute.line};
@@ -104,6 +105,22 @@ public:
     }
 
 private:
+    /// Pleat lines a gore. Those of a graded canopy with an even number of columns are its seams and middles,
+    /// however many columns there are: no triangle at the vent lies across a pleat.
+    int pleats() const {
+        return counts_.grading == Grading::graded && counts_.gore_columns % 2 == 0 ? 2 : counts_.gore_columns;
+    }
+
+    /// The point of a column line at unit seam length; panels between pleats are flat.
+    Vec3 closed_point(int gore, int column) const {
+        if (pleats() == counts_.gore_columns) return canopy_.point(gore, column);
+        const int half = counts_.gore_columns / 2;
+        const Vec3 middle = canopy_.point(gore, 1);
+        const Vec3 seam = column < half ? canopy_.point(gore, 0) : canopy_.point(gore + 1, 0);
+        const double angle = pattern_.half_angle * std::abs(column - half) / half;
+        return middle + std::tan(angle) / std::tan(pattern_.half_angle) * (seam - middle);
+    }
+
     /// Stretch of the rays [-]: none of a pleated canopy, whose seams are straight. Without pleats
     /// the cloth of a column is as long in its middle as along its edges, but was cut shorter there,
     /// by cos(delta/columns): the middle comes taut first and carries the load at the skirt.
@@ -115,15 +132,60 @@ private:
         return std::cos(pattern_.half_angle / counts_.gore_columns) * std::sqrt(1.0 + 2.0 * strain);
     }
 
-    /// Seam length [m] from the apex to a row.
-    double radius(int row) const {
-        return pattern_.vent_radius +
-               (pattern_.skirt_radius - pattern_.vent_radius) * row / static_cast<double>(counts_.gore_rows);
+    /// A ring of canopy nodes.
+    struct Row {
+        double radius;        // seam length from the apex [m]
+        double start_radius;  // the same where the node starts [m]
+        int columns;          // elements across a gore
+        NodeIndex first_node;
+    };
+
+    /// Rings from vent to skirt. On a graded mesh elements near the vent are longer than the rest, by four
+    /// times the vent's edge in the first row and by less from row to row: the smaller the width of an
+    /// element, the longer it has to be to oscillate no faster than its neighbours. At most half of the seam
+    /// is given away like that.
+    void lay_out_rows() {
+        const bool graded = counts_.grading == Grading::graded;
+        const double seam = pattern_.skirt_radius - pattern_.vent_radius;
+        const auto lengthening = [](int row) { return std::pow(row + 1.0, -1.5); };
+        double all = 0.0;
+        for (int row = 0; row < counts_.gore_rows; ++row)
+            all += lengthening(row);
+        const double vent_edge = 2.0 * pattern_.vent_radius * std::sin(pattern_.half_angle);
+        const double first = graded ? std::min(4.0 * vent_edge, 0.5 * seam / all) : 0.0;
+        const double plain = (seam - first * all) / counts_.gore_rows;
+        double added = 0.0;
+        NodeIndex node = 0;
+        for (int row = 0; row <= counts_.gore_rows; ++row) {
+            const double radius =
+                row < counts_.gore_rows ? pattern_.vent_radius + plain * row + added : pattern_.skirt_radius;
+            const int columns = graded && row == 0 ? 1 : counts_.gore_columns;
+            rows_.push_back({radius, radius, columns, node});
+            added += first * lengthening(row);
+            node += chute_.gores * columns;
+        }
+        if (rows_[0].columns < rows_[1].columns) rows_[0].start_radius = loose_vent();
     }
 
     NodeIndex canopy_node(int gore, int row, int column) const {
-        const int per_row = chute_.gores * counts_.gore_columns;
-        return row * per_row + (gore * counts_.gore_columns + column) % per_row;
+        const Row& r = rows_[row];
+        return r.first_node + (gore * r.columns + column) % (chute_.gores * r.columns);
+    }
+
+    /// Seam length [m] at which a vent of one element across a gore starts so that its fabric hangs loose.
+    /// The closed canopy shortens that element. The triangle below it would have to be longer for that, were
+    /// the seams not slack by a few millimetres: so far that its height is that of the cut.
+    double loose_vent() const {
+        const Row& below = rows_[1];
+        const int columns = below.columns;
+        const Vec3 vent = 0.5 * (canopy_.point(0, 0) + canopy_.point(1, 0));
+        const Vec3 foot =
+            0.5 * below.radius * (closed_point(0, columns / 2) + closed_point(0, (columns + 1) / 2));
+        const double height = (below.radius - rows_[0].radius) * std::cos(pattern_.half_angle);
+        // |foot - r vent| = height, of the two roots the one above; the nearest point where there is none, on
+        // canopies of very few gores.
+        const double a = vent.squaredNorm(), b = vent.dot(foot), c = foot.squaredNorm() - height * height;
+        return (b - std::sqrt(std::max(0.0, b * b - a * c))) / a;
     }
 
     /// ClosedCanopy's coordinates, z from the apex toward the payload, to world with the payload at 0.
@@ -138,51 +200,69 @@ private:
         const double line = line_stretch_ * chute_.line_length;
         link_height_ = line_stretch_ * chute_.riser_length;
         apex_height_ = link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + skirt.z();
-        for (int row = 0; row <= counts_.gore_rows; ++row) {
+        for (const Row& row : rows_) {
             mesh_.seam_rings.emplace_back();
             for (int gore = 0; gore < chute_.gores; ++gore)
-                for (int column = 0; column < counts_.gore_columns; ++column) {
-                    if (column == 0)
-                        mesh_.seam_rings.back().push_back(static_cast<NodeIndex>(mesh_.position.size()));
-                    mesh_.position.push_back(world(radius(row) * canopy_.point(gore, column)));
+                for (int column = 0; column < row.columns; ++column) {
+                    if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
+                    mesh_.position.push_back(world(row.start_radius * closed_point(gore, column)));
                 }
         }
         mesh_.canopy_nodes = mesh_.node_count();
     }
 
     Eigen::Vector2d pattern_point(int row, int column) const {
-        const double angle = pattern_.half_angle * (2.0 * column / counts_.gore_columns - 1.0);
-        return radius(row) * std::cos(pattern_.half_angle) * Eigen::Vector2d(std::tan(angle), 1.0);
+        const double angle = pattern_.half_angle * (2.0 * column / rows_[row].columns - 1.0);
+        return rows_[row].radius * std::cos(pattern_.half_angle) * Eigen::Vector2d(std::tan(angle), 1.0);
     }
 
     void sew_gores() {
         for (int gore = 0; gore < chute_.gores; ++gore)
-            for (int row = 0; row < counts_.gore_rows; ++row)
-                for (int column = 0; column < counts_.gore_columns; ++column)
+            for (int row = 0; row < counts_.gore_rows; ++row) {
+                const int columns = rows_[row].columns;
+                if (columns < rows_[row + 1].columns) {
+                    sew_fans(gore, row);
+                    continue;
+                }
+                for (int column = 0; column < columns; ++column)
                     // Mirrored diagonals, so that a gore is as symmetric as its cut; a middle column
                     // has no mirror image and takes turns.
                     sew_panel(gore, row, column,
-                              2 * column + 1 == counts_.gore_columns ? row % 2 == 0
-                                                                     : 2 * column < counts_.gore_columns);
+                              2 * column + 1 == columns ? row % 2 == 0 : 2 * column < columns);
+            }
     }
 
+    /// A row of one element above, of several below: half of the lower edges fan out from either seam, and
+    /// a triangle that stands on its tip closes the middle.
+    void sew_fans(int gore, int row) {
+        const int columns = rows_[row + 1].columns, middle = (columns + 1) / 2;
+        for (int column = 0; column < columns; ++column) {
+            if (column == middle) sew_triangle(gore, {{{row, 0}, {row + 1, middle}, {row, 1}}});
+            sew_triangle(gore, {{{row, column < middle ? 0 : 1}, {row + 1, column}, {row + 1, column + 1}}});
+        }
+    }
+
+    /// Of a row and a column line of that row.
+    struct Corner {
+        int row, column;
+    };
+
     void sew_panel(int gore, int row, int column, bool rising) {
-        struct Corner {
-            int row, column;
-        };
         // Counter-clockwise seen from outside: azimuth grows with the column, rows go down.
         const Corner q[4] = {{row, column}, {row + 1, column}, {row + 1, column + 1}, {row, column + 1}};
         const int split[2][2][3] = {{{0, 1, 3}, {1, 2, 3}}, {{0, 1, 2}, {0, 2, 3}}};
-        for (const auto& corners : split[rising ? 1 : 0]) {
-            std::array<NodeIndex, 3> node;
-            std::array<Eigen::Vector2d, 3> flat;
-            for (int k = 0; k < 3; ++k) {
-                const Corner& corner = q[corners[k]];
-                node[k] = canopy_node(gore, corner.row, corner.column);
-                flat[k] = pattern_point(corner.row, corner.column);
-            }
-            mesh_.triangles.push_back(flat_triangle(node, flat));
+        for (const auto& corners : split[rising ? 1 : 0])
+            sew_triangle(gore, {q[corners[0]], q[corners[1]], q[corners[2]]});
+    }
+
+    void sew_triangle(int gore, const std::array<Corner, 3>& corner) {
+        std::array<NodeIndex, 3> node;
+        std::array<Eigen::Vector2d, 3> flat;
+        for (int k = 0; k < 3; ++k) {
+            node[k] = canopy_node(gore, corner[k].row, corner[k].column);
+            flat[k] = pattern_point(corner[k].row, corner[k].column);
         }
+        mesh_.triangles.push_back(flat_triangle(node, flat));
     }
 
     void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands = 1.0) {
@@ -194,10 +274,10 @@ private:
         for (int gore = 0; gore < chute_.gores; ++gore)
             for (int row = 0; row < rows; ++row)
                 add_cable(canopy_node(gore, row, 0), canopy_node(gore, row + 1, 0),
-                          radius(row + 1) - radius(row), CableKind::radial);
+                          rows_[row + 1].radius - rows_[row].radius, CableKind::radial);
         for (const auto& [row, kind] : {std::pair{rows, CableKind::skirt}, std::pair{0, CableKind::vent}}) {
             for (int gore = 0; gore < chute_.gores; ++gore)
-                for (int column = 0; column < counts_.gore_columns; ++column)
+                for (int column = 0; column < rows_[row].columns; ++column)
                     add_cable(canopy_node(gore, row, column), canopy_node(gore, row, column + 1),
                               (pattern_point(row, column + 1) - pattern_point(row, column)).norm(), kind);
         }
@@ -238,6 +318,7 @@ private:
     double line_stretch_;  // of lines and risers [-]
     GorePattern pattern_;
     ClosedCanopy canopy_;
+    std::vector<Row> rows_;  // vent to skirt
     Mesh mesh_;
     Vec3 across_, along_;
     double link_height_ = 0.0, apex_height_ = 0.0;

@@ -235,6 +235,7 @@ FullSettings full(const Values& v) {
     FullSettings f;
     f.mesh.gore_columns = static_cast<int>(v.integer("full.mesh.gore_columns"));
     f.mesh.gore_rows = static_cast<int>(v.integer("full.mesh.gore_rows"));
+    f.mesh.grading = v.word("full.mesh.grading") == "graded" ? Grading::graded : Grading::uniform;
     f.mesh.line_elements = static_cast<int>(v.integer("full.mesh.line_elements"));
     f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
     f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;

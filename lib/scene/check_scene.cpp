@@ -44,6 +44,12 @@ void check_release(const Scene& scene, const Values& values, const Complain& com
     if (e.ground < air.lowest())
         complain.about("environment.ground", fmt::format("{} m is outside the atmosphere", e.ground), reach,
                        "raise the ground or choose another atmosphere");
+    // An airspeed and a wind, each in its range, may add up to more than a scene may say again.
+    const double fastest = find_key(scene_keys(), "release.speed")->range.high;
+    if (scene.release.speed > fastest)
+        complain.about("release.airspeed", fmt::format("{:.6g} m/s over ground", scene.release.speed),
+                       fmt::format("with the wind it is above the {} m/s of release.speed", fastest),
+                       "release slower");
 }
 
 void check_stop(const Scene& scene, const Values& values, const Complain& complain) {

@@ -74,6 +74,9 @@ Words extraction_loads() {
 Words stops() {
     return {"steady-descent", "peak-force", "full-open", "line-stretch", "ground"};
 }
+Words gradings() {
+    return {"graded", "uniform"};
+}
 Words structures() {
     return {"msd-fe", "fe"};
 }
@@ -250,6 +253,9 @@ constexpr Key scene_rows[] = {
      .meaning = "elements across a gore"},
     {.path = "full.mesh.gore_rows", .kind = integer, .need = defaulted, .fallback = "17", .range = from(2, 1000), .user = full,
      .meaning = "elements from vent to skirt", .source = "about the paper's 1932 triangles on 28 gores"},
+    {.path = "full.mesh.grading", .kind = word, .need = defaulted, .fallback = "graded", .choices = gradings, .user = full,
+     .meaning = "uniform: as many across at the vent as at the skirt, all equally long; graded: one across a gore at the vent, longer ones beside it",
+     .source = "docs/theory/full-model.md"},
     {.path = "full.mesh.line_elements", .kind = integer, .need = defaulted, .fallback = "31", .range = from(1, 2000), .user = full,
      .meaning = "cables a suspension line", .source = "about the paper's 1461 cables on 28 gores"},
     {.path = "full.mesh.riser_elements", .kind = integer, .need = defaulted, .fallback = "5", .range = from(1, 2000), .user = full,

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/models/added_mass.hpp"
@@ -129,11 +130,23 @@ struct Noise {
     bool operator==(const Noise&) const = default;
 };
 
+/// How the elements of a gore are distributed from vent to skirt.
+enum class Grading {
+    graded,  ///< one element across a gore at the vent, longer ones beside it: the vent does not set the time
+             ///< step
+    uniform  ///< the same number across a gore everywhere, all equally long
+};
+
+inline std::string_view grading_name(Grading grading) {
+    return grading == Grading::graded ? "graded" : "uniform";
+}
+
 struct MeshCounts {
-    int gore_columns = 0;    ///< elements across a gore
+    int gore_columns = 0;    ///< elements across a gore; a graded mesh has one at the vent
     int gore_rows = 0;       ///< elements from vent to skirt
     int line_elements = 0;   ///< per suspension line
     int riser_elements = 0;  ///< per riser
+    Grading grading = Grading::graded;
 
     bool operator==(const MeshCounts&) const = default;
 };

@@ -170,6 +170,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.table("[full]");
     w.count("mesh.gore_columns", full.mesh.gore_columns);
     w.count("mesh.gore_rows", full.mesh.gore_rows);
+    w.words("mesh.grading", grading_name(full.mesh.grading));
     w.count("mesh.line_elements", full.mesh.line_elements);
     w.count("mesh.riser_elements", full.mesh.riser_elements);
     w.words("structure", full.structure == Structure::fe ? "fe" : "msd-fe");

@@ -177,7 +177,8 @@ inline void SceneGenerator::put_release(bool may_rest) {
     else
         put_number("release.height", height);
     const bool over_ground = chance(0.5);
-    const double speed = may_rest && chance(0.3) ? 0.0 : number_in(0.05, 999.0);
+    // A wind of up to 200 m/s may carry an airspeed.
+    const double speed = may_rest && chance(0.3) ? 0.0 : number_in(0.05, over_ground ? 999.0 : 799.0);
     put_number(over_ground ? "release.speed" : "release.airspeed", speed);
     if (speed > 0.0 && (!over_ground || !has_wind_)) airspeed_ = speed;
     if (speed > 0.0) put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));

@@ -12,10 +12,11 @@
 namespace twinchute::test {
 
 /// 28 gores with few elements, lines of two cables, risers of one.
-inline fullsim::Mesh coarse_c9(int columns = 2, int rows = 3, double load = 0.0) {
+inline fullsim::Mesh coarse_c9(int columns = 2, int rows = 3, double load = 0.0,
+                               Grading grading = Grading::graded) {
     const Scene scene = c9_scene();
     const Parachute& chute = scene.parachutes.front();
-    return fullsim::make_gore_mesh(chute, {columns, rows, 2, 1}, scene.payload.mass, Vec3::UnitZ(),
+    return fullsim::make_gore_mesh(chute, {columns, rows, 2, 1, grading}, scene.payload.mass, Vec3::UnitZ(),
                                    mouth_area_at_line_stretch(chute), load);
 }
 

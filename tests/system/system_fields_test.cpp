@@ -35,10 +35,11 @@ Words operator+(Words words, const Words& more) {
     return words;
 }
 
-/// A full run of a moment: few elements, short flight. Two columns a gore, so that no cloth is strained or
-/// hidden in folds at the start.
-const Words coarse{"--set", "full.mesh.gore_columns=2", "--set", "full.mesh.gore_rows=4",
-                   "--set", "full.mesh.line_elements=4"};
+/// No cloth is strained or hidden in folds at the start of a uniform mesh of two columns a gore.
+const Words uniform{"--set", "full.mesh.grading=uniform"};
+/// A full run of a moment: few elements, short flight.
+const Words coarse = uniform + Words{"--set", "full.mesh.gore_columns=2", "--set", "full.mesh.gore_rows=4",
+                                     "--set", "full.mesh.line_elements=4"};
 const Words quick = coarse + Words{"--set", "stop.time=0.5"};
 
 class SystemFields : public testing::Test {
@@ -292,10 +293,11 @@ TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
     EXPECT_NEAR(mesh["fabric_area_m2"], fabric_area, 1e-9 * fabric_area);
     EXPECT_NEAR(mesh["nominal_area_m2"].get<double>() - mesh["vent_area_m2"].get<double>(), fabric_area,
                 1e-9);
-    // 28 gores of 2 columns and 17 rows, 28 lines of 31 elements, 4 risers of 5; the payload is a riser's
-    // end.
-    EXPECT_EQ(mesh["triangles"], 28 * 2 * 17 * 2);
-    EXPECT_EQ(mesh["nodes"], 28 * 2 * 18 + 28 * 30 + 4 * 5 + 1);
+    // 28 gores of 2 columns and 17 rows, but one at the vent; 28 lines of 31 elements, 4 risers of 5; the
+    // payload is a riser's end.
+    EXPECT_EQ(mesh["grading"], "graded");
+    EXPECT_EQ(mesh["triangles"], 28 * (2 * 17 * 2 - 1));
+    EXPECT_EQ(mesh["nodes"], 28 * (2 * 17 + 1) + 28 * 30 + 4 * 5 + 1);
     EXPECT_EQ(mesh["cables"]["line"], 28 * 31);
     EXPECT_EQ(mesh["cables"]["riser"], 4 * 5);
     const json& mass = mesh["mass_kg"];
@@ -310,8 +312,10 @@ TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
 
 TEST_F(SystemFields, AMeshIsReadByVtk) {
     NEEDS_VTK();
-    ASSERT_EQ(run({"mesh", scene, "--out", "there/c9.vtu", "--set", "payload.mass=100"}).code, 0);
-    const json counts = json::parse(run({"mesh", scene, "--json"}).out);
+    ASSERT_EQ(run(Words{"mesh", scene, "--out", "there/c9.vtu", "--set", "payload.mass=100"} + uniform).code,
+              0);
+    const json counts = json::parse(run(Words{"mesh", scene, "--json"} + uniform).out);
+    EXPECT_EQ(counts["grading"], "uniform");
     const json mesh = read("there/c9.vtu")[0];
     EXPECT_TRUE(mesh["complaints"].empty());
     EXPECT_EQ(mesh["points"], counts["nodes"]);

@@ -266,6 +266,14 @@ TEST(Airspeed, IsCarriedByTheWind) {
     EXPECT_EQ(ground.release.speed, 21.0);
 }
 
+TEST(Airspeed, WithItsWindIsInTheRangeOfASpeed) {
+    const std::vector<std::string> fast{"release.airspeed=900", "release.path_angle=0"};
+    EXPECT_EQ(complaint(good_scene, fast), "");
+    std::vector<std::string> carried = fast;
+    carried.push_back("environment.wind={east=150, north=0}");  // heading 90 deg: from behind
+    EXPECT_NE(complaint(good_scene, carried).find("1050 m/s over ground"), std::string::npos);
+}
+
 TEST(Airspeed, OfNothingCannotDrawOutLines) {
     EXPECT_NE(complaint(good_scene, {"release.path_angle=0", "environment.wind={east=21, north=0}"})
                   .find("a line-stretch start needs a speed"),

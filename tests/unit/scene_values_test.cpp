@@ -168,6 +168,7 @@ TEST(SceneValues, DefaultsAreThoseOfTheTable) {
     EXPECT_EQ(s.rom.rtol, 1e-8);
     EXPECT_EQ(s.full.mesh.gore_columns, 2);
     EXPECT_EQ(s.full.mesh.gore_rows, 17);
+    EXPECT_EQ(s.full.mesh.grading, Grading::graded);
     EXPECT_EQ(s.full.mesh.line_elements, 31);
     EXPECT_EQ(s.full.mesh.riser_elements, 5);
     EXPECT_EQ(s.full.alpha, 0.0);

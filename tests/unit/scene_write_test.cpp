@@ -35,6 +35,7 @@ TEST(WriteScene, KeepsWhatIsAwkward) {
                                              "compare.tolerance.load_factor='0.1'",
                                              "environment.wind={speed=0.0, from='1 deg'}",
                                              "full.fields_rate='50 Hz'",
+                                             "full.mesh.grading='uniform'",
                                              "full.noise={amplitude=1e-13, seed=9000000000000000}"};
     const Scene scene = read_text(good_scene, overrides);
     const Scene again = read_text(write_scene(scene));

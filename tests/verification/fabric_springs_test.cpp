@@ -143,13 +143,22 @@ double step_at(const Mesh& mesh, double strain) {
 }
 
 TEST(FabricSprings, HardeningCostsNoTimeStep) {
-    const Mesh mesh =
-        make_gore_mesh(test::c9_scene().parachutes.front(), {2, 17, 31, 5}, 152.4, Vec3::UnitZ(),
-                       mouth_area_at_line_stretch(test::c9_scene().parachutes.front()), 0.0);
-    const auto edges = fabric_edges(mesh);
-    EXPECT_GT(std::ranges::count_if(edges, [](const FabricEdge& e) { return e.hardening > 3.0; }),
-              static_cast<std::ptrdiff_t>(edges.size() / 2));
-    EXPECT_GE(step_at(mesh, 0.06), step_at(mesh, 0.0) * (1.0 - 1e-12));
+    // On a uniform mesh the vent leaves the rest of the cloth room to harden; a graded one has no node so
+    // fast, and so less room.
+    for (const Grading grading : {Grading::uniform, Grading::graded}) {
+        const Mesh mesh =
+            make_gore_mesh(test::c9_scene().parachutes.front(), {2, 17, 31, 5, grading}, 152.4, Vec3::UnitZ(),
+                           mouth_area_at_line_stretch(test::c9_scene().parachutes.front()), 0.0);
+        const auto edges = fabric_edges(mesh);
+        const auto above = [&](double hardening) {
+            return static_cast<double>(std::ranges::count_if(
+                       edges, [&](const FabricEdge& e) { return e.hardening > hardening; })) /
+                   static_cast<double>(edges.size());
+        };
+        test::report("share of edges that harden by more than 1.5, 3:", above(1.5), above(3.0));
+        EXPECT_GT(above(grading == Grading::uniform ? 3.0 : 1.5), 0.5);
+        EXPECT_GE(step_at(mesh, 0.06), step_at(mesh, 0.0) * (1.0 - 1e-12));
+    }
 }
 
 TEST(FabricSprings, ClothStaysBelowFivePercentInACraneDrop) {

@@ -168,6 +168,27 @@ TEST_P(StructuralTimeStep, AtTwiceTheLimitIsFoundWithin200StepsOfTheFirstSign) {
                  simulation.state().step);
 }
 
+TEST(StructuralTimeStepOfAll, TheVentOfAGradedMeshDoesNotSetTheStep) {
+    // At line stretch, where the air has not yet slowed the crown, and in steady descent, where lines are
+    // left.
+    const auto bounds = [](Grading grading) {
+        Scene scene = test::c9_scene();
+        scene.full.mesh.grading = grading;
+        Simulation simulation(scene);
+        const double start = simulation.bound().dt;
+        while (simulation.state().time < 2.0)
+            step_through_phases(simulation, 2.0);
+        const auto open = simulation.bound();
+        EXPECT_EQ(simulation.mesh().is_canopy(open.node), grading == Grading::uniform);
+        return std::pair{start, open.dt};
+    };
+    const auto graded = bounds(Grading::graded), uniform = bounds(Grading::uniform);
+    test::report("bound on the step, graded and uniform, at the start [ms], open [ms]:", 1e3 * graded.first,
+                 1e3 * uniform.first, 1e3 * graded.second, 1e3 * uniform.second);
+    EXPECT_GT(graded.first, 2.5 * uniform.first);
+    EXPECT_GT(graded.second, uniform.second);
+}
+
 TEST(StructuralTimeStepOfAll, ASlowDriftIsSeenToo) {
     // 28 gores, stiff cords, a step 12.5 % above the bound: slack and taut lines drain the energy that the
     // instability feeds, so nothing runs away. A ledger that may miss 5 % lets this one end well, with
