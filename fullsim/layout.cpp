@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "fullsim/step/stable_step.hpp"
+
 namespace twinchute::fullsim {
 namespace {
 
@@ -36,6 +38,9 @@ public:
         add(*structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         add(*loads_);
+    }
+    double stable_step(const State& state) override {
+        return fullsim::stable_step(state, constants_, *structure_, *loads_).dt;
     }
     void advance(State& state, double dt, double next_added_mass) override {
         fullsim::advance(state, constants_, dt, next_added_mass);

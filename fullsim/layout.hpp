@@ -69,6 +69,9 @@ public:
 
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure.
     virtual void evaluate(State& state, BlockClock& clock) = 0;
+    /// [s] the bound on the stable step of the current tangent, without safety factor (stable_step.hpp).
+    virtual double stable_step(const State& state) = 0;
+
     /// One step with these forces (see advance in midpoint.hpp).
     virtual void advance(State& state, double dt, double next_added_mass) = 0;
 };

@@ -259,27 +259,11 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
 }
 
 StableStep Simulation::bound() const {
-    RowSums sums;
-    sums.stiffness.assign(state_.node.size(), 0.0);
-    sums.damping.assign(state_.node.size(), 0.0);
-    const State& s = whole();
-    for (const ForceModels* models : {&structure_, &loads_})
-        for (const auto& model : *models)
-            model->add_row_sums(s, sums);
-    std::vector<double> inertia = constants_.mass;
-    for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
-        inertia[i] += constants_.share[i] * state_.added_mass;
-    // Neither the dummy nor the far end of a static line is accelerated.
-    inertia.push_back(never);
-    if (const auto& line = constants_.static_line_mass; !line.empty()) {
-        inertia.insert(inertia.end(), line.begin(), line.end());
-        inertia.back() = never;
-    }
-    return stable_step(sums, inertia);
+    return stable_step(whole(), constants_, structure_, loads_);
 }
 
 void Simulation::refresh_step() {
-    step_ = scene_.full.time_step_factor * bound().dt;
+    step_ = scene_.full.time_step_factor * layout_->stable_step(state_);
 }
 
 void Simulation::step_to(double end) {

@@ -51,7 +51,7 @@ public:
             groups_.push_back(g);
         }
         for (const Triangle& t : triangles_)
-            rows_.push_back(rows_of(t));
+            rows_.push_back(unstrained_rows(law_, t));
     }
 
     std::string_view name() const override { return "membrane"; }
@@ -118,11 +118,6 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric triangle {}", i); }
 
 private:
-    /// [m] over which the bulk viscosity acts: the shortest height.
-    static double element_length(const Triangle& t) {
-        return t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
-    }
-
     static PlaneTensor strain_of(const State& state, const Triangle& t) {
         return green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
                                 to_vec3(state.node[t.node[2]].x)});
@@ -133,29 +128,10 @@ private:
         return 0.5 * (e.xx + e.yy) + std::sqrt(half * half + e.xy * e.xy);
     }
 
-    /// Row sums of the unstrained triangle. The gradient of a corner's shape function is the
-    /// opposite edge over twice the area, and the norm of the block of corners i and j is at most
-    /// area * modulus * |gradient_i| |gradient_j|.
-    struct Rows {
-        double stiffness[3], damping[3];  // [N/m], [N s/m]
-    };
-    Rows rows_of(const Triangle& t) const {
-        const double twice_area = t.a * t.c;
-        const double gradient[3] = {std::hypot(t.b - t.a, t.c) / twice_area,
-                                    std::hypot(t.b, t.c) / twice_area, t.a / twice_area};
-        const double total = t.area() * (gradient[0] + gradient[1] + gradient[2]);
-        Rows rows{};
-        for (int i = 0; i < 3; ++i) {
-            rows.stiffness[i] = law_.plane_modulus * gradient[i] * total;
-            rows.damping[i] = law_.viscosity * element_length(t) * gradient[i] * total;
-        }
-        return rows;
-    }
-
     MembraneLaw law_;
     const std::vector<Triangle>& triangles_;
     std::vector<Group> groups_;
-    std::vector<Rows> rows_;
+    std::vector<TriangleRows> rows_;
 };
 
 SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
@@ -163,6 +139,23 @@ SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
 }
 
 }  // namespace
+
+double element_length(const Triangle& t) {
+    return t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
+}
+
+TriangleRows unstrained_rows(const MembraneLaw& law, const Triangle& t) {
+    const double twice_area = t.a * t.c;
+    const double gradient[3] = {std::hypot(t.b - t.a, t.c) / twice_area, std::hypot(t.b, t.c) / twice_area,
+                                t.a / twice_area};
+    const double total = t.area() * (gradient[0] + gradient[1] + gradient[2]);
+    TriangleRows rows{};
+    for (int i = 0; i < 3; ++i) {
+        rows.stiffness[i] = law.plane_modulus * gradient[i] * total;
+        rows.damping[i] = law.viscosity * element_length(t) * gradient[i] * total;
+    }
+    return rows;
+}
 
 MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity) {
     const double nu = fabric.poisson_ratio;

@@ -35,4 +35,15 @@ double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain);
 /// Green strain of a triangle at its current corners [m].
 PlaneTensor green_strain(const Triangle& triangle, const std::array<Vec3, 3>& corner);
 
+/// [m] over which the bulk viscosity acts: the shortest height of the unstrained triangle.
+double element_length(const Triangle& triangle);
+
+/// Row sums of the unstrained triangle (Gershgorin), by corner. The gradient of a corner's shape function is
+/// the opposite edge over twice the area, and the norm of the block of corners i and j is at most area *
+/// modulus * |gradient_i| |gradient_j|.
+struct TriangleRows {
+    std::array<double, 3> stiffness, damping;  ///< [N/m], [N s/m]
+};
+TriangleRows unstrained_rows(const MembraneLaw& law, const Triangle& triangle);
+
 }  // namespace twinchute::fullsim

@@ -2,6 +2,7 @@
 // scatters.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "fullsim/layout.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/step/stable_step.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
@@ -26,7 +28,9 @@ Lanes as_lanes(const std::array<double, 3>& a) {
 /// Arrays of a frame and the traffic between them and the state's node records.
 class GoreNodes {
 public:
-    GoreNodes(const Gores& gores, int lanes) : gores_(gores) {
+    /// Of the frame's arrays as many as are named, x first.
+    GoreNodes(const Gores& gores, int lanes, int arrays) : gores_(gores) {
+        frame.arrays = arrays;
         frame.lanes = lanes;
         frame.blocks = (gores.count + lanes - 1) / lanes;
         frame.nodes = gores.local_nodes();
@@ -39,10 +43,10 @@ public:
         memory_.assign(all / Line{}.size() + 1, Line{});
         double* const begin = memory_.front().data();
         double* next = begin + row;
-        for (double** array : {&frame.x, &frame.v, &frame.force, &frame.v_half, &frame.aero, &frame.push}) {
-            *array = next;
-            next += 3 * row;
-        }
+        double** const all_arrays[] = {&frame.x,      &frame.v,    &frame.force,
+                                       &frame.v_half, &frame.aero, &frame.push};
+        for (int k = 0; k < arrays; ++k, next += 3 * row)
+            *all_arrays[k] = next;
         next = begin + row + nodes;
         std::fill_n(next, gores.count, 1.0);
         frame.live = next;
@@ -123,7 +127,7 @@ public:
           constants_(constants),
           kernels_(kernels),
           gores_(std::move(gores)),
-          nodes_(std::make_unique<GoreNodes>(gores_, kernels_.lanes)),
+          nodes_(std::make_unique<GoreNodes>(gores_, kernels_.lanes, 6)),
           fabric_area_(mesh.fabric_area()),
           tethered_(!mesh.static_line.cables.empty()) {}
 
@@ -136,13 +140,16 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes);
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 6);
+        rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 1);
         clear_forces(state);
         nodes_->load(state);
         meet_neighbours();
         step_ = {};
         structure_.clear();
         loads_.clear();
+        cables_.clear();
+        cords_.clear();
         trunk_.clear();
         make_nodes();
         for (const ForceModels* models : {&structure, &loads})
@@ -164,8 +171,12 @@ public:
             has.pressure = acts("canopy pressure");
             has.folds = acts("fold resistance");
             has.cloth_drag = acts("cloth drag");
+            has.breathing = acts("breathing damping");
+            has.accretion = acts("accretion");
+            has.mass_damping = acts("mass damping");
             return has;
         }();
+        collect_rows_of_cables(state);
     }
 
     void store(State& state) const override { nodes_->store(state); }
@@ -180,6 +191,27 @@ public:
             clock.run([&] { (this->*row->add)(state); });
     }
 
+    double stable_step(const State& state) override {
+        const GoreFrame &frame = nodes_->frame, &sums = rows_->frame;
+        for (int block = 0; block < sums.blocks; ++block)
+            for (int n = 0; n < sums.nodes; ++n)
+                for (int what = 0; what < 2; ++what)
+                    std::fill_n(sums.x + sums.at(block, n) + static_cast<std::ptrdiff_t>(what) * sums.lanes,
+                                sums.lanes, rows_of_cables_[n][what]);
+        fabric_.weight = state.fe_weight;
+        if (has_.membrane) kernels_.membrane_rows(frame, fabric_, triangle_rows_, sums);
+        if (has_.springs || has_.folds) kernels_.spring_rows(frame, edges(), sums);
+        kernels_.give_back(sums, gores_.neighbour, sums.x);
+        const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
+                                (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
+        const double by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
+        find_inverse_inertia(state);
+        for (std::size_t n = 0; n < node_.size(); ++n)
+            node_damping_[n] = by_share * node_[n].share + by_mass * node_[n].mass;
+        return std::min(kernels_.stable_step(sums, inverse_inertia_, node_damping_),
+                        stable_step_of_trunk(state, by_mass));
+    }
+
     void advance(State& state, double dt, double next_added_mass) override {
         const GoreFrame& frame = nodes_->frame;
         nodes_->send_guests(frame.force, state.force);
@@ -189,8 +221,7 @@ public:
         if (has_.pressure) kernels_.give_back(frame, gores_.neighbour, frame.push);
 
         NodeMover mover(state, constants_, dt);
-        for (std::size_t n = 0; n < node_.size(); ++n)
-            inverse_inertia_[n] = 1.0 / (node_[n].mass + node_[n].share * state.added_mass);
+        find_inverse_inertia(state);
         step_.nodes = node_;
         step_.inverse_inertia = inverse_inertia_;
         step_.kick = mover.kick();
@@ -233,6 +264,7 @@ private:
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
+        bool breathing = false, accretion = false, mass_damping = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -253,6 +285,53 @@ private:
         }
     }
 
+    void find_inverse_inertia(const State& state) {
+        for (std::size_t n = 0; n < node_.size(); ++n)
+            inverse_inertia_[n] = 1.0 / (node_[n].mass + node_[n].share * state.added_mass);
+    }
+
+    /// Row sums that do not change: of cables, slack ones too, since they may pull tight any time.
+    void collect_rows_of_cables(const State& state) {
+        rows_of_cables_.assign(gores_.local_nodes(), {0.0, 0.0});
+        node_damping_.assign(gores_.own, 0.0);
+        for (const std::vector<CableElement>* cables : {&cables_, &cords_})
+            for (const CableElement& c : *cables)
+                for (const LocalNode n : c.node) {
+                    rows_of_cables_[n][0] += 2.0 * c.stiffness * c.inverse_length;
+                    rows_of_cables_[n][1] += 2.0 * c.dashpot;
+                }
+        trunk_rows_of_cables_ = {std::vector<double>(state.node.size(), 0.0),
+                                 std::vector<double>(state.node.size(), 0.0)};
+        for (const auto& cables : trunk_)
+            cables->add_row_sums(state, trunk_rows_of_cables_);
+    }
+
+    /// [s] of the nodes that belong to no gore, whose rows the guests complete.
+    double stable_step_of_trunk(const State& state, double by_mass) const {
+        const auto first_guest = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
+        const auto bound = [&](NodeIndex i, double mass, double damping) {
+            RowSums row{{trunk_rows_of_cables_.stiffness[i]}, {trunk_rows_of_cables_.damping[i] + damping}};
+            for (std::size_t k = 0; k < gores_.guest.size(); ++k)
+                for (int gore = 0; gore < gores_.count; ++gore)
+                    if (gores_.guest[k][gore] == i) {
+                        row.stiffness[0] +=
+                            rows_->at(rows_->frame.x, first_guest + static_cast<LocalNode>(k), gore, 0);
+                        row.damping[0] +=
+                            rows_->at(rows_->frame.x, first_guest + static_cast<LocalNode>(k), gore, 1);
+                    }
+            return fullsim::stable_step(row, {mass}).dt;
+        };
+        double least = std::numeric_limits<double>::infinity();
+        for (const NodeIndex i : gores_.trunk)
+            least = std::min(least, bound(i, constants_.mass[i], by_mass * constants_.mass[i]));
+        const auto& line =
+            constants_.static_line_mass;  // of a line that has gone it may still be the old one
+        for (std::size_t k = 0; state.node.size() > constants_.mass.size() + 1 && k + 1 < line.size(); ++k)
+            least =
+                std::min(least, bound(static_cast<NodeIndex>(constants_.mass.size() + 1 + k), line[k], 0.0));
+        return least;
+    }
+
     void nothing(const ForceModel&) {}
 
     // --- fabric ---------------------------------------------------------------------------
@@ -260,15 +339,16 @@ private:
     void make_triangles() {
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
+        triangle_rows_.clear();
         for (const GoreTriangle& t : gores_.triangles) {
-            const double height =
-                t.a * t.c / std::max({t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
+            const Triangle flat{{}, t.a, t.b, t.c};
+            triangle_rows_.push_back(unstrained_rows(law, flat));
             membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
                                  1.0 / t.a,
                                  1.0 / t.c,
                                  t.b / t.a,
                                  0.5 * t.a * t.c,
-                                 law.viscosity * height});
+                                 law.viscosity * element_length(flat)});
         }
         fabric_ = {membrane_, law, {}, 0.0, 1.0};
     }
@@ -316,10 +396,10 @@ private:
                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
     }
-    void add_edges(State& state) {
-        state.damping_power += kernels_.springs(
-            nodes_->frame, {springs_, deploy().fold_repulsion, has_.springs, has_.folds, full_fold_speed});
+    SpringPass edges() const {
+        return {springs_, deploy().fold_repulsion, has_.springs, has_.folds, full_fold_speed};
     }
+    void add_edges(State& state) { state.damping_power += kernels_.springs(nodes_->frame, edges()); }
     /// Springs take the folds along: both need the same lengths.
     void add_folds(State& state) {
         if (!has_.springs) add_edges(state);
@@ -383,9 +463,12 @@ private:
     void add_extraction(State& state) {
         step_.extraction = plain(deploy().extraction.at(state.time) * trailing_direction(scene_));
     }
+    /// [N s/m] of the whole canopy.
+    double breathing(const AeroState& air) const {
+        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
+    }
     void add_breathing(State& state) {
-        step_.breathing =
-            *scene_.aerodynamics.breathing_damping * state.air.density * state.air.airspeed * fabric_area_;
+        step_.breathing = breathing(state.air);
         step_.breathing_mean = plain(state.sums.canopy_area_velocity);
     }
     void add_accretion(State& state) {
@@ -413,9 +496,9 @@ private:
     const NodeConstants& constants_;
     const GoreKernels& kernels_;
     Gores gores_;
-    std::unique_ptr<GoreNodes> nodes_;
-    double fabric_area_;  // [m^2]
-    bool tethered_;       // to a static line
+    std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
+    double fabric_area_;                       // [m^2]
+    bool tethered_;                            // to a static line
     std::vector<const Row*> structure_, loads_;
     Has has_;
 
@@ -427,7 +510,10 @@ private:
     std::vector<Node2> lines_;
     CylinderDragTable drag_coefficient_;
     std::vector<GoreNode> node_;
-    std::vector<double> inverse_inertia_;
+    std::vector<double> inverse_inertia_, node_damping_;
+    std::vector<std::array<double, 2>> rows_of_cables_;  // of each local node: stiffness, damping
+    RowSums trunk_rows_of_cables_;
+    std::vector<TriangleRows> triangle_rows_;
     GoreAdvance step_;
     ForceModels trunk_;  // cables that belong to no gore
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *payload_drag_ = nullptr;

@@ -113,6 +113,74 @@ double membrane_energy_pass(const GoreFrame& frame, const MembranePass& pass) {
     return sum(energy);
 }
 
+/// Adds stiffness and damping to a node's row sums.
+HWY_INLINE void add_rows(const GoreFrame& rows, int block, std::int32_t node, Vec stiffness, Vec damping) {
+    double* at = rows.x + rows.at(block, node);
+    store(load(at) + stiffness, at);
+    store(load(at + rows.lanes) + damping, at + rows.lanes);
+}
+
+void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<const TriangleRows> unstrained,
+                   const GoreFrame& rows) {
+    const Vec weight = all(pass.weight);
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        for (std::size_t e = 0; e < pass.elements.size(); ++e) {
+            const MembraneElement& m = pass.elements[e];
+            const Vec3s x0 = block.position(m.node[0]);
+            const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
+            const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
+            const SymmetricTensor<Vec> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
+                                              0.5 * dot(f1, f2)};
+            const Vec stretch = larger(principal(strain).first(), all(0.0));
+            // As Membrane::add_row_sums.
+            const Vec stiffening = weight * (1.0 + 3.0 * stretch),
+                      lengthening = weight * (1.0 + 2.0 * stretch);
+            for (int k = 0; k < 3; ++k)
+                add_rows(rows, b, m.node[k], stiffening * all(unstrained[e].stiffness[k]),
+                         lengthening * all(unstrained[e].damping[k]));
+        }
+    }
+}
+
+void spring_rows(const GoreFrame& frame, const SpringPass& pass, const GoreFrame& rows) {
+    const Vec zero = all(0.0), full = all(full_hardening_strain);
+    for (int b = 0; b < frame.blocks; ++b) {
+        const Block block(frame, b);
+        for (const SpringElement& s : pass.elements) {
+            const Vec3s d = block.position(s.node[1]) - block.position(s.node[0]);
+            const Vec square = dot(d, d) + 1e-18;
+            const Vec strain = square * inverse_root(square) * all(s.inverse_length) - 1.0;
+            const Vec low = smaller(larger(strain, zero), full);
+            Vec stiffness = zero, damping = zero;
+            if (pass.springs) {
+                stiffness = all(2.0 * s.stiffness * s.inverse_length) * (1.0 + all(2.0 * s.growth) * low);
+                damping = all(2.0 * s.dashpot);
+            }
+            if (pass.folds) damping += all(2.0 * s.fold_force / pass.full_speed);
+            for (const std::int32_t n : s.node)
+                add_rows(rows, b, n, stiffness, damping);
+        }
+    }
+}
+
+double stable_step(const GoreFrame& rows, std::span<const double> inverse_inertia,
+                   std::span<const double> node_damping) {
+    Vec least = all(HUGE_VAL);
+    for (int b = 0; b < rows.blocks; ++b) {
+        // A lane without a gore has no stiffness here, hence no say.
+        const Vec live = load(rows.live + static_cast<std::size_t>(b) * rows.lanes);
+        for (int n = 0; n < rows.own; ++n) {
+            const double* at = rows.x + rows.at(b, n);
+            const Vec inverse = all(inverse_inertia[n]) * live;
+            const Vec k = load(at) * inverse;
+            const Vec c = (load(at + rows.lanes) + all(node_damping[n])) * inverse;
+            least = smaller(least, all(2.0) / (square_root(c * c + k) + c + 1e-300));
+        }
+    }
+    return hn::GetLane(hn::MinOfLanes(tag, least.raw));
+}
+
 FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double factor,
                       const std::array<double, 3>& wind) {
     const Vec3s air = splat3(wind);
@@ -411,6 +479,9 @@ GoreKernels kernels() {
             springs,
             cables,
             line_drag,
+            membrane_rows,
+            spring_rows,
+            stable_step,
             advance,
             show_neighbours,
             give_back};

@@ -26,7 +26,7 @@ struct GoreFrame {
     double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
     const double* live = nullptr;  ///< [block][lane]
 
-    static constexpr int arrays = 6;
+    int arrays = 6;
     /// From a node to the next.
     std::size_t stride() const { return static_cast<std::size_t>(arrays) * 3 * lanes; }
     /// Of a node's first lane in an array.
@@ -134,6 +134,14 @@ struct GoreKernels {
     /// diameter [m], density [kg/m^3], viscosity [Pa s].
     void (*line_drag)(const GoreFrame&, std::span<const Node2>, const CylinderDragTable&, double diameter,
                       double density, double viscosity, const std::array<double, 3>& wind);
+    /// Row sums of stiffness and damping for the stable step are added to `rows`, a frame of one array: x is
+    /// the stiffness [N/m], y the damping [N s/m] of a node.
+    void (*membrane_rows)(const GoreFrame&, const MembranePass&, std::span<const TriangleRows>,
+                          const GoreFrame& rows);
+    void (*spring_rows)(const GoreFrame&, const SpringPass&, const GoreFrame& rows);
+    /// The least bound on the step [s] over own nodes; node_damping, by node: [N s/m] of loads on it.
+    double (*stable_step)(const GoreFrame& rows, std::span<const double> inverse_inertia,
+                          std::span<const double> node_damping);
     GoreSums (*advance)(const GoreFrame&, const GoreAdvance&);
     /// What own nodes hold in an array of the frame becomes visible to the gore before.
     void (*show_neighbours)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);

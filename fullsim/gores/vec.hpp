@@ -93,6 +93,10 @@ HWY_INLINE Vec inverse_root(Vec a) {
 #endif
 }
 
+HWY_INLINE Vec square_root(Vec a) {
+    return {hn::Sqrt(a.raw)};
+}
+
 HWY_INLINE double sum(Vec a) {
     return hn::GetLane(hn::SumOfLanes(tag, a.raw));
 }

@@ -16,4 +16,25 @@ StableStep stable_step(const RowSums& sums, const std::vector<double>& inertia) 
     return best;
 }
 
+StableStep stable_step(const State& state, const NodeConstants& c, const ForceModels& structure,
+                       const ForceModels& loads) {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    RowSums sums;
+    sums.stiffness.assign(state.node.size(), 0.0);
+    sums.damping.assign(state.node.size(), 0.0);
+    for (const ForceModels* models : {&structure, &loads})
+        for (const auto& model : *models)
+            model->add_row_sums(state, sums);
+    std::vector<double> inertia = c.mass;
+    for (NodeIndex i = 0; i < c.canopy_nodes; ++i)
+        inertia[i] += c.share[i] * state.added_mass;
+    // Neither the dummy nor the far end of a static line is accelerated.
+    inertia.push_back(never);
+    if (const auto& line = c.static_line_mass; !line.empty()) {
+        inertia.insert(inertia.end(), line.begin(), line.end());
+        inertia.back() = never;
+    }
+    return stable_step(sums, inertia);
+}
+
 }  // namespace twinchute::fullsim

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fullsim/forces/force_model.hpp"
+#include "fullsim/step/midpoint.hpp"
 
 namespace twinchute::fullsim {
 
@@ -18,5 +19,9 @@ struct StableStep {
 /// growth factor is -1 when K dt^2/2 + 2 C dt = 2 m, and by Gershgorin no eigenvalue of the
 /// damped system reaches that before its largest row does.
 StableStep stable_step(const RowSums& sums, const std::vector<double>& inertia);
+
+/// The same from all blocks, for the state as it is.
+StableStep stable_step(const State& state, const NodeConstants& constants, const ForceModels& structure,
+                       const ForceModels& loads);
 
 }  // namespace twinchute::fullsim

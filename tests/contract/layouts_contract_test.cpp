@@ -22,17 +22,19 @@ constexpr double dt = 1e-5;  // [s]
 /// that.
 struct Answer {
     State state;
+    double stable_step;
     std::vector<Vec3> force;  ///< [N], gravity included
 };
 
 Answer answer_of(Layout& layout, const State& state, const NodeConstants& c, const ForceModels& structure,
                  const ForceModels& loads) {
-    Answer a{state, {}};
+    Answer a{state, 0.0, {}};
     layout.begin(a.state, structure, loads);
     BlockClock clock;
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
     clock.begin_step(false);
     layout.evaluate(a.state, clock);
+    a.stable_step = layout.stable_step(a.state);
     layout.advance(a.state, dt, a.state.added_mass + 1e-4);
     layout.store(a.state);
     for (std::size_t i = 0; i < c.mass.size(); ++i)
@@ -56,6 +58,7 @@ void expect_same(const Answer& reference, const Answer& other, double stiffest) 
     const State &r = reference.state, &o = other.state;
     const double power = std::abs(r.energy.drag_power) + std::abs(r.energy.damping_power) +
                          std::abs(r.energy.gravity_power) + 1e-3;
+    close(reference.stable_step, other.stable_step, reference.stable_step, "stable step");
     close(r.energy.drag_power, o.energy.drag_power, 10.0 * power, "drag power");
     close(r.energy.gravity_power, o.energy.gravity_power, power, "gravity power");
     // A small sum of large terms of both signs.
