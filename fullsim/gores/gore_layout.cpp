@@ -217,7 +217,7 @@ public:
         nodes_->send_guests(frame.force, state.force);
         nodes_->send_guests(frame.aero, state.aero);
         kernels_.give_back(frame, gores_.neighbour, frame.force);
-        kernels_.give_back(frame, gores_.neighbour, frame.aero);
+        if (has_.cloth_drag) kernels_.give_back(frame, gores_.neighbour, frame.aero);  // lines see no image
         if (has_.pressure) kernels_.give_back(frame, gores_.neighbour, frame.push);
 
         NodeMover mover(state, constants_, dt);

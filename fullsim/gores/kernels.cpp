@@ -175,7 +175,8 @@ double stable_step(const GoreFrame& rows, std::span<const double> inverse_inerti
             const Vec inverse = all(inverse_inertia[n]) * live;
             const Vec k = load(at) * inverse;
             const Vec c = (load(at + rows.lanes) + all(node_damping[n])) * inverse;
-            least = smaller(least, all(2.0) / (square_root(c * c + k) + c + 1e-300));
+            // In this order: a node without a number must not hide what the others say.
+            least = smaller(all(2.0) / (square_root(c * c + k) + c + 1e-300), least);
         }
     }
     return hn::GetLane(hn::MinOfLanes(tag, least.raw));

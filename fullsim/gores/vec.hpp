@@ -72,6 +72,7 @@ HWY_INLINE Mask operator<=(Vec a, Vec b) {
 HWY_INLINE Vec select(Mask which, Vec a, Vec b) {
     return {hn::IfThenElse(which.raw, a.raw, b.raw)};
 }
+/// Of a pair; on x86 the second where the first is not a number.
 HWY_INLINE Vec larger(Vec a, Vec b) {
     return {hn::Max(a.raw, b.raw)};
 }
