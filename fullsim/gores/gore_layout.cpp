@@ -43,8 +43,9 @@ public:
         memory_.assign(all / Line{}.size() + 1, Line{});
         double* const begin = memory_.front().data();
         double* next = begin + row;
-        double** const all_arrays[] = {&frame.x,      &frame.v,    &frame.force,
-                                       &frame.v_half, &frame.aero, &frame.push};
+        // What a triangle reads and writes comes first.
+        double** const all_arrays[] = {&frame.x,    &frame.v,      &frame.force,
+                                       &frame.push, &frame.v_half, &frame.aero};
         for (int k = 0; k < arrays; ++k, next += 3 * row)
             *all_arrays[k] = next;
         next = begin + row + nodes;

@@ -43,12 +43,16 @@ struct Block {
 /// The table at as many points at once, all between its ends.
 HWY_INLINE Vec table_value(const CylinderDragTable& table, Vec reynolds) {
     const hn::RebindToSigned<Tag> whole;
-    const auto left = hn::ShiftRight<48>(hn::BitCast(whole, reynolds.raw));
-    const auto cell = hn::Sub(left, hn::Set(whole, CylinderDragTable::first_cell));
-    const Vec start{hn::BitCast(tag, hn::ShiftLeft<48>(left))};
-    const Vec value{hn::GatherIndex(tag, table.values(), cell)};
-    const Vec slope{hn::GatherIndex(tag, table.slopes(), cell)};
-    return value + (reynolds - start) * slope;
+    Vec result;
+    for (int k = 0; k < ways; ++k) {
+        const auto left = hn::ShiftRight<48>(hn::BitCast(whole, reynolds.raw[k]));
+        const auto cell = hn::Sub(left, hn::Set(whole, CylinderDragTable::first_cell));
+        const auto start = hn::BitCast(tag, hn::ShiftLeft<48>(left));
+        const auto value = hn::GatherIndex(tag, table.values(), cell);
+        const auto slope = hn::GatherIndex(tag, table.slopes(), cell);
+        result.raw[k] = hn::Add(value, hn::Mul(hn::Sub(reynolds.raw[k], start), slope));
+    }
+    return result;
 }
 
 template <bool structure, bool pressure>
@@ -166,7 +170,7 @@ void spring_rows(const GoreFrame& frame, const SpringPass& pass, const GoreFrame
 
 double stable_step(const GoreFrame& rows, std::span<const double> inverse_inertia,
                    std::span<const double> node_damping) {
-    Vec least = all(HUGE_VAL);
+    Vec shortest = all(HUGE_VAL);
     for (int b = 0; b < rows.blocks; ++b) {
         // A lane without a gore has no stiffness here, hence no say.
         const Vec live = load(rows.live + static_cast<std::size_t>(b) * rows.lanes);
@@ -176,10 +180,10 @@ double stable_step(const GoreFrame& rows, std::span<const double> inverse_inerti
             const Vec k = load(at) * inverse;
             const Vec c = (load(at + rows.lanes) + all(node_damping[n])) * inverse;
             // In this order: a node without a number must not hide what the others say.
-            least = smaller(all(2.0) / (square_root(c * c + k) + c + 1e-300), least);
+            shortest = smaller(all(2.0) / (square_root(c * c + k) + c + 1e-300), shortest);
         }
     }
-    return hn::GetLane(hn::MinOfLanes(tag, least.raw));
+    return least(shortest);
 }
 
 FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double factor,
@@ -471,7 +475,7 @@ constexpr std::string_view instruction_set() {
 
 GoreKernels kernels() {
     return {instruction_set(),
-            static_cast<int>(hn::Lanes(tag)),
+            lanes_of_all,
             membrane_pass<true, false>,
             membrane_pass<true, true>,
             membrane_pass<false, true>,

@@ -1,4 +1,4 @@
-// As many doubles as the processor of this compilation works on at once, with the operators that formulas
+// Gores side by side: doubles in one or two of the processor's registers, with the operators that formulas
 // need. Included once for every instruction set (see membrane_kernel.hpp for the guard).
 #if defined(TWINCHUTE_GORES_VEC) == defined(HWY_TARGET_TOGGLE)
 #ifdef TWINCHUTE_GORES_VEC
@@ -16,27 +16,44 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, 8>;
 inline constexpr Tag tag{};
 
+/// Registers that go hand in hand. A membrane is a long chain of operations that wait for each other; the
+/// second register works while the first one waits. It takes the 32 registers of AVX-512.
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+inline constexpr int ways = 2;
+#else
+inline constexpr int ways = 1;
+#endif
+inline constexpr int lanes_of_register = HWY_LANES(double) < 8 ? HWY_LANES(double) : 8;
+inline constexpr int lanes_of_all = ways * lanes_of_register;
+
 struct Vec {
-    hn::Vec<Tag> raw;
+    hn::Vec<Tag> raw[ways];
 };
 struct Mask {
-    hn::Mask<Tag> raw;
+    hn::Mask<Tag> raw[ways];
 };
 
+// One operation on each register.
+#define TWINCHUTE_EACH(Result, expression) \
+    Result result;                         \
+    for (int k = 0; k < ways; ++k)         \
+        result.raw[k] = (expression);      \
+    return result
+
 HWY_INLINE Vec all(double a) {
-    return {hn::Set(tag, a)};
+    TWINCHUTE_EACH(Vec, hn::Set(tag, a));
 }
 HWY_INLINE Vec operator+(Vec a, Vec b) {
-    return {hn::Add(a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::Add(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Vec operator-(Vec a, Vec b) {
-    return {hn::Sub(a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::Sub(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Vec operator*(Vec a, Vec b) {
-    return {hn::Mul(a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::Mul(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Vec operator/(Vec a, Vec b) {
-    return {hn::Div(a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::Div(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Vec operator+(Vec a, double b) {
     return a + all(b);
@@ -54,52 +71,64 @@ HWY_INLINE Vec operator*(double a, Vec b) {
     return all(a) * b;
 }
 HWY_INLINE Vec operator-(Vec a) {
-    return {hn::Neg(a.raw)};
+    TWINCHUTE_EACH(Vec, hn::Neg(a.raw[k]));
 }
 HWY_INLINE void operator+=(Vec& a, Vec b) {
     a = a + b;
 }
 
 HWY_INLINE Mask operator>(Vec a, Vec b) {
-    return {hn::Gt(a.raw, b.raw)};
+    TWINCHUTE_EACH(Mask, hn::Gt(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Mask operator<(Vec a, Vec b) {
-    return {hn::Lt(a.raw, b.raw)};
+    TWINCHUTE_EACH(Mask, hn::Lt(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Mask operator<=(Vec a, Vec b) {
-    return {hn::Le(a.raw, b.raw)};
+    TWINCHUTE_EACH(Mask, hn::Le(a.raw[k], b.raw[k]));
 }
 HWY_INLINE Vec select(Mask which, Vec a, Vec b) {
-    return {hn::IfThenElse(which.raw, a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::IfThenElse(which.raw[k], a.raw[k], b.raw[k]));
 }
 /// Of a pair; on x86 the second where the first is not a number.
 HWY_INLINE Vec larger(Vec a, Vec b) {
-    return {hn::Max(a.raw, b.raw)};
+    TWINCHUTE_EACH(Vec, hn::Max(a.raw[k], b.raw[k]));
+}
+HWY_INLINE Vec smaller(Vec a, Vec b) {
+    TWINCHUTE_EACH(Vec, hn::Min(a.raw[k], b.raw[k]));
 }
 
-HWY_INLINE Vec smaller(Vec a, Vec b) {
-    return {hn::Min(a.raw, b.raw)};
+HWY_INLINE Vec square_root(Vec a) {
+    TWINCHUTE_EACH(Vec, hn::Sqrt(a.raw[k]));
 }
 
 /// 1/sqrt(a) to the last bits but one, for normal a > 0. A root and a division take as long as all the rest
 /// of a membrane: an estimate and two steps of Newton do not.
 HWY_INLINE Vec inverse_root(Vec a) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-    const Vec first{hn::Vec<Tag>{_mm512_rsqrt14_pd(a.raw.raw)}};
+    Vec first;
+    for (int k = 0; k < ways; ++k)
+        first.raw[k] = hn::Vec<Tag>{_mm512_rsqrt14_pd(a.raw[k].raw)};
     const Vec half = 0.5 * a;
     const Vec second = first * (1.5 - half * (first * first));
     return second * (1.5 - half * (second * second));
 #else
-    return all(1.0) / Vec{hn::Sqrt(a.raw)};
+    return all(1.0) / square_root(a);
 #endif
 }
 
-HWY_INLINE Vec square_root(Vec a) {
-    return {hn::Sqrt(a.raw)};
-}
-
 HWY_INLINE double sum(Vec a) {
-    return hn::GetLane(hn::SumOfLanes(tag, a.raw));
+    double total = 0.0;
+    for (int k = 0; k < ways; ++k)
+        total += hn::GetLane(hn::SumOfLanes(tag, a.raw[k]));
+    return total;
+}
+HWY_INLINE double least(Vec a) {
+    double smallest = hn::GetLane(hn::MinOfLanes(tag, a.raw[0]));
+    for (int k = 1; k < ways; ++k) {
+        const double other = hn::GetLane(hn::MinOfLanes(tag, a.raw[k]));
+        if (other < smallest) smallest = other;
+    }
+    return smallest;
 }
 
 struct Vec3s {
@@ -128,21 +157,22 @@ HWY_INLINE void operator+=(Vec3s& a, Vec3s b) {
 }
 
 HWY_INLINE Vec load(const double* from) {
-    return {hn::Load(tag, from)};
+    TWINCHUTE_EACH(Vec, hn::Load(tag, from + k * lanes_of_register));
 }
 HWY_INLINE Vec load_anywhere(const double* from) {
-    return {hn::LoadU(tag, from)};
+    TWINCHUTE_EACH(Vec, hn::LoadU(tag, from + k * lanes_of_register));
 }
 HWY_INLINE void store(Vec a, double* to) {
-    hn::Store(a.raw, tag, to);
+    for (int k = 0; k < ways; ++k)
+        hn::Store(a.raw[k], tag, to + k * lanes_of_register);
 }
 HWY_INLINE Vec3s load3(const double* from) {
-    return {load(from), load(from + hn::Lanes(tag)), load(from + 2 * hn::Lanes(tag))};
+    return {load(from), load(from + lanes_of_all), load(from + 2 * lanes_of_all)};
 }
 HWY_INLINE void store3(Vec3s a, double* to) {
     store(a.x, to);
-    store(a.y, to + hn::Lanes(tag));
-    store(a.z, to + 2 * hn::Lanes(tag));
+    store(a.y, to + lanes_of_all);
+    store(a.z, to + 2 * lanes_of_all);
 }
 HWY_INLINE void add3(Vec3s a, double* to) {
     store3(load3(to) + a, to);
@@ -150,6 +180,8 @@ HWY_INLINE void add3(Vec3s a, double* to) {
 HWY_INLINE void take3(Vec3s a, double* from) {
     store3(load3(from) - a, from);
 }
+
+#undef TWINCHUTE_EACH
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
