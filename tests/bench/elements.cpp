@@ -13,7 +13,10 @@
 #include <malloc.h>
 #endif
 
+#include <fmt/format.h>
+
 #include "fullsim/fields.hpp"
+#include "fullsim/gores/kernels.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/bench/bench.hpp"
@@ -170,6 +173,62 @@ void measure_advance(benchmark::State& bench, const Size& size) {
     count_elements(bench, flight.simulation().mesh().node_count());
 }
 
+/// Some of a flight's blocks, or its whole step without what watches it, in gores side by side or (without
+/// kernels) in the indexed layout.
+struct LayoutPart {
+    const char* name;
+    std::vector<std::string_view> blocks;  // none: all, and the node update
+    enum class Per { triangle, cable, line, element } per;
+};
+
+const std::vector<LayoutPart> layout_parts{
+    {"membrane and pressure", {"membrane", "canopy pressure"}, LayoutPart::Per::triangle},
+    {"cable", {"cable"}, LayoutPart::Per::cable},
+    {"line drag", {"line drag"}, LayoutPart::Per::line},
+    {"bare step", {}, LayoutPart::Per::element},
+};
+
+double count_of(const fullsim::Mesh& mesh, LayoutPart::Per per) {
+    const auto lines = std::ranges::count(mesh.cables, fullsim::CableKind::line, &fullsim::Cable::kind);
+    switch (per) {
+        case LayoutPart::Per::triangle:
+            return static_cast<double>(mesh.triangles.size());
+        case LayoutPart::Per::cable:
+            return static_cast<double>(mesh.cables.size());
+        case LayoutPart::Per::line:
+            return static_cast<double>(lines);
+        case LayoutPart::Per::element:
+            break;
+    }
+    return static_cast<double>(mesh.triangles.size() + mesh.cables.size());
+}
+
+void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart& part,
+                    const fullsim::GoreKernels* kernels) {
+    InFlight& flight = in_flight(size);
+    Simulation& simulation = flight.simulation();
+    State state = simulation.state();
+    auto structure = make_structure(flight.scene(), simulation.mesh(), state.stage);
+    auto loads = make_loads(flight.scene(), simulation.mesh(), state.stage);
+    const auto left_out = [&](const auto& model) {
+        return !part.blocks.empty() && std::ranges::find(part.blocks, model->name()) == part.blocks.end();
+    };
+    std::erase_if(structure, left_out);
+    std::erase_if(loads, left_out);
+    const auto layout =
+        kernels ? make_gore_layout(flight.scene(), simulation.mesh(), simulation.constants(), kernels)
+                : make_indexed_layout(simulation.mesh(), simulation.constants());
+    fullsim::BlockClock clock;
+    clock.begin(std::vector<std::string>(structure.size() + loads.size(), "block"));
+    layout->begin(state, structure, loads);
+    for (auto _ : bench) {
+        clock.begin_step(false);
+        layout->evaluate(state, clock);
+        if (part.blocks.empty()) layout->advance(state, 1e-7, state.added_mass);
+    }
+    count_elements(bench, count_of(simulation.mesh(), part.per));
+}
+
 /// With the new bound on the step that comes every so many steps.
 void measure_step(benchmark::State& bench, const Size& size) {
     constexpr int steps = 20;
@@ -207,6 +266,14 @@ void register_elements() {
                 benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, false,
                                              row);
         benchmark::RegisterBenchmark(name_of("node update", size).c_str(), &measure_advance, size);
+        for (const LayoutPart& part : layout_parts) {
+            benchmark::RegisterBenchmark(name_of(std::string(part.name) + ", indexed", size).c_str(),
+                                         &measure_layout, size, part, nullptr);
+            for (const fullsim::GoreKernels& kernels : fullsim::all_gore_kernels())
+                benchmark::RegisterBenchmark(
+                    name_of(fmt::format("{}, {}", part.name, kernels.instruction_set), size).c_str(),
+                    &measure_layout, size, part, &kernels);
+        }
         benchmark::RegisterBenchmark(name_of("step", size).c_str(), &measure_step, size);
         // Those that act before snatch only, in their own state.
         for (const fullsim::ForceBlock& row : fullsim::force_blocks())
