@@ -87,12 +87,12 @@ public:
     void step(int count) {
         using fullsim::Stage;
         Simulation& s = *simulation_;
+        const State& now = s.outline();  // the whole state would be gathered anew in every step
         for (int n = 0; n < count; ++n) {
             s.evaluate_forces();
-            if (s.state().stage != Stage::deployment &&
-                s.state().time >= s.inflation().end_of(s.state().phase))
-                s.begin(s.state().phase == Phase::initial ? Phase::filling : Phase::open);
-            s.step_to(s.state().stage == Stage::deployment ? 1e9 : s.inflation().end_of(s.state().phase));
+            if (now.stage != Stage::deployment && now.time >= s.inflation().end_of(now.phase))
+                s.begin(now.phase == Phase::initial ? Phase::filling : Phase::open);
+            s.step_to(now.stage == Stage::deployment ? 1e9 : s.inflation().end_of(now.phase));
         }
     }
 

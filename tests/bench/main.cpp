@@ -2,7 +2,7 @@
 // this program are Google Benchmark's.
 #include <benchmark/benchmark.h>
 
-#include "lib/math/lanes.hpp"
+#include "fullsim/gores/kernels.hpp"
 #include "lib/record/run_record.hpp"
 #include "tests/bench/bench.hpp"
 
@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     benchmark::AddCustomContext("compiler", made.compiler);
     benchmark::AddCustomContext("flags", made.flags);
     benchmark::AddCustomContext("cpu", made.host_cpu);
-    benchmark::AddCustomContext("instruction_set", std::string(lane_instruction_set()));
+    benchmark::AddCustomContext("instruction_set", std::string(fullsim::gore_kernels().instruction_set));
     bench::register_ceilings();
     bench::register_elements();
     bench::register_runs();
