@@ -24,30 +24,19 @@ class CableBlock final : public ForceModel {
 public:
     CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name,
                double bulk_viscosity, double beta)
-        : mesh_(mesh), cables_(cables), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {
-        for (std::size_t first = 0; first < cables_.size(); first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= cables_.size();
-                for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? mesh.dummy() : cables_[first + k].node[end];
-                g.inverse_length[k] = padding ? 1.0 : 1.0 / cables_[first + k].rest_length;
-                g.stiffness[k] = padding ? 0.0 : stiffness(cables_[first + k]);
-                g.dashpot[k] = padding ? 0.0 : dashpot(cables_[first + k]);
-            }
-            groups_.push_back(g);
-        }
-    }
+        : mesh_(mesh), cables_(cables), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {}
 
     std::string_view name() const override { return name_; }
     std::size_t elements() const override { return cables_.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return make_groups(); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         const Lanes zero = splat(0.0);
         Lanes dissipated = zero;
-        for (const Group& g : groups_) {
+        for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
             const Lanes length = square_root(dot(d, d) + smallest_square);
@@ -100,6 +89,23 @@ public:
     }
 
 private:
+    std::vector<Group> make_groups() const {
+        std::vector<Group> groups;
+        for (std::size_t first = 0; first < cables_.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k) {
+                const bool padding = first + k >= cables_.size();
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = padding ? mesh_.dummy() : cables_[first + k].node[end];
+                g.inverse_length[k] = padding ? 1.0 : 1.0 / cables_[first + k].rest_length;
+                g.stiffness[k] = padding ? 0.0 : stiffness(cables_[first + k]);
+                g.dashpot[k] = padding ? 0.0 : dashpot(cables_[first + k]);
+            }
+            groups.push_back(g);
+        }
+        return groups;
+    }
+
     double stiffness(const Cable& c) const { return mesh_.cord(c.kind).axial_stiffness() * c.strands; }
     double dashpot(const Cable& c) const { return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot; }
 
@@ -112,7 +118,7 @@ private:
     const std::vector<Cable>& cables_;
     std::string_view name_;
     double bulk_viscosity_, beta_;
-    std::vector<Group> groups_;
+    GroupsOnDemand<Group> groups_;
 };
 
 }  // namespace

@@ -10,10 +10,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-struct Group {
-    std::array<LaneNodes, 3> node;
-};
-
 /// D/S_p may not exceed this many dynamic pressures: stagnation and suction together reach about
 /// 2 on an open canopy, and a shape that is still a tube has next to no projected area.
 constexpr double largest_pressure_coefficient = 3.0;
@@ -21,37 +17,30 @@ constexpr double largest_pressure_coefficient = 3.0;
 class CanopyPressure final : public ForceModel {
 public:
     CanopyPressure(const Mesh& mesh, double smallest_area)
-        : smallest_area_(smallest_area), elements_(mesh.triangles.size()), canopy_nodes_(mesh.canopy_nodes) {
-        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
-        for (std::size_t first = 0; first < mesh.triangles.size(); first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k)
-                for (int corner = 0; corner < 3; ++corner)
-                    g.node[corner][k] =
-                        first + k < mesh.triangles.size() ? mesh.triangles[first + k].node[corner] : dummy;
-            groups_.push_back(g);
-        }
+        : mesh_(mesh), smallest_area_(smallest_area), canopy_nodes_(mesh.canopy_nodes) {
         const double area = mesh.fabric_area();
         for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
             share_.push_back(mesh.tributary_area[i] / area);
     }
 
     std::string_view name() const override { return "canopy pressure"; }
-    std::size_t elements() const override { return elements_; }
+    std::size_t elements() const override { return mesh_.triangles.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return corner_groups(mesh_); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<CornerGroup>& groups) const {
         AeroState& air = state.air;
         const Lanes3 e{splat(air.direction.x()), splat(air.direction.y()), splat(air.direction.z())};
-        measure_area(state, e);
+        measure_area(state, groups, e);
 
         const Lanes flag = to_lanes(set_pressure(air, smallest_area_));
 
         // A third of Delta P [A_p e_r + phi (A - (A.e_r) e_r)] to each corner.
         const Lanes axial = splat(air.pressure / 3.0),
                     radial = splat(air.pressure * air.radial_pressure / 3.0);
-        for (const Group& g : groups_) {
+        for (const CornerGroup& g : groups) {
             const Lanes3 area = area_vector(state, g);
             const Lanes along = dot(area, e);
             const Lanes3 force = axial * larger(along, splat(0.0)) * e + radial * (area - along * e);
@@ -66,16 +55,17 @@ public:
     }
 
 private:
-    static Lanes3 area_vector(const State& state, const Group& g) {
+    static Lanes3 area_vector(const State& state, const CornerGroup& g) {
         const Lanes3 x0 = gather_position(state.node, g.node[0]);
         const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
         const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
         return splat(0.5) * cross(e1, e2);
     }
 
-    TWINCHUTE_FOR_EACH_CPU void measure_area(State& state, const Lanes3& e) const {
+    TWINCHUTE_FOR_EACH_CPU void measure_area(State& state, const std::vector<CornerGroup>& groups,
+                                             const Lanes3& e) const {
         Lanes positive = splat(0.0), all = splat(0.0);
-        for (const Group& g : groups_) {
+        for (const CornerGroup& g : groups) {
             const Lanes along = dot(area_vector(state, g), e);
             positive += larger(along, splat(0.0));
             all += along;
@@ -84,10 +74,10 @@ private:
         state.air.signed_area = sum(all);
     }
 
+    const Mesh& mesh_;
     double smallest_area_;
-    std::size_t elements_;
     NodeIndex canopy_nodes_;
-    std::vector<Group> groups_;
+    GroupsOnDemand<CornerGroup> groups_;
     std::vector<double> share_;  // of the fabric's area that is a node's [-]
 };
 

@@ -6,37 +6,25 @@
 namespace twinchute::fullsim {
 namespace {
 
-struct Group {
-    std::array<LaneNodes, 3> node;
-};
-
 /// 1/2 rho C_D |A.e| V^2 e on each triangle, a third to each corner: V e is the air's velocity relative to
 /// the triangle's own mean (paper, 3.2.1; Eqs 11 and 12 with phi = 0).
 class ClothDrag final : public ForceModel {
 public:
-    ClothDrag(const Mesh& mesh, double coefficient)
-        : coefficient_(coefficient), elements_(mesh.triangles.size()) {
-        for (std::size_t first = 0; first < elements_; first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k)
-                for (int corner = 0; corner < 3; ++corner)
-                    g.node[corner][k] =
-                        first + k < elements_ ? mesh.triangles[first + k].node[corner] : mesh.dummy();
-            groups_.push_back(g);
-        }
-    }
+    ClothDrag(const Mesh& mesh, double coefficient) : mesh_(mesh), coefficient_(coefficient) {}
 
     std::string_view name() const override { return "cloth drag"; }
-    std::size_t elements() const override { return elements_; }
+    std::size_t elements() const override { return mesh_.triangles.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return corner_groups(mesh_); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<CornerGroup>& groups) const {
         const Vec3& w = state.air.wind;
         const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
         const Lanes third = splat(1.0 / 3.0), factor = splat(0.5 * state.air.density * coefficient_ / 3.0);
         Lanes across = splat(0.0);
-        for (const Group& g : groups_) {
+        for (const CornerGroup& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
             const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
             const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
@@ -56,9 +44,15 @@ public:
     }
 
 private:
+    const Mesh& mesh_;
     double coefficient_;
-    std::size_t elements_;
-    std::vector<Group> groups_;
+    GroupsOnDemand<CornerGroup> groups_;
+};
+
+struct alignas(32) EdgeGroup {
+    std::array<LaneNodes, 2> node;
+    Lanes rest_length;  // [m]
+    Lanes force;        // [N]
 };
 
 /// A force per width that holds folded cloth against being drawn out, so that the lines come first (paper,
@@ -66,31 +60,22 @@ private:
 /// at rest, too; that would draw a pack together into a point.
 class FoldResistance final : public ForceModel {
 public:
-    FoldResistance(const Mesh& mesh, double resistance) : edges_(fabric_edges(mesh)) {
+    FoldResistance(const Mesh& mesh, double resistance) : edges_(fabric_edges(mesh)), dummy_(mesh.dummy()) {
         for (const FabricEdge& e : edges_)
             force_.push_back(resistance * e.section / mesh.fabric.thickness);
-        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
-            EdgeGroup g{};
-            for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= edges_.size();
-                for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? mesh.dummy() : edges_[first + k].node[end];
-                g.rest_length[k] = padding ? 0.0 : edges_[first + k].rest_length;
-                g.force[k] = padding ? 0.0 : force_[first + k];
-            }
-            groups_.push_back(g);
-        }
     }
 
     std::string_view name() const override { return "fold resistance"; }
     std::size_t elements() const override { return edges_.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return make_groups(); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<EdgeGroup>& groups) const {
         const Lanes zero = splat(0.0), one = splat(1.0);
         Lanes dissipated = zero;
-        for (const EdgeGroup& g : groups_) {
+        for (const EdgeGroup& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
             const Lanes length = square_root(dot(d, d) + 1e-18);
@@ -116,14 +101,26 @@ public:
     }
 
 private:
-    struct alignas(32) EdgeGroup {
-        std::array<LaneNodes, 2> node;
-        Lanes rest_length;  // [m]
-        Lanes force;        // [N]
-    };
+    std::vector<EdgeGroup> make_groups() const {
+        std::vector<EdgeGroup> groups;
+        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
+            EdgeGroup g{};
+            for (int k = 0; k < lane_count; ++k) {
+                const bool padding = first + k >= edges_.size();
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = padding ? dummy_ : edges_[first + k].node[end];
+                g.rest_length[k] = padding ? 0.0 : edges_[first + k].rest_length;
+                g.force[k] = padding ? 0.0 : force_[first + k];
+            }
+            groups.push_back(g);
+        }
+        return groups;
+    }
+
     std::vector<FabricEdge> edges_;
     std::vector<double> force_;  // [N] of each edge
-    std::vector<EdgeGroup> groups_;
+    GroupsOnDemand<EdgeGroup> groups_;
+    NodeIndex dummy_;
 };
 
 /// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy

@@ -17,33 +17,26 @@ struct Group {
 /// velocity relative to the element's mean, across its axis, and l its current length.
 class LineDragBlock final : public ForceModel {
 public:
-    explicit LineDragBlock(const Mesh& mesh) : diameter_(mesh.cord(CableKind::line).diameter) {
-        std::vector<const Cable*> lines;
-        for (const Cable& c : mesh.cables)
-            if (c.kind == CableKind::line) lines.push_back(&c);
-        elements_ = lines.size();
-        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
-        for (std::size_t first = 0; first < lines.size(); first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k)
-                for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = first + k < lines.size() ? lines[first + k]->node[end] : dummy;
-            groups_.push_back(g);
-        }
-    }
+    explicit LineDragBlock(const Mesh& mesh)
+        : mesh_(mesh),
+          diameter_(mesh.cord(CableKind::line).diameter),
+          elements_(
+              static_cast<std::size_t>(std::ranges::count(mesh.cables, CableKind::line, &Cable::kind))) {}
 
     std::string_view name() const override { return "line drag"; }
     std::size_t elements() const override { return elements_; }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return make_groups(); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         const double reynolds_per_speed = state.air.density * diameter_ / state.air.viscosity;
         // Half of 1/2 rho d to each end.
         const double factor = 0.25 * state.air.density * diameter_;
         const Vec3& w = state.air.wind;
         const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
-        for (const Group& g : groups_) {
+        for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 v = wind - splat(0.5) * (gather_velocity(state.node, g.node[0]) +
                                                   gather_velocity(state.node, g.node[1]));
@@ -63,9 +56,25 @@ public:
     }
 
 private:
+    std::vector<Group> make_groups() const {
+        std::vector<const Cable*> lines;
+        for (const Cable& c : mesh_.cables)
+            if (c.kind == CableKind::line) lines.push_back(&c);
+        std::vector<Group> groups;
+        for (std::size_t first = 0; first < lines.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k)
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = first + k < lines.size() ? lines[first + k]->node[end] : mesh_.dummy();
+            groups.push_back(g);
+        }
+        return groups;
+    }
+
+    const Mesh& mesh_;
     double diameter_;  // [m]
-    std::size_t elements_ = 0;
-    std::vector<Group> groups_;
+    std::size_t elements_;
+    GroupsOnDemand<Group> groups_;
     CylinderDragTable drag_coefficient_;
 };
 

@@ -29,27 +29,7 @@ struct alignas(32) Group : MembraneLanes {};
 class Membrane final : public ForceModel {
 public:
     Membrane(const Mesh& mesh, double bulk_viscosity)
-        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles) {
-        const auto dummy = static_cast<NodeIndex>(mesh.node_count());
-        for (std::size_t first = 0; first < triangles_.size(); first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k) {
-                if (first + k >= triangles_.size()) {  // padding: no area, no force, on the dummy node
-                    for (auto& corner : g.node)
-                        corner[k] = dummy;
-                    continue;
-                }
-                const Triangle& t = triangles_[first + k];
-                for (int corner = 0; corner < 3; ++corner)
-                    g.node[corner][k] = t.node[corner];
-                g.inverse_a[k] = 1.0 / t.a;
-                g.inverse_c[k] = 1.0 / t.c;
-                g.b_over_a[k] = t.b / t.a;
-                g.area[k] = t.area();
-                g.viscosity[k] = law_.viscosity * element_length(t);
-            }
-            groups_.push_back(g);
-        }
+        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles), dummy_(mesh.dummy()) {
         for (const Triangle& t : triangles_)
             rows_.push_back(unstrained_rows(law_, t));
     }
@@ -57,12 +37,14 @@ public:
     std::string_view name() const override { return "membrane"; }
     std::size_t elements() const override { return triangles_.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return make_groups(); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         Lanes dissipated = splat(0.0);
         const Lanes weight = splat(state.fe_weight);
-        for (const Group& g : groups_) {
+        for (const Group& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
             const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
             const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
@@ -118,6 +100,30 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric triangle {}", i); }
 
 private:
+    std::vector<Group> make_groups() const {
+        std::vector<Group> groups;
+        for (std::size_t first = 0; first < triangles_.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k) {
+                if (first + k >= triangles_.size()) {  // padding: no area, no force, on the dummy node
+                    for (auto& corner : g.node)
+                        corner[k] = dummy_;
+                    continue;
+                }
+                const Triangle& t = triangles_[first + k];
+                for (int corner = 0; corner < 3; ++corner)
+                    g.node[corner][k] = t.node[corner];
+                g.inverse_a[k] = 1.0 / t.a;
+                g.inverse_c[k] = 1.0 / t.c;
+                g.b_over_a[k] = t.b / t.a;
+                g.area[k] = t.area();
+                g.viscosity[k] = law_.viscosity * element_length(t);
+            }
+            groups.push_back(g);
+        }
+        return groups;
+    }
+
     static PlaneTensor strain_of(const State& state, const Triangle& t) {
         return green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
                                 to_vec3(state.node[t.node[2]].x)});
@@ -130,7 +136,8 @@ private:
 
     MembraneLaw law_;
     const std::vector<Triangle>& triangles_;
-    std::vector<Group> groups_;
+    NodeIndex dummy_;
+    GroupsOnDemand<Group> groups_;
     std::vector<TriangleRows> rows_;
 };
 

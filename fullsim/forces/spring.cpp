@@ -26,34 +26,26 @@ constexpr double smallest_square = 1e-18;
 class FabricSprings final : public ForceModel {
 public:
     FabricSprings(const Mesh& mesh, double repulsion, double bulk_viscosity, double beta)
-        : repulsion_(repulsion), modulus_(mesh.fabric.youngs_modulus), edges_(fabric_edges(mesh)) {
+        : repulsion_(repulsion),
+          modulus_(mesh.fabric.youngs_modulus),
+          edges_(fabric_edges(mesh)),
+          dummy_(mesh.dummy()) {
         const double impedance = bulk_viscosity * std::sqrt(modulus_ * mesh.fabric.density);  // per area
         for (FabricEdge& e : edges_)
             dashpot_.push_back((beta * modulus_ / e.rest_length + impedance) * e.section);
-        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
-            Group g{};
-            for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= edges_.size();
-                for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? mesh.dummy() : edges_[first + k].node[end];
-                g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
-                g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
-                g.growth[k] = padding ? 0.0 : spring_growth(edges_[first + k].hardening);
-                g.dashpot[k] = padding ? 0.0 : dashpot_[first + k];
-            }
-            groups_.push_back(g);
-        }
     }
 
     std::string_view name() const override { return "fabric springs"; }
     std::size_t elements() const override { return edges_.size(); }
 
-    void add_forces(State& state) const override { sweep(state); }
+    void add_forces(State& state) const override {
+        sweep(state, groups_.get([this] { return make_groups(); }));
+    }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         const Lanes zero = splat(0.0), full = splat(full_hardening_strain);
         Lanes dissipated = zero;
-        for (const Group& g : groups_) {
+        for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
             const Lanes length = square_root(dot(d, d) + smallest_square);
@@ -114,6 +106,24 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric edge {}", i); }
 
 private:
+    std::vector<Group> make_groups() const {
+        std::vector<Group> groups;
+        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
+            Group g{};
+            for (int k = 0; k < lane_count; ++k) {
+                const bool padding = first + k >= edges_.size();
+                for (int end = 0; end < 2; ++end)
+                    g.node[end][k] = padding ? dummy_ : edges_[first + k].node[end];
+                g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
+                g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
+                g.growth[k] = padding ? 0.0 : spring_growth(edges_[first + k].hardening);
+                g.dashpot[k] = padding ? 0.0 : dashpot_[first + k];
+            }
+            groups.push_back(g);
+        }
+        return groups;
+    }
+
     static double strain(const State& state, const FabricEdge& e) {
         return (to_vec3(state.node[e.node[1]].x) - to_vec3(state.node[e.node[0]].x)).norm() / e.rest_length -
                1.0;
@@ -123,7 +133,8 @@ private:
     double modulus_;    // [Pa]
     std::vector<FabricEdge> edges_;
     std::vector<double> dashpot_;  // [N s/m] of each edge
-    std::vector<Group> groups_;
+    NodeIndex dummy_;
+    GroupsOnDemand<Group> groups_;
 };
 
 }  // namespace
