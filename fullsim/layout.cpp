@@ -73,6 +73,11 @@ std::vector<BlockCost> BlockClock::costs() const {
     return costs;
 }
 
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
+    auto gores = make_gore_layout(scene, mesh, constants);
+    return gores ? std::move(gores) : make_indexed_layout(mesh, constants);
+}
+
 std::unique_ptr<Layout> make_indexed_layout(const Mesh& mesh, const NodeConstants& constants) {
     return std::make_unique<IndexedLayout>(mesh, constants);
 }

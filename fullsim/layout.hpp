@@ -79,6 +79,9 @@ public:
 /// Node records of 64 bytes and lists of elements that refer to them: any mesh.
 std::unique_ptr<Layout> make_indexed_layout(const Mesh& mesh, const NodeConstants& constants);
 
+/// Gores in lanes where gores are alike, indexed otherwise.
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants);
+
 struct GoreKernels;
 
 /// Gores in lanes: the same element of several gores at once. Null where gores are not alike. Kernels: the

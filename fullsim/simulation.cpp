@@ -78,21 +78,15 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
     return state;
 }
 
-/// Gores in lanes where they are alike.
-std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
-    auto gores = make_gore_layout(scene, mesh, constants);
-    return gores ? std::move(gores) : make_indexed_layout(mesh, constants);
-}
-
 }  // namespace
 
-Simulation::Simulation(const Scene& scene)
+Simulation::Simulation(const Scene& scene, const LayoutMaker& layout)
     : scene_(scene),
       inflation_(first_inflation(scene)),
       mesh_(start_mesh(scene, inflation_, first_phase(scene, inflation_))),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       state_(initial_state(scene, mesh_)),
-      layout_(make_layout(scene, mesh_, constants_)),
+      layout_(layout(scene, mesh_, constants_)),
       dt_min_(never) {
     state_.phase = first_phase(scene, inflation_);
     if (scene.parachutes.front().deploy.starts_packed()) {

@@ -19,8 +19,11 @@ namespace twinchute::fullsim {
 
 class Simulation {
 public:
+    using LayoutMaker =
+        std::function<std::unique_ptr<Layout>(const Scene&, const Mesh&, const NodeConstants&)>;
+
     /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open.
-    explicit Simulation(const Scene& scene);
+    explicit Simulation(const Scene& scene, const LayoutMaker& layout = make_layout);
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
 
