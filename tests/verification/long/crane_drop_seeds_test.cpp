@@ -63,13 +63,14 @@ TEST(CraneDropSeeds, OpenAsThePaperSays) {
 }
 
 TEST(CraneDropSeeds, BothStructuresAgreeWithinTheirScatter) {
-    // The median of each lies in the range of the other.
+    // The ranges over seeds overlap, and the medians differ by less than the wider one. Over 24 seeds they
+    // differ by 5 %, elements being higher (docs/theory/deployment.md); seven cannot tell that from none.
     const auto springs = seven_seeds({"stop.time=4.8"}).of("peak_force_ratio"),
                elements = seven_seeds({"stop.time=4.8", "full.structure='fe'"}).of("peak_force_ratio");
-    EXPECT_LE(springs.front(), elements[3]);
-    EXPECT_LE(elements[3], springs.back());
-    EXPECT_LE(elements.front(), springs[3]);
-    EXPECT_LE(springs[3], elements.back());
+    EXPECT_LT(springs.front(), elements.back());
+    EXPECT_LT(elements.front(), springs.back());
+    EXPECT_NEAR(springs[3], elements[3],
+                std::max(springs.back() - springs.front(), elements.back() - elements.front()));
 }
 
 }  // namespace
