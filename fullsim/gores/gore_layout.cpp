@@ -128,7 +128,6 @@ public:
           constants_(constants),
           kernels_(kernels),
           gores_(std::move(gores)),
-          nodes_(std::make_unique<GoreNodes>(gores_, kernels_.lanes, 6)),
           fabric_area_(mesh.fabric_area()),
           tethered_(!mesh.static_line.cables.empty()) {}
 
@@ -161,22 +160,18 @@ public:
                 (models == &structure ? structure_ : loads_).push_back(row);
                 (this->*row->prepare)(*model);
             }
-        has_ = [&] {
-            Has has;
-            const auto acts = [&](std::string_view block) {
-                return std::ranges::any_of(structure_, [&](const Row* r) { return r->block == block; }) ||
-                       std::ranges::any_of(loads_, [&](const Row* r) { return r->block == block; });
-            };
-            has.springs = acts("fabric springs");
-            has.membrane = acts("membrane");
-            has.pressure = acts("canopy pressure");
-            has.folds = acts("fold resistance");
-            has.cloth_drag = acts("cloth drag");
-            has.breathing = acts("breathing damping");
-            has.accretion = acts("accretion");
-            has.mass_damping = acts("mass damping");
-            return has;
-        }();
+        const auto acts = [&](std::string_view block) {
+            return std::ranges::find(structure_, block, &Row::block) != structure_.end() ||
+                   std::ranges::find(loads_, block, &Row::block) != loads_.end();
+        };
+        has_.springs = acts("fabric springs");
+        has_.membrane = acts("membrane");
+        has_.pressure = acts("canopy pressure");
+        has_.folds = acts("fold resistance");
+        has_.cloth_drag = acts("cloth drag");
+        has_.breathing = acts("breathing damping");
+        has_.accretion = acts("accretion");
+        has_.mass_damping = acts("mass damping");
         collect_rows_of_cables(state);
     }
 
@@ -210,7 +205,7 @@ public:
         for (std::size_t n = 0; n < node_.size(); ++n)
             node_damping_[n] = by_share * node_[n].share + by_mass * node_[n].mass;
         return std::min(kernels_.stable_step(sums, inverse_inertia_, node_damping_),
-                        stable_step_of_trunk(state, by_mass));
+                        stable_step_of_trunk(by_mass));
     }
 
     void advance(State& state, double dt, double next_added_mass) override {
@@ -260,8 +255,7 @@ private:
         void (GoreLayout::*prepare)(const ForceModel&);
         void (GoreLayout::*add)(State&);
     };
-    static const std::array<Row, 13> rows_table;
-    static constexpr const std::array<Row, 13>& rows = rows_table;
+    static const std::array<Row, 13> rows;
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
@@ -308,7 +302,7 @@ private:
     }
 
     /// [s] of the nodes that belong to no gore, whose rows the guests complete.
-    double stable_step_of_trunk(const State& state, double by_mass) const {
+    double stable_step_of_trunk(double by_mass) const {
         const auto first_guest = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
         const auto bound = [&](NodeIndex i, double mass, double damping) {
             RowSums row{{trunk_rows_of_cables_.stiffness[i]}, {trunk_rows_of_cables_.damping[i] + damping}};
@@ -325,11 +319,10 @@ private:
         double least = std::numeric_limits<double>::infinity();
         for (const NodeIndex i : gores_.trunk)
             least = std::min(least, bound(i, constants_.mass[i], by_mass * constants_.mass[i]));
-        const auto& line =
-            constants_.static_line_mass;  // of a line that has gone it may still be the old one
-        for (std::size_t k = 0; state.node.size() > constants_.mass.size() + 1 && k + 1 < line.size(); ++k)
-            least =
-                std::min(least, bound(static_cast<NodeIndex>(constants_.mass.size() + 1 + k), line[k], 0.0));
+        const auto& line = constants_.static_line_mass;
+        const auto first = static_cast<NodeIndex>(constants_.mass.size() + 1);
+        for (std::size_t k = 0; k + 1 < line.size(); ++k)  // its far end is not accelerated
+            least = std::min(least, bound(first + static_cast<NodeIndex>(k), line[k], 0.0));
         return least;
     }
 
@@ -337,7 +330,7 @@ private:
 
     // --- fabric ---------------------------------------------------------------------------
 
-    void make_triangles() {
+    void prepare_fabric(const ForceModel&) {
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
         triangle_rows_.clear();
@@ -353,7 +346,6 @@ private:
         }
         fabric_ = {membrane_, law, {}, 0.0, 1.0};
     }
-    void prepare_fabric(const ForceModel&) { make_triangles(); }
 
     void use_air(const State& state) {
         fabric_.direction = plain(state.air.direction);
@@ -520,7 +512,7 @@ private:
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 13> GoreLayout::rows_table{{
+const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
     {"membrane", &GoreLayout::prepare_fabric, &GoreLayout::add_membrane},
     {"fabric springs", &GoreLayout::prepare_springs, &GoreLayout::add_edges},
     {"cable", &GoreLayout::prepare_cables, &GoreLayout::add_cables},

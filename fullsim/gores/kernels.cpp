@@ -213,6 +213,22 @@ FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double f
     return {sum(across), 0.0, 0.0};
 }
 
+/// From one node to another.
+struct Span {
+    Vec3s d;                           // [m]
+    Vec square, inverse, lengthening;  // of the length [m^2], [1/m]; its rate [m/s]
+};
+
+HWY_INLINE Span span_of(const Block& block, std::int32_t n0, std::int32_t n1) {
+    Span span;
+    span.d = block.position(n1) - block.position(n0);
+    const Vec3s w = block.velocity(n1) - block.velocity(n0);
+    span.square = dot(span.d, span.d) + 1e-18;  // keeps a span of no length from being 0/0
+    span.inverse = inverse_root(span.square);
+    span.lengthening = dot(span.d, w) * span.inverse;
+    return span;
+}
+
 template <bool with_springs, bool with_folds>
 double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
     const Vec zero = all(0.0), one = all(1.0), full = all(full_hardening_strain);
@@ -223,11 +239,7 @@ double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
         Vec block_dissipated = zero;
         for (const SpringElement& s : pass.elements) {
             const std::int32_t n0 = s.node[0], n1 = s.node[1];
-            const Vec3s d = block.position(n1) - block.position(n0);
-            const Vec3s w = block.velocity(n1) - block.velocity(n0);
-            const Vec square = dot(d, d) + 1e-18;
-            const Vec inverse = inverse_root(square);
-            const Vec lengthening = dot(d, w) * inverse;
+            const auto [d, square, inverse, lengthening] = span_of(block, n0, n1);
             const Vec strain = square * inverse * all(s.inverse_length) - one;
             Vec tension = zero;
             if constexpr (with_springs) {
@@ -270,11 +282,7 @@ double cables(const GoreFrame& frame, std::span<const CableElement> elements) {
         Vec block_dissipated = zero;
         for (const CableElement& c : elements) {
             const std::int32_t n0 = c.node[0], n1 = c.node[1];
-            const Vec3s d = block.position(n1) - block.position(n0);
-            const Vec3s w = block.velocity(n1) - block.velocity(n0);
-            const Vec square = dot(d, d) + 1e-18;
-            const Vec inverse = inverse_root(square);
-            const Vec lengthening = dot(d, w) * inverse;
+            const auto [d, square, inverse, lengthening] = span_of(block, n0, n1);
             const Vec spring = all(c.stiffness) * (square * inverse * all(c.inverse_length) - one);
             const Vec tension = larger(spring + all(c.dashpot) * lengthening, zero);
             block_dissipated += (tension - larger(spring, zero)) * lengthening;
