@@ -27,6 +27,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
     for (const Fidelity* fidelity : both)
         std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
     const std::vector<Scene> scenes = scenes_of(arguments, overrides);
+    const int threads = threads_of(arguments);
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
@@ -51,9 +52,9 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         FileBatch batch;
         FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
         comparison.candidate =
-            as_written(run_watched(candidate, scene, interrupt.token(), quiet, &of_candidate));
+            as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads, &of_candidate));
         comparison.reference =
-            as_written(run_watched(reference, scene, interrupt.token(), quiet, &of_reference));
+            as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference));
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
         add_report(batch, comparison, place);
         batch.commit();
@@ -84,6 +85,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
+    if (reference.has_threads || candidate.has_threads)
+        verb.options.insert(verb.options.begin() + 2, threads_option());
     verb.run = [&reference, &candidate](const Arguments& arguments) {
         return run_compare(reference, candidate, arguments);
     };

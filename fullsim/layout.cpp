@@ -3,21 +3,38 @@
 #include <algorithm>
 #include <utility>
 
+#include "fullsim/forces/registry.hpp"
+#include "fullsim/step/energy.hpp"
 #include "fullsim/step/stable_step.hpp"
+#include "fullsim/step/substeps.hpp"
+#include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-class IndexedLayout final : public Layout {
+class ReferenceLayout final : public Layout {
 public:
-    IndexedLayout(const Mesh& mesh, const NodeConstants& constants) : mesh_(mesh), constants_(constants) {}
+    ReferenceLayout(const Mesh& mesh, const NodeConstants& constants) : mesh_(mesh), constants_(constants) {}
 
-    std::string_view name() const override { return "indexed"; }
+    std::string_view name() const override { return "reference"; }
     std::string_view instruction_set() const override { return lane_instruction_set(); }
 
     void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
         structure_ = &structure;
         loads_ = &loads;
+        lines_ = nullptr;
+        for (const auto& model : structure)
+            if (force_block(model->name()).substeps) lines_ = model.get();
+        std::vector<NodeIndex> nodes;
+        if (lines_) {
+            RowSums pulled = no_rows(state);
+            lines_->add_row_sums(state, pulled);
+            for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
+                if (pulled.stiffness[i] > 0.0) nodes.push_back(i);
+        }
+        pulled_ = SubstepNodes(std::move(nodes));
+        weights_.begin(state, constants_, structure, lines_);
+        line_damping_ = 0.0;
         clear_forces(state);
     }
     void store(State&) const override {}
@@ -30,30 +47,60 @@ public:
         return energy;
     }
 
+    Levels levels(const State& state) const override { return levels_of(state, constants_, *structure_); }
+
     void evaluate(State& state, BlockClock& clock) override {
         const auto add = [&](const ForceModels& models) {
             for (const auto& model : models)
-                clock.run([&] { model->add_forces(state); });
+                clock.run([&] {
+                    if (model.get() == lines_)
+                        pulled_.note(state, [&] { line_damping_ = pull_lines(state); });
+                    else
+                        model->add_forces(state);
+                });
         };
         add(*structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         add(*loads_);
     }
-    double stable_step(const State& state) override {
-        return fullsim::stable_step(state, constants_, *structure_, *loads_).dt;
+    StableSteps stable_steps(const State& state) override {
+        weights_.renew(state);
+        return fullsim::stable_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
     }
-    void advance(State& state, double dt, double next_added_mass) override {
+    void advance(State& state, double dt, int substeps, double next_added_mass) override {
+        if (substeps > 1)
+            return advance_in_substeps(state, constants_, dt, substeps, next_added_mass, pulled_,
+                                       line_damping_, [this](State& s) { return pull_lines(s); });
+        state.damping_power += line_damping_;
         fullsim::advance(state, constants_, dt, next_added_mass);
     }
 
 private:
+    /// [W] dissipated.
+    double pull_lines(State& state) const {
+        const double others = std::exchange(state.damping_power, 0.0);
+        lines_->add_forces(state);
+        return std::exchange(state.damping_power, others);
+    }
+
     const Mesh& mesh_;
     const NodeConstants& constants_;
     const ForceModels* structure_ = nullptr;
     const ForceModels* loads_ = nullptr;
+    const ForceModel* lines_ = nullptr;
+    SubstepNodes pulled_;
+    RowWeights weights_;
+    double line_damping_ = 0.0;  // [W]
 };
 
 }  // namespace
+
+Levels levels_of(const State& state, const NodeConstants& constants, const ForceModels& structure) {
+    Levels levels{kinetic_energy(state, constants), elastic_energy(state, structure), {}};
+    for (const auto& model : structure)
+        levels.stretched.push_back(model->extreme(state));
+    return levels;
+}
 
 void BlockClock::begin(const std::vector<std::string>& names) {
     active_.clear();
@@ -73,13 +120,29 @@ std::vector<BlockCost> BlockClock::costs() const {
     return costs;
 }
 
-std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
-    auto gores = make_gore_layout(scene, mesh, constants);
-    return gores ? std::move(gores) : make_indexed_layout(mesh, constants);
+std::size_t Layout::elements(const ForceModels& structure) const {
+    std::size_t count = 0;
+    for (const auto& model : structure)
+        count += model->elements();
+    return count;
 }
 
-std::unique_ptr<Layout> make_indexed_layout(const Mesh& mesh, const NodeConstants& constants) {
-    return std::make_unique<IndexedLayout>(mesh, constants);
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                                    int threads) {
+    if (scene.full.symmetry == Symmetry::sector) {
+        std::string why;
+        auto sector = make_sector_layout(scene, mesh, constants, &why);
+        if (!sector)
+            throw SceneError({scene.file.string()}, "full.symmetry", "this parachute has no alike sectors",
+                             why, "leave full.symmetry out");
+        return sector;
+    }
+    auto gores = make_gore_layout(scene, mesh, constants, nullptr, threads);
+    return gores ? std::move(gores) : make_indexed_layout(scene, mesh, constants);
+}
+
+std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants) {
+    return std::make_unique<ReferenceLayout>(mesh, constants);
 }
 
 }  // namespace twinchute::fullsim

@@ -9,6 +9,7 @@
 
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
+#include "fullsim/step/stable_step.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 
@@ -24,6 +25,7 @@ public:
         timed_ = timed;
         next_ = 0;
     }
+    bool timed() const { return timed_; }
     /// The next block's work.
     template <class Work>
     void run(Work&& work) {
@@ -50,43 +52,81 @@ private:
     bool timed_ = false;
 };
 
+/// What the checks of a run look at.
+struct Levels {
+    double kinetic = 0.0;            ///< [J] as kinetic_energy
+    double elastic = 0.0;            ///< [J] as elastic_energy
+    std::vector<Stretch> stretched;  ///< by structural block, as ForceModel::extreme
+};
+
+/// From the node records and the blocks themselves.
+Levels levels_of(const State& state, const NodeConstants& constants, const ForceModels& structure);
+
 class Layout {
 public:
     virtual ~Layout() = default;
 
     virtual std::string_view name() const = 0;
     virtual std::string_view instruction_set() const = 0;
+    virtual int threads() const { return 1; }
 
     /// A stage begins: nodes and velocities are taken from the state, forces are cleared in it. The blocks
     /// say what acts; they outlive the stage.
     virtual void begin(State& state, const ForceModels& structure, const ForceModels& loads) = 0;
-    /// Renews those node records that a step leaves out of date. Payload, links, risers and static line never
-    /// are.
+    /// Renews those node records that a step leaves out of date. Payload and static line never are.
     virtual void store(State& state) const = 0;
+    /// Of these the positions of seam nodes, at least.
+    virtual void store_seams(State& state) const { store(state); }
+
+    /// Structural elements that a step evaluates.
+    virtual std::size_t elements(const ForceModels& structure) const;
 
     /// [J] that the membranes of the stage would hold at full stiffness.
     virtual double membrane_energy(State& state) const = 0;
+    /// Of all nodes and elements as they are now, without store.
+    virtual Levels levels(const State& state) const = 0;
 
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure.
     virtual void evaluate(State& state, BlockClock& clock) = 0;
-    /// [s] the bound on the stable step of the current tangent, without safety factor (stable_step.hpp).
-    virtual double stable_step(const State& state) = 0;
+    virtual StableSteps stable_steps(const State& state) = 0;
 
-    /// One step with these forces (see advance in midpoint.hpp).
-    virtual void advance(State& state, double dt, double next_added_mass) = 0;
+    /// One step with these forces (see advance in midpoint.hpp), in which lines, risers and payload take
+    /// `substeps` (substeps.hpp).
+    virtual void advance(State& state, double dt, int substeps, double next_added_mass) = 0;
 };
 
-/// Node records of 64 bytes and lists of elements that refer to them: any mesh.
-std::unique_ptr<Layout> make_indexed_layout(const Mesh& mesh, const NodeConstants& constants);
+namespace indexed {
+struct Kernels;
+}
 
-/// Gores in lanes where gores are alike, indexed otherwise.
-std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants);
+/// Node records of 64 bytes and lists of elements that refer to them: any mesh. Kernels: the best of this
+/// machine unless others are given.
+std::unique_ptr<Layout> make_indexed_layout(const Scene& scene, const Mesh& mesh,
+                                            const NodeConstants& constants,
+                                            const indexed::Kernels* kernels = nullptr);
+
+/// The force blocks themselves, one after the other, on the same records: what other layouts are held to.
+std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants);
+
+/// One sector where the scene asks for it, else gores in lanes where gores are alike, indexed otherwise.
+/// Throws SceneError where a sector is asked for that the mesh has not.
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                                    int threads = 1);
 
 struct GoreKernels;
 
 /// Gores in lanes: the same element of several gores at once. Null where gores are not alike. Kernels: the
-/// best of this machine unless others are given.
+/// best of this machine unless others are given. As many threads at most, fewer where they would not pay.
 std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
-                                         const GoreKernels* kernels = nullptr);
+                                         const GoreKernels* kernels = nullptr, int threads = 1);
+
+struct SectorKernels;
+
+/// One sector of a symmetric parachute, its rows in lanes: the state has to be as symmetric as the mesh. Null
+/// where sectors are not alike, and `why` says in what. Kernels: the best of this machine unless others are
+/// given.
+std::unique_ptr<Layout> make_sector_layout(const Scene& scene, const Mesh& mesh,
+                                           const NodeConstants& constants, std::string* why = nullptr,
+                                           const SectorKernels* kernels = nullptr);
 
 }  // namespace twinchute::fullsim

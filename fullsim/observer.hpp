@@ -38,7 +38,7 @@ public:
     void count_peak_from(double time) { extremes_.peak_from = time; }
 
     /// Called once a step with the forces at state.time evaluated.
-    /// Needs the nodes of the canopy only where a row is due.
+    /// Needs the nodes of the seams only where a row is due.
     void observe(const State& state);
     bool row_is_due(double time) const { return time >= next_row_; }
     /// A check found everything sound so far.

@@ -22,6 +22,7 @@ constexpr std::int64_t most_steps = 2'000'000'000;
 constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
 constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
 constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
+constexpr double substep_cost = 0.15;    // of a substep of lines over a step of everything
 constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
@@ -114,6 +115,11 @@ State& Simulation::whole() const {
     return state_;
 }
 
+const State& Simulation::seams() const {
+    if (lags_) layout_->store_seams(state_);
+    return state_;
+}
+
 void Simulation::build_blocks() {
     structure_ = make_structure(scene_, mesh_, state_.stage);
     loads_ = make_loads(scene_, mesh_, state_.stage);
@@ -123,9 +129,10 @@ void Simulation::build_blocks() {
             names.emplace_back(model->name());
     clock_.begin(names);
     layout_->begin(state_, structure_, loads_);
-    elements_now_ = 0;
+    elements_now_ = layout_->elements(structure_);
+    line_elements_now_ = 0;
     for (const auto& model : structure_)
-        elements_now_ += model->elements();
+        if (force_block(model->name()).substeps) line_elements_now_ += model->elements();
 }
 
 void Simulation::evaluate_forces() {
@@ -253,11 +260,28 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
 }
 
 StableStep Simulation::bound() const {
-    return stable_step(whole(), constants_, structure_, loads_);
+    RowWeights weights;
+    const auto lines = std::ranges::find(structure_, "lines", &ForceModel::name);
+    weights.begin(whole(), constants_, structure_, lines->get());
+    return stable_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 
 void Simulation::refresh_step() {
-    step_ = scene_.full.time_step_factor * layout_->stable_step(state_);
+    const StableSteps stable = layout_->stable_steps(state_);
+    substeps_ = 1;
+    double step = stable.all, dearness = 1.0 / step;
+    // Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds
+    // to the energy grows with the step, so that longer ones are not for them.
+    const int most = state_.stage == Stage::flight ? scene_.full.line_substeps : 1;
+    for (int count = 2; count <= most; ++count) {
+        const double longer = std::min(stable.canopy, count * stable.lines);
+        const double dearness_of_count = (1.0 + substep_cost * (count - 1)) / longer;
+        if (dearness_of_count >= dearness) continue;
+        substeps_ = count;
+        step = longer;
+        dearness = dearness_of_count;
+    }
+    step_ = scene_.full.time_step_factor * step;
 }
 
 void Simulation::step_to(double end) {
@@ -265,17 +289,18 @@ void Simulation::step_to(double end) {
     const double left = end - state_.time;
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
-    layout_->advance(state_, dt, added_mass_after(dt).value);
+    most_substeps_ = std::max(most_substeps_, substeps_);
+    layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
     lags_ = true;
-    element_steps_ += static_cast<std::int64_t>(elements_now_);
+    element_steps_ += static_cast<std::int64_t>(elements_now_ + (substeps_ - 1) * line_elements_now_);
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);
 }
 
-std::string Simulation::first_bad_node() const {
+std::string Simulation::first_bad_node(const State& state) const {
     for (NodeIndex i = 0; i < mesh_.node_count(); ++i) {
-        const Lanes both = state_.node[i].x + state_.node[i].v;
+        const Lanes both = state.node[i].x + state.node[i].v;
         if (std::isfinite(sum3(both))) continue;
         for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
             if (std::ranges::count(mesh_.triangles[t].node, i))
@@ -290,25 +315,22 @@ std::string Simulation::first_bad_node() const {
 std::optional<RunStatus> Simulation::find_fault() {
     const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
     // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
-    const double everything = kinetic_energy(whole(), constants_) + state_.sums.system_position.sum();
+    const Levels levels = layout_->levels(state_);
+    const double everything = levels.kinetic + state_.sums.system_position.sum();
     if (!std::isfinite(everything))
-        return RunStatus{
-            StatusCode::not_finite,
-            fmt::format("{} {}; the time step is probably above the stable one", first_bad_node(), where())};
+        return RunStatus{StatusCode::not_finite,
+                         fmt::format("{} {}; the time step is probably above the stable one",
+                                     first_bad_node(whole()), where())};
     if (step_ < smallest_step)
         return RunStatus{StatusCode::step_too_small,
                          fmt::format("stable step {:.3g} s set by node {} {}", step_, bound().node, where())};
-    std::vector<double> load(structure_.size());
-    for (std::size_t i = 0; i < structure_.size(); ++i) {
-        const Extreme most = structure_[i]->extreme(state_);
-        if (most.strain > scene_.full.strain_limit)
+    for (std::size_t i = 0; i < structure_.size(); ++i)
+        if (const double strain = levels.stretched[i].strain; strain > scene_.full.strain_limit)
             return RunStatus{StatusCode::strain_limit,
                              fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}",
-                                         structure_[i]->element_name(most.element), 100.0 * most.strain,
-                                         100.0 * scene_.full.strain_limit, where())};
-        load[i] = most.load;
-    }
-    const EnergyLedger e = ledger();
+                                         structure_[i]->element_name(structure_[i]->extreme(whole()).element),
+                                         100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
+    const EnergyLedger e = ledger_of(levels);
     const double scale = state_.energy.kinetic_start + state_.energy.elastic_start +
                          std::abs(e.gravity_work) + std::abs(e.drag_work) + std::abs(e.external_work);
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
@@ -319,8 +341,10 @@ std::optional<RunStatus> Simulation::find_fault() {
     if (state_.step >= most_steps)
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};
-    for (std::size_t i = 0; i < structure_.size(); ++i)
-        if (auto& most = largest_load_[std::string(structure_[i]->name())]; load[i] > most) most = load[i];
+    for (std::size_t i = 0; i < structure_.size(); ++i) {
+        double& most = largest_load_[std::string(structure_[i]->name())];
+        most = std::max(most, levels.stretched[i].load);
+    }
     return std::nullopt;
 }
 

@@ -21,18 +21,24 @@ class Simulation {
 public:
     using LayoutMaker =
         std::function<std::unique_ptr<Layout>(const Scene&, const Mesh&, const NodeConstants&)>;
+    static std::unique_ptr<Layout> layout_of_one_thread(const Scene& scene, const Mesh& mesh,
+                                                        const NodeConstants& constants) {
+        return make_layout(scene, mesh, constants);
+    }
 
     /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open.
-    explicit Simulation(const Scene& scene, const LayoutMaker& layout = make_layout);
+    explicit Simulation(const Scene& scene, const LayoutMaker& layout = layout_of_one_thread);
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
 
     const Mesh& mesh() const { return mesh_; }
     /// All of it.
     const State& state() const { return whole(); }
-    /// Without the nodes of canopy and lines: what is there after every step at no cost. Nodes of payload,
-    /// links, risers and static line are always right.
+    /// Without the nodes of the parachute: what is there after every step at no cost. Nodes of payload and
+    /// static line are always right.
     const State& outline() const { return state_; }
+    /// With the positions of the seams, at least.
+    const State& seams() const;
     const Inflation& inflation() const { return inflation_; }
     const NodeConstants& constants() const { return constants_; }
 
@@ -65,8 +71,10 @@ public:
     StableStep bound() const;
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
+    /// Most substeps that lines have taken in a step.
+    int most_substeps() const { return most_substeps_; }
 
-    EnergyLedger ledger() const { return energy_ledger(whole(), constants_, structure_); }
+    EnergyLedger ledger() const { return ledger_of(layout_->levels(state_)); }
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
     /// from nowhere, or a step too small to go on.
     std::optional<RunStatus> find_fault();
@@ -89,7 +97,11 @@ private:
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
-    std::string first_bad_node() const;
+    EnergyLedger ledger_of(const Levels& levels) const {
+        return energy_ledger(state_, levels.kinetic, levels.elastic);
+    }
+    /// In `state`.
+    std::string first_bad_node(const State& state) const;
 
     /// The state with all its nodes as they are now.
     State& whole() const;
@@ -102,7 +114,8 @@ private:
     mutable State state_;  // its nodes may lag behind the layout's
     mutable bool lags_ = false;
     std::unique_ptr<Layout> layout_;
-    double step_ = 0.0;  // [s] bound times factor, as last refreshed
+    double step_ = 0.0;                     // [s] bound times factor, as last refreshed
+    int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
@@ -110,7 +123,7 @@ private:
     std::map<std::string, double, std::less<>> largest_load_;  // by structural block
     BlockClock clock_;
     std::int64_t element_steps_ = 0;
-    std::size_t elements_now_ = 0;
+    std::size_t elements_now_ = 0, line_elements_now_ = 0;
 };
 
 }  // namespace twinchute::fullsim

@@ -73,8 +73,9 @@ struct EnergyBook {
 };
 
 struct State {
-    double time = 0.0;  ///< [s] since release
-    double dt = 0.0;    ///< [s] length of the step that led here; 0 at the start
+    double time = 0.0;     ///< [s] since release
+    double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
+    double line_dt = 0.0;  ///< [s] of the last substep of lines in it; dt where they took none
     std::int64_t step = 0;
     Phase phase = Phase::initial;
     Stage stage = Stage::flight;

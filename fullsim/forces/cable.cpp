@@ -1,6 +1,8 @@
 // Lines, risers, tapes and the static line: 2-node cables that pull and never push.
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include "fullsim/forces/gather.hpp"
@@ -19,12 +21,29 @@ struct alignas(32) Group {
 /// [m^2] under every length's root: keeps the direction of a cable of no length from being 0/0.
 constexpr double smallest_square = 1e-18;
 
+/// Which kinds of cable.
+using Which = bool (*)(CableKind);
+
+bool any_kind(CableKind) {
+    return true;
+}
+bool no_tape(CableKind kind) {
+    return !is_tape(kind);
+}
+
 /// T = max(0, EA (l - l0)/l0 + (beta E/l0 + b1 rho c1) A dl/dt): engineering strain, no compression.
 class CableBlock final : public ForceModel {
 public:
-    CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name,
+    CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name, Which which,
                double bulk_viscosity, double beta)
-        : mesh_(mesh), cables_(cables), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {}
+        : mesh_(mesh), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {
+        const auto begin = std::ranges::find_if(cables, which, &Cable::kind);
+        const auto end = std::ranges::find_if_not(begin, cables.end(), which, &Cable::kind);
+        if (std::ranges::find_if(end, cables.end(), which, &Cable::kind) != cables.end())
+            throw std::logic_error("tapes of a mesh come before its lines and risers");
+        cables_ = {begin, end};
+        first_ = static_cast<std::size_t>(begin - cables.begin());
+    }
 
     std::string_view name() const override { return name_; }
     std::size_t elements() const override { return cables_.size(); }
@@ -57,10 +76,12 @@ public:
 
     void add_row_sums(const State&, RowSums& sums) const override {
         for (const Cable& c : cables_)
-            for (const NodeIndex i : c.node) {
+            for (int end = 0; end < 2; ++end) {
                 // Both blocks of a row have the norm EA/l0; a slack cable may pull tight any time.
-                sums.stiffness[i] += 2.0 * stiffness(c) / c.rest_length;
-                sums.damping[i] += 2.0 * dashpot(c);
+                const NodeIndex i = c.node[end];
+                const double columns = 1.0 + sums.over(c.node[1 - end], i);
+                sums.stiffness[i] += columns * stiffness(c) / c.rest_length;
+                sums.damping[i] += columns * dashpot(c);
             }
     }
 
@@ -85,7 +106,7 @@ public:
     }
 
     std::string element_name(std::size_t i) const override {
-        return fmt::format("{} cable {}", cable_kind_name(cables_[i].kind), i);
+        return fmt::format("{} cable {}", cable_kind_name(cables_[i].kind), first_ + i);
     }
 
 private:
@@ -115,7 +136,8 @@ private:
     }
 
     const Mesh& mesh_;
-    const std::vector<Cable>& cables_;
+    std::span<const Cable> cables_;
+    std::size_t first_ = 0;  // of them in the mesh
     std::string_view name_;
     double bulk_viscosity_, beta_;
     GroupsOnDemand<Group> groups_;
@@ -132,15 +154,24 @@ CableConstants cable_constants(const Mesh& mesh, const Cable& c, double bulk_vis
 
 std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
                                               std::string_view name, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, cables, name, bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, cables, name, any_kind, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.cables, "cable", bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, mesh.cables, "cable", any_kind, bulk_viscosity, beta);
+}
+
+std::unique_ptr<const ForceModel> make_tapes(const Mesh& mesh, double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, mesh.cables, "tapes", is_tape, bulk_viscosity, beta);
+}
+
+std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, mesh.cables, "lines", no_tape, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.static_line.cables, "static line", bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, mesh.static_line.cables, "static line", any_kind,
+                                        bulk_viscosity, beta);
 }
 
 }  // namespace twinchute::fullsim

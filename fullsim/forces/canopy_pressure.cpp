@@ -17,11 +17,7 @@ constexpr double largest_pressure_coefficient = 3.0;
 class CanopyPressure final : public ForceModel {
 public:
     CanopyPressure(const Mesh& mesh, double smallest_area)
-        : mesh_(mesh), smallest_area_(smallest_area), canopy_nodes_(mesh.canopy_nodes) {
-        const double area = mesh.fabric_area();
-        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
-            share_.push_back(mesh.tributary_area[i] / area);
-    }
+        : mesh_(mesh), smallest_area_(smallest_area), fabric_area_(mesh.fabric_area()) {}
 
     std::string_view name() const override { return "canopy pressure"; }
     std::size_t elements() const override { return mesh_.triangles.size(); }
@@ -50,8 +46,8 @@ public:
                     state.aero[g.node[c][k]].value += corner.row[k];
         }
 
-        for (NodeIndex i = 0; i < canopy_nodes_; ++i)
-            state.aero[i].value += share_[i] * flag;
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+            state.aero[i].value += (mesh_.tributary_area[i] / fabric_area_) * flag;
     }
 
 private:
@@ -75,10 +71,8 @@ private:
     }
 
     const Mesh& mesh_;
-    double smallest_area_;
-    NodeIndex canopy_nodes_;
+    double smallest_area_, fabric_area_;  // [m^2]
     GroupsOnDemand<CornerGroup> groups_;
-    std::vector<double> share_;  // of the fabric's area that is a node's [-]
 };
 
 }  // namespace

@@ -60,13 +60,10 @@ struct alignas(32) EdgeGroup {
 /// at rest, too; that would draw a pack together into a point.
 class FoldResistance final : public ForceModel {
 public:
-    FoldResistance(const Mesh& mesh, double resistance) : edges_(fabric_edges(mesh)), dummy_(mesh.dummy()) {
-        for (const FabricEdge& e : edges_)
-            force_.push_back(resistance * e.section / mesh.fabric.thickness);
-    }
+    FoldResistance(const Mesh& mesh, double resistance) : mesh_(mesh), resistance_(resistance) {}
 
     std::string_view name() const override { return "fold resistance"; }
-    std::size_t elements() const override { return edges_.size(); }
+    std::size_t elements() const override { return edges().size(); }
 
     void add_forces(State& state) const override {
         sweep(state, groups_.get([this] { return make_groups(); }));
@@ -95,32 +92,41 @@ public:
     }
 
     void add_row_sums(const State&, RowSums& sums) const override {
-        for (std::size_t i = 0; i < edges_.size(); ++i)
-            for (const NodeIndex n : edges_[i].node)
-                sums.damping[n] += 2.0 * force_[i] / full_fold_speed;
+        for (const FabricEdge& e : edges())
+            for (int end = 0; end < 2; ++end) {
+                const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
+                sums.damping[e.node[end]] += columns * force(e) / full_fold_speed;
+            }
     }
 
 private:
     std::vector<EdgeGroup> make_groups() const {
+        const std::vector<FabricEdge>& all = edges();
         std::vector<EdgeGroup> groups;
-        for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
+        for (std::size_t first = 0; first < all.size(); first += lane_count) {
             EdgeGroup g{};
             for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= edges_.size();
+                const bool padding = first + k >= all.size();
                 for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? dummy_ : edges_[first + k].node[end];
-                g.rest_length[k] = padding ? 0.0 : edges_[first + k].rest_length;
-                g.force[k] = padding ? 0.0 : force_[first + k];
+                    g.node[end][k] = padding ? mesh_.dummy() : all[first + k].node[end];
+                g.rest_length[k] = padding ? 0.0 : all[first + k].rest_length;
+                g.force[k] = padding ? 0.0 : force(all[first + k]);
             }
             groups.push_back(g);
         }
         return groups;
     }
 
-    std::vector<FabricEdge> edges_;
-    std::vector<double> force_;  // [N] of each edge
+    const std::vector<FabricEdge>& edges() const {
+        return edges_.get([this] { return fabric_edges(mesh_); });
+    }
+    /// [N]
+    double force(const FabricEdge& e) const { return resistance_ * e.section / mesh_.fabric.thickness; }
+
+    const Mesh& mesh_;
+    double resistance_;  // [N/m]
+    GroupsOnDemand<FabricEdge> edges_;
     GroupsOnDemand<EdgeGroup> groups_;
-    NodeIndex dummy_;
 };
 
 /// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy

@@ -12,16 +12,24 @@
 namespace twinchute::fullsim {
 
 /// Row sums for the stable step: sum over elements of the norms of their stiffness and damping
-/// blocks in the row of each node (Gershgorin).
+/// blocks in the row of each node, the block of column j times w_j/w_i (Gershgorin).
 struct RowSums {
-    std::vector<double> stiffness;  ///< K_i [N/m]
-    std::vector<double> damping;    ///< C_i [N s/m]
+    std::vector<double> stiffness;    ///< K_i [N/m]
+    std::vector<double> damping;      ///< C_i [N s/m]
+    std::vector<double> weight = {};  ///< w > 0 by node; empty where all are alike
+
+    /// w_j/w_i
+    double over(NodeIndex j, NodeIndex i) const { return weight.empty() ? 1.0 : weight[j] / weight[i]; }
 };
 
-/// The most strained element of a block.
-struct Extreme {
-    double strain = 0.0;      ///< [-] largest tensile strain
-    double load = 0.0;        ///< largest line tension [N], or its principal stress resultant [N/m]
+/// How far the most strained element of a block is stretched.
+struct Stretch {
+    double strain = 0.0;  ///< [-] largest tensile strain
+    double load = 0.0;    ///< largest line tension [N], or its principal stress resultant [N/m]
+};
+
+/// And which one it is.
+struct Extreme : Stretch {
     std::size_t element = 0;  ///< its number within the block
 };
 

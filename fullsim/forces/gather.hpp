@@ -25,8 +25,8 @@ inline Lanes3 gather_velocity(const std::vector<NodeRecord>& node, const LaneNod
     return columns(node[i[0]].v, node[i[1]].v, node[i[2]].v, node[i[3]].v);
 }
 
-/// Groups of elements as add_forces walks through them: made when it first does, since a block whose work
-/// another layout does still answers for its energy and its strains.
+/// Elements or groups of them as a block walks through them: made when it first does, since a block whose
+/// work another layout does still answers for its energy and its strains.
 template <class Group>
 class GroupsOnDemand {
 public:

@@ -31,6 +31,7 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
+        static const CylinderDragTable drag_coefficient;
         const double reynolds_per_speed = state.air.density * diameter_ / state.air.viscosity;
         // Half of 1/2 rho d to each end.
         const double factor = 0.25 * state.air.density * diameter_;
@@ -46,7 +47,7 @@ public:
             const Lanes length = square_root(square);
             Lanes coefficient;
             for (int k = 0; k < lane_count; ++k)
-                coefficient[k] = drag_coefficient_(reynolds_per_speed * speed[k]);
+                coefficient[k] = drag_coefficient(reynolds_per_speed * speed[k]);
             const CornerForces half(factor * length * coefficient * speed * across);
             for (int k = 0; k < lane_count; ++k) {
                 state.aero[g.node[0][k]].value += half.row[k];
@@ -75,7 +76,6 @@ private:
     double diameter_;  // [m]
     std::size_t elements_;
     GroupsOnDemand<Group> groups_;
-    CylinderDragTable drag_coefficient_;
 };
 
 }  // namespace

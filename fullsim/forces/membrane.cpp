@@ -29,10 +29,7 @@ struct alignas(32) Group : MembraneLanes {};
 class Membrane final : public ForceModel {
 public:
     Membrane(const Mesh& mesh, double bulk_viscosity)
-        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles), dummy_(mesh.dummy()) {
-        for (const Triangle& t : triangles_)
-            rows_.push_back(unstrained_rows(law_, t));
-    }
+        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles), dummy_(mesh.dummy()) {}
 
     std::string_view name() const override { return "membrane"; }
     std::size_t elements() const override { return triangles_.size(); }
@@ -65,14 +62,18 @@ public:
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
-        for (std::size_t e = 0; e < triangles_.size(); ++e) {
-            const double stretch = std::max(0.0, first_principal(strain_of(state, triangles_[e])));
+        for (const Triangle& t : triangles_) {
+            const TriangleRows unstrained = unstrained_rows(law_, t);
+            const double stretch = std::max(0.0, first_principal(strain_of(state, t)));
             // St. Venant-Kirchhoff stiffens with stretch: lambda^2 and the stress itself, 1 + 3 E_1.
             const double stiffening = state.fe_weight * (1.0 + 3.0 * stretch);
-            const double lengthening = state.fe_weight * (1.0 + 2.0 * stretch);
+            const double lengthening = state.fe_weight * (1.0 + 2.0 * stretch) * unstrained.damping;
+            const auto& [n0, n1, n2] = t.node;
+            const std::array<double, 3> weight{1.0, sums.over(n1, n0), sums.over(n2, n0)};
             for (int i = 0; i < 3; ++i) {
-                sums.stiffness[triangles_[e].node[i]] += stiffening * rows_[e].stiffness[i];
-                sums.damping[triangles_[e].node[i]] += lengthening * rows_[e].damping[i];
+                const double stiffness = unstrained.stiffness(i, weight);
+                sums.stiffness[t.node[i]] += stiffening * stiffness;
+                sums.damping[t.node[i]] += lengthening * stiffness;
             }
         }
     }
@@ -89,7 +90,7 @@ public:
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
             const PlaneTensor strain = strain_of(state, triangles_[i]);
             const double first = first_principal(strain);
-            if (first > most.strain) most = {first, first_principal(membrane_stress(law_, strain)), i};
+            if (first > most.strain) most = {{first, first_principal(membrane_stress(law_, strain))}, i};
         }
         // Cloth that is held by springs still may look strained to an element: it carries its share only.
         most.strain *= state.fe_weight;
@@ -138,7 +139,6 @@ private:
     const std::vector<Triangle>& triangles_;
     NodeIndex dummy_;
     GroupsOnDemand<Group> groups_;
-    std::vector<TriangleRows> rows_;
 };
 
 SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
@@ -155,13 +155,9 @@ TriangleRows unstrained_rows(const MembraneLaw& law, const Triangle& t) {
     const double twice_area = t.a * t.c;
     const double gradient[3] = {std::hypot(t.b - t.a, t.c) / twice_area, std::hypot(t.b, t.c) / twice_area,
                                 t.a / twice_area};
-    const double total = t.area() * (gradient[0] + gradient[1] + gradient[2]);
-    TriangleRows rows{};
-    for (int i = 0; i < 3; ++i) {
-        rows.stiffness[i] = law.plane_modulus * gradient[i] * total;
-        rows.damping[i] = law.viscosity * element_length(t) * gradient[i] * total;
-    }
-    return rows;
+    const double root = std::sqrt(law.plane_modulus * t.area());
+    return {{root * gradient[0], root * gradient[1], root * gradient[2]},
+            law.viscosity * element_length(t) / law.plane_modulus};
 }
 
 MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity) {

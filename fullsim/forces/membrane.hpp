@@ -40,9 +40,16 @@ double element_length(const Triangle& triangle);
 
 /// Row sums of the unstrained triangle (Gershgorin), by corner. The gradient of a corner's shape function is
 /// the opposite edge over twice the area, and the norm of the block of corners i and j is at most area *
-/// modulus * |gradient_i| |gradient_j|.
+/// modulus * |gradient_i| |gradient_j|: the product of two factors.
 struct TriangleRows {
-    std::array<double, 3> stiffness, damping;  ///< [N/m], [N s/m]
+    std::array<double, 3> factor;  ///< by corner [sqrt(N/m)]
+    double damping;                ///< of a row over its stiffness [s]
+
+    /// [N/m] of the row of a corner, with the weights of all three.
+    double stiffness(int corner, const std::array<double, 3>& weight) const {
+        return factor[corner] * (factor[0] * weight[0] + factor[1] * weight[1] + factor[2] * weight[2]) /
+               weight[corner];
+    }
 };
 TriangleRows unstrained_rows(const MembraneLaw& law, const Triangle& triangle);
 

@@ -9,7 +9,7 @@ namespace {
 class BreathingDamping final : public ForceModel {
 public:
     BreathingDamping(const Mesh& mesh, double k)
-        : k_(k), area_(mesh.tributary_area.begin(), mesh.tributary_area.begin() + mesh.canopy_nodes) {}
+        : k_(k), canopy_nodes_(mesh.canopy_nodes), area_(mesh.tributary_area) {}
 
     std::string_view name() const override { return "breathing damping"; }
 
@@ -17,7 +17,7 @@ public:
         const double per_area = k_ * state.air.density * state.air.airspeed;
         const Lanes mean = to_lanes(state.sums.canopy_area_velocity);
         Lanes dissipated = splat(0.0);
-        for (std::size_t i = 0; i < area_.size(); ++i) {
+        for (NodeIndex i = 0; i < canopy_nodes_; ++i) {
             const Lanes relative = state.node[i].v - mean;
             const Lanes resistance = per_area * area_[i] * relative;
             state.force[i].value -= resistance;
@@ -27,13 +27,14 @@ public:
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
-        for (std::size_t i = 0; i < area_.size(); ++i)
+        for (NodeIndex i = 0; i < canopy_nodes_; ++i)
             sums.damping[i] += k_ * state.air.density * state.air.airspeed * area_[i];
     }
 
 private:
     double k_;
-    std::vector<double> area_;  // [m^2]
+    NodeIndex canopy_nodes_;
+    const std::vector<double>& area_;  // [m^2]
 };
 
 /// f_i = -alpha m_i (v_i - v_system) (paper, Eq. 4): damps motion about the mean, not the fall.

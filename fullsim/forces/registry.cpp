@@ -1,5 +1,6 @@
 #include "fullsim/forces/registry.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "fullsim/mesh/start.hpp"
@@ -16,42 +17,44 @@ bool always(const Scene&, Stage) {
     return true;
 }
 
-constexpr std::array<ForceBlock, 13> blocks{{
-    {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false,
+constexpr std::array<ForceBlock, 14> blocks{{
+    {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::fe || stage == Stage::ramp || stage == Stage::flight;
      },
      [](const Scene& s, const Mesh& m) { return make_membrane(m, s.full.bulk_viscosity); }},
-    {"fabric springs", "paper, 2.1, Eqs 2-3", true, true, true, true, false,
+    {"fabric springs", "paper, 2.1, Eqs 2-3", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::msd_fe && stage != Stage::flight;
      },
      [](const Scene& s, const Mesh& m) {
          return make_fabric_springs(m, deployment(s).fold_repulsion, s.full.bulk_viscosity, s.full.beta);
      }},
-    {"cable", "paper, 2.2 and Eq. 3", true, true, true, true, false, &always,
-     [](const Scene& s, const Mesh& m) { return make_cable(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"static line", "paper, 5.2", true, true, true, true, false,
+    {"tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always,
+     [](const Scene& s, const Mesh& m) { return make_tapes(m, s.full.bulk_viscosity, s.full.beta); }},
+    {"lines", "paper, 2.2 and Eq. 3", true, true, true, true, false, true, &always,
+     [](const Scene& s, const Mesh& m) { return make_lines(m, s.full.bulk_viscosity, s.full.beta); }},
+    {"static line", "paper, 5.2", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return deployment(s).by == DeployBy::static_line && stage == Stage::deployment;
      },
      [](const Scene& s, const Mesh& m) { return make_static_line(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"canopy pressure", "paper, Eqs 11-12", false, false, true, false, false,
+    {"canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
      [](const Scene& s, const Mesh& m) {
          return make_canopy_pressure(m, smallest_projected_area(s.parachutes.front()));
      }},
-    {"cloth drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false, false,
+    {"cloth drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false, false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).drag_coefficient > 0.0;
      },
      [](const Scene& s, const Mesh& m) { return make_cloth_drag(m, deployment(s).drag_coefficient); }},
-    {"fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true, true, false,
+    {"fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).fold_resistance > 0.0;
      },
      [](const Scene& s, const Mesh& m) { return make_fold_resistance(m, deployment(s).fold_resistance); }},
-    {"extraction", "paper, 2.1", false, false, false, false, true,
+    {"extraction", "paper, 2.1", false, false, false, false, true, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).by == DeployBy::extraction;
      },
@@ -59,26 +62,27 @@ constexpr std::array<ForceBlock, 13> blocks{{
          return make_extraction(m, deployment(s).extraction, deployment(s).extraction_on_apex,
                                 trailing_direction(s));
      }},
-    {"line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false,
+    {"line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.aerodynamics.line_drag.has_value(); },
      [](const Scene&, const Mesh& m) { return make_line_drag(m); }},
     {"breathing damping", "not in the paper; docs/theory/full-model.md", false, true, true, true, false,
+     false,
      [](const Scene& s, Stage stage) {
          return s.aerodynamics.breathing_damping.has_value() && stage != Stage::deployment;
      },
      [](const Scene& s, const Mesh& m) {
          return make_breathing_damping(m, *s.aerodynamics.breathing_damping);
      }},
-    {"payload drag", "paper, 3.1", false, false, true, false, false,
+    {"payload drag", "paper, 3.1", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.payload.drag_area.has_value(); },
      [](const Scene& s, const Mesh& m) { return make_payload_drag(m, *s.payload.drag_area); }},
-    {"accretion", "momentum balance of the added mass", false, false, true, false, false,
+    {"accretion", "momentum balance of the added mass", false, false, true, false, false, false,
      [](const Scene& s, Stage stage) {
          const auto& added = s.aerodynamics.added_mass;
          return added && added->momentum == AddedMassMomentum::accreting && stage != Stage::deployment;
      },
      [](const Scene&, const Mesh& m) { return make_accretion(m); }},
-    {"mass damping", "paper, Eq. 4", false, true, true, true, false,
+    {"mass damping", "paper, Eq. 4", false, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.alpha > 0.0 && (s.full.alpha_from_release || stage != Stage::deployment);
      },
@@ -97,6 +101,10 @@ ForceModels make_blocks(const Scene& scene, const Mesh& mesh, Stage stage, bool 
 
 std::span<const ForceBlock> force_blocks() {
     return blocks;
+}
+
+const ForceBlock& force_block(std::string_view name) {
+    return *std::ranges::find(blocks, name, &ForceBlock::name);
 }
 
 ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage) {

@@ -18,7 +18,10 @@ struct CableConstants {
     double stiffness, dashpot;
 };
 CableConstants cable_constants(const Mesh& mesh, const Cable& cable, double bulk_viscosity, double beta);
+/// All that a mesh has, tapes alone, or lines and risers alone.
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta = 0.0);
+std::unique_ptr<const ForceModel> make_tapes(const Mesh& mesh, double bulk_viscosity, double beta);
+std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_viscosity, double beta);
 /// Cables of a list, which is kept by reference.
 std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
                                               std::string_view name, double bulk_viscosity, double beta);
@@ -52,11 +55,14 @@ struct ForceBlock {
     bool dissipates;      ///< what it takes out of the motion is booked as damping
     bool fixed_in_space;  ///< its direction is prescribed; everything else turns with the parachute and the
                           ///< air
+    bool substeps;        ///< of lines and risers: evaluated in every substep (fullsim/step/substeps.hpp)
     bool (*needed)(const Scene&, Stage);
     std::unique_ptr<const ForceModel> (*make)(const Scene&, const Mesh&);
 };
 
 std::span<const ForceBlock> force_blocks();
+/// The row of that name.
+const ForceBlock& force_block(std::string_view name);
 
 /// The structural blocks of a scene in a stage of its run. They come first in every step, so that the riser
 /// force can be read before anything else acts on the payload.

@@ -29,11 +29,9 @@ public:
         : repulsion_(repulsion),
           modulus_(mesh.fabric.youngs_modulus),
           edges_(fabric_edges(mesh)),
-          dummy_(mesh.dummy()) {
-        const double impedance = bulk_viscosity * std::sqrt(modulus_ * mesh.fabric.density);  // per area
-        for (FabricEdge& e : edges_)
-            dashpot_.push_back((beta * modulus_ / e.rest_length + impedance) * e.section);
-    }
+          dummy_(mesh.dummy()),
+          beta_(beta),
+          impedance_(bulk_viscosity * std::sqrt(modulus_ * mesh.fabric.density)) {}
 
     std::string_view name() const override { return "fabric springs"; }
     std::size_t elements() const override { return edges_.size(); }
@@ -69,14 +67,14 @@ public:
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
-        for (std::size_t i = 0; i < edges_.size(); ++i) {
-            const FabricEdge& e = edges_[i];
+        for (const FabricEdge& e : edges_) {
             const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);
             const double tangent =
                 modulus_ * e.section / e.rest_length * (1.0 + 2.0 * spring_growth(e.hardening) * low);
-            for (const NodeIndex n : e.node) {
-                sums.stiffness[n] += 2.0 * tangent;
-                sums.damping[n] += 2.0 * dashpot_[i];
+            for (int end = 0; end < 2; ++end) {
+                const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
+                sums.stiffness[e.node[end]] += columns * tangent;
+                sums.damping[e.node[end]] += columns * dashpot(e);
             }
         }
     }
@@ -99,7 +97,7 @@ public:
     Extreme extreme(const State& state) const override {
         Extreme most;
         for (std::size_t i = 0; i < edges_.size(); ++i)
-            if (const double s = strain(state, edges_[i]); s > most.strain) most = {s, 0.0, i};
+            if (const double s = strain(state, edges_[i]); s > most.strain) most = {{s, 0.0}, i};
         return most;
     }
 
@@ -117,11 +115,16 @@ private:
                 g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
                 g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
                 g.growth[k] = padding ? 0.0 : spring_growth(edges_[first + k].hardening);
-                g.dashpot[k] = padding ? 0.0 : dashpot_[first + k];
+                g.dashpot[k] = padding ? 0.0 : dashpot(edges_[first + k]);
             }
             groups.push_back(g);
         }
         return groups;
+    }
+
+    /// [N s/m]
+    double dashpot(const FabricEdge& e) const {
+        return (beta_ * modulus_ / e.rest_length + impedance_) * e.section;
     }
 
     static double strain(const State& state, const FabricEdge& e) {
@@ -132,8 +135,8 @@ private:
     double repulsion_;  // of folded cloth over the stiffness in tension [-]
     double modulus_;    // [Pa]
     std::vector<FabricEdge> edges_;
-    std::vector<double> dashpot_;  // [N s/m] of each edge
     NodeIndex dummy_;
+    double beta_, impedance_;  // [s], [N s/m^3] per area of an edge
     GroupsOnDemand<Group> groups_;
 };
 
@@ -153,6 +156,7 @@ std::vector<FabricEdge> fabric_edges(const Mesh& mesh) {
         add(t.node[1], t.node[2], std::hypot(t.b - t.a, t.c), t.area());
     }
     std::vector<FabricEdge> edges;
+    edges.reserve(found.size());
     for (const auto& [nodes, edge] : found)
         edges.push_back(edge);
 

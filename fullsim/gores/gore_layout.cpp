@@ -1,18 +1,23 @@
 // Gores in lanes: a generated canopy is the same gore over and over, so its elements need neither gathers nor
 // scatters.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/gores/crew.hpp"
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/step/energy.hpp"
 #include "fullsim/step/stable_step.hpp"
+#include "fullsim/step/substeps.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
@@ -32,7 +37,7 @@ public:
     GoreNodes(const Gores& gores, int lanes, int arrays) : gores_(gores) {
         frame.arrays = arrays;
         frame.lanes = lanes;
-        frame.blocks = (gores.count + lanes - 1) / lanes;
+        frame.blocks = frame.last = (gores.count + lanes - 1) / lanes;
         frame.nodes = gores.local_nodes();
         frame.own = gores.own;
         frame.canopy = gores.canopy;
@@ -44,8 +49,8 @@ public:
         double* const begin = memory_.front().data();
         double* next = begin + row;
         // What a triangle reads and writes comes first.
-        double** const all_arrays[] = {&frame.x,    &frame.v,      &frame.force,
-                                       &frame.push, &frame.v_half, &frame.aero};
+        double** const all_arrays[] = {&frame.x,      &frame.v,    &frame.force, &frame.push,
+                                       &frame.v_half, &frame.aero, &frame.pull};
         for (int k = 0; k < arrays; ++k, next += 3 * row)
             *all_arrays[k] = next;
         next = begin + row + nodes;
@@ -119,20 +124,24 @@ private:
     std::vector<Line> memory_;
 };
 
+constexpr std::size_t elements_of_thread = 1500;
+
 class GoreLayout final : public Layout {
 public:
     GoreLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Gores gores,
-               const GoreKernels& kernels)
+               const GoreKernels& kernels, int threads)
         : scene_(scene),
           mesh_(mesh),
           constants_(constants),
           kernels_(kernels),
+          crew_(threads),
           gores_(std::move(gores)),
           fabric_area_(mesh.fabric_area()),
           tethered_(!mesh.static_line.cables.empty()) {}
 
     std::string_view name() const override { return "gores in lanes"; }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
+    int threads() const override { return crew_.most(); }
 
     void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
         if (tethered_ && mesh_.static_line.cables.empty()) {
@@ -140,18 +149,24 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 6);
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 7);
         rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 1);
         clear_forces(state);
         nodes_->load(state);
-        meet_neighbours();
+        for (double* array : {nodes_->frame.x, nodes_->frame.v})
+            kernels_.show_neighbours(nodes_->frame, gores_.neighbour, array);
         step_ = {};
+        line_damping_ = 0.0;
         structure_.clear();
         loads_.clear();
-        cables_.clear();
+        tapes_.clear();
+        lines_.clear();
         cords_.clear();
         trunk_.clear();
         make_nodes();
+        for (auto& of_row : sums_)
+            of_row.assign(nodes_->frame.blocks, {});
+        step_sums_.assign(nodes_->frame.blocks, {});
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
                 const auto row = std::ranges::find(rows, model->name(), &Row::block);
@@ -172,50 +187,105 @@ public:
         has_.breathing = acts("breathing damping");
         has_.accretion = acts("accretion");
         has_.mass_damping = acts("mass damping");
-        collect_rows_of_cables(state);
+        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
+        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weigh_rows(state);
     }
 
     void store(State& state) const override { nodes_->store(state); }
 
-    double membrane_energy(State&) const override { return kernels_.membrane_energy(nodes_->frame, fabric_); }
-
-    void evaluate(State& state, BlockClock& clock) override {
-        for (const Row* row : structure_)
-            clock.run([&] { (this->*row->add)(state); });
-        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
-        for (const Row* row : loads_)
-            clock.run([&] { (this->*row->add)(state); });
+    double membrane_energy(State&) const override {
+        return kernels_.membrane_levels(nodes_->frame, fabric_).energy;
     }
 
-    double stable_step(const State& state) override {
-        const GoreFrame &frame = nodes_->frame, &sums = rows_->frame;
-        for (int block = 0; block < sums.blocks; ++block)
-            for (int n = 0; n < sums.nodes; ++n)
-                for (int what = 0; what < 2; ++what)
-                    std::fill_n(sums.x + sums.at(block, n) + static_cast<std::ptrdiff_t>(what) * sums.lanes,
-                                sums.lanes, rows_of_cables_[n][what]);
+    Levels levels(const State& state) const override {
+        Levels levels{kernels_.kinetic_energy(nodes_->frame, node_, state.added_mass), 0.0, {}};
+        for (const NodeIndex i : gores_.trunk)
+            levels.kinetic += 0.5 * constants_.mass[i] * sum3(state.node[i].v * state.node[i].v);
+        levels.kinetic += static_line_kinetic_energy(state, constants_);
+        for (const Row* row : structure_) {
+            const ElementLevels of_row = (this->*row->levels)(state);
+            levels.elastic += of_row.energy;
+            levels.stretched.push_back(of_row.most);
+        }
+        return levels;
+    }
+
+    void evaluate(State& state, BlockClock& clock) override {
+        count_time();
+        use_air(state);
+        const auto work = [this](const Row* row, const GoreFrame& part) {
+            FabricSums& sums = sums_[row - rows.data()][part.first];
+            sums = row->work ? (this->*row->work)(part) : FabricSums{};
+        };
+        // For the clock, one block of forces after the other; otherwise each thread does all of them for the
+        // gores that it has. Nothing but the order differs, and no force sees that.
+        const bool at_once = crew_.now() > 1 && !clock.timed();
+        if (at_once)
+            for_parts([&](const GoreFrame& part) {
+                for (const auto* blocks : {&structure_, &loads_})
+                    for (const Row* row : *blocks)
+                        work(row, part);
+            });
+        const auto run = [&](const std::vector<const Row*>& blocks) {
+            for (const Row* row : blocks)
+                clock.run([&] {
+                    if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
+                    FabricSums total;
+                    if (row->work)
+                        for (const FabricSums& of_part : sums_[row - rows.data()])
+                            total += of_part;
+                    (this->*row->finish)(state, total);
+                });
+        };
+        run(structure_);
+        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        run(loads_);
+    }
+
+    StableSteps stable_steps(const State& state) override {
+        if (weights_.renew(state)) weigh_rows(state);
+        const GoreFrame& sums = rows_->frame;
+        for (LocalNode n = 0; n < sums.nodes; ++n)
+            set_rows(n, slow_rows_[n]);
         fabric_.weight = state.fe_weight;
-        if (has_.membrane) kernels_.membrane_rows(frame, fabric_, triangle_rows_, sums);
-        if (has_.springs || has_.folds) kernels_.spring_rows(frame, edges(), sums);
+        for_parts([&](const GoreFrame& part) {
+            if (has_.membrane) kernels_.membrane_rows(part, fabric_, triangle_rows_, sums);
+            if (has_.springs || has_.folds) kernels_.spring_rows(part, edges(), spring_columns_, sums);
+        });
         kernels_.give_back(sums, gores_.neighbour, sums.x);
         const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
                                 (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
-        const double by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
         find_inverse_inertia(state);
-        for (std::size_t n = 0; n < node_.size(); ++n)
-            node_damping_[n] = by_share * node_[n].share + by_mass * node_[n].mass;
-        return std::min(kernels_.stable_step(sums, inverse_inertia_, node_damping_),
-                        stable_step_of_trunk(by_mass));
+        for (LocalNode n = 0; n < gores_.canopy; ++n)
+            node_damping_[n] = by_share * node_[n].share + by_mass() * node_[n].mass;
+        const auto bound = [&](LocalNode first, LocalNode last) {
+            return kernels_.stable_step(sums, inverse_inertia_, node_damping_, first, last);
+        };
+        const double inner = std::min(bound(0, gores_.inner), static_line_step_);
+        StableSteps steps;
+        steps.canopy = std::min(inner, bound(gores_.inner, gores_.canopy));
+        steps.lines = line_step_;
+        for (LocalNode n = gores_.inner; n < gores_.canopy; ++n) {
+            steps.lines = std::min(steps.lines, fullsim::stable_step({{line_rows_[n][0]}, {line_rows_[n][1]}},
+                                                                     {1.0 / inverse_inertia_[n]})
+                                                    .dt);
+            add_rows(n, line_rows_[n]);
+        }
+        steps.all = std::min({inner, bound(gores_.inner, gores_.canopy), line_step_});
+        return steps;
     }
 
-    void advance(State& state, double dt, double next_added_mass) override {
+    void advance(State& state, double dt, int substeps, double next_added_mass) override {
         const GoreFrame& frame = nodes_->frame;
+        const bool together = substeps == 1;
         nodes_->send_guests(frame.force, state.force);
         nodes_->send_guests(frame.aero, state.aero);
-        kernels_.give_back(frame, gores_.neighbour, frame.force);
-        if (has_.cloth_drag) kernels_.give_back(frame, gores_.neighbour, frame.aero);  // lines see no image
-        if (has_.pressure) kernels_.give_back(frame, gores_.neighbour, frame.push);
-
+        if (together)
+            state.damping_power += line_damping_;
+        else
+            trunk_nodes_.take_others(state);
+        nodes_->send_guests(frame.pull, state.force);
         NodeMover mover(state, constants_, dt);
         find_inverse_inertia(state);
         step_.nodes = node_;
@@ -225,26 +295,44 @@ public:
         // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the
         // skirt.
         step_.first_aero = has_.cloth_drag ? 0 : gores_.inner;
+        step_.first_pulled = gores_.inner;
+        step_.together = together;
+        step_.first_kick = substep(state, dt, substeps, 0).kick;
         step_.gravity = constants_.gravity;
-        const GoreSums g = kernels_.advance(frame, step_);
+        const std::vector<double*> seen = arrays_with_images();
+        for_parts([&](const GoreFrame& part) {
+            for (double* array : seen)
+                kernels_.give_back(part, gores_.neighbour, array);
+            step_sums_[part.first] = kernels_.advance(part, step_);
+        });
 
         StepSums sums;
-        sums.canopy_position = as_lanes(g.canopy_position);
-        sums.canopy_velocity = as_lanes(g.canopy_velocity);
-        sums.other_position = as_lanes(g.line_position);
-        sums.other_velocity = as_lanes(g.line_velocity);
-        sums.area_velocity = as_lanes(g.area_velocity);
-        sums.drag_power = Lanes{0.0, 0.0, g.drag_power, 0.0};
-        sums.momentum = Lanes{0.0, 0.0, g.momentum, 0.0};
-        sums.share_square = g.share_square;
-        for (const NodeIndex i : gores_.trunk)
-            mover.move_other(i, constants_.mass[i], sums);
+        for (const GoreSums& g : step_sums_) {
+            add_positions(g, sums);
+            sums.drag_power[2] += g.drag_power;
+            sums.momentum[2] += g.momentum;
+            sums.share_square += g.share_square;
+            state.damping_power += g.dissipated;
+            state.accretion_power += g.accretion_power;
+            state.external_power += g.external_power;
+        }
+        for (std::size_t k = 0; k < gores_.trunk.size(); ++k) {
+            const NodeIndex i = gores_.trunk[k];
+            if (together)
+                mover.move_other(i, constants_.mass[i], sums);
+            else
+                mover.kick_alone(i, trunk_nodes_.others(k), constants_.mass[i], constants_.mass[i],
+                                 step_.first_kick, sums);
+        }
         mover.move_static_line(constants_, sums);
-        state.damping_power += g.dissipated;
-        state.accretion_power += g.accretion_power;
-        state.external_power += g.external_power;
-        finish_step(state, constants_, sums, mover.kick(), dt, next_added_mass);
-        meet_neighbours();
+        if (!together) take_substeps(state, mover, dt, substeps, sums);
+        finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
+        for_parts([&](const GoreFrame& part) {
+            for (double* array : {frame.x, frame.v})
+                kernels_.show_neighbours(part, gores_.neighbour, array);
+            for (double* array : seen)
+                kernels_.clear_images(part, gores_.neighbour, array);
+        });
         nodes_->receive_guests(state);
     }
 
@@ -253,9 +341,12 @@ private:
     struct Row {
         std::string_view block;
         void (GoreLayout::*prepare)(const ForceModel&);
-        void (GoreLayout::*add)(State&);
+        FabricSums (GoreLayout::*work)(const GoreFrame&) const;  // on some gores; null: nothing
+        /// With the sums of all gores: what is left to do, once.
+        void (GoreLayout::*finish)(State&, const FabricSums&);
+        ElementLevels (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 13> rows;
+    static const std::array<Row, 14> rows;
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
@@ -264,10 +355,43 @@ private:
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
 
-    /// Each gore sees the next one's seam where it is now.
-    void meet_neighbours() const {
-        kernels_.show_neighbours(nodes_->frame, gores_.neighbour, nodes_->frame.x);
-        kernels_.show_neighbours(nodes_->frame, gores_.neighbour, nodes_->frame.v);
+    /// Blocks of gores, one after the other or several at once. Sums are those of a block, added in the
+    /// blocks' order: they do not know of threads.
+    template <class Work>
+    void for_parts(Work&& work) const {
+        const int blocks = nodes_->frame.blocks;
+        const auto do_part = [&](int block) {
+            GoreFrame part = nodes_->frame;
+            part.first = block;
+            part.last = block + 1;
+            work(part);
+        };
+#ifdef _OPENMP
+        if (const int threads = crew_.now(); threads > 1) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+            for (int block = 0; block < blocks; ++block)
+                do_part(block);
+            return;
+        }
+#endif
+        for (int block = 0; block < blocks; ++block)
+            do_part(block);
+    }
+
+    /// From the last step to this.
+    void count_time() {
+        if (crew_.most() == 1) return;
+        const auto now = std::chrono::steady_clock::now();
+        if (step_began_) crew_.took(std::chrono::duration<double>(now - *step_began_).count());
+        step_began_ = now;
+    }
+
+    /// Arrays in which gores add to the image of the next one's seam.
+    std::vector<double*> arrays_with_images() const {
+        std::vector<double*> arrays{nodes_->frame.force};
+        if (has_.cloth_drag) arrays.push_back(nodes_->frame.aero);  // lines see no image
+        if (has_.pressure) arrays.push_back(nodes_->frame.push);
+        return arrays;
     }
 
     void make_nodes() {
@@ -285,65 +409,164 @@ private:
             inverse_inertia_[n] = 1.0 / (node_[n].mass + node_[n].share * state.added_mass);
     }
 
-    /// Row sums that do not change: of cables, slack ones too, since they may pull tight any time.
-    void collect_rows_of_cables(const State& state) {
-        rows_of_cables_.assign(gores_.local_nodes(), {0.0, 0.0});
-        node_damping_.assign(gores_.own, 0.0);
-        for (const std::vector<CableElement>* cables : {&cables_, &cords_})
-            for (const CableElement& c : *cables)
-                for (const LocalNode n : c.node) {
-                    rows_of_cables_[n][0] += 2.0 * c.stiffness * c.inverse_length;
-                    rows_of_cables_[n][1] += 2.0 * c.dashpot;
-                }
-        trunk_rows_of_cables_ = {std::vector<double>(state.node.size(), 0.0),
-                                 std::vector<double>(state.node.size(), 0.0)};
-        for (const auto& cables : trunk_)
-            cables->add_row_sums(state, trunk_rows_of_cables_);
+    static void add_positions(const GoreSums& g, StepSums& sums) {
+        sums.canopy_position += as_lanes(g.canopy_position);
+        sums.canopy_velocity += as_lanes(g.canopy_velocity);
+        sums.other_position += as_lanes(g.line_position);
+        sums.other_velocity += as_lanes(g.line_velocity);
+        sums.area_velocity += as_lanes(g.area_velocity);
     }
 
-    /// [s] of the nodes that belong to no gore, whose rows the guests complete.
-    double stable_step_of_trunk(double by_mass) const {
-        const auto first_guest = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
-        const auto bound = [&](NodeIndex i, double mass, double damping) {
-            RowSums row{{trunk_rows_of_cables_.stiffness[i]}, {trunk_rows_of_cables_.damping[i] + damping}};
-            for (std::size_t k = 0; k < gores_.guest.size(); ++k)
-                for (int gore = 0; gore < gores_.count; ++gore)
-                    if (gores_.guest[k][gore] == i) {
-                        row.stiffness[0] +=
-                            rows_->at(rows_->frame.x, first_guest + static_cast<LocalNode>(k), gore, 0);
-                        row.damping[0] +=
-                            rows_->at(rows_->frame.x, first_guest + static_cast<LocalNode>(k), gore, 1);
-                    }
-            return fullsim::stable_step(row, {mass}).dt;
+    /// Skirt, lines, links, risers and payload, which have had the impulse of everything else.
+    void take_substeps(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
+        std::vector<FabricSums>& of_lines = sums_[lines_row_ - rows.data()];
+        for (int k = 0; k < count; ++k) {
+            const bool last = k + 1 == count;
+            const GoreSubstep move{node_, inverse_inertia_, gores_.inner, substep(state, dt, count, k),
+                                   last ? 0.5 * dt : 0.0};
+            for_parts([&](const GoreFrame& part) {
+                if (k > 0) of_lines[part.first] = stretch_lines(part);
+                step_sums_[part.first] = kernels_.substep(part, move);
+            });
+            if (k > 0) {
+                FabricSums all;
+                for (const FabricSums& of_part : of_lines)
+                    all += of_part;
+                stretch_risers(state, all.dissipated);
+                nodes_->send_guests(nodes_->frame.pull, state.force);
+            }
+            sums.line_damping += move.step.kick * line_damping_;
+            for (const NodeIndex i : gores_.trunk)
+                mover.move_in_substep(i, constants_.mass[i], move.step);
+            if (!last) nodes_->receive_guests(state);
+        }
+        for (const GoreSums& of_part : step_sums_)
+            add_positions(of_part, sums);
+        sums.line_damping_power = line_damping_ / count;
+        for (const NodeIndex i : gores_.trunk) {
+            mover.end_substeps(i);
+            mover.add_other(i, constants_.mass[i], sums);
+        }
+    }
+
+    // --- the stable step ------------------------------------------------------------------
+
+    using NodeRows = std::array<double, 2>;  // stiffness [N/m], damping [N s/m]
+
+    void set_rows(LocalNode n, const NodeRows& of_node) const {
+        for (int block = 0; block < rows_->frame.blocks; ++block)
+            for (int what = 0; what < 2; ++what)
+                std::fill_n(rows_->frame.x + rows_->frame.at(block, n) +
+                                static_cast<std::ptrdiff_t>(what) * rows_->frame.lanes,
+                            rows_->frame.lanes, of_node[what]);
+    }
+    void add_rows(LocalNode n, const NodeRows& of_node) const {
+        for (int gore = 0; gore < gores_.count; ++gore)
+            for (int what = 0; what < 2; ++what)
+                rows_->at(rows_->frame.x, n, gore, what) += of_node[what];
+    }
+
+    /// [1/s] mass damping.
+    double by_mass() const {
+        return has_.mass_damping ? scene_.full.alpha : 0.0;
+    }
+
+    /// Of a node in row sums.
+    double weight(LocalNode n) const {
+        const LocalNode first_guest = gores_.local_nodes() - static_cast<LocalNode>(gores_.guest.size());
+        if (n >= first_guest) return weights_.by_node()[gores_.guest[n - first_guest].front()];
+        return weights_.by_node()[gores_.node[n < gores_.own ? n : gores_.neighbour[n - gores_.own]]];
+    }
+    /// Those of the blocks as they are now.
+    void weigh_rows(const State& state) {
+        const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
+        triangle_rows_.clear();
+        for (const GoreTriangle& t : gores_.triangles) {
+            const TriangleRows flat = unstrained_rows(law, {{}, t.a, t.b, t.c});
+            const std::array<double, 3> weights{weight(t.node[0]), weight(t.node[1]), weight(t.node[2])};
+            WeighedRows weighed{};
+            for (int i = 0; i < 3; ++i) {
+                weighed.stiffness[i] = flat.stiffness(i, weights);
+                weighed.damping[i] = flat.damping * weighed.stiffness[i];
+            }
+            triangle_rows_.push_back(weighed);
+        }
+        spring_columns_.clear();
+        for (const GoreEdge& e : gores_.edges) {
+            const double ratio = weight(e.node[1]) / weight(e.node[0]);
+            spring_columns_.push_back({1.0 + ratio, 1.0 + 1.0 / ratio});
+        }
+        bound_cables(state);
+    }
+
+    /// Row sums that do not change: of cables, slack ones too, since they may pull tight any time. With them
+    /// the bounds of nodes that hold nothing else.
+    void bound_cables(const State& state) {
+        slow_rows_.assign(gores_.local_nodes(), {0.0, 0.0});
+        line_rows_ = slow_rows_;
+        node_damping_.assign(gores_.own, 0.0);
+        const auto collect = [](const std::vector<CableElement>& cables, std::vector<NodeRows>& of_nodes,
+                                auto&& weight_of) {
+            for (const CableElement& c : cables)
+                for (int end = 0; end < 2; ++end) {
+                    const LocalNode n = c.node[end];
+                    const double columns = 1.0 + weight_of(c.node[1 - end]) / weight_of(n);
+                    of_nodes[n][0] += columns * c.stiffness * c.inverse_length;
+                    of_nodes[n][1] += columns * c.dashpot;
+                }
         };
-        double least = std::numeric_limits<double>::infinity();
+        const auto weighed = [this](LocalNode n) { return weight(n); };
+        const auto alike = [](LocalNode) { return 1.0; };
+        collect(tapes_, slow_rows_, weighed);
+        collect(cords_, slow_rows_, weighed);
+        collect(lines_, line_rows_, alike);
+
+        RowSums trunk = no_rows(state, weights_.by_node());
+        for (const auto& cables : trunk_)
+            cables->add_row_sums(state, trunk);
+        for (std::size_t k = 0; k < gores_.guest.size(); ++k) {
+            const std::size_t n = gores_.own + gores_.neighbour.size() + k;
+            for (const NodeIndex i : gores_.guest[k]) {
+                trunk.stiffness[i] += slow_rows_[n][0] + line_rows_[n][0];
+                trunk.damping[i] += slow_rows_[n][1] + line_rows_[n][1];
+            }
+        }
+        const auto bound = [](double stiffness, double damping, double mass) {
+            return fullsim::stable_step({{stiffness}, {damping}}, {mass}).dt;
+        };
+        line_step_ = static_line_step_ = std::numeric_limits<double>::infinity();
+        for (LocalNode n = gores_.canopy; n < gores_.own; ++n)
+            line_step_ = std::min(
+                line_step_,
+                bound(line_rows_[n][0], line_rows_[n][1] + by_mass() * node_[n].mass, node_[n].mass));
         for (const NodeIndex i : gores_.trunk)
-            least = std::min(least, bound(i, constants_.mass[i], by_mass * constants_.mass[i]));
+            line_step_ = std::min(line_step_,
+                                  bound(trunk.stiffness[i], trunk.damping[i] + by_mass() * constants_.mass[i],
+                                        constants_.mass[i]));
         const auto& line = constants_.static_line_mass;
-        const auto first = static_cast<NodeIndex>(constants_.mass.size() + 1);
+        const std::size_t first = constants_.mass.size() + 1;
         for (std::size_t k = 0; k + 1 < line.size(); ++k)  // its far end is not accelerated
-            least = std::min(least, bound(first + static_cast<NodeIndex>(k), line[k], 0.0));
-        return least;
+            static_line_step_ = std::min(
+                static_line_step_, bound(trunk.stiffness[first + k], trunk.damping[first + k], line[k]));
     }
 
     void nothing(const ForceModel&) {}
+    void book(State& state, const FabricSums& all) {
+        state.damping_power += all.dissipated;
+    }
 
     // --- fabric ---------------------------------------------------------------------------
 
     void prepare_fabric(const ForceModel&) {
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
-        triangle_rows_.clear();
-        for (const GoreTriangle& t : gores_.triangles) {
-            const Triangle flat{{}, t.a, t.b, t.c};
-            triangle_rows_.push_back(unstrained_rows(law, flat));
+        for (const GoreTriangle& t : gores_.triangles)
             membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
                                  1.0 / t.a,
                                  1.0 / t.c,
                                  t.b / t.a,
                                  0.5 * t.a * t.c,
-                                 law.viscosity * element_length(flat)});
-        }
+                                 law.viscosity * element_length({{}, t.a, t.b, t.c})});
         fabric_ = {membrane_, law, {}, 0.0, 1.0};
     }
 
@@ -351,30 +574,40 @@ private:
         fabric_.direction = plain(state.air.direction);
         fabric_.radial_pressure = state.air.radial_pressure;
         fabric_.weight = state.fe_weight;
+        wind_ = plain(state.air.wind);
+        density_ = state.air.density;
+        viscosity_ = state.air.viscosity;
+    }
+    ElementLevels fabric_levels(const State& state) const {
+        // Cloth that is held by springs still carries its share only.
+        ElementLevels levels = kernels_.membrane_levels(nodes_->frame, fabric_);
+        for (double* part : {&levels.energy, &levels.most.strain, &levels.most.load})
+            *part *= state.fe_weight;
+        return levels;
     }
     /// Membranes, and the areas that pressure acts on with them.
-    void add_membrane(State& state) {
-        use_air(state);
-        fabric_sums_ =
-            (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(nodes_->frame, fabric_);
-        state.damping_power += fabric_sums_.dissipated;
+    FabricSums stretch_membrane(const GoreFrame& part) const {
+        return (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(part, fabric_);
     }
-    void add_pressure(State& state) {
-        if (!has_.membrane) {
-            use_air(state);
-            fabric_sums_ = kernels_.pressure(nodes_->frame, fabric_);
-        }
-        state.air.projected_area = fabric_sums_.positive_area;
-        state.air.signed_area = fabric_sums_.signed_area;
+    void finish_membrane(State& state, const FabricSums& all) {
+        fabric_sums_ = all;
+        book(state, all);
+    }
+    FabricSums find_areas(const GoreFrame& part) const {
+        return has_.membrane ? FabricSums{} : kernels_.pressure(part, fabric_);
+    }
+    void finish_pressure(State& state, const FabricSums& all) {
+        const FabricSums& areas = has_.membrane ? fabric_sums_ : all;
+        state.air.projected_area = areas.positive_area;
+        state.air.signed_area = areas.signed_area;
         step_.flag = plain(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
         step_.pressure = state.air.pressure;
     }
-    void add_cloth_drag(State& state) {
-        state.air.projected_area =
-            kernels_
-                .cloth_drag(nodes_->frame, fabric_, 0.5 * state.air.density * deploy().drag_coefficient,
-                            plain(state.air.wind))
-                .positive_area;
+    FabricSums drag_cloth(const GoreFrame& part) const {
+        return kernels_.cloth_drag(part, fabric_, 0.5 * density_ * deploy().drag_coefficient, wind_);
+    }
+    void finish_cloth_drag(State& state, const FabricSums& all) {
+        state.air.projected_area = all.positive_area;
     }
 
     void prepare_springs(const ForceModel&) {
@@ -392,10 +625,15 @@ private:
     SpringPass edges() const {
         return {springs_, deploy().fold_repulsion, has_.springs, has_.folds, full_fold_speed};
     }
-    void add_edges(State& state) { state.damping_power += kernels_.springs(nodes_->frame, edges()); }
+    FabricSums stretch_edges(const GoreFrame& part) const {
+        return {0.0, 0.0, kernels_.springs(part, edges())};
+    }
+    ElementLevels edge_levels(const State&) const {
+        return kernels_.spring_levels(nodes_->frame, edges());
+    }
     /// Springs take the folds along: both need the same lengths.
-    void add_folds(State& state) {
-        if (!has_.springs) add_edges(state);
+    FabricSums hold_folds(const GoreFrame& part) const {
+        return has_.springs ? FabricSums{} : stretch_edges(part);
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -406,40 +644,81 @@ private:
             cable_constants(mesh_, as_indexed, scene_.full.bulk_viscosity, scene_.full.beta);
         return {{c.node[0], c.node[1]}, 1.0 / c.rest_length, k.stiffness, k.dashpot};
     }
-    void prepare_cables(const ForceModel&) {
-        cables_.clear();
+    void prepare_tapes(const ForceModel&) {
         for (const GoreCable& c : gores_.cables)
-            cables_.push_back(cable(c));
-        trunk_.push_back(
-            make_cables(mesh_, gores_.trunk_cables, "cable", scene_.full.bulk_viscosity, scene_.full.beta));
-        risers_ = trunk_.back().get();
+            if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
-    void add_cables(State& state) {
-        state.damping_power += kernels_.cables(nodes_->frame, cables_);
+    FabricSums stretch_tapes(const GoreFrame& part) const {
+        return {0.0, 0.0, kernels_.cables(part, tapes_)};
+    }
+    ElementLevels tape_levels(const State&) const {
+        ElementLevels tapes = kernels_.cable_levels(nodes_->frame, tapes_);
+        tapes.most.load = 0.0;  // of lines alone
+        return tapes;
+    }
+    /// The air needs them, too.
+    void prepare_line_drag(const ForceModel&) {
+        lines_.clear();
+        for (const GoreCable& c : gores_.cables)
+            if (!is_tape(c.kind)) lines_.push_back(cable(c));
+    }
+    void prepare_lines(const ForceModel& block) {
+        prepare_line_drag(block);
+        trunk_.push_back(
+            make_cables(mesh_, gores_.trunk_cables, "risers", scene_.full.bulk_viscosity, scene_.full.beta));
+        risers_ = trunk_.back().get();
+        lines_row_ = &*std::ranges::find(rows, "lines", &Row::block);
+        trunk_nodes_ = SubstepNodes(gores_.trunk);
+    }
+    /// Forces of lines on `pull`.
+    FabricSums stretch_lines(const GoreFrame& part) const {
+        GoreFrame pulled = part;
+        pulled.force = pulled.pull;
+        return {0.0, 0.0, kernels_.cables(pulled, lines_)};
+    }
+    /// Of risers on the state's forces.
+    void finish_lines(State& state, const FabricSums& all) {
+        trunk_nodes_.note(state, [&] { stretch_risers(state, all.dissipated); });
+    }
+    void stretch_risers(State& state, double lines_dissipate) {
+        const double others = std::exchange(state.damping_power, lines_dissipate);
         risers_->add_forces(state);
+        line_damping_ = std::exchange(state.damping_power, others);
+    }
+    ElementLevels line_levels(const State& state) const {
+        return with(kernels_.cable_levels(nodes_->frame, lines_), *risers_, state);
+    }
+    /// Lanes of gores, and what belongs to none.
+    ElementLevels with(ElementLevels gores, const ForceModel& trunk, const State& state) const {
+        return {gores.energy + trunk.energy(state),
+                {std::max(gores.most.strain, trunk.extreme(state).strain), gores.most.load}};
     }
     void prepare_static_line(const ForceModel&) {
-        cords_.clear();
         for (const GoreCable& c : gores_.static_line)
             cords_.push_back(cable(c));
         trunk_.push_back(make_cables(mesh_, gores_.trunk_static_line, "static line",
                                      scene_.full.bulk_viscosity, scene_.full.beta));
         static_line_ = trunk_.back().get();
     }
-    void add_static_line(State& state) {
-        state.damping_power += kernels_.cables(nodes_->frame, cords_);
+    FabricSums stretch_cords(const GoreFrame& part) const {
+        return {0.0, 0.0, kernels_.cables(part, cords_)};
+    }
+    void finish_static_line(State& state, const FabricSums& all) {
+        book(state, all);
         static_line_->add_forces(state);
     }
-    void prepare_line_drag(const ForceModel&) {
-        lines_.clear();
-        for (const GoreCable& c : gores_.cables)
-            if (c.kind == CableKind::line) lines_.push_back({c.node[0], c.node[1]});
+    ElementLevels static_line_levels(const State& state) const {
+        ElementLevels cords = kernels_.cable_levels(nodes_->frame, cords_);
+        cords.most.load = 0.0;  // of lines alone
+        return with(cords, *static_line_, state);
     }
-    void add_line_drag(State& state) {
-        if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
-        kernels_.line_drag(nodes_->frame, lines_, drag_coefficient_, mesh_.cord(CableKind::line).diameter,
-                           state.air.density, state.air.viscosity, plain(state.air.wind));
+    FabricSums drag_lines(const GoreFrame& part) const {
+        if (density_ > 0.0)  // no Reynolds number without air
+            kernels_.line_drag(part, lines_, drag_coefficient_, mesh_.cord(CableKind::line).diameter,
+                               density_, viscosity_, wind_);
+        return {};
     }
+    void finished(State&, const FabricSums&) {}
 
     // --- loads on nodes, which the step itself adds ---------------------------------------
 
@@ -453,22 +732,22 @@ private:
             if (std::ranges::count(mesh_.seam_rings.front(), gores_.node[n]))
                 node_[n].extraction = 1.0 / gores_.count;
     }
-    void add_extraction(State& state) {
+    void finish_extraction(State& state, const FabricSums&) {
         step_.extraction = plain(deploy().extraction.at(state.time) * trailing_direction(scene_));
     }
     /// [N s/m] of the whole canopy.
     double breathing(const AeroState& air) const {
         return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
     }
-    void add_breathing(State& state) {
+    void finish_breathing(State& state, const FabricSums&) {
         step_.breathing = breathing(state.air);
         step_.breathing_mean = plain(state.sums.canopy_area_velocity);
     }
-    void add_accretion(State& state) {
+    void finish_accretion(State& state, const FabricSums&) {
         step_.accretion = std::max(0.0, state.added_mass_rate);
         step_.wind = plain(state.air.wind);
     }
-    void add_mass_damping(State& state) {
+    void finish_mass_damping(State& state, const FabricSums&) {
         step_.alpha = scene_.full.alpha;
         step_.mean = plain(state.sums.system_velocity);
         const Lanes mean = to_lanes(state.sums.system_velocity);
@@ -481,13 +760,19 @@ private:
         }
         state.damping_power += sum3(dissipated);
     }
-    void prepare_payload_drag(const ForceModel& block) { payload_drag_ = &block; }
-    void add_payload_drag(State& state) { payload_drag_->add_forces(state); }
+    void prepare_payload_drag(const ForceModel& block) {
+        payload_drag_ = &block;
+    }
+    void finish_payload_drag(State& state, const FabricSums&) {
+        payload_drag_->add_forces(state);
+    }
 
     const Scene& scene_;
     const Mesh& mesh_;
     const NodeConstants& constants_;
     const GoreKernels& kernels_;
+    Crew crew_;
+    std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
     std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
     double fabric_area_;                       // [m^2]
@@ -497,45 +782,63 @@ private:
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;
-    FabricSums fabric_sums_;
+    FabricSums fabric_sums_;                        // of the last pass over membranes
+    std::array<std::vector<FabricSums>, 14> sums_;  // of each row of the table, by block of gores
+    std::vector<GoreSums> step_sums_;               // likewise
+    std::array<double, 3> wind_{};                  // [m/s] at the canopy
+    double density_ = 0.0, viscosity_ = 0.0;        // of the air [kg/m^3], [Pa s]
     std::vector<SpringElement> springs_;
-    std::vector<CableElement> cables_, cords_;
-    std::vector<Node2> lines_;
+    std::vector<CableElement> tapes_, lines_, cords_;
     CylinderDragTable drag_coefficient_;
     std::vector<GoreNode> node_;
     std::vector<double> inverse_inertia_, node_damping_;
-    std::vector<std::array<double, 2>> rows_of_cables_;  // of each local node: stiffness, damping
-    RowSums trunk_rows_of_cables_;
-    std::vector<TriangleRows> triangle_rows_;
+    std::vector<NodeRows> slow_rows_, line_rows_;  // of each local node: tapes and cords, lines
+    double line_step_ = 0.0,
+           static_line_step_ = 0.0;  // [s] bounds of line, link and riser nodes; of its nodes
+    RowWeights weights_;
+    std::vector<WeighedRows> triangle_rows_;
+    std::vector<std::array<double, 2>> spring_columns_;
     GoreAdvance step_;
     ForceModels trunk_;  // cables that belong to no gore
+    const Row* lines_row_ = nullptr;
+    SubstepNodes trunk_nodes_;
+    double line_damping_ = 0.0;  // [W] of lines and risers
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
-    {"membrane", &GoreLayout::prepare_fabric, &GoreLayout::add_membrane},
-    {"fabric springs", &GoreLayout::prepare_springs, &GoreLayout::add_edges},
-    {"cable", &GoreLayout::prepare_cables, &GoreLayout::add_cables},
-    {"static line", &GoreLayout::prepare_static_line, &GoreLayout::add_static_line},
-    {"canopy pressure", &GoreLayout::prepare_fabric, &GoreLayout::add_pressure},
-    {"cloth drag", &GoreLayout::prepare_fabric, &GoreLayout::add_cloth_drag},
-    {"fold resistance", &GoreLayout::prepare_springs, &GoreLayout::add_folds},
-    {"extraction", &GoreLayout::prepare_extraction, &GoreLayout::add_extraction},
-    {"line drag", &GoreLayout::prepare_line_drag, &GoreLayout::add_line_drag},
-    {"breathing damping", &GoreLayout::nothing, &GoreLayout::add_breathing},
-    {"payload drag", &GoreLayout::prepare_payload_drag, &GoreLayout::add_payload_drag},
-    {"accretion", &GoreLayout::nothing, &GoreLayout::add_accretion},
-    {"mass damping", &GoreLayout::nothing, &GoreLayout::add_mass_damping},
+const std::array<GoreLayout::Row, 14> GoreLayout::rows{{
+    {"membrane", &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane, &GoreLayout::finish_membrane,
+     &GoreLayout::fabric_levels},
+    {"fabric springs", &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
+     &GoreLayout::edge_levels},
+    {"tapes", &GoreLayout::prepare_tapes, &GoreLayout::stretch_tapes, &GoreLayout::book,
+     &GoreLayout::tape_levels},
+    {"lines", &GoreLayout::prepare_lines, &GoreLayout::stretch_lines, &GoreLayout::finish_lines,
+     &GoreLayout::line_levels},
+    {"static line", &GoreLayout::prepare_static_line, &GoreLayout::stretch_cords,
+     &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
+    {"canopy pressure", &GoreLayout::prepare_fabric, &GoreLayout::find_areas, &GoreLayout::finish_pressure},
+    {"cloth drag", &GoreLayout::prepare_fabric, &GoreLayout::drag_cloth, &GoreLayout::finish_cloth_drag},
+    {"fold resistance", &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
+    {"extraction", &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
+    {"line drag", &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},
+    {"breathing damping", &GoreLayout::nothing, nullptr, &GoreLayout::finish_breathing},
+    {"payload drag", &GoreLayout::prepare_payload_drag, nullptr, &GoreLayout::finish_payload_drag},
+    {"accretion", &GoreLayout::nothing, nullptr, &GoreLayout::finish_accretion},
+    {"mass damping", &GoreLayout::nothing, nullptr, &GoreLayout::finish_mass_damping},
 }};
 
 }  // namespace
 
 std::unique_ptr<Layout> make_gore_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
-                                         const GoreKernels* kernels) {
+                                         const GoreKernels* kernels, int threads) {
     auto gores = find_gores(mesh);
     if (!gores) return nullptr;
+    // A thread that has less to do waits for longer than it works.
+    const std::size_t elements = mesh.triangles.size() + mesh.cables.size();
+    const int worth = static_cast<int>(std::max<std::size_t>(1, elements / elements_of_thread));
     return std::make_unique<GoreLayout>(scene, mesh, constants, std::move(*gores),
-                                        kernels ? *kernels : gore_kernels());
+                                        kernels ? *kernels : gore_kernels(), std::min(threads, worth));
 }
 
 }  // namespace twinchute::fullsim

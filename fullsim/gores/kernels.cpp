@@ -2,15 +2,16 @@
 
 #include <cmath>
 
-// Where a processor has AVX-512, its gains over AVX-512 with later additions are none here.
-#define HWY_DISABLED_TARGETS (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include "fullsim/lanes/targets.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fullsim/gores/kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "fullsim/forces/cable_kernel.hpp"
 #include "fullsim/forces/membrane_kernel.hpp"
-#include "fullsim/gores/vec.hpp"
+#include "fullsim/lanes/vec.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
@@ -25,14 +26,14 @@ HWY_INLINE std::array<double, 3> sum3s(Vec3s a) {
 
 /// One block's nodes.
 struct Block {
-    double *x, *v, *v_half, *force, *aero, *push;
+    double *x, *v, *v_half, *force, *aero, *push, *pull;
     Vec live;
     std::size_t stride;
 
     HWY_INLINE Block(const GoreFrame& f, int block) {
         const std::size_t at = f.at(block, 0);
         x = f.x + at, v = f.v + at, v_half = f.v_half + at;
-        force = f.force + at, aero = f.aero + at, push = f.push + at;
+        force = f.force + at, aero = f.aero + at, push = f.push + at, pull = f.pull + at;
         live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
         stride = f.stride();
     }
@@ -40,27 +41,12 @@ struct Block {
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
 };
 
-/// The table at as many points at once, all between its ends.
-HWY_INLINE Vec table_value(const CylinderDragTable& table, Vec reynolds) {
-    const hn::RebindToSigned<Tag> whole;
-    Vec result;
-    for (int k = 0; k < ways; ++k) {
-        const auto left = hn::ShiftRight<48>(hn::BitCast(whole, reynolds.raw[k]));
-        const auto cell = hn::Sub(left, hn::Set(whole, CylinderDragTable::first_cell));
-        const auto start = hn::BitCast(tag, hn::ShiftLeft<48>(left));
-        const auto value = hn::GatherIndex(tag, table.values(), cell);
-        const auto slope = hn::GatherIndex(tag, table.slopes(), cell);
-        result.raw[k] = hn::Add(value, hn::Mul(hn::Sub(reynolds.raw[k], start), slope));
-    }
-    return result;
-}
-
 template <bool structure, bool pressure>
 FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
     const Vec3s e = splat3(pass.direction);
     const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(pass.radial_pressure / 3.0);
     Vec positive = zero, all_area = zero, dissipated = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         Vec block_positive = zero, block_area = zero, block_dissipated = zero;
         for (const MembraneElement& m : pass.elements) {
@@ -98,23 +84,56 @@ FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
     return {sum(positive), sum(all_area), sum(dissipated)};
 }
 
-double membrane_energy_pass(const GoreFrame& frame, const MembranePass& pass) {
-    const Vec zero = all(0.0);
-    Vec energy = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
-        const Block block(frame, b);
-        Vec block_energy = zero;
-        for (const MembraneElement& m : pass.elements) {
-            const Vec3s x0 = block.position(m.node[0]);
-            const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
-            const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
-            const SymmetricTensor<Vec> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
-                                              0.5 * dot(f1, f2)};
-            block_energy += all(m.area) * relaxed_energy(pass.law, principal(strain));
-        }
-        energy += block.live * block_energy;
+/// Green strain of a triangle.
+HWY_INLINE SymmetricTensor<Vec> strain_of(const Block& block, const MembraneElement& m) {
+    const Vec3s x0 = block.position(m.node[0]);
+    const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
+    const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
+    return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
+}
+
+/// Of a span: lengths over unstrained ones, less 1.
+HWY_INLINE Vec strain_of(const Block& block, std::int32_t n0, std::int32_t n1, double inverse_length) {
+    const Vec3s d = block.position(n1) - block.position(n0);
+    const Vec square = dot(d, d) + 1e-18;
+    return square * inverse_root(square) * all(inverse_length) - 1.0;
+}
+
+/// Sums and maxima of elements, lane by lane.
+struct LaneLevels {
+    Vec energy, strain, load;
+
+    HWY_INLINE ElementLevels of_all_lanes() const {
+        return {sum(energy), {greatest(strain), greatest(load)}};
     }
-    return sum(energy);
+};
+
+HWY_INLINE LaneLevels no_levels() {
+    return {all(0.0), all(0.0), all(0.0)};
+}
+
+/// Where there is a gore: a lane without one sees no neighbour.
+HWY_INLINE Vec of_gores(const Block& block, Vec a) {
+    return select(block.live > all(0.0), a, all(0.0));
+}
+
+ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) {
+    LaneLevels levels = no_levels();
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        for (const MembraneElement& m : pass.elements) {
+            const auto p = principal(strain_of(block, m));
+            levels.energy += of_gores(block, all(m.area) * relaxed_energy(pass.law, p));
+            const Vec strain = of_gores(block, p.first());
+            levels.load = select(strain > levels.strain, relaxed_stress(pass.law, p).first, levels.load);
+            // In this order, here and below: a strain that is not a number must not hide the others.
+            levels.strain = larger(strain, levels.strain);
+        }
+    }
+    // The load of the most strained, which need not be the largest.
+    const Mask less = levels.strain < all(greatest(levels.strain));
+    levels.load = select(less, all(0.0), levels.load);
+    return levels.of_all_lanes();
 }
 
 /// Adds stiffness and damping to a node's row sums.
@@ -124,19 +143,14 @@ HWY_INLINE void add_rows(const GoreFrame& rows, int block, std::int32_t node, Ve
     store(load(at + rows.lanes) + damping, at + rows.lanes);
 }
 
-void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<const TriangleRows> unstrained,
+void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<const WeighedRows> unstrained,
                    const GoreFrame& rows) {
     const Vec weight = all(pass.weight);
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         for (std::size_t e = 0; e < pass.elements.size(); ++e) {
             const MembraneElement& m = pass.elements[e];
-            const Vec3s x0 = block.position(m.node[0]);
-            const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
-            const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
-            const SymmetricTensor<Vec> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0),
-                                              0.5 * dot(f1, f2)};
-            const Vec stretch = larger(principal(strain).first(), all(0.0));
+            const Vec stretch = larger(principal(strain_of(block, m)).first(), all(0.0));
             // As Membrane::add_row_sums.
             const Vec stiffening = weight * (1.0 + 3.0 * stretch),
                       lengthening = weight * (1.0 + 2.0 * stretch);
@@ -147,34 +161,35 @@ void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<c
     }
 }
 
-void spring_rows(const GoreFrame& frame, const SpringPass& pass, const GoreFrame& rows) {
+void spring_rows(const GoreFrame& frame, const SpringPass& pass,
+                 std::span<const std::array<double, 2>> columns, const GoreFrame& rows) {
     const Vec zero = all(0.0), full = all(full_hardening_strain);
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        for (const SpringElement& s : pass.elements) {
-            const Vec3s d = block.position(s.node[1]) - block.position(s.node[0]);
-            const Vec square = dot(d, d) + 1e-18;
-            const Vec strain = square * inverse_root(square) * all(s.inverse_length) - 1.0;
+        for (std::size_t e = 0; e < pass.elements.size(); ++e) {
+            const SpringElement& s = pass.elements[e];
+            const Vec strain = strain_of(block, s.node[0], s.node[1], s.inverse_length);
             const Vec low = smaller(larger(strain, zero), full);
             Vec stiffness = zero, damping = zero;
             if (pass.springs) {
-                stiffness = all(2.0 * s.stiffness * s.inverse_length) * (1.0 + all(2.0 * s.growth) * low);
-                damping = all(2.0 * s.dashpot);
+                stiffness = all(s.stiffness * s.inverse_length) * (1.0 + all(2.0 * s.growth) * low);
+                damping = all(s.dashpot);
             }
-            if (pass.folds) damping += all(2.0 * s.fold_force / pass.full_speed);
-            for (const std::int32_t n : s.node)
-                add_rows(rows, b, n, stiffness, damping);
+            if (pass.folds) damping += all(s.fold_force / pass.full_speed);
+            for (int end = 0; end < 2; ++end)
+                add_rows(rows, b, s.node[end], all(columns[e][end]) * stiffness,
+                         all(columns[e][end]) * damping);
         }
     }
 }
 
 double stable_step(const GoreFrame& rows, std::span<const double> inverse_inertia,
-                   std::span<const double> node_damping) {
+                   std::span<const double> node_damping, int first, int last) {
     Vec shortest = all(HUGE_VAL);
-    for (int b = 0; b < rows.blocks; ++b) {
+    for (int b = rows.first; b < rows.last; ++b) {
         // A lane without a gore has no stiffness here, hence no say.
         const Vec live = load(rows.live + static_cast<std::size_t>(b) * rows.lanes);
-        for (int n = 0; n < rows.own; ++n) {
+        for (int n = first; n < last; ++n) {
             const double* at = rows.x + rows.at(b, n);
             const Vec inverse = all(inverse_inertia[n]) * live;
             const Vec k = load(at) * inverse;
@@ -191,7 +206,7 @@ FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double f
     const Vec3s air = splat3(wind);
     const Vec zero = all(0.0), third = all(1.0 / 3.0), share = all(factor / 3.0);
     Vec across = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         Vec block_across = zero;
         for (const MembraneElement& m : pass.elements) {
@@ -234,7 +249,7 @@ double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
     const Vec zero = all(0.0), one = all(1.0), full = all(full_hardening_strain);
     const Vec repulsion = all(pass.repulsion), inverse_full_speed = all(1.0 / pass.full_speed);
     Vec dissipated = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         Vec block_dissipated = zero;
         for (const SpringElement& s : pass.elements) {
@@ -275,47 +290,82 @@ double springs(const GoreFrame& frame, const SpringPass& pass) {
 }
 
 double cables(const GoreFrame& frame, std::span<const CableElement> elements) {
-    const Vec zero = all(0.0), one = all(1.0);
-    Vec dissipated = zero;
-    for (int b = 0; b < frame.blocks; ++b) {
+    Vec dissipated = all(0.0);
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        Vec block_dissipated = zero;
+        Vec block_dissipated = all(0.0);
         for (const CableElement& c : elements) {
             const std::int32_t n0 = c.node[0], n1 = c.node[1];
-            const auto [d, square, inverse, lengthening] = span_of(block, n0, n1);
-            const Vec spring = all(c.stiffness) * (square * inverse * all(c.inverse_length) - one);
-            const Vec tension = larger(spring + all(c.dashpot) * lengthening, zero);
-            block_dissipated += (tension - larger(spring, zero)) * lengthening;
-            const Vec3s pull = (tension * inverse) * d;
-            add3(pull, block.force + n0 * block.stride);
-            take3(pull, block.force + n1 * block.stride);
+            const CablePull pull =
+                cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot),
+                           block.position(n1) - block.position(n0), block.velocity(n1) - block.velocity(n0));
+            block_dissipated += pull.dissipated;
+            add3(pull.force, block.force + n0 * block.stride);
+            take3(pull.force, block.force + n1 * block.stride);
         }
         dissipated += block.live * block_dissipated;
     }
     return sum(dissipated);
 }
 
-void line_drag(const GoreFrame& frame, std::span<const Node2> elements, const CylinderDragTable& coefficient,
-               double diameter, double density, double viscosity, const std::array<double, 3>& wind) {
-    const Vec3s air = splat3(wind);
-    const double reynolds_per_speed = density * diameter / viscosity;
-    const Vec half = all(0.5), per_speed = all(reynolds_per_speed), factor = all(0.25 * density * diameter);
-    const Vec lowest_speed = all(CylinderDragTable::lowest / reynolds_per_speed);
-    const Vec highest = all(std::nextafter(CylinderDragTable::highest, 0.0));
-    for (int b = 0; b < frame.blocks; ++b) {
+ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
+    const Vec zero = all(0.0), full = all(full_hardening_strain), repulsion = all(pass.repulsion);
+    LaneLevels levels = no_levels();
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        for (const Node2& n : elements) {
-            const Vec3s d = block.position(n[1]) - block.position(n[0]);
-            const Vec3s v = air - half * (block.velocity(n[0]) + block.velocity(n[1]));
-            const Vec square = dot(d, d) + 1e-18;
-            const Vec inverse = inverse_root(square);
-            const Vec3s across = v - (dot(v, d) * inverse * inverse) * d;
-            const Vec speed_square = dot(across, across) + 1e-60;
-            // Below the table C_d Re is constant, so that C_d |V| is what it is at the table's foot.
-            const Vec speed = larger(speed_square * inverse_root(speed_square), lowest_speed);
-            const Vec reynolds = smaller(per_speed * speed, highest);
-            const Vec3s end =
-                (factor * square * inverse * speed * table_value(coefficient, reynolds)) * across;
+        for (const SpringElement& s : pass.elements) {
+            const Vec strain = of_gores(block, strain_of(block, s.node[0], s.node[1], s.inverse_length));
+            const Vec low = smaller(strain, full), high = strain - low;
+            const Vec half_square = 0.5 * (strain * strain);
+            const Vec pulled = half_square + all(s.growth) * low * (low * low * (1.0 / 3.0) + high * strain);
+            levels.energy +=
+                all(s.stiffness / s.inverse_length) * select(strain > zero, pulled, repulsion * half_square);
+            levels.strain = larger(strain, levels.strain);
+        }
+    }
+    return levels.of_all_lanes();
+}
+
+ElementLevels cable_levels(const GoreFrame& frame, std::span<const CableElement> elements) {
+    LaneLevels levels = no_levels();
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        for (const CableElement& c : elements) {
+            const Vec strain = of_gores(block, strain_of(block, c.node[0], c.node[1], c.inverse_length));
+            const Vec pulled = larger(strain, all(0.0));
+            levels.energy += all(0.5 * c.stiffness / c.inverse_length) * (pulled * pulled);
+            levels.strain = larger(strain, levels.strain);
+            levels.load = larger(all(c.stiffness) * strain, levels.load);
+        }
+    }
+    return levels.of_all_lanes();
+}
+
+double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, double added_mass) {
+    Vec twice = all(0.0);
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        Vec block_twice = all(0.0);
+        for (int n = 0; n < frame.own; ++n) {
+            const Vec3s v = block.velocity(n);
+            block_twice += all(nodes[n].mass + nodes[n].share * added_mass) * dot(v, v);
+        }
+        twice += block.live * block_twice;
+    }
+    return 0.5 * sum(twice);
+}
+
+void line_drag(const GoreFrame& frame, std::span<const CableElement> lines,
+               const CylinderDragTable& coefficient, double diameter, double density, double viscosity,
+               const std::array<double, 3>& wind) {
+    const CylinderDrag drag(coefficient, diameter, density, viscosity);
+    const Vec3s air = splat3(wind);
+    const Vec half = all(0.5);
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        for (const auto& [n, inverse_length, stiffness, dashpot] : lines) {
+            const Vec3s end = drag.on_end(block.position(n[1]) - block.position(n[0]),
+                                          air - half * (block.velocity(n[0]) + block.velocity(n[1])));
             add3(end, block.aero + n[0] * block.stride);
             add3(end, block.aero + n[1] * block.stride);
         }
@@ -329,7 +379,7 @@ HWY_INLINE int last_lane(const GoreFrame& frame, int block) {
 }
 
 void show_neighbours(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const int last = last_lane(frame, b), next = b + 1 < frame.blocks ? b + 1 : 0;
         for (std::size_t k = 0; k < neighbour.size(); ++k) {
             const double* own = array + frame.at(b, neighbour[k]);
@@ -345,8 +395,7 @@ void show_neighbours(const GoreFrame& frame, std::span<const std::int32_t> neigh
 }
 
 void give_back(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
-    const Vec zero = all(0.0);
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const int before = b > 0 ? b - 1 : frame.blocks - 1, last_before = last_lane(frame, before);
         for (std::size_t k = 0; k < neighbour.size(); ++k) {
             double* own = array + frame.at(b, neighbour[k]);
@@ -361,11 +410,13 @@ void give_back(const GoreFrame& frame, std::span<const std::int32_t> neighbour, 
             }
         }
     }
-    for (int b = 0; b < frame.blocks; ++b)
-        for (std::size_t k = 0; k < neighbour.size(); ++k) {
-            double* image = array + frame.at(b, frame.own + static_cast<int>(k));
-            store3({zero, zero, zero}, image);
-        }
+}
+
+void clear_images(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
+    const Vec zero = all(0.0);
+    for (int b = frame.first; b < frame.last; ++b)
+        for (std::size_t k = 0; k < neighbour.size(); ++k)
+            store3({zero, zero, zero}, array + frame.at(b, frame.own + static_cast<int>(k)));
 }
 
 /// Sums of a step over nodes of a kind, lane by lane.
@@ -374,8 +425,11 @@ struct LaneSums {
     Vec drag_power, momentum, share_square, dissipated, accretion_power, external_power;
 };
 
+/// What pulled nodes do in a step: move with it, or take its impulse alone.
+enum class Pulled { none, together, apart };
+
 /// Nodes from first to last of a block. Templates, so that what a stage has not costs nothing in the loop.
-template <bool canopy, bool with_aero>
+template <bool canopy, bool with_aero, Pulled pulled>
 HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int first, int last, LaneSums& sums) {
     const Vec zero = all(0.0), half = all(0.5), live = block.live;
     const Vec3s none{zero, zero, zero};
@@ -414,6 +468,10 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
                 sums.external_power += dot(pull, load3(block.v + at));
             }
         }
+        if constexpr (pulled == Pulled::together) {
+            force += load3(block.pull + at);
+            store3(none, block.pull + at);
+        }
         if (step.alpha > 0.0) {
             const Vec3s relative = load3(block.v + at) - splat3(step.mean);
             const Vec3s resistance = (all(step.alpha) * mass) * relative;
@@ -425,20 +483,24 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
         const Vec3s before = load3(block.v_half + at);
         const Vec3s after = before + kick * acceleration;
-        const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        if constexpr (pulled == Pulled::apart)
+            middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * load3(block.pull + at);
         sums.momentum += mass * middle.z;
+        store3(after, block.v_half + at);
+        if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
+        if constexpr (canopy) sums.share_square += share * dot(middle, middle);
+        if constexpr (pulled == Pulled::apart) {
+            store3(acceleration, block.aero + at);
+            continue;
+        }
         const Vec3s x = load3(block.x + at) + dt * after;
         const Vec3s now = after + half_dt * acceleration;
-        store3(after, block.v_half + at);
         store3(x, block.x + at);
         store3(now, block.v + at);
         sums.position += mass * x;
         sums.velocity += mass * now;
-        if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
-        if constexpr (canopy) {
-            sums.share_square += share * dot(middle, middle);
-            sums.area_velocity += share * now;
-        }
+        if constexpr (canopy) sums.area_velocity += share * now;
     }
 }
 
@@ -446,11 +508,18 @@ GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
     const Vec zero = all(0.0);
     const Vec3s none{zero, zero, zero};
     LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
-    for (int b = 0; b < frame.blocks; ++b) {
+    for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        if (step.first_aero > 0) move_nodes<true, false>(block, step, 0, step.first_aero, canopy);
-        move_nodes<true, true>(block, step, step.first_aero, frame.canopy, canopy);
-        move_nodes<false, true>(block, step, frame.canopy, frame.own, line);
+        if (step.first_aero > 0)
+            move_nodes<true, false, Pulled::none>(block, step, 0, step.first_aero, canopy);
+        move_nodes<true, true, Pulled::none>(block, step, step.first_aero, step.first_pulled, canopy);
+        if (step.together) {
+            move_nodes<true, true, Pulled::together>(block, step, step.first_pulled, frame.canopy, canopy);
+            move_nodes<false, true, Pulled::together>(block, step, frame.canopy, frame.own, line);
+        } else {
+            move_nodes<true, true, Pulled::apart>(block, step, step.first_pulled, frame.canopy, canopy);
+            move_nodes<false, true, Pulled::apart>(block, step, frame.canopy, frame.own, line);
+        }
     }
     GoreSums sums;
     sums.canopy_position = sum3s(canopy.position);
@@ -467,27 +536,70 @@ GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
     return sums;
 }
 
-constexpr std::string_view instruction_set() {
-#if HWY_TARGET == HWY_AVX3
-    return "AVX-512";
-#elif HWY_TARGET == HWY_AVX2
-    return "AVX2";
-#elif HWY_TARGET == HWY_SSE4
-    return "SSE4";
-#elif HWY_TARGET == HWY_NEON
-    return "NEON";
-#else
-    return "generic";
-#endif
+template <bool canopy, bool last_of_step>
+HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, int first, int last,
+                            LaneSums& sums) {
+    const Vec zero = all(0.0);
+    const Vec kick = all(substep.step.kick) * block.live, dt = all(substep.step.dt) * block.live;
+    const Vec half_dt = 0.5 * dt, half_step = all(substep.half_step) * block.live;
+    for (int n = first; n < last; ++n) {
+        const std::size_t at = n * block.stride;
+        const Vec3s acceleration = all(substep.inverse_inertia[n]) * load3(block.pull + at);
+        const Vec3s after = load3(block.v_half + at) + kick * acceleration;
+        const Vec3s x = load3(block.x + at) + dt * after;
+        Vec3s now = after + half_dt * acceleration;
+        store3({zero, zero, zero}, block.pull + at);
+        store3(after, block.v_half + at);
+        store3(x, block.x + at);
+        if constexpr (last_of_step) {
+            now += half_step * load3(block.aero + at);
+            store3({zero, zero, zero}, block.aero + at);
+            const Vec mass = all(substep.nodes[n].mass) * block.live;
+            sums.position += mass * x;
+            sums.velocity += mass * now;
+            if constexpr (canopy) sums.area_velocity += all(substep.nodes[n].share) * block.live * now;
+        }
+        store3(now, block.v + at);
+    }
 }
 
-GoreKernels kernels() {
-    return {instruction_set(),
+template <bool last_of_step>
+GoreSums substep_pass(const GoreFrame& frame, const GoreSubstep& substep) {
+    const Vec zero = all(0.0);
+    const Vec3s none{zero, zero, zero};
+    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        move_pulled<true, last_of_step>(block, substep, substep.first_pulled, frame.canopy, canopy);
+        move_pulled<false, last_of_step>(block, substep, frame.canopy, frame.own, line);
+    }
+    GoreSums sums;
+    if constexpr (last_of_step) {
+        sums.canopy_position = sum3s(canopy.position);
+        sums.canopy_velocity = sum3s(canopy.velocity);
+        sums.line_position = sum3s(line.position);
+        sums.line_velocity = sum3s(line.velocity);
+        sums.area_velocity = sum3s(canopy.area_velocity);
+    }
+    return sums;
+}
+
+GoreSums substep(const GoreFrame& frame, const GoreSubstep& substep) {
+    return substep.half_step > 0.0 ? substep_pass<true>(frame, substep) : substep_pass<false>(frame, substep);
+}
+
+}  // namespace
+
+GoreKernels gore_kernels_here() {
+    return {instruction_set_name(HWY_TARGET),
             lanes_of_all,
             membrane_pass<true, false>,
             membrane_pass<true, true>,
             membrane_pass<false, true>,
-            membrane_energy_pass,
+            membrane_levels,
+            spring_levels,
+            cable_levels,
+            kinetic_energy,
             cloth_drag,
             springs,
             cables,
@@ -496,52 +608,21 @@ GoreKernels kernels() {
             spring_rows,
             stable_step,
             advance,
+            substep,
             show_neighbours,
-            give_back};
-}
-
-}  // namespace
-
-GoreKernels gore_kernels_here() {
-    return kernels();
+            give_back,
+            clear_images};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <vector>
-
 namespace twinchute::fullsim {
-namespace {
-
-/// Highway is used for its headers alone: its own dispatch needs its library, and that times the processor's
-/// clock for some milliseconds whenever a program starts.
-std::vector<GoreKernels> kernels_of_this_machine() {
-    std::vector<GoreKernels> found;
-#if (HWY_TARGETS & HWY_AVX3) != 0
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl"))
-        found.push_back(N_AVX3::gore_kernels_here());
-#endif
-#if (HWY_TARGETS & HWY_AVX2) != 0
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-        __builtin_cpu_supports("bmi2"))
-        found.push_back(N_AVX2::gore_kernels_here());
-#endif
-#if (HWY_TARGETS & HWY_SSE4) != 0
-    if (__builtin_cpu_supports("sse4.2")) found.push_back(N_SSE4::gore_kernels_here());
-#endif
-    // What everything here is compiled for.
-    found.push_back(HWY_NAMESPACE::gore_kernels_here());
-    return found;
-}
-
-}  // namespace
 
 std::span<const GoreKernels> all_gore_kernels() {
-    static const std::vector<GoreKernels> sets = kernels_of_this_machine();
+    static const std::vector<GoreKernels> sets =
+        TWINCHUTE_SETS_OF_THIS_MACHINE(GoreKernels, gore_kernels_here);
     return sets;
 }
 

@@ -7,8 +7,10 @@
 #include <span>
 #include <string_view>
 
+#include "fullsim/forces/force_model.hpp"
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/forces/spring.hpp"
+#include "fullsim/step/midpoint.hpp"
 #include "lib/models/cylinder_drag.hpp"
 
 namespace twinchute::fullsim {
@@ -19,14 +21,16 @@ namespace twinchute::fullsim {
 struct GoreFrame {
     int gores = 0;
     int lanes = 0, blocks = 0, nodes = 0;      ///< per block: own, neighbour's and guests
+    int first = 0, last = 0;                   ///< blocks that a kernel works on: all, or a thread's share
     int own = 0, canopy = 0;                   ///< the first nodes of a block
     double *x = nullptr, *v = nullptr;         ///< [m], [m/s] at the same time, as NodeRecord
     double* v_half = nullptr;                  ///< [m/s] half a step before
     double *force = nullptr, *aero = nullptr;  ///< [N] as State
     double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
+    double* pull = nullptr;        ///< [N] of lines, apart from `force`
     const double* live = nullptr;  ///< [block][lane]
 
-    int arrays = 6;
+    int arrays = 7;
     /// From a node to the next.
     std::size_t stride() const { return static_cast<std::size_t>(arrays) * 3 * lanes; }
     /// Of a node's first lane in an array.
@@ -57,10 +61,22 @@ struct SpringElement {
     double fold_force;                                  // [N] that holds it while folded
 };
 
+/// Row sums of an unstrained triangle by corner, with the weights of its corners (RowWeights).
+struct WeighedRows {
+    std::array<double, 3> stiffness, damping;  // [N/m], [N s/m]
+};
+
 /// What the fabric's pass adds up.
 struct FabricSums {
     double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
     double dissipated = 0.0;                        // [W]
+
+    FabricSums& operator+=(const FabricSums& other) {
+        positive_area += other.positive_area;
+        signed_area += other.signed_area;
+        dissipated += other.dissipated;
+        return *this;
+    }
 };
 
 struct MembranePass {
@@ -91,12 +107,17 @@ struct GoreAdvance {
     std::span<const GoreNode> nodes;
     std::span<const double> inverse_inertia;  ///< [1/kg] of each node
     int first_aero = 0;                       ///< nodes before it have nothing in `aero`
-    double kick = 0.0, dt = 0.0;              ///< [s] between half steps, and of the step
-    double gravity = 0.0;                     ///< [m/s^2]
-    double pressure = 0.0;                    ///< [Pa] on `push`
-    std::array<double, 3> flag{};             ///< [N] on the canopy by share
-    std::array<double, 3> extraction{};       ///< [N]
-    double breathing = 0.0;  ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
+    int first_pulled = 0;                     ///< nodes before it have nothing in `pull`
+    /// Whether the pulled nodes move as the others do. Otherwise they get the impulse of everything but
+    /// lines, and keep its acceleration in `aero` for their substeps.
+    bool together = true;
+    double first_kick = 0.0;             ///< [s] of the first substep, for the works
+    double kick = 0.0, dt = 0.0;         ///< [s] between half steps, and of the step
+    double gravity = 0.0;                ///< [m/s^2]
+    double pressure = 0.0;               ///< [Pa] on `push`
+    std::array<double, 3> flag{};        ///< [N] on the canopy by share
+    std::array<double, 3> extraction{};  ///< [N]
+    double breathing = 0.0;              ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
     std::array<double, 3> breathing_mean{};  ///< [m/s]
     double alpha = 0.0;                      ///< [1/s] about `mean`
     std::array<double, 3> mean{};            ///< [m/s]
@@ -114,8 +135,23 @@ struct GoreSums {
     double dissipated = 0.0, accretion_power = 0.0, external_power = 0.0;  // [W]
 };
 
+/// Of all elements of a kind.
+struct ElementLevels {
+    double energy = 0.0;  ///< [J]
+    Stretch most;
+};
+
+/// A substep of pulled nodes under `pull` alone.
+struct GoreSubstep {
+    std::span<const GoreNode> nodes;
+    std::span<const double> inverse_inertia;  ///< [1/kg] of each node
+    int first_pulled = 0;
+    Substep step;
+    double half_step = 0.0;  ///< [s] of the whole step, in its last substep; 0 in others
+};
+
 /// The loops, for one instruction set. Forces are added to the frame's; a sum does not depend on anything but
-/// the frame's width.
+/// the frame's width and the blocks it runs over.
 struct GoreKernels {
     std::string_view instruction_set;
     int lanes;
@@ -123,8 +159,12 @@ struct GoreKernels {
     FabricSums (*membrane)(const GoreFrame&, const MembranePass&);
     FabricSums (*membrane_and_pressure)(const GoreFrame&, const MembranePass&);
     FabricSums (*pressure)(const GoreFrame&, const MembranePass&);
-    /// [J] at full stiffness, whatever the pass says.
-    double (*membrane_energy)(const GoreFrame&, const MembranePass&);
+    /// What membranes hold and how far they are stretched, at full stiffness whatever the pass says; springs,
+    /// without folds; cables, the load being that of any of them; and [J] of own nodes in motion.
+    ElementLevels (*membrane_levels)(const GoreFrame&, const MembranePass&);
+    ElementLevels (*spring_levels)(const GoreFrame&, const SpringPass&);
+    ElementLevels (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
+    double (*kinetic_energy)(const GoreFrame&, std::span<const GoreNode>, double added_mass);
     /// Cloth drag; `positive_area` is the area that the air meets. factor: 1/2 rho C_D [kg/m^3].
     FabricSums (*cloth_drag)(const GoreFrame&, const MembranePass&, double factor,
                              const std::array<double, 3>& wind);
@@ -132,21 +172,27 @@ struct GoreKernels {
     double (*springs)(const GoreFrame&, const SpringPass&);
     double (*cables)(const GoreFrame&, std::span<const CableElement>);
     /// diameter [m], density [kg/m^3], viscosity [Pa s].
-    void (*line_drag)(const GoreFrame&, std::span<const Node2>, const CylinderDragTable&, double diameter,
-                      double density, double viscosity, const std::array<double, 3>& wind);
+    void (*line_drag)(const GoreFrame&, std::span<const CableElement>, const CylinderDragTable&,
+                      double diameter, double density, double viscosity, const std::array<double, 3>& wind);
     /// Row sums of stiffness and damping for the stable step are added to `rows`, a frame of one array: x is
     /// the stiffness [N/m], y the damping [N s/m] of a node.
-    void (*membrane_rows)(const GoreFrame&, const MembranePass&, std::span<const TriangleRows>,
+    void (*membrane_rows)(const GoreFrame&, const MembranePass&, std::span<const WeighedRows>,
                           const GoreFrame& rows);
-    void (*spring_rows)(const GoreFrame&, const SpringPass&, const GoreFrame& rows);
-    /// The least bound on the step [s] over own nodes; node_damping, by node: [N s/m] of loads on it.
+    /// columns: 1 and the weight of the other end over its own, by end of each spring.
+    void (*spring_rows)(const GoreFrame&, const SpringPass&, std::span<const std::array<double, 2>> columns,
+                        const GoreFrame& rows);
+    /// The least bound on the step [s] over own nodes from first to last; node_damping, by node: [N s/m] of
+    /// loads on it.
     double (*stable_step)(const GoreFrame& rows, std::span<const double> inverse_inertia,
-                          std::span<const double> node_damping);
+                          std::span<const double> node_damping, int first, int last);
     GoreSums (*advance)(const GoreFrame&, const GoreAdvance&);
+    /// Sums of positions and velocities in the last, nothing in others.
+    GoreSums (*substep)(const GoreFrame&, const GoreSubstep&);
     /// What own nodes hold in an array of the frame becomes visible to the gore before.
     void (*show_neighbours)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
-    /// And what a gore has added to the image goes to the node itself; the image is cleared.
+    /// And what a gore has added to the image goes to the node itself.
     void (*give_back)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
+    void (*clear_images)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
 };
 
 /// Those of the best instruction set that this machine has.

@@ -101,6 +101,9 @@ public:
         sew_tapes();
         rig_lines();
         lump_masses(mesh_, payload_mass);
+        mesh_.position.shrink_to_fit();
+        mesh_.triangles.shrink_to_fit();
+        mesh_.cables.shrink_to_fit();
         return std::move(mesh_);
     }
 

@@ -26,6 +26,10 @@ struct Triangle {
 enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
 
 std::string_view cable_kind_name(CableKind kind);
+/// Sewn to the canopy.
+constexpr bool is_tape(CableKind kind) {
+    return kind <= CableKind::vent;
+}
 
 struct Cable {
     std::array<NodeIndex, 2> node;

@@ -34,12 +34,12 @@ double residual(const EnergyLedger& e) {
            (e.gravity_work + e.drag_work - e.damping + e.added_mass + e.ramp + e.external_work);
 }
 
-EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure) {
+EnergyLedger energy_ledger(const State& state, double kinetic, double elastic) {
     const EnergyBook& book = state.energy;
     const double half = 0.5 * state.dt;
     EnergyLedger ledger;
-    ledger.kinetic = kinetic_energy(state, constants) - book.kinetic_start;
-    ledger.elastic = elastic_energy(state, structure) - book.elastic_start;
+    ledger.kinetic = kinetic - book.kinetic_start;
+    ledger.elastic = elastic - book.elastic_start;
     ledger.gravity_work = book.gravity_work + half * book.gravity_power;
     ledger.drag_work = book.drag_work + half * book.drag_power;
     ledger.damping = book.damping + half * book.damping_power;

@@ -16,9 +16,9 @@ double kinetic_energy(const State& state, const NodeConstants& constants);
 /// Stored energy of all blocks [J].
 double elastic_energy(const State& state, const ForceModels& structure);
 
-/// The balance from the start to state.time:
+/// The balance from the start to state.time, when there is as much kinetic and elastic energy [J]:
 ///   kinetic + elastic = gravity work + drag work - damping + added mass + ramp + external work + residual.
-EnergyLedger energy_ledger(const State& state, const NodeConstants& constants, const ForceModels& structure);
+EnergyLedger energy_ledger(const State& state, double kinetic, double elastic);
 
 /// The residual of a ledger [J]; positive when energy came from nowhere.
 double residual(const EnergyLedger& ledger);

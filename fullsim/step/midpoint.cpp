@@ -20,6 +20,7 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
     c.gravity = gravity;
     c.static_line_mass = mesh.static_line.mass;
     const double area = mesh.fabric_area();
+    c.share.reserve(mesh.mass.size());
     for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
         c.share.push_back(mesh.tributary_area[i] / area);
         c.system_mass += mesh.mass[i];
@@ -57,27 +58,25 @@ TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i) {
         const Lanes middle = mover.move(i, c.mass[i], c.mass[i] + c.share[i] * state.added_mass, sums);
         share_square += c.share[i] * (middle * middle);
-        sums.canopy_position += c.mass[i] * state.node[i].x;
-        sums.canopy_velocity += c.mass[i] * state.node[i].v;
-        sums.area_velocity += c.share[i] * state.node[i].v;
+        mover.add_canopy(i, c, sums);
     }
     sums.share_square = sum3(share_square);
     for (std::size_t i = c.canopy_nodes; i < c.mass.size(); ++i)
         mover.move_other(i, c.mass[i], sums);
     mover.move_static_line(c, sums);
-    finish_step(state, c, sums, mover.kick(), dt, next_added_mass);
+    finish_step(state, c, sums, mover.kick(), dt, dt, next_added_mass);
 }
 
 void finish_step(State& state, const NodeConstants& c, const StepSums& sums, double kick, double dt,
-                 double next_added_mass) {
+                 double line_dt, double next_added_mass) {
     store_sums(state, c, sums);
     EnergyBook& book = state.energy;
     book.drag_power = sum3(sums.drag_power);
     book.gravity_power = -c.gravity * sums.momentum[2];
-    book.damping_power = state.damping_power;
+    book.damping_power = state.damping_power + sums.line_damping_power;
     book.drag_work += kick * book.drag_power;
     book.gravity_work += kick * book.gravity_power;
-    book.damping += kick * book.damping_power;
+    book.damping += kick * state.damping_power + sums.line_damping;
     book.external_power = state.external_power;
     book.external_work += kick * book.external_power;
     book.added_mass +=
@@ -85,6 +84,7 @@ void finish_step(State& state, const NodeConstants& c, const StepSums& sums, dou
     state.added_mass = next_added_mass;
     state.damping_power = state.accretion_power = state.external_power = 0.0;
     state.dt = dt;
+    state.line_dt = line_dt;
     ++state.step;
 }
 

@@ -24,7 +24,15 @@ struct StepSums {
     Lanes other_position = splat(0.0), other_velocity = splat(0.0);    ///< of what is not canopy
     Lanes area_velocity = splat(0.0);                                  ///< times share
     Lanes drag_power = splat(0.0), momentum = splat(0.0);  ///< by component, at the time of the forces
-    double share_square = 0.0;  ///< of share times speed squared, likewise [m^2/s^2]
+    double share_square = 0.0;        ///< of share times speed squared, likewise [m^2/s^2]
+    double line_damping = 0.0;        ///< [J] by lines and risers in substeps
+    double line_damping_power = 0.0;  ///< [W] in the last of them, by its part of the step
+};
+
+/// A step of lines and risers within one of the canopy.
+struct Substep {
+    double kick = 0.0;  ///< [s] from the middle of the one before to its own
+    double dt = 0.0;    ///< [s]
 };
 
 /// A node from t to t + dt with its forces at t, which are cleared:
@@ -55,10 +63,48 @@ public:
         state_.force[i].value = state_.aero[i].value = splat(0.0);
         return middle;
     }
+    // A node that takes substeps, see substeps.hpp: the impulse of everything but lines and risers, some
+    // substeps under these, the end of the step.
+    /// The velocity alone changes, by `force` [N] and what is in `aero`, where the acceleration stays for
+    /// end_substeps. Works as in move: the first substep's kick [s] under state.force comes at the same time.
+    Lanes kick_alone(std::size_t i, Lanes force, double mass, double inertia, double first_kick,
+                     StepSums& sums) {
+        const Lanes aero = state_.aero[i].value;
+        const Lanes acceleration = (force + aero + mass * fall_) / splat(inertia);
+        const Lanes before = state_.v_half[i].value;
+        const Lanes after = before + kick_ * acceleration;
+        const Lanes middle = 0.5 * (before + after + first_kick * state_.force[i].value / splat(inertia));
+        sums.drag_power += aero * middle;
+        sums.momentum += mass * middle;
+        state_.v_half[i].value = after;
+        state_.aero[i].value = acceleration;
+        return middle;
+    }
+    void move_in_substep(std::size_t i, double inertia, const Substep& step) {
+        NodeRecord& node = state_.node[i];
+        const Lanes acceleration = state_.force[i].value / splat(inertia);
+        const Lanes after = state_.v_half[i].value + step.kick * acceleration;
+        state_.v_half[i].value = after;
+        node.x += step.dt * after;
+        node.v = after + (0.5 * step.dt) * acceleration;
+        state_.force[i].value = splat(0.0);
+    }
+    void end_substeps(std::size_t i) {
+        state_.node[i].v += (0.5 * dt_) * state_.aero[i].value;
+        state_.aero[i].value = splat(0.0);
+    }
     [[gnu::always_inline]] void move_other(std::size_t i, double mass, StepSums& sums) {
         move(i, mass, mass, sums);
+        add_other(i, mass, sums);
+    }
+    [[gnu::always_inline]] void add_other(std::size_t i, double mass, StepSums& sums) const {
         sums.other_position += mass * state_.node[i].x;
         sums.other_velocity += mass * state_.node[i].v;
+    }
+    [[gnu::always_inline]] void add_canopy(std::size_t i, const NodeConstants& c, StepSums& sums) const {
+        sums.canopy_position += c.mass[i] * state_.node[i].x;
+        sums.canopy_velocity += c.mass[i] * state_.node[i].v;
+        sums.area_velocity += c.share[i] * state_.node[i].v;
     }
     /// Falls with the rest, but is not of the system; what its far end pulls is work from outside.
     void move_static_line(const NodeConstants& c, StepSums& sums);
@@ -70,9 +116,9 @@ private:
 };
 
 /// Renews state.sums and books gravity, drag and damping work, and the work of the added mass's growth from
-/// state.added_mass to `next_added_mass`.
+/// state.added_mass to `next_added_mass`. line_dt: [s] of the last substep.
 void finish_step(State& state, const NodeConstants& constants, const StepSums& sums, double kick, double dt,
-                 double next_added_mass);
+                 double line_dt, double next_added_mass);
 
 /// All nodes from time t to t + dt with the forces in state.force and state.aero at t, and finish_step.
 void advance(State& state, const NodeConstants& constants, double dt, double next_added_mass);

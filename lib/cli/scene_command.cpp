@@ -43,6 +43,25 @@ std::vector<std::string> fields_overrides(const Arguments& arguments, const Fide
     return {fmt::format("{}.fields_rate={}", fidelity.name, rate)};
 }
 
+Option threads_option() {
+    return {"threads", "N", "threads that the full model may use, 1 unless given; the answer is the same",
+            false};
+}
+
+int threads_of(const Arguments& arguments) {
+    constexpr int most = 256;
+    const std::optional<std::string> text = arguments.value("threads");
+    if (!text) return 1;
+    int threads = 0;
+    const char* const end = text->data() + text->size();
+    const auto [rest, error] = std::from_chars(text->data(), end, threads);
+    if (error != std::errc{} || rest != end || threads < 1 || threads > most)
+        throw UsageError(fmt::format(
+            "'--threads {}' is not understood (a whole number from 1 to {} is wanted), e.g. --threads 2",
+            *text, most));
+    return threads;
+}
+
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
     std::vector<std::string> overrides = arguments.values("set");
     overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
@@ -93,9 +112,10 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
 }
 
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      FieldFiles* fields) {
+                      int threads, FieldFiles* fields) {
     ProgressLine line(fidelity.name, !quiet && progress_is_seen());
     Run run{std::move(stop), line.reporter()};
+    run.threads = threads;
     if (fields) run.fields = [fields](const VtuGrid& frame) { fields->add(frame); };
     RunRecord record = fidelity.run(scene, run);
     if (fields) fields->finish();

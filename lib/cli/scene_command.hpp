@@ -23,6 +23,10 @@ Option fields_option();
 /// none. Throws UsageError.
 std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity);
 
+/// --threads, for those that have some; 1 where it is absent. Throws UsageError.
+Option threads_option();
+int threads_of(const Arguments& arguments);
+
 /// The scene of the operand, or the cases of its series, with every --set, and whatever else overrides
 /// them, applied. Throws SceneError and UsageError.
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides = {});
@@ -46,7 +50,7 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments);
 /// Runs one fidelity with a progress line where one can be seen. Fields that the scene asks for go into
 /// `fields` where there is one. Throws WriteError where they do not fit.
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      FieldFiles* fields = nullptr);
+                      int threads, FieldFiles* fields = nullptr);
 
 /// For reading: where the fields are, or nothing where there are none.
 std::string fields_text(const FieldFiles& fields);

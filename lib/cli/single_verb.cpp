@@ -17,6 +17,7 @@ namespace {
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
     const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
+    const int threads = threads_of(arguments);
     for (const Scene& scene : scenes)
         require_physics(scene, fidelity, others);
     if (arguments.has("check")) {
@@ -35,7 +36,7 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
         FileBatch batch;
         FieldFiles fields(batch, place);
         const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"),
-                                             directory ? &fields : nullptr);
+                                             threads, directory ? &fields : nullptr);
         if (directory && record.status.code != StatusCode::refused) {
             add_record(batch, record, place);
             batch.commit();
@@ -68,6 +69,7 @@ Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput ou
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
     if (fidelity.gives_fields) verb.options.insert(verb.options.begin() + 1, fields_option());
+    if (fidelity.has_threads) verb.options.insert(verb.options.begin() + 1, threads_option());
     verb.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
         return run_single(fidelity, output, others, arguments);
     };

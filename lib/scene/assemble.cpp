@@ -238,6 +238,7 @@ FullSettings full(const Values& v) {
     f.mesh.grading = v.word("full.mesh.grading") == "graded" ? Grading::graded : Grading::uniform;
     f.mesh.line_elements = static_cast<int>(v.integer("full.mesh.line_elements"));
     f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
+    f.symmetry = v.word("full.symmetry") == "sector" ? Symmetry::sector : Symmetry::none;
     f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;
     f.switch_area_ratio = v.number("full.switch_area_ratio");
     f.ramp_time = v.number("full.ramp_time");
@@ -246,6 +247,7 @@ FullSettings full(const Values& v) {
     f.alpha_from_release = v.word("full.alpha_from") == "release";
     f.bulk_viscosity = v.number("full.bulk_viscosity");
     f.time_step_factor = v.number("full.time_step_factor");
+    f.line_substeps = static_cast<int>(v.integer("full.line_substeps"));
     f.strain_limit = v.number("full.strain_limit");
     f.output_rate = v.number("full.output_rate");
     if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");

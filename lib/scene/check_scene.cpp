@@ -147,6 +147,25 @@ void check_opening(const Scene& scene, const Values& values, const Complain& com
     }
 }
 
+/// What makes sectors differ, although a run of one of them would not show it.
+void check_symmetry(const Scene& scene, const Complain& complain) {
+    if (scene.full.symmetry == Symmetry::none) return;
+    const auto refuse = [&](std::string why, const char* hint) {
+        complain.about("full.symmetry", "one sector cannot stand for the canopy", std::move(why),
+                       fmt::format("{}, or write full.symmetry = \"none\"", hint));
+    };
+    if (scene.parachutes.front().deploy.starts_packed())
+        refuse("drawn out of its pack each gore folds in its own way", "start at line stretch");
+    if (scene.full.noise) refuse("full.noise disturbs each gore in its own way", "leave full.noise out");
+    if (scene.environment.wind)
+        refuse("environment.wind carries the canopy to one side", "leave environment.wind out");
+    const Vec3 velocity = velocity_over_ground(scene.release);
+    // As near to the vertical as an angle in radians can be written.
+    if (velocity.z() > 0.0 || std::hypot(velocity.x(), velocity.y()) > 1e-9 * velocity.norm())
+        refuse("release.path_angle is not straight down: the canopy meets the air from one side",
+               "write path_angle = \"90 deg\"");
+}
+
 }  // namespace
 
 void check_scene(Scene& scene, const Values& values) {
@@ -163,6 +182,7 @@ void check_scene(Scene& scene, const Values& values) {
             check_packed_opening(scene, complain);
     }
     check_stop(scene, values, complain);
+    check_symmetry(scene, complain);
     warn_of_wind(scene);
 }
 

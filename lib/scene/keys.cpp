@@ -77,6 +77,9 @@ Words stops() {
 Words gradings() {
     return {"graded", "uniform"};
 }
+Words symmetries() {
+    return {"none", "sector"};
+}
 Words structures() {
     return {"msd-fe", "fe"};
 }
@@ -260,6 +263,9 @@ constexpr Key scene_rows[] = {
      .meaning = "cables a suspension line", .source = "about the paper's 1461 cables on 28 gores"},
     {.path = "full.mesh.riser_elements", .kind = integer, .need = defaulted, .fallback = "5", .range = from(1, 2000), .user = full,
      .meaning = "cables a riser"},
+    {.path = "full.symmetry", .kind = word, .need = defaulted, .fallback = "none", .choices = symmetries, .user = full,
+     .meaning = "none: the whole canopy; sector: one gore under one riser, else the gores of one riser, without folds that differ between sectors",
+     .source = "docs/theory/full-model.md"},
     {.path = "full.structure", .kind = word, .need = defaulted, .fallback = "msd-fe", .choices = structures, .user = full,
      .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
      .source = "paper 2"},
@@ -277,6 +283,8 @@ constexpr Key scene_rows[] = {
      .meaning = "b1 of the cables", .source = "paper Eq. 3"},
     {.path = "full.time_step_factor", .unit = "1", .need = defaulted, .fallback = "0.95", .range = above(0, 4), .user = full,
      .meaning = "share of the bound on the stable step; above 1 is for tests of stability", .source = "docs/theory/full-model.md"},
+    {.path = "full.line_substeps", .kind = integer, .need = defaulted, .fallback = "4", .range = from(1, 100), .user = full,
+     .meaning = "most steps that lines and risers take within one of the canopy, where theirs is shorter", .source = "docs/theory/full-model.md"},
     {.path = "full.strain_limit", .unit = "1", .need = defaulted, .fallback = "0.5", .range = above(0, 10), .user = full,
      .meaning = "a run that strains an element further ends", .source = "nylon cord breaks at about 0.3"},
     {.path = "full.output_rate", .unit = "1/s", .need = defaulted, .fallback = "200", .range = above(0, 1e5), .user = full,

@@ -157,8 +157,15 @@ enum class Structure {
     fe       ///< finite elements throughout
 };
 
+/// How much of a parachute is computed.
+enum class Symmetry {
+    none,   ///< all of it
+    sector  ///< the smallest part that a turn about the axis brings onto the rest; the rest moves as it does
+};
+
 struct FullSettings {
     MeshCounts mesh;
+    Symmetry symmetry = Symmetry::none;
     Structure structure = Structure::msd_fe;
     double switch_area_ratio = 0.0;     ///< mouth area over the steady projected area at the change [-]
     double ramp_time = 0.0;             ///< [s] over which the stiffness of the finite elements grows
@@ -167,6 +174,7 @@ struct FullSettings {
     bool alpha_from_release = false;    ///< otherwise from snatch on
     double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
     double time_step_factor = 0.0;      ///< share of the bound on the stable step [-]
+    int line_substeps = 1;              ///< most steps of lines and risers within one of the canopy
     double strain_limit = 0.0;          ///< largest strain that a run may reach [-]
     double output_rate = 0.0;           ///< [1/s] rows of the history
     std::optional<double> fields_rate;  ///< [1/s] frames of the fields; absent: none

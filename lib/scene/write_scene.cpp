@@ -173,6 +173,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.words("mesh.grading", grading_name(full.mesh.grading));
     w.count("mesh.line_elements", full.mesh.line_elements);
     w.count("mesh.riser_elements", full.mesh.riser_elements);
+    w.words("symmetry", full.symmetry == Symmetry::sector ? "sector" : "none");
     w.words("structure", full.structure == Structure::fe ? "fe" : "msd-fe");
     w.number("switch_area_ratio", full.switch_area_ratio);
     w.number("ramp_time", full.ramp_time);
@@ -181,6 +182,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.words("alpha_from", full.alpha_from_release ? "release" : "snatch");
     w.number("bulk_viscosity", full.bulk_viscosity);
     w.number("time_step_factor", full.time_step_factor);
+    w.count("line_substeps", full.line_substeps);
     w.number("strain_limit", full.strain_limit);
     w.number("output_rate", full.output_rate);
     if (full.fields_rate) w.number("fields_rate", *full.fields_rate);

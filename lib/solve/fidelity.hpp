@@ -27,6 +27,7 @@ struct Run {
     /// May be empty; takes the frames of a scene that asks for them, in the order of their times. What it
     /// throws ends the run.
     std::function<void(const VtuGrid&)> fields = {};
+    int threads = 1;  ///< at most; the answer is the same for any number
 };
 
 struct Fidelity {
@@ -36,6 +37,7 @@ struct Fidelity {
     /// Keys of the scene whose physics this fidelity lacks; never null, usually empty.
     std::vector<std::string> (*lacks)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
+    bool has_threads = false;   ///< it is faster with some
 };
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.

@@ -17,6 +17,7 @@
 
 #include "fullsim/fields.hpp"
 #include "fullsim/gores/kernels.hpp"
+#include "fullsim/indexed/kernels.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/bench/bench.hpp"
@@ -82,6 +83,17 @@ public:
     Simulation& simulation() { return *simulation_; }
     /// [B] of the whole simulation.
     double bytes() const { return bytes_; }
+    /// [B] of one in the indexed layout, after a step.
+    double bytes_if_indexed() const {
+        const double before = allocated();
+        Simulation simulation(scene_, [](const Scene& scene, const fullsim::Mesh& mesh,
+                                         const fullsim::NodeConstants& constants) {
+            return make_indexed_layout(scene, mesh, constants);
+        });
+        simulation.evaluate_forces();
+        simulation.step_to(1e9);
+        return allocated() - before;
+    }
 
     /// Whole steps as a run takes them; leaves the forces to be evaluated.
     void step(int count) {
@@ -173,8 +185,7 @@ void measure_advance(benchmark::State& bench, const Size& size) {
     count_elements(bench, flight.simulation().mesh().node_count());
 }
 
-/// Some of a flight's blocks, or its whole step without what watches it, in gores side by side or (without
-/// kernels) in the indexed layout.
+/// Some of a flight's blocks, or its whole step without what watches it, in one of the layouts.
 struct LayoutPart {
     const char* name;
     std::vector<std::string_view> blocks;  // none: all, and the node update
@@ -183,10 +194,34 @@ struct LayoutPart {
 
 const std::vector<LayoutPart> layout_parts{
     {"membrane and pressure", {"membrane", "canopy pressure"}, LayoutPart::Per::triangle},
-    {"cable", {"cable"}, LayoutPart::Per::cable},
+    {"cable", {"tapes", "lines"}, LayoutPart::Per::cable},
     {"line drag", {"line drag"}, LayoutPart::Per::line},
     {"bare step", {}, LayoutPart::Per::element},
 };
+
+struct LayoutChoice {
+    std::string name;
+    Simulation::LayoutMaker make;
+};
+
+/// The force blocks themselves, and each layout with each instruction set of this machine.
+std::vector<LayoutChoice> layout_choices() {
+    using namespace fullsim;
+    std::vector<LayoutChoice> all{{"reference", [](const Scene&, const Mesh& mesh, const NodeConstants& c) {
+                                       return make_reference_layout(mesh, c);
+                                   }}};
+    for (const indexed::Kernels& kernels : indexed::all_kernels())
+        all.push_back({fmt::format("indexed {}", kernels.instruction_set),
+                       [&kernels](const Scene& scene, const Mesh& mesh, const NodeConstants& c) {
+                           return make_indexed_layout(scene, mesh, c, &kernels);
+                       }});
+    for (const GoreKernels& kernels : all_gore_kernels())
+        all.push_back({fmt::format("gores {}", kernels.instruction_set),
+                       [&kernels](const Scene& scene, const Mesh& mesh, const NodeConstants& c) {
+                           return make_gore_layout(scene, mesh, c, &kernels);
+                       }});
+    return all;
+}
 
 double count_of(const fullsim::Mesh& mesh, LayoutPart::Per per) {
     const auto lines = std::ranges::count(mesh.cables, fullsim::CableKind::line, &fullsim::Cable::kind);
@@ -204,7 +239,7 @@ double count_of(const fullsim::Mesh& mesh, LayoutPart::Per per) {
 }
 
 void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart& part,
-                    const fullsim::GoreKernels* kernels) {
+                    const LayoutChoice& choice) {
     InFlight& flight = in_flight(size);
     Simulation& simulation = flight.simulation();
     State state = simulation.state();
@@ -215,16 +250,14 @@ void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart&
     };
     std::erase_if(structure, left_out);
     std::erase_if(loads, left_out);
-    const auto layout =
-        kernels ? make_gore_layout(flight.scene(), simulation.mesh(), simulation.constants(), kernels)
-                : make_indexed_layout(simulation.mesh(), simulation.constants());
+    const auto layout = choice.make(flight.scene(), simulation.mesh(), simulation.constants());
     fullsim::BlockClock clock;
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "block"));
     layout->begin(state, structure, loads);
     for (auto _ : bench) {
         clock.begin_step(false);
         layout->evaluate(state, clock);
-        if (part.blocks.empty()) layout->advance(state, 1e-7, state.added_mass);
+        if (part.blocks.empty()) layout->advance(state, 1e-7, 1, state.added_mass);
     }
     count_elements(bench, count_of(simulation.mesh(), part.per));
 }
@@ -235,17 +268,20 @@ void measure_step(benchmark::State& bench, const Size& size) {
     InFlight& flight = in_flight(size);
     const fullsim::Mesh& mesh = flight.simulation().mesh();
     count_fabric(bench, flight.fabric_states(flight.simulation().state()));
+    const std::int64_t before = flight.simulation().element_steps();
     for (auto _ : bench)
         flight.step(steps);
     using benchmark::Counter;
-    // Triangles and cables: what a record calls element-steps.
-    const double elements = static_cast<double>(mesh.triangles.size() + mesh.cables.size());
-    count_elements(bench, steps * elements);
-    bench.counters["elements"] = elements;
+    // Triangles and cables, lines once more for every substep: what a record calls element-steps.
+    const auto evaluated = static_cast<double>(flight.simulation().element_steps() - before);
+    count_elements(bench, evaluated / static_cast<double>(bench.iterations()));
+    bench.counters["elements"] = static_cast<double>(mesh.triangles.size() + mesh.cables.size());
     bench.counters["us_per_step"] =
         Counter(1e-6 * steps, Counter::kIsIterationInvariantRate | Counter::kInvert);
     bench.counters["triangles"] = static_cast<double>(mesh.triangles.size());
     bench.counters["B_per_triangle"] = flight.bytes() / static_cast<double>(mesh.triangles.size());
+    bench.counters["B_per_triangle_indexed"] =
+        flight.bytes_if_indexed() / static_cast<double>(mesh.triangles.size());
 }
 
 /// "canopy pressure" on 2000 triangles: "element/canopy-pressure/2000".
@@ -266,14 +302,11 @@ void register_elements() {
                 benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, false,
                                              row);
         benchmark::RegisterBenchmark(name_of("node update", size).c_str(), &measure_advance, size);
-        for (const LayoutPart& part : layout_parts) {
-            benchmark::RegisterBenchmark(name_of(std::string(part.name) + ", indexed", size).c_str(),
-                                         &measure_layout, size, part, nullptr);
-            for (const fullsim::GoreKernels& kernels : fullsim::all_gore_kernels())
+        for (const LayoutPart& part : layout_parts)
+            for (const LayoutChoice& choice : layout_choices())
                 benchmark::RegisterBenchmark(
-                    name_of(fmt::format("{}, {}", part.name, kernels.instruction_set), size).c_str(),
-                    &measure_layout, size, part, &kernels);
-        }
+                    name_of(fmt::format("{}, {}", part.name, choice.name), size).c_str(), &measure_layout,
+                    size, part, choice);
         benchmark::RegisterBenchmark(name_of("step", size).c_str(), &measure_step, size);
         // Those that act before snatch only, in their own state.
         for (const fullsim::ForceBlock& row : fullsim::force_blocks())

@@ -272,20 +272,21 @@ TEST(Registry, EveryStageHasItsOwnBlocks) {
     };
     using Names = std::vector<std::string>;
     const Scene scene = full_scene(DeployBy::static_line);
-    EXPECT_EQ(names(scene, Stage::deployment), (Names{"fabric springs", "cable", "static line", "cloth drag",
-                                                      "fold resistance", "line drag", "payload drag"}));
+    EXPECT_EQ(names(scene, Stage::deployment),
+              (Names{"fabric springs", "tapes", "lines", "static line", "cloth drag", "fold resistance",
+                     "line drag", "payload drag"}));
     EXPECT_EQ(names(scene, Stage::springs),
-              (Names{"fabric springs", "cable", "canopy pressure", "line drag", "breathing damping",
+              (Names{"fabric springs", "tapes", "lines", "canopy pressure", "line drag", "breathing damping",
                      "payload drag", "accretion", "mass damping"}));
     EXPECT_EQ(names(scene, Stage::flight),
-              (Names{"membrane", "cable", "canopy pressure", "line drag", "breathing damping", "payload drag",
-                     "accretion", "mass damping"}));
-    EXPECT_EQ(names(scene, Stage::ramp).size(), 9u);  // membrane beside springs
+              (Names{"membrane", "tapes", "lines", "canopy pressure", "line drag", "breathing damping",
+                     "payload drag", "accretion", "mass damping"}));
+    EXPECT_EQ(names(scene, Stage::ramp).size(), 10u);  // membrane beside springs
     Scene elements = full_scene(DeployBy::extraction);
     elements.full.structure = Structure::fe;
     elements.full.alpha_from_release = true;
     EXPECT_EQ(names(elements, Stage::deployment),
-              (Names{"membrane", "cable", "cloth drag", "fold resistance", "extraction", "line drag",
+              (Names{"membrane", "tapes", "lines", "cloth drag", "fold resistance", "extraction", "line drag",
                      "payload drag", "mass damping"}));
 }
 

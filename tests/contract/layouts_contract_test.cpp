@@ -1,82 +1,57 @@
-// Every layout and every instruction set gives the answer of the indexed one, which is the reference: in
-// states recorded on the way through whole runs.
+// Every layout and every instruction set gives the answer of the force blocks themselves, which are the
+// reference: in states recorded on the way through whole runs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "fullsim/gores/kernels.hpp"
+#include "fullsim/indexed/kernels.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "tests/support/layout_answer.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double dt = 1e-5;  // [s]
+using test::Answer, test::answer_of, test::expect_same, test::stiffest_cable;
 
-/// What a layout says of one state: sums, what a step makes of it, and the forces that one can tell from
-/// that.
-struct Answer {
-    State state;
-    double stable_step;
-    std::vector<Vec3> force;  ///< [N], gravity included
+struct NamedLayout {
+    std::string name;
+    std::unique_ptr<Layout> layout;
 };
 
-Answer answer_of(Layout& layout, const State& state, const NodeConstants& c, const ForceModels& structure,
-                 const ForceModels& loads) {
-    Answer a{state, 0.0, {}};
-    layout.begin(a.state, structure, loads);
-    BlockClock clock;
-    clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
-    clock.begin_step(false);
-    layout.evaluate(a.state, clock);
-    a.stable_step = layout.stable_step(a.state);
-    layout.advance(a.state, dt, a.state.added_mass + 1e-4);
-    layout.store(a.state);
-    for (std::size_t i = 0; i < c.mass.size(); ++i)
-        a.force.push_back((c.mass[i] + c.share[i] * state.added_mass) / (0.5 * (dt + state.dt)) *
-                          to_vec3(a.state.v_half[i].value - state.v_half[i].value));
-    return a;
+/// Each layout that can have this mesh with each instruction set of this machine.
+std::vector<NamedLayout> layouts_of(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
+    std::vector<NamedLayout> all;
+    for (const indexed::Kernels& kernels : indexed::all_kernels())
+        all.push_back({fmt::format("indexed, {}", kernels.instruction_set),
+                       make_indexed_layout(scene, mesh, constants, &kernels)});
+    for (const GoreKernels& kernels : all_gore_kernels())
+        if (auto gores = make_gore_layout(scene, mesh, constants, &kernels))
+            all.push_back({fmt::format("gores, {}", kernels.instruction_set), std::move(gores)});
+    return all;
 }
 
-void expect_same(const Answer& reference, const Answer& other, double stiffest) {
-    double largest = reference.state.riser_force.norm(), difference = 0.0;
-    for (std::size_t i = 0; i + 1 < reference.force.size(); ++i) {  // the payload's tells its weight
-        largest = std::max(largest, reference.force[i].norm());
-        difference = std::max(difference, (reference.force[i] - other.force[i]).norm());
+void compare_all(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, const State& state,
+                 bool gores_alike) {
+    const auto structure = make_structure(scene, mesh, state.stage);
+    const auto loads = make_loads(scene, mesh, state.stage);
+    const Answer reference =
+        answer_of(*make_reference_layout(mesh, constants), state, constants, structure, loads);
+    const std::vector<NamedLayout> all = layouts_of(scene, mesh, constants);
+    EXPECT_EQ(all.size(), indexed::all_kernels().size() + (gores_alike ? all_gore_kernels().size() : 0));
+    for (const auto& [name, layout] : all) {
+        SCOPED_TRACE(name + " step " + std::to_string(state.step));
+        expect_same(reference, answer_of(*layout, state, constants, structure, loads), stiffest_cable(scene));
     }
-    // A strain is a ratio near 1 less 1, good to 2e-16: in free fall, when hardly a force acts, that is what
-    // is left of it times the stiffest cable's EA.
-    EXPECT_LE(difference, 1e-12 * largest + 4e-16 * stiffest);
-    const auto close = [](double a, double b, double scale, const char* what) {
-        EXPECT_NEAR(a, b, 1e-12 * scale) << what;
-    };
-    const State &r = reference.state, &o = other.state;
-    const double power = std::abs(r.energy.drag_power) + std::abs(r.energy.damping_power) +
-                         std::abs(r.energy.gravity_power) + 1e-3;
-    close(reference.stable_step, other.stable_step, reference.stable_step, "stable step");
-    close(r.energy.drag_power, o.energy.drag_power, 10.0 * power, "drag power");
-    close(r.energy.gravity_power, o.energy.gravity_power, power, "gravity power");
-    // A small sum of large terms of both signs.
-    close(r.energy.damping_power, o.energy.damping_power, 100.0 * power, "damping power");
-    close(r.energy.external_power, o.energy.external_power, power, "external power");
-    close(r.air.projected_area, o.air.projected_area, 60.0, "projected area");
-    close(r.air.signed_area, o.air.signed_area, 60.0, "signed area");
-    close(r.air.pressure, o.air.pressure, 10.0 * (r.air.pressure + 1e-3), "pressure");
-    close(r.riser_force.norm(), o.riser_force.norm(), 10.0 * (r.riser_force.norm() + 1.0), "riser force");
-    EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), 1e-12 * 100.0);
-    EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), 1e-12 * 1000.0);
-    EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), 1e-12 * 100.0);
-}
-
-/// EA [N] of a riser, which is as strong as its lines.
-double stiffest_cable(const Scene& scene) {
-    const Parachute& chute = scene.parachutes.front();
-    return chute.line.axial_stiffness() * chute.gores / chute.risers;
 }
 
 /// Looks at a hundred states of a run, evenly spaced in steps, whatever stage they are in.
@@ -97,18 +72,7 @@ void compare_along(const Scene& scene, int steps, std::size_t stages = 1) {
         if (step % looks == 0) {
             const State& state = simulation.state();
             if (std::ranges::find(seen, state.stage) == seen.end()) seen.push_back(state.stage);
-            const auto structure = make_structure(scene, simulation.mesh(), state.stage);
-            const auto loads = make_loads(scene, simulation.mesh(), state.stage);
-            const auto indexed = make_indexed_layout(simulation.mesh(), simulation.constants());
-            const Answer reference = answer_of(*indexed, state, simulation.constants(), structure, loads);
-            for (const GoreKernels& kernels : all_gore_kernels()) {
-                SCOPED_TRACE(std::string(kernels.instruction_set) + " step " + std::to_string(step));
-                const auto gores =
-                    make_gore_layout(scene, simulation.mesh(), simulation.constants(), &kernels);
-                ASSERT_TRUE(gores);
-                expect_same(reference, answer_of(*gores, state, simulation.constants(), structure, loads),
-                            stiffest_cable(scene));
-            }
+            compare_all(scene, simulation.mesh(), simulation.constants(), state, true);
             if (testing::Test::HasFailure()) return;
         }
         simulation.step_to(std::min(1e9, simulation.ramp_end()));
@@ -190,17 +154,127 @@ TEST(Layouts, ASmoothOpeningIsTheSameInAll) {
         return outcome;
     };
     const Outcome reference = fly([](const Scene&, const Mesh& mesh, const NodeConstants& constants) {
-        return make_indexed_layout(mesh, constants);
+        return make_reference_layout(mesh, constants);
     });
     EXPECT_GT(reference.peak, 3.0 * scene.payload.mass * 9.8);
-    for (const GoreKernels& kernels : all_gore_kernels()) {
-        SCOPED_TRACE(kernels.instruction_set);
-        const Outcome other = fly([&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-            return make_gore_layout(s, mesh, constants, &kernels);
-        });
+    const auto expect_same_outcome = [&](const Simulation::LayoutMaker& layout) {
+        const Outcome other = fly(layout);
         EXPECT_NEAR(other.peak, reference.peak, 1e-6 * reference.peak);
         EXPECT_NEAR(other.peak_time, reference.peak_time, 1e-6 * reference.peak_time);
         EXPECT_NEAR(other.altitude, reference.altitude, 1e-6 * reference.altitude);
+    };
+    for (const GoreKernels& kernels : all_gore_kernels()) {
+        SCOPED_TRACE(kernels.instruction_set);
+        expect_same_outcome([&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+            return make_gore_layout(s, mesh, constants, &kernels);
+        });
+    }
+    for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+        SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
+        expect_same_outcome([&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+            return make_indexed_layout(s, mesh, constants, &kernels);
+        });
+    }
+}
+
+/// Every element, mass and node a little different from all others: nothing of it may be taken from a
+/// neighbour.
+Mesh made_uneven(Mesh mesh) {
+    double factor = 1.0;
+    const auto next = [&] { return 1.0 + 1e-3 * (factor = 1.9 * factor - std::floor(1.9 * factor)); };
+    for (Triangle& t : mesh.triangles)
+        t.a *= next(), t.b *= next(), t.c *= next();
+    for (Cable& c : mesh.cables)
+        c.rest_length *= next();
+    return mesh;
+}
+
+TEST(Layouts, AgreeOnAnUnevenMeshWhateverItsCounts) {
+    // Elements are taken away one by one, so that none, some or all but one lane of the last group are
+    // filled.
+    const Scene scene = crane_drop({"full.mesh.gore_columns=1"});
+    Simulation simulation(scene);
+    for (int step = 0; step < 3'000; ++step) {
+        simulation.evaluate_forces();
+        simulation.step_to(1e9);
+    }
+    for (const Stage stage : {Stage::deployment, Stage::springs, Stage::ramp, Stage::flight}) {
+        State state = simulation.state();
+        state.stage = stage;
+        state.fe_weight = stage == Stage::ramp ? 0.3 : stage == Stage::flight ? 1.0 : 0.0;
+        state.air.drag_area = 20.0;
+        state.air.radial_pressure = 0.7;
+        Mesh mesh = made_uneven(simulation.mesh());
+        for (int fewer = 0; fewer < 17; ++fewer) {
+            if (fewer > 0) {
+                mesh.triangles.pop_back();
+                mesh.cables.erase(std::ranges::find(mesh.cables, CableKind::line, &Cable::kind));
+            }
+            const NodeConstants constants = node_constants(mesh, scene.environment.gravity);
+            compare_all(scene, mesh, constants, state, false);
+            if (HasFailure()) return;
+        }
+    }
+}
+
+TEST(Layouts, TheSameInputGivesTheSameBits) {
+    const Scene packed = crane_drop({});
+    Scene drawn_out = packed;
+    drawn_out.parachutes.front().deploy.by = DeployBy::line_stretch;
+    drawn_out.release.speed = 25.0;
+    const auto end_of = [](const Scene& scene, const indexed::Kernels& kernels) {
+        Simulation simulation(scene, [&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+            return make_indexed_layout(s, mesh, constants, &kernels);
+        });
+        for (int step = 0; step < 300; ++step) {
+            simulation.evaluate_forces();
+            simulation.step_to(1e9);
+        }
+        return simulation.state();
+    };
+    for (const Scene* scene : {&std::as_const(packed), &std::as_const(drawn_out)})
+        for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+            SCOPED_TRACE(kernels.instruction_set);
+            const State once = end_of(*scene, kernels), again = end_of(*scene, kernels);
+            ASSERT_EQ(once.node.size(), again.node.size());
+            for (std::size_t i = 0; i < once.node.size(); ++i)
+                EXPECT_TRUE(to_vec3(once.node[i].x) == to_vec3(again.node[i].x) &&
+                            to_vec3(once.node[i].v) == to_vec3(again.node[i].v));
+            EXPECT_EQ(once.dt, again.dt);
+        }
+}
+
+TEST(Layouts, AnyNumberOfThreadsGivesTheSameBits) {
+    // From line stretch through the first filling, with substeps, and a pack; four instruction sets' worth of
+    // blocks of gores, on as many threads as there are, and more.
+    for (const bool packed : {false, true}) {
+        Scene scene = crane_drop({"full.mesh.gore_rows=30", "full.mesh.line_elements=31"});
+        if (!packed) {
+            scene.parachutes.front().deploy.by = DeployBy::line_stretch;
+            scene.release.speed = 25.0;
+        }
+        std::vector<State> ends;
+        for (const int threads : {1, 2, 3}) {
+            Simulation simulation(
+                scene, [&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+                    return make_gore_layout(s, mesh, constants, &all_gore_kernels().back(), threads);
+                });
+            EXPECT_EQ(simulation.layout().threads(), threads);
+            for (int step = 0; step < 250; ++step) {
+                simulation.evaluate_forces();
+                simulation.step_to(1e9);
+            }
+            ends.push_back(simulation.state());
+        }
+        for (const State& end : ends) {
+            EXPECT_EQ(end.time, ends.front().time);
+            EXPECT_EQ(end.energy.damping, ends.front().energy.damping);
+            EXPECT_EQ(end.air.projected_area, ends.front().air.projected_area);
+            for (std::size_t i = 0; i < end.node.size(); ++i) {
+                ASSERT_EQ(to_vec3(end.node[i].x), to_vec3(ends.front().node[i].x)) << i;
+                ASSERT_EQ(to_vec3(end.node[i].v), to_vec3(ends.front().node[i].v)) << i;
+            }
+        }
     }
 }
 
@@ -214,6 +288,8 @@ TEST(Layouts, AnUnevenMeshIsNotSideBySide) {
     EXPECT_FALSE(find_gores(mesh, &why));
     EXPECT_NE(why.find("triangles differ"), std::string::npos) << why;
     EXPECT_FALSE(make_gore_layout(scene, mesh, simulation.constants()));
+    EXPECT_EQ(make_layout(scene, mesh, simulation.constants())->name(), "indexed");
+    EXPECT_EQ(make_layout(scene, simulation.mesh(), simulation.constants())->name(), "gores in lanes");
 }
 
 TEST(Layouts, GoresCoverTheMesh) {

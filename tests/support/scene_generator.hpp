@@ -80,7 +80,7 @@ private:
     void put_number(std::string_view path, double value) {
         put(path, quantity(value, find_key(scene_keys(), path)->unit));
     }
-    void put_release(bool may_rest);
+    void put_release(bool may_rest, bool straight_down);
     void put_extraction();
     void put_canopy();
     void put_opening();
@@ -167,7 +167,7 @@ inline void SceneGenerator::put_extraction() {
         put("parachute.deploy.force_table", "\"generated-force.csv\"");
 }
 
-inline void SceneGenerator::put_release(bool may_rest) {
+inline void SceneGenerator::put_release(bool may_rest, bool straight_down) {
     const double lowest = -1000.0, highest = 85000.0;
     double ground = 0.0;
     if (chance(0.5)) put_number("environment.ground", ground = number_in(lowest + 100.0, 20000.0));
@@ -181,7 +181,8 @@ inline void SceneGenerator::put_release(bool may_rest) {
     const double speed = may_rest && chance(0.3) ? 0.0 : number_in(0.05, over_ground ? 999.0 : 799.0);
     put_number(over_ground ? "release.speed" : "release.airspeed", speed);
     if (speed > 0.0 && (!over_ground || !has_wind_)) airspeed_ = speed;
-    if (speed > 0.0) put_number("release.path_angle", number_in(-0.5 * pi, 0.5 * pi));
+    if (speed > 0.0)
+        put_number("release.path_angle", straight_down ? 0.5 * pi : number_in(-0.5 * pi, 0.5 * pi));
     const bool stops = std::ranges::any_of(
         lines_, [](const SceneLine& line) { return line.path == "stop.at" || line.path == "stop.time"; });
     if (stops || chance(0.5)) return;
@@ -268,6 +269,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "release.path_angle",
                                                     "stop.altitude",
                                                     "stop.height",
+                                                    "full.symmetry",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
                                                     "parachute.fill_time.model",
@@ -320,7 +322,12 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     }
     const std::string& by = words["parachute.deploy.by"];
     if (by == "extraction") put_extraction();
-    put_release(by != "line-stretch");
+    const bool disturbed =
+        has_wind_ || by == "static-line" || by == "extraction" || by == "free" ||
+        std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; });
+    const bool sector = !disturbed && chance(0.5);
+    if (sector || chance(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
+    put_release(by != "line-stretch", sector);
     put_canopy();
     put_opening();
     if (chance(0.3)) put_tolerances();

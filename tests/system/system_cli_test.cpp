@@ -130,17 +130,19 @@ TEST_F(SystemCli, CheckRunsNothing) {
 }
 
 TEST_F(SystemCli, BadUsageAndBadScenesAreExitTwoAndWriteNothing) {
-    const std::vector<Words> wrong{{},
-                                   {"simulate", scene},
-                                   {"--frobnicate"},
-                                   {"compare"},
-                                   {"rom", scene, "--treads", "2"},
-                                   {"rom", "no-such-file.toml"},
-                                   {"rom", scene, "--set", "payload.mas=1"},
-                                   {"compare", scene, "--tolerance", "peak_force"},
-                                   {"compare", scene, "--tolerance", "peak_force=5s"},
-                                   {"compare", scene, "--tolerance", "no_such_metric=5%"},
-                                   {"list", "no-such-topic"}};
+    const std::vector<Words> wrong{
+        {},
+        {"simulate", scene},
+        {"--frobnicate"},
+        {"compare"},
+        {"rom", scene, "--treads", "2"},
+        {"rom", "no-such-file.toml"},
+        {"rom", scene, "--set", "payload.mas=1"},
+        {"full", scene, "--set", "full.symmetry=sector", "--set", "release.path_angle=1"},
+        {"compare", scene, "--tolerance", "peak_force"},
+        {"compare", scene, "--tolerance", "peak_force=5s"},
+        {"compare", scene, "--tolerance", "no_such_metric=5%"},
+        {"list", "no-such-topic"}};
     for (const Words& words : wrong) {
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 2) << testing::PrintToString(words);

@@ -237,6 +237,22 @@ TEST_F(SystemFields, ARateIsAPositiveNumber) {
     EXPECT_TRUE(names("").empty());
 }
 
+TEST_F(SystemFields, ThreadsAreAWholeNumberAndChangeNothing) {
+    for (const std::string threads : {"0", "-1", "two", "1.5", "2x", "", "1e2", "257"}) {
+        const Ended ended = run({"full", scene, "--threads", threads});
+        EXPECT_EQ(ended.code, 2) << threads;
+        EXPECT_NE(ended.err.find("--threads"), std::string::npos) << ended.err;
+    }
+    EXPECT_EQ(run({"rom", scene, "--threads", "2"}).code, 2);  // it has none
+    EXPECT_TRUE(names("").empty());
+    const Words fine{"--set", "full.mesh.gore_rows=17",    "--set", "full.mesh.gore_columns=2",
+                     "--set", "full.mesh.line_elements=31"};  // enough for two
+    for (const std::string threads : {"1", "2"})
+        ASSERT_EQ(run(Words{"full", scene, "--out", threads, "--threads", threads} + quick + fine).code, 0);
+    EXPECT_EQ(content_of(here_ / "1/history.csv"), content_of(here_ / "2/history.csv"));
+    EXPECT_EQ(json::parse(content_of(here_ / "2/summary.json"))["provenance"]["threads"], 2);
+}
+
 TEST_F(SystemFields, AFailedRunKeepsThoseUpToThere) {
     NEEDS_VTK();
     const Ended ended = run(Words{"full", scene, "--out", "o", "--fields", "1000", "--set",

@@ -242,7 +242,7 @@ TEST(PayloadDrag, OpposesTheMotion) {
 TEST(Registry, BuildsOnlyWhatTheSceneHas) {
     Scene scene = test::c9_scene();
     const Mesh mesh = coarse_c9();
-    EXPECT_EQ(make_structure(scene, mesh).size(), 2u);
+    EXPECT_EQ(make_structure(scene, mesh).size(), 3u);
     EXPECT_EQ(make_loads(scene, mesh).size(), 3u);  // pressure, line drag, breathing
     scene.aerodynamics.line_drag.reset();
     scene.aerodynamics.breathing_damping.reset();

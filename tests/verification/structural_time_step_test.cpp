@@ -85,12 +85,18 @@ double true_limit(const Simulation& simulation, const Scene& scene) {
     return low;
 }
 
-/// True limit over the bound that the run takes its steps from, once the canopy is open.
+/// True limit over the bound that the run takes its steps from: the least from line stretch until the canopy
+/// is open.
 double limit_over_bound(const Scene& scene) {
     Simulation simulation(scene);
-    while (simulation.state().time < 2.2)
-        step_through_phases(simulation, 2.2);
-    return true_limit(simulation, scene) / simulation.bound().dt;
+    double least = true_limit(simulation, scene) / simulation.bound().dt;
+    for (int tenth = 1; tenth <= 22; ++tenth) {
+        const double time = 0.1 * tenth;
+        while (simulation.state().time < time)
+            step_through_phases(simulation, time);
+        least = std::min(least, true_limit(simulation, scene) / simulation.bound().dt);
+    }
+    return least;
 }
 
 RunRecord full(const Scene& scene) {
@@ -169,8 +175,8 @@ TEST_P(StructuralTimeStep, AtTwiceTheLimitIsFoundWithin200StepsOfTheFirstSign) {
 }
 
 TEST(StructuralTimeStepOfAll, TheVentOfAGradedMeshDoesNotSetTheStep) {
-    // At line stretch, where the air has not yet slowed the crown, and in steady descent, where lines are
-    // left.
+    // At line stretch, where the air has not yet slowed the crown. In steady descent lines are left, on
+    // either mesh.
     const auto bounds = [](Grading grading) {
         Scene scene = test::c9_scene();
         scene.full.mesh.grading = grading;
@@ -179,14 +185,13 @@ TEST(StructuralTimeStepOfAll, TheVentOfAGradedMeshDoesNotSetTheStep) {
         while (simulation.state().time < 2.0)
             step_through_phases(simulation, 2.0);
         const auto open = simulation.bound();
-        EXPECT_EQ(simulation.mesh().is_canopy(open.node), grading == Grading::uniform);
+        EXPECT_FALSE(simulation.mesh().is_canopy(open.node));
         return std::pair{start, open.dt};
     };
     const auto graded = bounds(Grading::graded), uniform = bounds(Grading::uniform);
     test::report("bound on the step, graded and uniform, at the start [ms], open [ms]:", 1e3 * graded.first,
                  1e3 * uniform.first, 1e3 * graded.second, 1e3 * uniform.second);
     EXPECT_GT(graded.first, 2.5 * uniform.first);
-    EXPECT_GT(graded.second, uniform.second);
 }
 
 TEST(StructuralTimeStepOfAll, ASlowDriftIsSeenToo) {

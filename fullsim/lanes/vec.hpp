@@ -1,10 +1,10 @@
-// Gores side by side: doubles in one or two of the processor's registers, with the operators that formulas
+// Elements side by side: doubles in one or two of the processor's registers, with the operators that formulas
 // need. Included once for every instruction set (see membrane_kernel.hpp for the guard).
-#if defined(TWINCHUTE_GORES_VEC) == defined(HWY_TARGET_TOGGLE)
-#ifdef TWINCHUTE_GORES_VEC
-#undef TWINCHUTE_GORES_VEC
+#if defined(TWINCHUTE_LANES_VEC) == defined(HWY_TARGET_TOGGLE)
+#ifdef TWINCHUTE_LANES_VEC
+#undef TWINCHUTE_LANES_VEC
 #else
-#define TWINCHUTE_GORES_VEC
+#define TWINCHUTE_LANES_VEC
 #endif
 
 #include <hwy/highway.h>
@@ -17,12 +17,21 @@ using Tag = hn::CappedTag<double, 8>;
 inline constexpr Tag tag{};
 
 /// Registers that go hand in hand. A membrane is a long chain of operations that wait for each other; the
-/// second register works while the first one waits. It takes the 32 registers of AVX-512.
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+/// second register works while the first one waits. It takes the 32 registers of AVX-512, or values that go
+/// to memory and back in between: who includes this says with TWINCHUTE_ALWAYS_TWO_WAYS that these are worth
+/// it.
+#if (HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86) || defined(TWINCHUTE_ALWAYS_TWO_WAYS)
+#define TWINCHUTE_WAYS two_ways
+inline namespace two_ways {
 inline constexpr int ways = 2;
+}
 #else
+#define TWINCHUTE_WAYS one_way
+inline namespace one_way {
 inline constexpr int ways = 1;
+}
 #endif
+inline namespace TWINCHUTE_WAYS {  // types of two names, in one program
 inline constexpr int lanes_of_register = HWY_LANES(double) < 8 ? HWY_LANES(double) : 8;
 inline constexpr int lanes_of_all = ways * lanes_of_register;
 
@@ -69,6 +78,9 @@ HWY_INLINE Vec operator-(double a, Vec b) {
 }
 HWY_INLINE Vec operator*(double a, Vec b) {
     return all(a) * b;
+}
+HWY_INLINE Vec operator*(Vec a, double b) {
+    return a * all(b);
 }
 HWY_INLINE Vec operator-(Vec a) {
     TWINCHUTE_EACH(Vec, hn::Neg(a.raw[k]));
@@ -131,6 +143,10 @@ HWY_INLINE double least(Vec a) {
     return smallest;
 }
 
+HWY_INLINE double greatest(Vec a) {
+    return -least(-a);
+}
+
 struct Vec3s {
     Vec x, y, z;
 };
@@ -182,6 +198,8 @@ HWY_INLINE void take3(Vec3s a, double* from) {
 }
 
 #undef TWINCHUTE_EACH
+}  // namespace TWINCHUTE_WAYS
+#undef TWINCHUTE_WAYS
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,0 +1,374 @@
+#include "fullsim/sector/arrays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+template <std::size_t corners>
+using Nodes = std::array<LocalNode, corners>;
+
+template <std::size_t corners>
+Nodes<corners> next(Nodes<corners> nodes) {
+    for (LocalNode& n : nodes)
+        ++n;
+    return nodes;
+}
+
+/// Elements by their nodes, and those that are still to be had.
+template <std::size_t corners>
+class Remaining {
+public:
+    explicit Remaining(const std::vector<Nodes<corners>>& elements) {
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            at_[elements[e]].push_back(static_cast<int>(e));
+    }
+    /// -1 where there is none.
+    int take(const Nodes<corners>& nodes) {
+        const auto found = at_.find(nodes);
+        if (found == at_.end() || found->second.empty()) return -1;
+        const int element = found->second.back();
+        found->second.pop_back();
+        return element;
+    }
+    bool has(const Nodes<corners>& nodes) const {
+        const auto found = at_.find(nodes);
+        return found != at_.end() && !found->second.empty();
+    }
+
+private:
+    std::map<Nodes<corners>, std::vector<int>> at_;
+};
+
+}  // namespace
+
+/// Elements that are worked on side by side.
+template <std::size_t corners>
+struct SectorArrays::Group {
+    std::array<std::int32_t, corners> node{};
+    std::vector<int> element;
+    bool loose = false;
+};
+
+/// Runs as long as there are any. What would leave most of a register empty, at the end of a run or alone,
+/// becomes loose.
+template <std::size_t corners>
+std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
+    const std::vector<std::array<LocalNode, corners>>& elements) {
+    Remaining<corners> remaining(elements);
+    std::vector<Group<corners>> all;
+    Group<corners> loose;
+    loose.loose = true;
+    for (const Nodes<corners>& start : elements) {
+        Nodes<corners> before = start;
+        for (LocalNode& n : before)
+            --n;
+        if (!remaining.has(start) || remaining.has(before)) continue;
+        Group<corners> run{start, {}, false};
+        for (Nodes<corners> at = start; remaining.has(at); at = next(at))
+            run.element.push_back(remaining.take(at));
+        const auto left = static_cast<int>(run.element.size()) % lanes_;
+        if (left <= lanes_ / 4)
+            for (int k = 0; k < left; ++k) {
+                loose.element.push_back(run.element.back());
+                run.element.pop_back();
+            }
+        if (!run.element.empty()) all.push_back(std::move(run));
+    }
+    if (!loose.element.empty()) {
+        for (auto& first : loose.node) {
+            first = nodes_;
+            nodes_ += padded(static_cast<int>(loose.element.size()));
+        }
+        for (std::size_t c = 0; c < corners; ++c)
+            for (std::size_t k = 0; k < loose.element.size(); ++k)
+                plan.copies.push_back(
+                    {loose.node[c] + static_cast<std::int32_t>(k), elements[loose.element[k]][c]});
+        all.push_back(std::move(loose));
+    }
+    return all;
+}
+
+SectorArrays::SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
+                           double bulk_viscosity, double beta, int lanes)
+    : lanes_(lanes), nodes_(sector.nodes()) {
+    lay_triangles(sector, membrane_law(mesh.fabric, bulk_viscosity));
+    lay_cables(sector, mesh, bulk_viscosity, beta);
+    lay_images(sector);
+    lay_nodes(sector, constants);
+    collect_sources(sector);
+}
+
+/// Before and behind it lie zeros, as many as a register has: nodes may ask beyond its ends.
+std::int32_t SectorArrays::new_stream(int elements) {
+    const std::int32_t at = streams_ + lanes_;
+    streams_ = at + padded(elements);
+    return at;
+}
+
+void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
+    std::vector<Nodes<3>> nodes;
+    for (const GoreTriangle& t : sector.triangles)
+        nodes.push_back(t.node);
+    const auto all = groups(nodes);
+    int length = 0;
+    for (const auto& group : all)
+        length += padded(static_cast<int>(group.element.size()));
+    enum : int {
+        inverse_a,
+        inverse_c,
+        b_over_a,
+        area,
+        viscosity,
+        half,
+        stiffness = first_stiffness_row,
+        damping = stiffness + 3
+    };
+    triangle_rows_ = AlignedRows(damping + 3, length);
+    AlignedRows& rows = triangle_rows_;
+    std::int32_t first = 0;
+    for (const auto& group : all) {
+        const auto count = static_cast<int>(group.element.size());
+        TriangleRun run{group.node, first, padded(count)};
+        for (std::int32_t& pull : run.pull)
+            pull = new_stream(count);
+        run.push = new_stream(count);
+        for (int k = 0; k < count; ++k) {
+            const GoreTriangle& t = sector.triangles[group.element[k]];
+            const Triangle flat{{}, t.a, t.b, t.c};
+            const int at = first + k;
+            unstrained_.push_back({at, group.element[k], unstrained_rows(law, flat)});
+            rows[inverse_a][at] = 1.0 / t.a;
+            rows[inverse_c][at] = 1.0 / t.c;
+            rows[b_over_a][at] = t.b / t.a;
+            rows[area][at] = flat.area();
+            rows[viscosity][at] = law.viscosity * element_length(flat);
+            rows[half][at] = 0.5;
+        }
+        for (int c = 0; c < 3; ++c) {
+            if (!group.loose) {
+                acts_.push_back(
+                    {c == 0 ? Act::What::plus : Act::What::minus, run.pull[c], run.node[c], count});
+                acts_.push_back({Act::What::push, run.push, run.node[c], count});
+                continue;
+            }
+            for (int k = 0; k < count; ++k) {
+                const LocalNode node = sector.triangles[group.element[k]].node[c];
+                plan.loose_triangles.push_back({run.pull[c] + k, node, c == 0 ? 1.0 : -1.0});
+                plan.loose_pushes.push_back({run.push + k, node, 1.0});
+            }
+        }
+        plan.triangles.push_back(run);
+        first += run.elements;
+    }
+    frame.triangle = {rows[inverse_a],
+                      rows[inverse_c],
+                      rows[b_over_a],
+                      rows[area],
+                      rows[viscosity],
+                      rows[half],
+                      {rows[stiffness], rows[stiffness + 1], rows[stiffness + 2]},
+                      {rows[damping], rows[damping + 1], rows[damping + 2]}};
+}
+
+void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta) {
+    std::vector<Nodes<2>> nodes, lines;
+    std::vector<int> cable_of_line;
+    for (const GoreCable& c : sector.cables) {
+        nodes.push_back(c.node);
+        if (c.kind == CableKind::line) lines.push_back(c.node);
+    }
+    const auto all = groups(nodes), all_lines = groups(lines);
+    const auto length = [&](const auto& some) {
+        int sum = 0;
+        for (const auto& group : some)
+            sum += padded(static_cast<int>(group.element.size()));
+        return sum;
+    };
+    enum : int {
+        inverse_length,
+        stiffness,
+        dashpot,
+        rest_length,
+        line_stiffness,
+        tape,
+        cord,
+        rows_of_cables
+    };
+    cable_constants_ = AlignedRows(rows_of_cables, length(all));
+    line_rows_ = AlignedRows(1, length(all_lines));
+    AlignedRows& rows = cable_constants_;
+    std::int32_t first = 0;
+    for (const auto& group : all) {
+        const auto count = static_cast<int>(group.element.size());
+        const CableRun run{group.node, first, padded(count), new_stream(count)};
+        for (int k = 0; k < count; ++k) {
+            const GoreCable& c = sector.cables[group.element[k]];
+            const CableConstants constants = cable_constants(
+                mesh, {{c.node[0], c.node[1]}, c.rest_length, c.strands, c.kind}, bulk_viscosity, beta);
+            const int at = first + k;
+            rows[inverse_length][at] = 1.0 / c.rest_length;
+            rows[stiffness][at] = constants.stiffness;
+            rows[dashpot][at] = constants.dashpot;
+            rows[rest_length][at] = c.rest_length;
+            rows[line_stiffness][at] = c.kind == CableKind::line ? constants.stiffness : 0.0;
+            rows[is_tape(c.kind) ? tape : cord][at] = 1.0;
+            tangents_.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
+            if (group.loose)
+                for (int end = 0; end < 2; ++end)
+                    plan.loose_cables.push_back({run.pull + k, c.node[end], end == 0 ? 1.0 : -1.0});
+        }
+        if (!group.loose) {
+            acts_.push_back({Act::What::plus, run.pull, run.node[0], count});
+            acts_.push_back({Act::What::minus, run.pull, run.node[1], count});
+        }
+        plan.cables.push_back(run);
+        first += run.elements;
+    }
+    first = 0;
+    for (const auto& group : all_lines) {
+        const auto count = static_cast<int>(group.element.size());
+        const CableRun run{group.node, first, padded(count), new_stream(count)};
+        std::fill_n(line_rows_[0] + first, count, 1.0);
+        for (int end = 0; end < 2; ++end) {
+            if (!group.loose) acts_.push_back({Act::What::aero, run.pull, run.node[end], count});
+            for (int k = 0; group.loose && k < count; ++k)
+                plan.loose_lines.push_back({run.pull + k, lines[group.element[k]][end], 1.0});
+        }
+        plan.lines.push_back(run);
+        first += run.elements;
+    }
+    frame.cable = {rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length],
+                   rows[line_stiffness], rows[tape],      rows[cord]};
+    frame.line = line_rows_[0];
+}
+
+void SectorArrays::lay_images(const Sector& sector) {
+    SeamImages& images = plan.images;
+    images.seam = sector.seam.front();
+    images.image = sector.first_image();
+    images.nodes = static_cast<std::int32_t>(sector.seam.size());
+    images.cosine = std::cos(sector.turn);
+    images.sine = std::sin(sector.turn);
+    images.pull = new_stream(images.nodes);
+    images.push = new_stream(images.nodes);
+    acts_.push_back({Act::What::plus, images.pull, images.seam, images.nodes});
+    acts_.push_back({Act::What::push, images.push, images.seam, images.nodes});
+}
+
+void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constants) {
+    const std::size_t length = nodes_ + lanes_, streams = streams_ + lanes_;
+    node_arrays_ = AlignedRows(20, length);
+    int row = 0;
+    for (Components* array : {&frame.x, &frame.v, &frame.v_half, &frame.pull, &frame.push, &frame.aero})
+        for (double*& component : *array)
+            component = node_arrays_[row++];
+    for (double*& extra : frame.row_extra)
+        extra = node_arrays_[row++];
+    stream_rows_ = AlignedRows(5, streams);
+    for (int c = 0; c < 3; ++c)
+        frame.stream[c] = stream_rows_[c];
+    for (int what = 0; what < 2; ++what)
+        frame.row_stream[what] = stream_rows_[3 + what];
+
+    enum : int {
+        mass,
+        canopy_mass,
+        inertia,
+        share,
+        across,
+        along,
+        stiffness = cable_stiffness_row,
+        damping,
+        rows
+    };
+    node_rows_ = AlignedRows(rows, length);
+    std::fill_n(node_rows_[inertia], length, 1.0);
+    for (LocalNode n = 0; n < sector.own; ++n) {
+        const NodeIndex i = sector.node[n];
+        const double part = sector.on_axis[n] ? 1.0 / sector.count : 1.0;
+        node_rows_[mass][n] = node_rows_[inertia][n] = part * constants.mass[i];
+        if (i < constants.canopy_nodes) node_rows_[canopy_mass][n] = part * constants.mass[i];
+        node_rows_[share][n] = constants.share[i];
+        node_rows_[across][n] = sector.on_axis[n] ? 0.0 : 1.0;
+        node_rows_[along][n] = 1.0;
+    }
+    frame.node = {node_rows_[mass],   node_rows_[canopy_mass], node_rows_[inertia],   node_rows_[share],
+                  node_rows_[across], node_rows_[along],       node_rows_[stiffness], node_rows_[damping]};
+}
+
+void SectorArrays::weigh(const Sector& sector, const std::vector<double>& weight) {
+    const SeamImages& images = plan.images;
+    const auto own = [&](LocalNode n) {
+        const bool image = images.image <= n && n < images.image + images.nodes;
+        return image ? n - images.image + images.seam : n;
+    };
+    const auto of = [&](LocalNode n) { return weight[own(n)]; };
+    for (const UnstrainedRow& row : unstrained_) {
+        const auto& node = sector.triangles[row.triangle].node;
+        const std::array<double, 3> weights{of(node[0]), of(node[1]), of(node[2])};
+        for (int c = 0; c < 3; ++c) {
+            const double stiffness = row.of_triangle.stiffness(c, weights);
+            triangle_rows_[first_stiffness_row + c][row.at] = stiffness;
+            triangle_rows_[first_stiffness_row + 3 + c][row.at] = row.of_triangle.damping * stiffness;
+        }
+    }
+    double* const stiffness = node_rows_[cable_stiffness_row];
+    double* const damping = node_rows_[cable_stiffness_row + 1];
+    std::fill_n(stiffness, sector.own + 1, 0.0);
+    std::fill_n(damping, sector.own + 1, 0.0);
+    for (const CableTangent& c : tangents_)
+        for (int end = 0; end < 2; ++end) {
+            const double columns = 1.0 + of(c.node[1 - end]) / of(c.node[end]);
+            stiffness[own(c.node[end])] += columns * c.stiffness;
+            damping[own(c.node[end])] += columns * c.damping;
+        }
+}
+
+/// Of a register that begins at node `first`.
+NodeSources SectorArrays::sources_of(int first, int nodes) {
+    const auto collect = [&](Act::What what) {
+        for (const Act& act : acts_)
+            if (act.what == what && first < act.node + act.elements && act.node < first + nodes)
+                plan.sources.push_back(act.stream + first - act.node);
+        return static_cast<std::int32_t>(plan.sources.size());
+    };
+    NodeSources s;
+    s.plus = static_cast<std::int32_t>(plan.sources.size());
+    s.minus = collect(Act::What::plus);
+    s.push = collect(Act::What::minus);
+    s.aero = collect(Act::What::push);
+    s.end = collect(Act::What::aero);
+    s.extra = std::ranges::any_of(touched_, [&](std::int32_t n) { return first <= n && n < first + nodes; });
+    return s;
+}
+
+void SectorArrays::collect_sources(const Sector& sector) {
+    // The payload's are not the sector's to add up.
+    std::erase_if(plan.loose_cables, [&](const LoosePull& pull) {
+        if (pull.to == sector.payload()) payload.push_back(pull);
+        return pull.to == sector.payload();
+    });
+    for (const auto* loose :
+         {&plan.loose_triangles, &plan.loose_cables, &plan.loose_pushes, &plan.loose_lines})
+        for (const LoosePull& pull : *loose)
+            touched_.push_back(pull.to);
+
+    SeamImages& images = plan.images;
+    for (int n = 0; n < images.nodes; n += lanes_)
+        images.sources.push_back(sources_of(images.image + n, std::min(lanes_, images.nodes - n)));
+    for (int n = 0; n < sector.own; n += lanes_)
+        plan.own.push_back(sources_of(n, std::min(lanes_, sector.own - n)));
+
+    for (const Act& act : acts_)
+        if ((act.what == Act::What::plus || act.what == Act::What::minus) && act.node <= sector.payload() &&
+            sector.payload() < act.node + act.elements)
+            payload.push_back({act.stream + sector.payload() - act.node, sector.payload(),
+                               act.what == Act::What::plus ? 1.0 : -1.0});
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,83 @@
+// Sector arrays: what stands in memory behind a SectorFrame, and the plan that goes with it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "fullsim/sector/kernels.hpp"
+#include "fullsim/sector/sector.hpp"
+#include "fullsim/step/midpoint.hpp"
+
+namespace twinchute::fullsim {
+
+/// Rows of doubles of one length, each at the start of a register and none a multiple of a page apart.
+class AlignedRows {
+public:
+    AlignedRows() = default;
+    AlignedRows(int rows, std::size_t length)
+        : lines_((length + Line{}.size() - 1) / Line{}.size() | 1), memory_(rows * lines_, Line{}) {}
+    double* operator[](int row) { return memory_[row * lines_].data(); }
+
+private:
+    struct alignas(128) Line : std::array<double, 16> {};  // the widest register, or two hand in hand
+    std::size_t lines_ = 0;
+    std::vector<Line> memory_;
+};
+
+/// One sector in memory, for one width of registers.
+class SectorArrays {
+public:
+    SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
+                 double bulk_viscosity, double beta, int lanes);
+    SectorArrays(const SectorArrays&) = delete;
+    SectorArrays& operator=(const SectorArrays&) = delete;
+
+    /// Row sums of everything unstrained with these weights of nodes (RowWeights), by local node; those of
+    /// images are their nodes'. To be called before any bound is asked for.
+    void weigh(const Sector& sector, const std::vector<double>& weight);
+
+    SectorFrame frame;
+    SectorPlan plan;
+    std::vector<LoosePull> payload;  ///< streams that act on the payload
+
+private:
+    template <std::size_t corners>
+    struct Group;
+    template <std::size_t corners>
+    std::vector<Group<corners>> groups(const std::vector<std::array<LocalNode, corners>>& elements);
+    void lay_triangles(const Sector& sector, const MembraneLaw& law);
+    void lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta);
+    void lay_images(const Sector& sector);
+    void lay_nodes(const Sector& sector, const NodeConstants& constants);
+    void collect_sources(const Sector& sector);
+    NodeSources sources_of(int first, int nodes);
+    std::int32_t new_stream(int elements);
+    int padded(int elements) const { return (elements + lanes_ - 1) / lanes_ * lanes_; }
+
+    /// A stream and the nodes on which it acts.
+    struct Act {
+        enum class What { plus, minus, push, aero } what;
+        std::int32_t stream, node;
+        int elements;
+    };
+    std::vector<Act> acts_;
+    std::vector<std::int32_t> touched_;  // nodes on which loose elements act
+    int lanes_;
+    int nodes_;                 // with copies
+    std::int32_t streams_ = 0;  // length of a row of all streams so far
+    struct UnstrainedRow {
+        int at, triangle;
+        TriangleRows of_triangle;
+    };
+    std::vector<UnstrainedRow> unstrained_;
+    struct CableTangent {
+        std::array<LocalNode, 2> node;
+        double stiffness, damping;  // [N/m], [N s/m]
+    };
+    std::vector<CableTangent> tangents_;
+    static constexpr int first_stiffness_row = 6;  // of a triangle's, in triangle_rows_; damping behind it
+    static constexpr int cable_stiffness_row = 6;  // in node_rows_, likewise
+    AlignedRows triangle_rows_, cable_constants_, line_rows_, node_rows_, node_arrays_, stream_rows_;
+};
+
+}  // namespace twinchute::fullsim

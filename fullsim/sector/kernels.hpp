@@ -1,0 +1,163 @@
+// Inner loops over the rows of a sector side by side: written once (kernels.cpp), compiled for every
+// instruction set, chosen when the program starts. Nothing here knows of scenes or stages.
+//
+// Elements read their nodes where they lie and write what they do to them each into a row of its own, a
+// *stream*; nodes then add up the streams that belong to them. So no two lanes ever add to the same place,
+// and nothing is read that has just been written beside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "fullsim/forces/membrane.hpp"
+#include "fullsim/gores/kernels.hpp"
+#include "lib/models/cylinder_drag.hpp"
+
+namespace twinchute::fullsim {
+
+/// x, y and z of something, each in a row.
+using Components = std::array<double*, 3>;
+
+/// Triangles on consecutive nodes: corner c of the k-th has node[c] + k.
+struct TriangleRun {
+    std::array<std::int32_t, 3> node;
+    std::int32_t first = 0,
+                 elements = 0;  ///< place of their constants; their number, rounded up to full registers
+    std::array<std::int32_t, 3> pull{};  ///< streams: [N] on corner 0, less that on corner 1, on corner 2,
+    std::int32_t push = 0;               ///< [m^2] area over which pressure acts on each corner
+};
+
+/// Cables likewise.
+struct CableRun {
+    std::array<std::int32_t, 2> node;
+    std::int32_t first = 0, elements = 0;
+    std::int32_t pull = 0;  ///< stream: [N] on end 0, less that on end 1; of line drag, on either end
+};
+
+/// Streams that the nodes of one register add up: places in `sources`.
+struct NodeSources {
+    std::int32_t plus = 0, minus = 0, push = 0, aero = 0, end = 0;
+    bool extra = false;  ///< loose elements act on one of them
+};
+
+/// The first seam and its images, each in consecutive nodes.
+struct SeamImages {
+    std::int32_t seam = 0, image = 0, nodes = 0;
+    std::int32_t pull = 0, push = 0;   ///< streams: what acts on the images, turned back
+    double cosine = 1.0, sine = 0.0;   ///< of the turn from one sector to the next
+    std::vector<NodeSources> sources;  ///< of each register
+};
+
+/// A loose element works on copies of its nodes, and what it does to them is carried to the nodes one by one.
+struct NodeCopy {
+    std::int32_t copy, node;
+};
+struct LoosePull {
+    std::int32_t from, to;  ///< stream, node
+    double sign;
+};
+
+/// What there is to do, in nodes and streams; made for one width of registers.
+struct SectorPlan {
+    std::vector<TriangleRun> triangles;
+    std::vector<CableRun> cables, lines;  ///< lines: those that meet the air
+    std::vector<NodeSources> own;         ///< of each register of own nodes
+    SeamImages images;
+    std::vector<std::int32_t> sources;
+    std::vector<NodeCopy> copies;
+    std::vector<LoosePull> loose_triangles, loose_cables, loose_pushes, loose_lines;
+};
+
+/// Constants of elements, one row each; zero where a register is filled up.
+struct TriangleConstants {
+    const double *inverse_a, *inverse_c, *b_over_a;   // [1/m], [1/m], [-]
+    const double *area, *viscosity;                   // [m^2], [N s/m]
+    const double* half;                               // 1/2
+    std::array<const double*, 3> stiffness, damping;  // rows of the unstrained triangle [N/m], [N s/m]
+};
+struct CableConstantsRow {
+    const double *inverse_length, *stiffness, *dashpot;  // [1/m], EA [N], [N s/m]
+    const double *length, *line_stiffness;               // [m]; EA of lines alone [N]
+    const double *tape, *cord;                           // 1 for tapes; for lines and risers; else 0
+};
+/// Constants of nodes.
+struct NodeRows {
+    const double *mass,
+        *canopy_mass;              // [kg] all, of canopy nodes alone; zero where a node does not move here
+    const double* inertia;         // [kg] the mass, or one where a node does not move here
+    const double* share;           // [-] of the whole fabric's area
+    const double *across, *along;  // 1 where a node may move across the axis, along it
+    const double *stiffness, *damping;  // row sums of cables [N/m], [N s/m]
+};
+
+struct SectorFrame {
+    Components x{}, v{}, v_half{};        ///< [m], [m/s] as GoreFrame
+    Components pull{}, push{}, aero{};    ///< what loose elements do to nodes [N], [m^2], [N]
+    Components stream{};                  ///< of elements
+    std::array<double*, 2> row_stream{};  ///< the same for row sums: stiffness, damping
+    std::array<double*, 2> row_extra{};
+    TriangleConstants triangle{};
+    CableConstantsRow cable{};
+    NodeRows node{};
+    const double* line = nullptr;  ///< 1 for a cable that meets the air, else 0
+};
+
+/// The air, along the axis.
+struct SectorAir {
+    double direction = 1.0;        ///< e_r upwards: 1 or -1
+    double radial_pressure = 0.0;  ///< phi
+};
+
+/// One step of own nodes.
+struct SectorAdvance {
+    double kick = 0.0, dt = 0.0;  ///< [s] between half steps, and of the step
+    double gravity = 0.0;         ///< [m/s^2]
+    double added_mass = 0.0;      ///< [kg] of the whole canopy, by share, as all of these:
+    double pressure = 0.0;        ///< [Pa]
+    double flag = 0.0;            ///< [N] upwards
+    double breathing = 0.0;       ///< [N s/m] about `breathing_mean`
+    double breathing_mean = 0.0;  ///< [m/s] upwards
+    double alpha = 0.0;           ///< [1/s] about `mean`
+    double mean = 0.0;            ///< [m/s] upwards
+    double accretion = 0.0;       ///< [kg/s] from air at rest
+};
+
+/// Sums over a sector, upwards where they have a direction.
+struct SectorSums {
+    double canopy_position = 0.0, canopy_velocity = 0.0, other_position = 0.0, other_velocity = 0.0;
+    double area_velocity = 0.0;
+    double drag_power = 0.0, momentum = 0.0, share_square = 0.0, dissipated = 0.0, accretion_power = 0.0;
+};
+
+struct SectorKernels {
+    std::string_view instruction_set;
+    int lanes;
+    FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
+    double (*cables)(const SectorFrame&, const SectorPlan&);  ///< [W] dissipated
+    /// diameter [m], density [kg/m^3], viscosity [Pa s]
+    void (*line_drag)(const SectorFrame&, const SectorPlan&, const CylinderDragTable&, double diameter,
+                      double density, double viscosity);
+    SectorSums (*advance)(const SectorFrame&, const SectorPlan&, const SectorAdvance&);
+    /// Images and copies are where their nodes are.
+    void (*refresh)(const SectorFrame&, const SectorPlan&);
+    /// [s] the least bound over own nodes; node damping by share of the fabric's area and by mass [N s/m],
+    /// [1/s].
+    double (*stable_step)(const SectorFrame&, const SectorPlan&, double added_mass, double damping_by_share,
+                          double damping_by_mass);
+    /// A sector's energy, its largest strain and load.
+    ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembraneLaw&);
+    /// Of those that `which` marks.
+    ElementLevels (*cable_levels)(const SectorFrame&, const SectorPlan&, const double* which);
+    /// [J] of own nodes
+    double (*kinetic)(const SectorFrame&, const SectorPlan&, double added_mass);
+};
+
+/// Those of the best instruction set that this machine has.
+const SectorKernels& sector_kernels();
+/// One for each instruction set that is compiled in and that this machine has, the best first.
+std::span<const SectorKernels> all_sector_kernels();
+
+}  // namespace twinchute::fullsim

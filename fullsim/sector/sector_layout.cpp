@@ -1,0 +1,333 @@
+// One sector of a symmetric parachute, the rows of its mesh in lanes; the others are the same, turned about
+// the axis.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/layout.hpp"
+#include "fullsim/sector/arrays.hpp"
+#include "fullsim/step/stable_step.hpp"
+#include "lib/scene/line_stretch.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Up, and nothing across: what is left of a sum over all sectors.
+Lanes up(double a) {
+    return Lanes{0.0, 0.0, a, 0.0};
+}
+
+/// From the first sector to another.
+struct Turn {
+    Lanes cosine, sine;  ///< of the angle; 1 and 0 upwards
+    explicit Turn(double angle)
+        : cosine{std::cos(angle), std::cos(angle), 1.0, 0.0},
+          sine{std::sin(angle), std::sin(angle), 0.0, 0.0} {}
+};
+
+/// A vector of a node of the first sector, and of its like in the others.
+class Around {
+public:
+    Around(const Components& a, LocalNode n)
+        : first_{a[0][n], a[1][n], a[2][n], 0.0}, quarter_{-a[1][n], a[0][n], 0.0, 0.0} {}
+    Lanes at(const Turn& turn) const { return turn.cosine * first_ + turn.sine * quarter_; }
+
+private:
+    Lanes first_, quarter_;  // a quarter turn further
+};
+
+class SectorLayout final : public Layout {
+public:
+    SectorLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Sector sector,
+                 const SectorKernels& kernels)
+        : scene_(scene),
+          mesh_(mesh),
+          constants_(constants),
+          kernels_(kernels),
+          sector_(std::move(sector)),
+          arrays_(sector_, mesh, constants, scene.full.bulk_viscosity, scene.full.beta, kernels.lanes),
+          law_(membrane_law(mesh.fabric, scene.full.bulk_viscosity)),
+          name_(sector_.gores == 1 ? fmt::format("one gore of {}, rows in lanes", sector_.count)
+                                   : fmt::format("{} gores of {}, rows in lanes", sector_.gores,
+                                                 sector_.gores * sector_.count)),
+          fabric_area_(mesh.fabric_area()),
+          smallest_area_(smallest_projected_area(scene.parachutes.front())),
+          line_diameter_(mesh.cord(CableKind::line).diameter) {
+        for (int s = 0; s < sector_.count; ++s)
+            turns_.emplace_back(s * sector_.turn);
+    }
+
+    std::string_view name() const override { return name_; }
+    std::string_view instruction_set() const override { return kernels_.instruction_set; }
+    std::size_t elements(const ForceModels&) const override {
+        return sector_.triangles.size() + sector_.cables.size();
+    }
+
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+        clear_forces(state);
+        load(state);
+        step_ = {};
+        structure_.clear();
+        loads_.clear();
+        for (const ForceModels* models : {&structure, &loads})
+            for (const auto& model : *models) {
+                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                if (row == rows.end())
+                    throw std::logic_error(fmt::format("no rows in lanes for {}", model->name()));
+                (models == &structure ? structure_ : loads_).push_back(row);
+                if (row->block == "payload drag") payload_drag_ = model.get();
+            }
+        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
+        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weigh_rows();
+        has_breathing_ = acts("breathing damping");
+        has_accretion_ = acts("accretion");
+        has_mass_damping_ = acts("mass damping");
+    }
+
+    void store(State& state) const override {
+        const SectorFrame& f = arrays_.frame;
+        for (LocalNode n = 0; n < sector_.own; ++n) {
+            const Around x(f.x, n), v(f.v, n), v_half(f.v_half, n);
+            const NodeIndex* node = sector_.node.data() + n;
+            for (const Turn& turn : turns_) {
+                state.node[*node] = {x.at(turn), v.at(turn)};
+                state.v_half[*node].value = v_half.at(turn);
+                node += sector_.own;
+            }
+        }
+    }
+    void store_seams(State& state) const override {
+        for (const LocalNode n : sector_.seams) {
+            const Around x(arrays_.frame.x, n);
+            const NodeIndex* node = sector_.node.data() + n;
+            for (const Turn& turn : turns_) {
+                state.node[*node].x = x.at(turn);
+                node += sector_.own;
+            }
+        }
+    }
+
+    double membrane_energy(State&) const override { return fabric_levels().energy; }
+
+    Levels levels(const State& state) const override {
+        const NodeIndex payload = mesh_.payload();
+        const double v = state.node[payload].v[2];
+        Levels levels{0.5 * constants_.mass[payload] * v * v +
+                          sector_.count * kernels_.kinetic(arrays_.frame, arrays_.plan, state.added_mass),
+                      0.0,
+                      {}};
+        for (const Row* row : structure_) {
+            const ElementLevels of_row = (this->*row->levels)();
+            levels.elastic += of_row.energy;
+            levels.stretched.push_back(of_row.most);
+        }
+        return levels;
+    }
+
+    void evaluate(State& state, BlockClock& clock) override {
+        for (const Row* row : structure_)
+            clock.run([&] { (this->*row->add)(state); });
+        double pull = 0.0;
+        for (const LoosePull& p : arrays_.payload)
+            pull += p.sign * arrays_.frame.stream[2][p.from];
+        state.force[mesh_.payload()].value = up(sector_.count * pull);
+        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        for (const Row* row : loads_)
+            clock.run([&] { (this->*row->add)(state); });
+    }
+
+    StableSteps stable_steps(const State& state) override {
+        if (weights_.renew(state)) weigh_rows();
+        const double by_share = (has_breathing_ ? breathing(state.air) : 0.0) +
+                                (has_accretion_ ? std::max(0.0, state.added_mass_rate) : 0.0);
+        const double by_mass = has_mass_damping_ ? scene_.full.alpha : 0.0;
+        const double payload_mass = constants_.mass[mesh_.payload()];
+        const NodeRows& rows_of = arrays_.frame.node;
+        const double payload =
+            fullsim::stable_step(
+                {{sector_.count * rows_of.stiffness[sector_.payload()]},
+                 {sector_.count * rows_of.damping[sector_.payload()] + by_mass * payload_mass}},
+                {payload_mass})
+                .dt;
+        const double step = std::min(
+            payload, kernels_.stable_step(arrays_.frame, arrays_.plan, state.added_mass, by_share, by_mass));
+        // Lines take no steps of their own here: all are as short as theirs.
+        return {step, step, step};
+    }
+
+    void advance(State& state, double dt, int substeps, double next_added_mass) override {
+        if (substeps != 1) throw std::logic_error("a sector takes no substeps");
+        const NodeIndex payload = mesh_.payload();
+        NodeMover mover(state, constants_, dt);
+        StepSums sums;
+        mover.move_other(payload, constants_.mass[payload], sums);
+        step_.kick = mover.kick();
+        step_.dt = dt;
+        step_.gravity = constants_.gravity;
+        step_.added_mass = state.added_mass;
+        const SectorSums one = kernels_.advance(arrays_.frame, arrays_.plan, step_);
+        place_payload(state);
+        kernels_.refresh(arrays_.frame, arrays_.plan);
+
+        const double all = sector_.count;
+        sums.canopy_position = up(all * one.canopy_position);
+        sums.canopy_velocity = up(all * one.canopy_velocity);
+        sums.other_position += up(all * one.other_position);
+        sums.other_velocity += up(all * one.other_velocity);
+        sums.area_velocity = up(all * one.area_velocity);
+        sums.drag_power += up(all * one.drag_power);
+        sums.momentum += up(all * one.momentum);
+        sums.share_square = all * one.share_square;
+        state.damping_power += all * one.dissipated;
+        state.accretion_power += all * one.accretion_power;
+        finish_step(state, constants_, sums, mover.kick(), dt, dt, next_added_mass);
+    }
+
+private:
+    /// How a block of the registry acts on a sector. None other may act: see check_scene.
+    struct Row {
+        std::string_view block;
+        void (SectorLayout::*add)(State&);
+        ElementLevels (SectorLayout::*levels)() const = nullptr;  // of structure
+    };
+    static const std::array<Row, 9> rows;
+
+    bool acts(std::string_view block) const {
+        return std::ranges::find(loads_, block, &Row::block) != loads_.end();
+    }
+
+    void weigh_rows() {
+        std::vector<double> weight;
+        for (LocalNode n = 0; n < sector_.own; ++n)
+            weight.push_back(weights_.by_node()[sector_.node[n]]);
+        weight.push_back(weights_.by_node()[mesh_.payload()]);
+        arrays_.weigh(sector_, weight);
+    }
+
+    void load(State& state) {
+        // The axis is that of the sector: rounding may have left the payload beside it.
+        NodeRecord& payload = state.node[mesh_.payload()];
+        payload = {up(payload.x[2]), up(payload.v[2])};
+        NodeVector& v_half = state.v_half[mesh_.payload()];
+        v_half.value = up(v_half.value[2]);
+        const SectorFrame& f = arrays_.frame;
+        for (LocalNode n = 0; n < sector_.own; ++n)
+            for (int c = sector_.on_axis[n] ? 2 : 0; c < 3; ++c) {
+                const NodeIndex i = sector_.node[n];
+                f.x[c][n] = state.node[i].x[c];
+                f.v[c][n] = state.node[i].v[c];
+                f.v_half[c][n] = state.v_half[i].value[c];
+            }
+        place_payload(state);
+        kernels_.refresh(f, arrays_.plan);
+    }
+
+    void place_payload(const State& state) {
+        const NodeRecord& payload = state.node[mesh_.payload()];
+        arrays_.frame.x[2][sector_.payload()] = payload.x[2];
+        arrays_.frame.v[2][sector_.payload()] = payload.v[2];
+    }
+
+    /// Energies of all sectors.
+    ElementLevels of_all(ElementLevels one) const { return {sector_.count * one.energy, one.most}; }
+    ElementLevels fabric_levels() const {
+        return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, law_));
+    }
+    ElementLevels tape_levels() const {
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan, arrays_.frame.cable.tape));
+    }
+    ElementLevels line_levels() const {
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan, arrays_.frame.cable.cord));
+    }
+
+    /// Membranes, and the areas that pressure acts on with them.
+    void add_membrane(State& state) {
+        fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, law_,
+                                     {state.air.direction.z(), state.air.radial_pressure});
+        state.damping_power += sector_.count * fabric_.dissipated;
+    }
+    /// Lines take tapes along: a seam and its line are one run.
+    void nothing(State&) {}
+    void add_cables(State& state) {
+        state.damping_power += sector_.count * kernels_.cables(arrays_.frame, arrays_.plan);
+    }
+    void add_pressure(State& state) {
+        state.air.projected_area = sector_.count * fabric_.positive_area;
+        state.air.signed_area = sector_.count * fabric_.signed_area;
+        step_.flag = set_pressure(state.air, smallest_area_).z();
+        step_.pressure = state.air.pressure;
+    }
+    void add_line_drag(State& state) {
+        if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
+        kernels_.line_drag(arrays_.frame, arrays_.plan, drag_coefficient_, line_diameter_, state.air.density,
+                           state.air.viscosity);
+    }
+    /// [N s/m] of the whole canopy.
+    double breathing(const AeroState& air) const {
+        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
+    }
+    void add_breathing(State& state) {
+        step_.breathing = breathing(state.air);
+        step_.breathing_mean = state.sums.canopy_area_velocity.z();
+    }
+    void add_accretion(State& state) { step_.accretion = std::max(0.0, state.added_mass_rate); }
+    void add_mass_damping(State& state) {
+        step_.alpha = scene_.full.alpha;
+        step_.mean = state.sums.system_velocity.z();
+        const NodeIndex payload = mesh_.payload();
+        const double relative = state.node[payload].v[2] - step_.mean;
+        const double resistance = step_.alpha * constants_.mass[payload] * relative;
+        state.force[payload].value -= up(resistance);
+        state.damping_power += resistance * relative;
+    }
+    void add_payload_drag(State& state) { payload_drag_->add_forces(state); }
+
+    const Scene& scene_;
+    const Mesh& mesh_;
+    const NodeConstants& constants_;
+    const SectorKernels& kernels_;
+    Sector sector_;
+    SectorArrays arrays_;
+    std::vector<Turn> turns_;  // to each sector
+    MembraneLaw law_;
+    std::string name_;
+    double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
+    double line_diameter_;                // [m]
+    CylinderDragTable drag_coefficient_;
+    std::vector<const Row*> structure_, loads_;
+    bool has_breathing_ = false, has_accretion_ = false, has_mass_damping_ = false;
+    const ForceModel* payload_drag_ = nullptr;
+    RowWeights weights_;
+    FabricSums fabric_;  // of the sector
+    SectorAdvance step_;
+};
+
+const std::array<SectorLayout::Row, 9> SectorLayout::rows{{
+    {"membrane", &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
+    {"tapes", &SectorLayout::nothing, &SectorLayout::tape_levels},
+    {"lines", &SectorLayout::add_cables, &SectorLayout::line_levels},
+    {"canopy pressure", &SectorLayout::add_pressure},
+    {"line drag", &SectorLayout::add_line_drag},
+    {"breathing damping", &SectorLayout::add_breathing},
+    {"payload drag", &SectorLayout::add_payload_drag},
+    {"accretion", &SectorLayout::add_accretion},
+    {"mass damping", &SectorLayout::add_mass_damping},
+}};
+
+}  // namespace
+
+std::unique_ptr<Layout> make_sector_layout(const Scene& scene, const Mesh& mesh,
+                                           const NodeConstants& constants, std::string* why,
+                                           const SectorKernels* kernels) {
+    auto sector = find_sector(mesh, why);
+    if (!sector) return nullptr;
+    return std::make_unique<SectorLayout>(scene, mesh, constants, std::move(*sector),
+                                          kernels ? *kernels : sector_kernels());
+}
+
+}  // namespace twinchute::fullsim

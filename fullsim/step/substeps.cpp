@@ -1,0 +1,51 @@
+#include "fullsim/step/substeps.hpp"
+
+namespace twinchute::fullsim {
+
+void advance_in_substeps(State& state, const NodeConstants& c, double dt, int count, double next_added_mass,
+                         SubstepNodes& pulled, double damping, const LinePulls& lines) {
+    NodeMover mover(state, c, dt);
+    StepSums sums;
+    Lanes share_square = splat(0.0);
+    const auto is_canopy = [&](NodeIndex i) { return i < c.canopy_nodes; };
+    const auto inertia = [&](NodeIndex i) { return c.mass[i] + c.share[i] * state.added_mass; };
+
+    pulled.take_others(state);
+    const double first_kick = substep(state, dt, count, 0).kick;
+    std::size_t next = 0;
+    for (NodeIndex i = 0; i < static_cast<NodeIndex>(c.mass.size()); ++i) {
+        if (next < pulled.nodes().size() && pulled.nodes()[next] == i) {
+            const Lanes middle =
+                mover.kick_alone(i, pulled.others(next++), c.mass[i], inertia(i), first_kick, sums);
+            share_square += c.share[i] * (middle * middle);
+            continue;
+        }
+        const Lanes middle = mover.move(i, c.mass[i], inertia(i), sums);
+        share_square += c.share[i] * (middle * middle);
+        if (is_canopy(i))
+            mover.add_canopy(i, c, sums);
+        else
+            mover.add_other(i, c.mass[i], sums);
+    }
+    sums.share_square = sum3(share_square);
+    mover.move_static_line(c, sums);
+
+    for (int k = 0; k < count; ++k) {
+        if (k > 0) damping = lines(state);
+        const Substep step = substep(state, dt, count, k);
+        sums.line_damping += step.kick * damping;
+        for (const NodeIndex i : pulled.nodes())
+            mover.move_in_substep(i, inertia(i), step);
+    }
+    sums.line_damping_power = damping / count;
+    for (const NodeIndex i : pulled.nodes()) {
+        mover.end_substeps(i);
+        if (is_canopy(i))
+            mover.add_canopy(i, c, sums);
+        else
+            mover.add_other(i, c.mass[i], sums);
+    }
+    finish_step(state, c, sums, mover.kick(), dt, dt / count, next_added_mass);
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,66 @@
+// Lines, links, risers and payload in smaller steps than the canopy: lines are stiff and light, and a step of
+// theirs costs a tenth of one of everything.
+//
+// What canopy and air do to a node comes as one impulse at the beginning of a step; under lines and risers
+// alone it then takes its substeps, and the canopy's own nodes one drift (impulse form of the method of
+// multiple time steps, Tuckerman, Berne and Martyna 1992, here with the midpoint rule's half steps).
+#pragma once
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "fullsim/step/midpoint.hpp"
+
+namespace twinchute::fullsim {
+
+/// Those of the nodes that take substeps whose records are in State.
+class SubstepNodes {
+public:
+    SubstepNodes() = default;
+    explicit SubstepNodes(std::vector<NodeIndex> nodes)
+        : nodes_(std::move(nodes)), pull_(nodes_.size()), others_(nodes_.size()) {}
+
+    const std::vector<NodeIndex>& nodes() const { return nodes_; }
+
+    /// Keeps what `lines` adds to the nodes' forces.
+    template <class Lines>
+    void note(const State& state, Lines&& lines) {
+        for (std::size_t k = 0; k < nodes_.size(); ++k)
+            pull_[k].value = state.force[nodes_[k]].value;
+        lines();
+        for (std::size_t k = 0; k < nodes_.size(); ++k)
+            pull_[k].value = state.force[nodes_[k]].value - pull_[k].value;
+    }
+    /// Only that stays in the forces.
+    void take_others(State& state) {
+        for (std::size_t k = 0; k < nodes_.size(); ++k) {
+            Lanes& force = state.force[nodes_[k]].value;
+            others_[k].value = force - pull_[k].value;
+            force = pull_[k].value;
+        }
+    }
+    /// The rest [N], of node number k.
+    Lanes others(std::size_t k) const { return others_[k].value; }
+
+private:
+    std::vector<NodeIndex> nodes_;
+    std::vector<NodeVector> pull_, others_;  // [N]
+};
+
+/// What pulls on lines: adds its forces to a state's, and says what they dissipate [W].
+using LinePulls = std::function<double(State&)>;
+
+/// All nodes from time t to t + dt as advance in midpoint.hpp; those of `pulled` in `count` > 1 substeps. The
+/// forces at t are in the state, what lines dissipate at t is `damping` [W].
+void advance_in_substeps(State& state, const NodeConstants& constants, double dt, int count,
+                         double next_added_mass, SubstepNodes& pulled, double damping,
+                         const LinePulls& lines);
+
+/// The substep number `k` of as many in a step of `dt` [s].
+inline Substep substep(const State& state, double dt, int count, int k) {
+    const double length = dt / count;
+    return {k == 0 ? 0.5 * (length + state.line_dt) : length, length};
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,131 @@
+// What a layout says of a state, and how near two of them are.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "fullsim/layout.hpp"
+
+namespace twinchute::test {
+
+using fullsim::BlockClock, fullsim::EnergyBook, fullsim::ForceModels, fullsim::Layout, fullsim::Levels,
+    fullsim::NodeConstants, fullsim::StableSteps, fullsim::State, fullsim::to_vec3;
+
+inline constexpr double step_of_answers = 1e-5;  // [s]
+
+/// What a layout says of one state: sums, what a step makes of it, and the forces that one can tell from
+/// that.
+struct Answer {
+    State state;
+    Levels levels;  ///< before the step
+    StableSteps stable;
+    std::vector<Vec3> force;              ///< [N], gravity included
+    double membrane_energy = 0.0;         ///< [J] where there are membranes
+    State in_substeps;                    ///< after a step in which lines took three
+    std::vector<Vec3> force_in_substeps;  ///< [N] mean, likewise
+};
+
+/// substeps: whether lines may take some.
+inline Answer answer_of(Layout& layout, const State& state, const NodeConstants& c,
+                        const ForceModels& structure, const ForceModels& loads, bool substeps = true) {
+    Answer a{state, {}, {}, {}, 0.0, state, {}};
+    BlockClock clock;
+    clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
+    const auto step = [&](State& s, int count) {
+        layout.begin(s, structure, loads);
+        if (count == 1) a.levels = layout.levels(s);
+        clock.begin_step(false);
+        layout.evaluate(s, clock);
+        if (count == 1) a.stable = layout.stable_steps(s);
+        if (std::ranges::find(structure, "membrane", &fullsim::ForceModel::name) != structure.end())
+            a.membrane_energy = layout.membrane_energy(s);
+        layout.advance(s, step_of_answers, count, s.added_mass + 1e-4);
+        layout.store(s);
+        std::vector<Vec3> force;
+        for (std::size_t i = 0; i < c.mass.size(); ++i)
+            force.push_back((c.mass[i] + c.share[i] * state.added_mass) /
+                            (0.5 * (step_of_answers + state.dt)) *
+                            to_vec3(s.v_half[i].value - state.v_half[i].value));
+        return force;
+    };
+    a.force = step(a.state, 1);
+    if (substeps) a.force_in_substeps = step(a.in_substeps, 3);
+    return a;
+}
+
+/// stiffest: EA [N] of the stiffest cable; rounding: of numbers near 1.
+inline void expect_same(const Answer& reference, const Answer& other, double stiffest,
+                        double rounding = 1e-12) {
+    const bool substeps = !other.force_in_substeps.empty();
+    double largest = reference.state.riser_force.norm(), difference = 0.0, in_substeps = 0.0;
+    for (std::size_t i = 0; i + 1 < reference.force.size(); ++i) {  // the payload's tells its weight
+        largest = std::max(largest, reference.force[i].norm());
+        difference = std::max(difference, (reference.force[i] - other.force[i]).norm());
+        if (substeps)
+            in_substeps =
+                std::max(in_substeps, (reference.force_in_substeps[i] - other.force_in_substeps[i]).norm());
+    }
+    // A strain is a ratio near 1 less 1, good to 2e-16: in free fall, when hardly a force acts, that is what
+    // is left of it times the stiffest cable's EA.
+    EXPECT_LE(difference, rounding * (largest + 4e-4 * stiffest));
+    // A first substep leaves places good to 1e-14 m, on elements of a few centimetres.
+    EXPECT_LE(in_substeps, rounding * (largest + 0.4 * stiffest));
+    const auto close = [&](double a, double b, double scale, const char* what) {
+        EXPECT_NEAR(a, b, rounding * scale) << what;
+    };
+    const State &r = reference.state, &o = other.state;
+    const double power = std::abs(r.energy.drag_power) + std::abs(r.energy.damping_power) +
+                         std::abs(r.energy.gravity_power) + 1e-3;
+    close(reference.stable.all, other.stable.all, reference.stable.all, "stable step");
+    if (substeps) {
+        close(reference.stable.canopy, other.stable.canopy, reference.stable.canopy, "of the canopy");
+        close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
+        const EnergyBook &rb = reference.in_substeps.energy, &ob = other.in_substeps.energy;
+        const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * largest;
+        close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
+        close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");
+        close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in substeps");
+        EXPECT_LT(
+            (reference.in_substeps.sums.system_velocity - other.in_substeps.sums.system_velocity).norm(),
+            rounding * 100.0);
+        EXPECT_LT(
+            (reference.in_substeps.sums.system_position - other.in_substeps.sums.system_position).norm(),
+            rounding * 1000.0);
+    }
+    close(r.energy.drag_power, o.energy.drag_power, 10.0 * power, "drag power");
+    close(r.energy.gravity_power, o.energy.gravity_power, power, "gravity power");
+    // A small sum of large terms of both signs.
+    close(r.energy.damping_power, o.energy.damping_power, 100.0 * power, "damping power");
+    close(r.energy.external_power, o.energy.external_power, power, "external power");
+    close(r.energy.added_mass, o.energy.added_mass, std::abs(r.energy.added_mass) + 1e-3, "added-mass work");
+    close(r.air.projected_area, o.air.projected_area, 60.0, "projected area");
+    close(r.air.signed_area, o.air.signed_area, 60.0, "signed area");
+    close(r.air.pressure, o.air.pressure, 10.0 * (r.air.pressure + 1e-3), "pressure");
+    close(r.riser_force.norm(), o.riser_force.norm(), 10.0 * (r.riser_force.norm() + 1.0), "riser force");
+    const Levels &rl = reference.levels, &ol = other.levels;
+    close(rl.kinetic, ol.kinetic, rl.kinetic, "kinetic energy");
+    // Strains are good to 2e-16; their squares, times the stiffest cable's EA and some metres of it, too.
+    close(rl.elastic, ol.elastic, 10.0 * rl.elastic + 1e-3 * stiffest, "elastic energy");
+    close(reference.membrane_energy, other.membrane_energy,
+          10.0 * reference.membrane_energy + 1e-3 * stiffest, "membrane energy");
+    ASSERT_EQ(rl.stretched.size(), ol.stretched.size());
+    for (std::size_t i = 0; i < rl.stretched.size(); ++i) {
+        close(rl.stretched[i].strain, ol.stretched[i].strain, 1e-2, "largest strain");
+        close(rl.stretched[i].load, ol.stretched[i].load, 1e-2 * stiffest, "largest load");
+    }
+    EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), rounding * 100.0);
+    EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), rounding * 1000.0);
+    EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), rounding * 100.0);
+}
+
+/// EA [N] of a riser, which is as strong as its lines.
+inline double stiffest_cable(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    return chute.line.axial_stiffness() * chute.gores / chute.risers;
+}
+
+}  // namespace twinchute::test
