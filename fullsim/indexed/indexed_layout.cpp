@@ -340,7 +340,8 @@ private:
         has_.fabric = true;
         fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity), {}, 0.0, 1.0};
         using Constants = std::array<double, indexed::membrane_constants>;
-        triangles_.begin<3>(mesh_.triangles.size(), kernels_.lanes, mesh_.dummy(), Constants{});
+        // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
+        triangles_.begin<3>(mesh_.triangles.size(), kernels_.lanes, 0, Constants{});
         for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
             const Triangle& t = mesh_.triangles[i];
             triangles_.set(i, t.node,

@@ -20,7 +20,7 @@ struct Nodes {
     double* push = nullptr;          ///< [m^2] likewise: area over which pressure acts on a canopy node
 };
 
-/// Elements in groups as wide as the kernels, the last one filled up with elements of no effect on the dummy.
+/// Elements in groups as wide as the kernels, the last one filled up with elements of no effect.
 struct Elements {
     std::size_t groups = 0;
     /// [group][corner][lane]: 32 times the number of a node, where its row of four doubles begins [B].
