@@ -437,10 +437,18 @@ void FullRun::add_warnings() {
 
 void FullRun::add_left_out() {
     const Aerodynamics& aero = scene_.aerodynamics;
-    const auto out = [&](const char* what, const char* why) { record_.left_out.push_back({what, why}); };
+    const auto out = [&](std::string what, std::string why) {
+        record_.left_out.push_back({std::move(what), std::move(why)});
+    };
     if (!packed())
         out("deployment and mass-spring-damper model",
             inflated() ? "the scene starts with the canopy open" : "the scene starts at line stretch");
+    if (const MassScaling& scaling = simulation_.mass_scaling(); scaling.nodes > 0)
+        out(fmt::format("true mass of {} canopy nodes", scaling.nodes),
+            fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
+                        "that may be {:.1f} % "
+                        "longer before the air moves along",
+                        scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0)));
     if (scene_.full.symmetry == Symmetry::sector)
         out("folds that differ from gore to gore",
             "full.symmetry is \"sector\": all sectors move alike. From the pack, where they do not, that "

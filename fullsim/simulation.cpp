@@ -47,6 +47,18 @@ double uniform(std::mt19937_64& generator) {
     return static_cast<double>(static_cast<std::int64_t>(generator())) * 0x1p-63;
 }
 
+Mesh make_mesh(const Scene& scene, const Inflation& inflation, MassScaling& scaling) {
+    Mesh mesh = start_mesh(scene, inflation, first_phase(scene, inflation));
+    if (const double share = scene.full.mass_scaling; share > 0.0) {
+        const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
+        const auto& added = scene.aerodynamics.added_mass;
+        const double radius = steady_radius(scene.parachutes.front());
+        scaling =
+            scale_masses(scene, share, added ? added->mass(rho, {radius, 0.0}, {1.0, 0.0}).value : 0.0, mesh);
+    }
+    return mesh;
+}
+
 State initial_state(const Scene& scene, const Mesh& mesh) {
     State state;
     const StaticLine& tether = mesh.static_line;
@@ -84,7 +96,7 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
 Simulation::Simulation(const Scene& scene, const LayoutMaker& layout)
     : scene_(scene),
       inflation_(first_inflation(scene)),
-      mesh_(start_mesh(scene, inflation_, first_phase(scene, inflation_))),
+      mesh_(make_mesh(scene, inflation_, mass_scaling_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       state_(initial_state(scene, mesh_)),
       layout_(layout(scene, mesh_, constants_)),

@@ -10,6 +10,7 @@
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/step/energy.hpp"
+#include "fullsim/step/mass_scaling.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "fullsim/step/stable_step.hpp"
 #include "lib/models/inflation.hpp"
@@ -71,6 +72,8 @@ public:
     StableStep bound() const;
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
+    /// What `full.mass_scaling` did to the mesh.
+    const MassScaling& mass_scaling() const { return mass_scaling_; }
     /// Most substeps that lines have taken in a step.
     int most_substeps() const { return most_substeps_; }
 
@@ -108,6 +111,7 @@ private:
 
     const Scene& scene_;
     Inflation inflation_;
+    MassScaling mass_scaling_;
     Mesh mesh_;
     ForceModels structure_, loads_;
     NodeConstants constants_;

@@ -248,6 +248,7 @@ FullSettings full(const Values& v) {
     f.bulk_viscosity = v.number("full.bulk_viscosity");
     f.time_step_factor = v.number("full.time_step_factor");
     f.line_substeps = static_cast<int>(v.integer("full.line_substeps"));
+    f.mass_scaling = v.number("full.mass_scaling");
     f.strain_limit = v.number("full.strain_limit");
     f.output_rate = v.number("full.output_rate");
     if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");

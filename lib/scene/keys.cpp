@@ -285,6 +285,8 @@ constexpr Key scene_rows[] = {
      .meaning = "share of the bound on the stable step; above 1 is for tests of stability", .source = "docs/theory/full-model.md"},
     {.path = "full.line_substeps", .kind = integer, .need = defaulted, .fallback = "4", .range = from(1, 100), .user = full,
      .meaning = "most steps that lines and risers take within one of the canopy, where theirs is shorter", .source = "docs/theory/full-model.md"},
+    {.path = "full.mass_scaling", .unit = "1", .need = defaulted, .fallback = "0", .range = from(0, 1e-3), .user = full,
+     .meaning = "share of the mass of canopy and steady air that is added to the nodes that set the step", .source = "docs/theory/full-model.md"},
     {.path = "full.strain_limit", .unit = "1", .need = defaulted, .fallback = "0.5", .range = above(0, 10), .user = full,
      .meaning = "a run that strains an element further ends", .source = "nylon cord breaks at about 0.3"},
     {.path = "full.output_rate", .unit = "1/s", .need = defaulted, .fallback = "200", .range = above(0, 1e5), .user = full,

@@ -175,6 +175,7 @@ struct FullSettings {
     double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
     double time_step_factor = 0.0;      ///< share of the bound on the stable step [-]
     int line_substeps = 1;              ///< most steps of lines and risers within one of the canopy
+    double mass_scaling = 0.0;          ///< mass added where nodes set the step, of canopy and its air [-]
     double strain_limit = 0.0;          ///< largest strain that a run may reach [-]
     double output_rate = 0.0;           ///< [1/s] rows of the history
     std::optional<double> fields_rate;  ///< [1/s] frames of the fields; absent: none

@@ -183,6 +183,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.number("bulk_viscosity", full.bulk_viscosity);
     w.number("time_step_factor", full.time_step_factor);
     w.count("line_substeps", full.line_substeps);
+    w.number("mass_scaling", full.mass_scaling);
     w.number("strain_limit", full.strain_limit);
     w.number("output_rate", full.output_rate);
     if (full.fields_rate) w.number("fields_rate", *full.fields_rate);
