@@ -8,9 +8,11 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/gores/crew.hpp"
+#include "fullsim/gores/gore_nodes.hpp"
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/mesh/gores.hpp"
@@ -29,100 +31,6 @@ std::array<double, 3> plain(const Vec3& a) {
 Lanes as_lanes(const std::array<double, 3>& a) {
     return Lanes{a[0], a[1], a[2], 0.0};
 }
-
-/// Arrays of a frame and the traffic between them and the state's node records.
-class GoreNodes {
-public:
-    /// Of the frame's arrays as many as are named, x first.
-    GoreNodes(const Gores& gores, int lanes, int arrays) : gores_(gores) {
-        frame.arrays = arrays;
-        frame.lanes = lanes;
-        frame.blocks = frame.last = (gores.count + lanes - 1) / lanes;
-        frame.nodes = gores.local_nodes();
-        frame.own = gores.own;
-        frame.canopy = gores.canopy;
-        frame.gores = gores.count;
-        // A row more at either end: neighbours are read a lane beside their place.
-        const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
-        const std::size_t all = nodes + frame.blocks * row + 2 * row;
-        memory_.assign(all / Line{}.size() + 1, Line{});
-        double* const begin = memory_.front().data();
-        double* next = begin + row;
-        // What a triangle reads and writes comes first.
-        double** const all_arrays[] = {&frame.x,      &frame.v,    &frame.force, &frame.push,
-                                       &frame.v_half, &frame.aero, &frame.pull};
-        for (int k = 0; k < arrays; ++k, next += 3 * row)
-            *all_arrays[k] = next;
-        next = begin + row + nodes;
-        std::fill_n(next, gores.count, 1.0);
-        frame.live = next;
-    }
-
-    GoreFrame frame;
-
-    /// A component of a node of a gore.
-    double& at(double* array, LocalNode node, int gore, int component) const {
-        return array[frame.at(gore / frame.lanes, node) + static_cast<std::size_t>(component) * frame.lanes +
-                     gore % frame.lanes];
-    }
-
-    void load(const State& state) const {
-        const int all = frame.blocks * frame.lanes;
-        for (int gore = 0; gore < all; ++gore)
-            for (LocalNode n = 0; n < gores_.own; ++n) {
-                // A lane without a gore looks like the first one, and stays so.
-                const NodeIndex i = gores_.node[(gore < gores_.count ? gore : 0) * gores_.own + n];
-                for (int c = 0; c < 3; ++c) {
-                    at(frame.x, n, gore, c) = state.node[i].x[c];
-                    at(frame.v, n, gore, c) = state.node[i].v[c];
-                    at(frame.v_half, n, gore, c) = state.v_half[i].value[c];
-                }
-            }
-        receive_guests(state);
-    }
-
-    void store(State& state) const {
-        for (int gore = 0; gore < gores_.count; ++gore)
-            for (LocalNode n = 0; n < gores_.own; ++n) {
-                const NodeIndex i = gores_.node[gore * gores_.own + n];
-                for (int c = 0; c < 3; ++c) {
-                    state.node[i].x[c] = at(frame.x, n, gore, c);
-                    state.node[i].v[c] = at(frame.v, n, gore, c);
-                    state.v_half[i].value[c] = at(frame.v_half, n, gore, c);
-                }
-            }
-    }
-
-    void receive_guests(const State& state) const {
-        for (std::size_t k = 0; k < gores_.guest.size(); ++k)
-            for (int gore = 0; gore < gores_.count; ++gore) {
-                const NodeRecord& node = state.node[gores_.guest[k][gore]];
-                for (int c = 0; c < 3; ++c) {
-                    at(frame.x, first_guest() + static_cast<LocalNode>(k), gore, c) = node.x[c];
-                    at(frame.v, first_guest() + static_cast<LocalNode>(k), gore, c) = node.v[c];
-                }
-            }
-    }
-
-    /// What gores did to nodes that they share goes to the state's forces.
-    void send_guests(double* array, std::vector<NodeVector>& forces) const {
-        for (std::size_t k = 0; k < gores_.guest.size(); ++k) {
-            const LocalNode n = first_guest() + static_cast<LocalNode>(k);
-            for (int gore = 0; gore < gores_.count; ++gore)
-                for (int c = 0; c < 3; ++c)
-                    forces[gores_.guest[k][gore]].value[c] += at(array, n, gore, c);
-            for (int block = 0; block < frame.blocks; ++block)
-                std::fill_n(array + frame.at(block, n), 3 * frame.lanes, 0.0);
-        }
-    }
-
-private:
-    LocalNode first_guest() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
-
-    const Gores& gores_;
-    struct alignas(64) Line : std::array<double, 8> {};  // of a cache
-    std::vector<Line> memory_;
-};
 
 constexpr std::size_t elements_of_thread = 1500;
 
