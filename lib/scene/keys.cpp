@@ -90,7 +90,8 @@ Words phases() {
     return {"transit"};
 }
 Words methods() {
-    return {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince"};
+    return {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince", "adams", "kvaerno-3",
+            "kvaerno-4",  "kvaerno-5",        "bdf"};
 }
 Words fabrics() {
     return {"fabric"};
@@ -248,7 +249,7 @@ constexpr Key scene_rows[] = {
     {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
 
     {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "dormand-prince", .choices = methods, .user = rom,
-     .meaning = "embedded Runge-Kutta pair", .source = "SUNDIALS ARKODE"},
+     .meaning = "Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
     {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
      .meaning = "relative tolerance of position and velocity"},
 

@@ -2,10 +2,12 @@
 
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
+#include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <algorithm>
 #include <array>
@@ -20,7 +22,8 @@
 namespace twinchute {
 namespace {
 
-/// ARKODE offers the same calls twice, for its explicit and for its implicit integrators.
+/// SUNDIALS offers the same calls three times: for explicit and for implicit Runge-Kutta methods, and for
+/// multistep ones, which have neither a choice of interpolants nor fixed steps (null here).
 struct Calls {
     decltype(&ERKStepFree) free;
     decltype(&ERKStepSetErrHandlerFn) set_error_handler;
@@ -40,7 +43,6 @@ struct Calls {
     decltype(&ERKStepGetDky) interpolate;
     decltype(&ERKStepGetRootInfo) found_roots;
     decltype(&ERKStepGetNumSteps) steps;
-    decltype(&ERKStepGetNumStepAttempts) attempts;
 };
 
 #define TWINCHUTE_ARKODE_CALLS(step)                                                                        \
@@ -48,26 +50,47 @@ struct Calls {
         step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetInterpolantType, \
             step##SetMaxNumSteps, step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep,    \
             step##RootInit, step##SetNoInactiveRootWarn, step##Evolve, step##GetLastStep,                   \
-            step##GetCurrentTime, step##GetDky, step##GetRootInfo, step##GetNumSteps,                       \
-            step##GetNumStepAttempts                                                                        \
+            step##GetCurrentTime, step##GetDky, step##GetRootInfo, step##GetNumSteps                        \
     }
 constexpr Calls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
 constexpr Calls implicit_calls = TWINCHUTE_ARKODE_CALLS(ARKStep);
 #undef TWINCHUTE_ARKODE_CALLS
+constexpr Calls multistep_calls = {CVodeFree,
+                                   CVodeSetErrHandlerFn,
+                                   CVodeSetUserData,
+                                   CVodeSVtolerances,
+                                   nullptr,
+                                   CVodeSetMaxNumSteps,
+                                   CVodeReInit,
+                                   CVodeSetInitStep,
+                                   CVodeSetStopTime,
+                                   nullptr,
+                                   CVodeRootInit,
+                                   CVodeSetNoInactiveRootWarn,
+                                   CVode,
+                                   CVodeGetLastStep,
+                                   CVodeGetCurrentTime,
+                                   CVodeGetDky,
+                                   CVodeGetRootInfo,
+                                   CVodeGetNumSteps};
+static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_ROOT_RETURN == CV_ROOT_RETURN &&
+              ARK_TSTOP_RETURN == CV_TSTOP_RETURN);
 
 struct MethodRow {
     OdeMethod method;
-    int table;  ///< ARKODE's number
+    int number;  ///< of ARKODE's table, or of CVODE's family
 };
 
-constexpr std::array<MethodRow, 7> rows{{
-    {{"heun-euler", 2, false, "ARKODE HEUN_EULER_2_1_2"}, ARKODE_HEUN_EULER_2_1_2},
-    {{"bogacki-shampine", 3, false, "ARKODE BOGACKI_SHAMPINE_4_2_3"}, ARKODE_BOGACKI_SHAMPINE_4_2_3},
-    {{"zonneveld", 4, false, "ARKODE ZONNEVELD_5_3_4"}, ARKODE_ZONNEVELD_5_3_4},
-    {{"dormand-prince", 5, false, "ARKODE DORMAND_PRINCE_7_4_5"}, ARKODE_DORMAND_PRINCE_7_4_5},
-    {{"kvaerno-3", 3, true, "ARKODE KVAERNO_4_2_3"}, ARKODE_KVAERNO_4_2_3},
-    {{"kvaerno-4", 4, true, "ARKODE KVAERNO_5_3_4"}, ARKODE_KVAERNO_5_3_4},
-    {{"kvaerno-5", 5, true, "ARKODE KVAERNO_7_4_5"}, ARKODE_KVAERNO_7_4_5},
+constexpr std::array<MethodRow, 9> rows{{
+    {{"heun-euler", 2, false, false, "ARKODE HEUN_EULER_2_1_2"}, ARKODE_HEUN_EULER_2_1_2},
+    {{"bogacki-shampine", 3, false, false, "ARKODE BOGACKI_SHAMPINE_4_2_3"}, ARKODE_BOGACKI_SHAMPINE_4_2_3},
+    {{"zonneveld", 4, false, false, "ARKODE ZONNEVELD_5_3_4"}, ARKODE_ZONNEVELD_5_3_4},
+    {{"dormand-prince", 5, false, false, "ARKODE DORMAND_PRINCE_7_4_5"}, ARKODE_DORMAND_PRINCE_7_4_5},
+    {{"adams", 12, false, true, "CVODE CV_ADAMS"}, CV_ADAMS},
+    {{"kvaerno-3", 3, true, false, "ARKODE KVAERNO_4_2_3"}, ARKODE_KVAERNO_4_2_3},
+    {{"kvaerno-4", 4, true, false, "ARKODE KVAERNO_5_3_4"}, ARKODE_KVAERNO_5_3_4},
+    {{"kvaerno-5", 5, true, false, "ARKODE KVAERNO_7_4_5"}, ARKODE_KVAERNO_7_4_5},
+    {{"bdf", 5, true, true, "CVODE CV_BDF"}, CV_BDF},
 }};
 
 constexpr auto methods = [] {
@@ -114,7 +137,8 @@ struct OdeSolver::Impl {
     N_Vector y = nullptr, atol = nullptr, scratch = nullptr;
     SUNMatrix matrix = nullptr;
     SUNLinearSolver linear_solver = nullptr;
-    bool implicit = false;
+    SUNNonlinearSolver iteration = nullptr;
+    bool implicit = false, multistep = false;
     Calls calls = explicit_calls;
     void* memory = nullptr;
     Rhs rhs;
@@ -127,6 +151,7 @@ struct OdeSolver::Impl {
 
     ~Impl() {
         if (memory) calls.free(&memory);
+        if (iteration) SUNNonlinSolFree(iteration);
         if (linear_solver) SUNLinSolFree(linear_solver);
         if (matrix) SUNMatDestroy(matrix);
         for (N_Vector v : {y, atol, scratch})
@@ -139,28 +164,42 @@ struct OdeSolver::Impl {
         if (code < 0) throw std::invalid_argument(fmt::format("{} returned {} ({})", call, code, message));
     }
 
-    void create(const OdeMethod& method, double t0) {
-        implicit = method.implicit;
-        calls = implicit ? implicit_calls : explicit_calls;
-        memory = implicit ? ARKStepCreate(nullptr, &Impl::call_rhs, t0, y, context)
-                          : ERKStepCreate(&Impl::call_rhs, t0, y, context);
-        if (!memory) throw std::invalid_argument("ARKODE refused the problem");
+    void create(const MethodRow& row, double t0) {
+        implicit = row.method.implicit;
+        multistep = row.method.multistep;
+        calls = multistep ? multistep_calls : implicit ? implicit_calls : explicit_calls;
+        memory = multistep  ? CVodeCreate(row.number, context)
+                 : implicit ? ARKStepCreate(nullptr, &Impl::call_rhs, t0, y, context)
+                            : ERKStepCreate(&Impl::call_rhs, t0, y, context);
+        if (!memory) throw std::invalid_argument("SUNDIALS refused the problem");
+        if (multistep) require(CVodeInit(memory, &Impl::call_rhs, t0, y), "CVodeInit");
     }
 
-    /// The table of the method, and what its stages are solved by.
-    void choose(const OdeMethod& method, sunindextype size) {
-        const auto row =
-            std::ranges::find(rows, method.name, [](const MethodRow& r) { return r.method.name; });
-        if (row == rows.end()) throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
+    /// The table of the method, and what its stages or steps are solved by.
+    void choose(const MethodRow& row, sunindextype size) {
+        if (implicit) {
+            matrix = SUNDenseMatrix(size, size, context);
+            linear_solver = matrix ? SUNLinSol_Dense(y, matrix, context) : nullptr;
+            if (!linear_solver) throw std::invalid_argument("SUNLinSol_Dense refused the problem");
+        }
+        multistep ? choose_family() : choose_table(row.number);
+    }
+
+    void choose_family() {
+        require(CVodeSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
+        if (implicit) return require(CVodeSetLinearSolver(memory, linear_solver, matrix), "SetLinearSolver");
+        iteration = SUNNonlinSol_FixedPoint(y, 0, context);
+        if (!iteration) throw std::invalid_argument("SUNNonlinSol_FixedPoint refused the problem");
+        require(CVodeSetNonlinearSolver(memory, iteration), "SetNonlinearSolver");
+    }
+
+    void choose_table(int number) {
         if (!implicit) {
-            const auto table = static_cast<ARKODE_ERKTableID>(row->table);
+            const auto table = static_cast<ARKODE_ERKTableID>(number);
             return require(ERKStepSetTableNum(memory, table), "SetTableNum");
         }
-        const auto table = static_cast<ARKODE_DIRKTableID>(row->table);
+        const auto table = static_cast<ARKODE_DIRKTableID>(number);
         require(ARKStepSetTableNum(memory, table, ARKODE_ERK_NONE), "SetTableNum");
-        matrix = SUNDenseMatrix(size, size, context);
-        linear_solver = matrix ? SUNLinSol_Dense(y, matrix, context) : nullptr;
-        if (!linear_solver) throw std::invalid_argument("SUNLinSol_Dense refused the problem");
         require(ARKStepSetLinearSolver(memory, linear_solver, matrix), "SetLinearSolver");
         require(ARKStepSetNonlinConvCoef(memory, newton_share), "SetNonlinConvCoef");
         require(ARKStepSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
@@ -171,13 +210,29 @@ struct OdeSolver::Impl {
 
     std::int64_t rhs_calls() {
         long by_stages = 0, by_explicit_part = 0, by_jacobian = 0;
-        if (!implicit) {
+        if (multistep) {
+            require(CVodeGetNumRhsEvals(memory, &by_stages), "GetNumRhsEvals");
+            if (implicit) require(CVodeGetNumLinRhsEvals(memory, &by_jacobian), "GetNumLinRhsEvals");
+        } else if (implicit) {
+            require(ARKStepGetNumRhsEvals(memory, &by_explicit_part, &by_stages), "GetNumRhsEvals");
+            require(ARKStepGetNumLinRhsEvals(memory, &by_jacobian), "GetNumLinRhsEvals");
+        } else {
             require(ERKStepGetNumRhsEvals(memory, &by_stages), "GetNumRhsEvals");
-            return by_stages;
         }
-        require(ARKStepGetNumRhsEvals(memory, &by_explicit_part, &by_stages), "GetNumRhsEvals");
-        require(ARKStepGetNumLinRhsEvals(memory, &by_jacobian), "GetNumLinRhsEvals");
         return by_stages + by_jacobian;
+    }
+
+    /// Attempts that were not accepted.
+    std::int64_t rejected(long steps) {
+        long attempts = 0, by_error = 0, by_iteration = 0;
+        if (multistep) {
+            require(CVodeGetNumErrTestFails(memory, &by_error), "GetNumErrTestFails");
+            require(CVodeGetNumNonlinSolvConvFails(memory, &by_iteration), "GetNumNonlinSolvConvFails");
+            return by_error + by_iteration;
+        }
+        const auto get = implicit ? ARKStepGetNumStepAttempts : ERKStepGetNumStepAttempts;
+        require(get(memory, &attempts), "GetNumStepAttempts");
+        return attempts - steps;
     }
 
     template <class Call>
@@ -223,12 +278,15 @@ OdeSolver::OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<cons
     std::ranges::copy(y0, values(s.y).begin());
     std::ranges::copy(atol, values(s.atol).begin());
 
-    s.create(method, t0);
+    const auto row = std::ranges::find(rows, method.name, [](const MethodRow& r) { return r.method.name; });
+    if (row == rows.end()) throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
+    s.create(*row, t0);
     s.require(s.calls.set_error_handler(s.memory, &Impl::keep_message, &s), "SetErrHandlerFn");
     s.require(s.calls.set_user_data(s.memory, &s), "SetUserData");
     s.require(s.calls.set_tolerances(s.memory, rtol, s.atol), "SVtolerances");
-    s.choose(method, size);
-    s.require(s.calls.set_interpolant(s.memory, ARK_INTERP_HERMITE), "SetInterpolantType");
+    s.choose(*row, size);
+    if (s.calls.set_interpolant)
+        s.require(s.calls.set_interpolant(s.memory, ARK_INTERP_HERMITE), "SetInterpolantType");
     s.require(s.calls.set_most_steps(s.memory, 1'000'000), "SetMaxNumSteps");
 }
 
@@ -247,6 +305,7 @@ void OdeSolver::stop_at(double t) {
 }
 
 void OdeSolver::fix_step(double dt) {
+    if (!impl_->calls.set_fixed_step) throw std::invalid_argument("multistep methods have no fixed steps");
     impl_->require(impl_->calls.set_fixed_step(impl_->memory, dt), "SetFixedStep");
 }
 
@@ -265,7 +324,8 @@ OdeSolver::Outcome OdeSolver::advance() {
     const int code = s.calls.evolve(s.memory, s.t + 1.0, s.y, &reached, ARK_ONE_STEP);
     if (s.thrown) std::rethrow_exception(std::exchange(s.thrown, nullptr));
     if (code < 0) {
-        s.message = fmt::format("ARKODE returned {} at t = {:.6g} s ({})", code, reached, s.message);
+        s.message = fmt::format("{} returned {} at t = {:.6g} s ({})", s.multistep ? "CVODE" : "ARKODE", code,
+                                reached, s.message);
         return Outcome::failed;
     }
     s.previous = s.t;
@@ -288,7 +348,7 @@ std::span<const double> OdeSolver::state() const {
 
 void OdeSolver::interpolate(double t, std::span<double> y) const {
     Impl& s = *impl_;
-    // ARKODE refuses times outside its last internal step, and the ends of tiny steps miss it by
+    // SUNDIALS refuses times outside its last internal step, and the ends of tiny steps miss it by
     // round-off.
     double length = 0.0, now = 0.0;
     s.require(s.calls.last_step(s.memory, &length), "GetLastStep");
@@ -311,10 +371,9 @@ const std::string& OdeSolver::failure() const {
 
 OdeSolver::Statistics OdeSolver::statistics() const {
     Impl& s = *impl_;
-    long steps = 0, attempts = 0;
+    long steps = 0;
     s.require(s.calls.steps(s.memory, &steps), "GetNumSteps");
-    s.require(s.calls.attempts(s.memory, &attempts), "GetNumStepAttempts");
-    return {steps, s.rhs_calls(), attempts - steps, steps > 0 ? s.dt_min : 0.0, s.dt_max};
+    return {steps, s.rhs_calls(), s.rejected(steps), steps > 0 ? s.dt_min : 0.0, s.dt_max};
 }
 
 }  // namespace twinchute

@@ -1,5 +1,5 @@
-// Runge-Kutta integration of small systems by SUNDIALS ARKODE: explicit pairs, and diagonally implicit ones
-// for stiff phases. This file pair is the only one that sees SUNDIALS.
+// Integration of small systems by SUNDIALS: explicit Runge-Kutta pairs and diagonally implicit ones (ARKODE),
+// and linear multistep methods (CVODE). This file pair is the only one that sees SUNDIALS.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,17 @@
 
 namespace twinchute {
 
-/// A row of the table of methods: an embedded Runge-Kutta pair.
+/// A row of the table of methods.
 struct OdeMethod {
     std::string_view name;
-    int order;
-    bool implicit;  ///< solves its stages by Newton's method with a dense Jacobian of difference quotients
+    int order;       ///< of a Runge-Kutta pair; the highest that a multistep method goes to
+    bool implicit;   ///< for stiff phases: Newton's method with a dense Jacobian of difference quotients
+    bool multistep;  ///< order and step change as it goes; begins with order one after each restart
     std::string_view source;
 };
 
-std::span<const OdeMethod> ode_methods();       ///< all, the explicit ones first
-std::span<const OdeMethod> explicit_methods();  ///< what `rom.method` chooses from
+std::span<const OdeMethod> ode_methods();  ///< what `rom.method` chooses from, the explicit ones first
+std::span<const OdeMethod> explicit_methods();
 std::span<const OdeMethod> implicit_methods();
 const OdeMethod* find_ode_method(std::string_view name);
 
@@ -38,7 +39,7 @@ public:
 
     enum class Outcome { stepped, reached_stop, found_root, failed };
 
-    /// atol: absolute tolerance of each component. Throws std::invalid_argument where ARKODE
+    /// atol: absolute tolerance of each component. Throws std::invalid_argument where SUNDIALS
     /// refuses its arguments.
     OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
               std::span<const double> atol);
@@ -50,12 +51,12 @@ public:
     void restart(double t, std::span<const double> y);
     void stop_at(double t);
     /// Steps of this length [s] from here on, without error control; 0 brings it back. Shorter only to
-    /// end on a stop time.
+    /// end on a stop time. Throws std::invalid_argument for multistep methods.
     void fix_step(double dt);
     /// Looks for sign changes of `count` functions from here on; count = 0 ends the search.
     void watch(int count, Roots roots);
 
-    /// One step. After Outcome::failed, failure() says what ARKODE said and the state is that of
+    /// One step. After Outcome::failed, failure() says what SUNDIALS said and the state is that of
     /// the last good step.
     Outcome advance();
 

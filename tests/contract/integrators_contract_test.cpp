@@ -1,11 +1,12 @@
-// Every row of the table of methods, explicit and implicit: its order on a smooth problem, across a jump of
-// the right-hand side that a stage boundary takes care of, and up to an event; the implicit ones on stiff
-// problems.
+// Every row of the table of methods: the order of Runge-Kutta pairs on a smooth problem and across a jump of
+// the right-hand side that a stage boundary takes care of; events, dense output and the use of the tolerance
+// of all; the implicit ones on stiff problems.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <vector>
 
 #include "lib/solve/sundials.hpp"
 
@@ -23,13 +24,15 @@ protected:
     double step() const { return method().order >= 5 ? 0.1 : 0.05; }
 };
 
+class EveryPair : public EveryMethod {};
+
 /// With fixed steps the tolerances only say how well Newton's method solves the stages.
 constexpr double newton_rtol = 1e-11, newton_atol = 1e-13;
 
 using Values = std::span<const double>;
 using Rates = std::span<double>;
 
-TEST_P(EveryMethod, HasItsOrderOnASmoothProblem) {
+TEST_P(EveryPair, HasItsOrderOnASmoothProblem) {
     // y' = -2 t y^2, y(0) = 1: y = 1/(1 + t^2), to t = 1.
     const auto error = [&](double h) {
         OdeSolver solver(
@@ -46,7 +49,7 @@ TEST_P(EveryMethod, HasItsOrderOnASmoothProblem) {
     EXPECT_NEAR(order(error, step() / 4), method().order, 0.1) << method().name;
 }
 
-TEST_P(EveryMethod, KeepsItsOrderAcrossAStageBoundary) {
+TEST_P(EveryPair, KeepsItsOrderAcrossAStageBoundary) {
     // y' = y to t = 1/pi, then y' = -3 y^2 (not a multiple of any step): exact by hand.
     const double boundary = 1.0 / 3.14159265358979;
     const double middle = std::exp(boundary), exact = 1.0 / (1.0 / middle + 3.0 * (1.0 - boundary));
@@ -75,7 +78,8 @@ TEST_P(EveryMethod, KeepsItsOrderAcrossAStageBoundary) {
 }
 
 TEST_P(EveryMethod, FindsAnEventToItsTolerance) {
-    // Free fall from 1 m with g = 2: ground at t = 1. A parabola is exact for every method here.
+    // Free fall from 1 m with g = 2: ground at t = 1. A parabola is exact for every pair here; a multistep
+    // method begins with order one and keeps to its tolerance.
     OdeSolver solver(
         method(), [](double, Values y, Rates f) { f[0] = y[1], f[1] = -2.0; }, 0.0,
         std::vector<double>{1.0, 0.0}, 1e-8, std::vector<double>{1e-10, 1e-10});
@@ -86,7 +90,51 @@ TEST_P(EveryMethod, FindsAnEventToItsTolerance) {
         outcome = solver.advance();
     EXPECT_EQ(outcome, OdeSolver::Outcome::found_root);
     EXPECT_EQ(solver.root(), 0);
-    EXPECT_NEAR(solver.time(), 1.0, 1e-10);
+    EXPECT_NEAR(solver.time(), 1.0, method().multistep ? 1e-7 : 1e-10);
+}
+
+TEST_P(EveryMethod, FollowsItsTolerance) {
+    // y' = -2 t y^2 as above, across a restart with another right-hand side, y' = y from t = 1: y(2) = e/2.
+    const auto error = [&](double rtol) {
+        bool second = false;
+        OdeSolver solver(
+            method(), [&](double t, Values y, Rates f) { f[0] = second ? y[0] : -2.0 * t * y[0] * y[0]; },
+            0.0, std::vector<double>{1.0}, rtol, std::vector<double>{1e-3 * rtol});
+        for (const double end : {1.0, 2.0}) {
+            solver.stop_at(end);
+            auto outcome = solver.advance();
+            while (outcome == OdeSolver::Outcome::stepped)
+                outcome = solver.advance();
+            EXPECT_EQ(outcome, OdeSolver::Outcome::reached_stop) << solver.failure();
+            EXPECT_DOUBLE_EQ(solver.time(), end);
+            const std::vector<double> y(solver.state().begin(), solver.state().end());
+            second = true;
+            solver.restart(end, y);
+        }
+        return std::abs(solver.state()[0] / (0.5 * std::exp(1.0)) - 1.0);
+    };
+    // The tolerance is per step, and a step's error grows by e at most until the end: tens of steps of the
+    // loosest, hundreds of the tightest tolerance.
+    for (const double rtol : {1e-4, 1e-6, 1e-8, 1e-10})
+        EXPECT_LT(error(rtol), 100.0 * rtol) << method().name;
+    EXPECT_LT(error(1e-10), 1e-3 * error(1e-4)) << method().name;
+}
+
+TEST_P(EveryMethod, CountsItsWork) {
+    std::int64_t calls = 0;
+    OdeSolver solver(
+        method(), [&](double, Values y, Rates f) { f[0] = -y[0], ++calls; }, 0.0, std::vector<double>{1.0},
+        1e-6, std::vector<double>{1e-9});
+    solver.stop_at(1.0);
+    std::int64_t steps = 1;
+    while (solver.advance() == OdeSolver::Outcome::stepped)
+        ++steps;
+    const auto s = solver.statistics();
+    EXPECT_EQ(s.steps, steps);
+    EXPECT_EQ(s.rhs_calls, calls);
+    EXPECT_GE(s.rejected, 0);
+    EXPECT_GT(s.dt_min, 0.0);
+    EXPECT_LE(s.dt_max, 1.0);
 }
 
 TEST_P(EveryMethod, DenseOutputJoinsTheSteps) {
@@ -105,7 +153,16 @@ TEST_P(EveryMethod, DenseOutputJoinsTheSteps) {
     EXPECT_LT(worst, 1e-6) << method().name;
 }
 
+/// A multistep method has neither fixed steps nor a fixed order.
+std::vector<std::size_t> pairs() {
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < ode_methods().size(); ++i)
+        if (!ode_methods()[i].multistep) rows.push_back(i);
+    return rows;
+}
+
 INSTANTIATE_TEST_SUITE_P(Rows, EveryMethod, testing::Range(std::size_t{0}, ode_methods().size()));
+INSTANTIATE_TEST_SUITE_P(Rows, EveryPair, testing::ValuesIn(pairs()));
 
 /// Steps to t = 1 of y' = -rate (y - cos t) - sin t, y(0) = 1 (Prothero and Robinson): y = cos t exactly,
 /// whatever the rate; the error at the end.
@@ -168,6 +225,18 @@ TEST(Integrators, ExplicitRowsComeFirstAndNamesAreUnique) {
     for (const OdeMethod& method : ode_methods())
         EXPECT_EQ(find_ode_method(method.name), &method) << method.name;
     EXPECT_EQ(find_ode_method("euler"), nullptr);
+}
+
+TEST(Integrators, MultistepMethodsHaveNoFixedSteps) {
+    for (const OdeMethod& method : ode_methods()) {
+        OdeSolver solver(
+            method, [](double, Values y, Rates f) { f[0] = -y[0]; }, 0.0, std::vector<double>{1.0}, 1e-6,
+            std::vector<double>{1e-9});
+        if (method.multistep)
+            EXPECT_THROW(solver.fix_step(0.1), std::invalid_argument) << method.name;
+        else
+            EXPECT_NO_THROW(solver.fix_step(0.1)) << method.name;
+    }
 }
 
 TEST(Integrators, FailureIsAnOutcomeWithAReason) {

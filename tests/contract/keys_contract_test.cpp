@@ -13,8 +13,8 @@ TEST(KeysContract, RomMethodsAreTheIntegratorsMethods) {
     const Key* key = find_key(scene_keys(), "rom.method");
     ASSERT_NE(key, nullptr);
     const auto words = key->choices();
-    ASSERT_EQ(words.size(), explicit_methods().size());
-    for (const OdeMethod& method : explicit_methods())
+    ASSERT_EQ(words.size(), ode_methods().size());
+    for (const OdeMethod& method : ode_methods())
         EXPECT_NE(std::ranges::find(words, method.name), words.end()) << method.name;
     const OdeMethod* fallback = find_ode_method(key->fallback);
     ASSERT_NE(fallback, nullptr);
