@@ -9,13 +9,11 @@
 
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
+#include "rom/methods.hpp"
 #include "rom/two_bodies.hpp"
 
 namespace twinchute::rom {
 namespace {
-
-/// Taut lines are the stiff part of a run: with stiff cord and a light canopy they swing in milliseconds.
-constexpr const char* taut_method = "kvaerno-5";
 
 /// [m/s] of a release that is at rest in the air; what is left of equal velocities after rounding is less.
 constexpr double at_rest = 1e-6;
@@ -93,7 +91,7 @@ private:
         if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
             for (int i = 0; i < dimensions; ++i)
                 y[3 * dimensions + i] = -y[dimensions + i];
-        OdeSolver solver(*find_ode_method(scene_.rom.method), rhs(), 0.0, y, scene_.rom.rtol, tolerances());
+        OdeSolver solver(opening_method(scene_), rhs(), 0.0, y, scene_.rom.rtol, tolerances());
         const Leg leg = integrate(solver, longest_deployment);
         course_.count(solver);
         y.assign(solver.state().begin(), solver.state().end());
@@ -114,7 +112,7 @@ private:
     /// Until the lines have brought both bodies to one speed along them.
     void stretch(std::vector<double>& y, Deployed<dimensions>& result) {
         model_.bond = Bond::taut;
-        OdeSolver solver(*find_ode_method(taut_method), rhs(), start_, y, scene_.rom.rtol, tolerances());
+        OdeSolver solver(snatch_method(), rhs(), start_, y, scene_.rom.rtol, tolerances());
         const Leg leg = integrate(solver, start_ + longest_deployment);
         course_.count(solver);
         const auto separation = Model::separation_of(solver.state());

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "rom/methods.hpp"
 #include "rom/rigid_composite.hpp"
 
 namespace twinchute::rom {
 namespace {
+
+constexpr double explicit_reach = 3.3;  // of Dormand and Prince's pair on the negative real axis
+constexpr double many_steps = 100.0;    // for which another method pays
 
 template <int dimensions, Air air>
 class Flight {
@@ -21,21 +26,17 @@ public:
           result_(result),
           separation_(separation),
           model_(make_model(inflation)),
-          solver_(
-              *find_ode_method(scene.rom.method),
-              [this](double t, std::span<const double> y, std::span<double> dydt) { rhs(t, y, dydt); },
-              inflation.snatch, state_of(start), scene.rom.rtol,
-              std::vector<double>(2 * dimensions, smallest_scale * scene.rom.rtol)) {
+          solver_(make_solver(opening_method(scene), scene.rom.rtol, inflation.snatch, state_of(start))) {
         course_.observer.watch([this](double t, std::span<const double> y) { return row(t, y); });
     }
 
     RunStatus fly(const char* event) {
         const bool inflated = scene_.parachutes.front().deploy.by == DeployBy::inflated;
         const Leg leg = inflated ? descend() : fill(event);
-        course_.count(solver_);
-        if (leg != Leg::root) return course_.ending(leg, solver_);
+        course_.count(*solver_);
+        if (leg != Leg::root) return course_.ending(leg, *solver_);
         course_.add_event("ground");
-        result_.landing_time = solver_.time();
+        result_.landing_time = solver_->time();
         return course_.landed("");
     }
 
@@ -55,6 +56,14 @@ private:
         if (scene_.aerodynamics.added_mass) model.added_mass = &*scene_.aerodynamics.added_mass;
         if (scene_.environment.wind) model.wind = &*scene_.environment.wind;
         return model;
+    }
+
+    std::unique_ptr<OdeSolver> make_solver(const OdeMethod& method, double rtol, double time,
+                                           std::span<const double> y) {
+        return std::make_unique<OdeSolver>(
+            method,
+            [this](double t, std::span<const double> state, std::span<double> dydt) { rhs(t, state, dydt); },
+            time, y, rtol, std::vector<double>(2 * dimensions, smallest_scale * rtol));
     }
 
     static std::vector<double> state_of(const Motion<dimensions>& m) {
@@ -110,7 +119,7 @@ private:
         return std::abs(relative_rate) - steady_descent_change;
     }
     double unsteadiness() const {
-        return unsteadiness(solver_.time(), motion_of<dimensions>(solver_.state()));
+        return unsteadiness(solver_->time(), motion_of<dimensions>(solver_->state()));
     }
 
     /// Negative once the force has fallen well below its peak.
@@ -123,17 +132,17 @@ private:
 
     /// The right-hand side changes here: a new start from the state reached.
     void begin_stage(Phase phase, Search search) {
-        const std::vector<double> y(solver_.state().begin(), solver_.state().end());
+        const std::vector<double> y(solver_->state().begin(), solver_->state().end());
         model_.phase = phase;
-        solver_.restart(solver_.time(), y);
+        solver_->restart(solver_->time(), y);
         const int count = search == Search::ground ? 1 : search == Search::steady ? 2 : 3;
-        solver_.watch(count, [this](double t, std::span<const double> state, std::span<double> g) {
+        solver_->watch(count, [this](double t, std::span<const double> state, std::span<double> g) {
             const auto motion = motion_of<dimensions>(state);
             g[ground_root] = motion.altitude() - course_.floor();
             if (g.size() > steady_root) g[steady_root] = unsteadiness(t, motion);
             if (g.size() > peak_root) g[peak_root] = above_past_peak(t, motion);
         });
-        course_.observer.mark(solver_.time(), y);
+        course_.observer.mark(solver_->time(), y);
     }
 
     /// From snatch to full open, and on.
@@ -141,9 +150,9 @@ private:
         const Inflation& inflation = model_.inflation;
         const bool packed = scene_.parachutes.front().deploy.starts_packed();
         Leg leg = Leg::reached_end;
-        const auto goes_on = [&] { return leg == Leg::reached_end && solver_.time() < course_.stop_time; };
+        const auto goes_on = [&] { return leg == Leg::reached_end && solver_->time() < course_.stop_time; };
         const auto to_end_of = [&](Phase phase) {
-            return course_.integrate_to(solver_, std::min(inflation.end_of(phase), course_.stop_time));
+            return course_.integrate_to(*solver_, std::min(inflation.end_of(phase), course_.stop_time));
         };
         const auto begin_filling = [&] {
             if (packed) {  // the snatch force is known, from here on the peak counts
@@ -156,7 +165,7 @@ private:
         if (inflation.initial_time > 0.0) {
             begin_stage(Phase::initial, Search::ground);
             course_.add_event(event);
-            course_.met(Trigger::Kind::line_stretch, solver_.time());
+            course_.met(Trigger::Kind::line_stretch, solver_->time());
             leg = to_end_of(Phase::initial);
             if (goes_on()) {
                 course_.add_event("end-of-initial-phase");
@@ -165,13 +174,13 @@ private:
         } else {
             begin_filling();
             course_.add_event(event);
-            course_.met(Trigger::Kind::line_stretch, solver_.time());
+            course_.met(Trigger::Kind::line_stretch, solver_->time());
         }
         if (goes_on()) leg = to_end_of(Phase::filling);
-        if (leg != Leg::reached_end || solver_.time() < inflation.end_of(Phase::filling)) return leg;
+        if (leg != Leg::reached_end || solver_->time() < inflation.end_of(Phase::filling)) return leg;
         result_.filling_time = inflation.filling_time;
         course_.add_event("full-open");
-        course_.met(Trigger::Kind::full_open, solver_.time());
+        course_.met(Trigger::Kind::full_open, solver_->time());
         return descend();
     }
 
@@ -181,34 +190,64 @@ private:
         const bool to_peak = stop.kind == Trigger::Kind::peak_force;
         for (;;) {
             begin_stage(Phase::open, to_peak ? Search::steady_or_peak : Search::steady);
-            if (solver_.time() >= course_.stop_time) return Leg::reached_end;
-            const auto here = motion_of<dimensions>(solver_.state());
-            if (to_peak && above_past_peak(solver_.time(), here) < 0.0) return end_after(stop.delay);
+            if (solver_->time() >= course_.stop_time) return Leg::reached_end;
+            const auto here = motion_of<dimensions>(solver_->state());
+            if (to_peak && above_past_peak(solver_->time(), here) < 0.0) return end_after(stop.delay);
             if (!(unsteadiness() < 0.0)) {
-                const Leg leg = course_.integrate_to(solver_, course_.stop_time);
-                if (leg != Leg::root || solver_.root() == ground_root) return leg;
-                if (solver_.root() == peak_root) return end_after(stop.delay);
+                const Leg leg = course_.integrate_to(*solver_, course_.stop_time);
+                if (leg != Leg::root || solver_->root() == ground_root) return leg;
+                if (solver_->root() == peak_root) return end_after(stop.delay);
             }
             // Steady by its rate now; declared so after a second of it (see steady_descent_change).
-            const double steady_since = solver_.time() + 1.0;
+            const double steady_since = solver_->time() + 1.0;
             begin_stage(Phase::open, Search::ground);
-            const Leg leg = course_.integrate_to(solver_, std::min(steady_since, course_.stop_time));
-            if (leg != Leg::reached_end || solver_.time() < steady_since) return leg;
+            const Leg leg = course_.integrate_to(*solver_, std::min(steady_since, course_.stop_time));
+            if (leg != Leg::reached_end || solver_->time() < steady_since) return leg;
             if (unsteadiness() >= 0.0) continue;  // a turning point of the speed, no steady descent
             course_.add_event("steady-descent");
             result_.descent_altitude = course_.observer.rows().back().altitude;
             const bool ends_here = to_peak || stop.kind == Trigger::Kind::steady_descent;
             const double end =
-                ends_here ? std::min(course_.stop_time, solver_.time() + stop.delay) : course_.stop_time;
-            return solver_.time() < end ? course_.integrate_to(solver_, end) : leg;
+                ends_here ? std::min(course_.stop_time, solver_->time() + stop.delay) : course_.stop_time;
+            if (solver_->time() >= end) return leg;
+            if (scene_.rom.method == automatic && is_long(end))
+                change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
+            return course_.integrate_to(*solver_, end);
         }
+    }
+
+    /// Whether an explicit method would take many steps for its stability alone in a steady descent to `end`:
+    /// each may last for explicit_reach v/(2 g), and v goes with the density.
+    bool is_long(double end) const {
+        constexpr int layers = 32;
+        const auto here = motion_of<dimensions>(solver_->state());
+        const double speed = -here.velocity[dimensions - 1];
+        if (!(speed > 0.0)) return false;
+        const auto density = [&](double z) { return scene_.environment.atmosphere.at(z).density; };
+        const double layer = (here.altitude() - course_.floor()) / layers;
+        double left = end - solver_->time(), steps = 0.0;
+        for (int k = 0; k < layers && left > 0.0; ++k) {
+            const double z = here.altitude() - (k + 0.5) * layer;
+            const double v = speed * std::sqrt(density(here.altitude()) / density(z));
+            const double duration = std::min(left, layer / v);
+            steps += duration * 2.0 * scene_.environment.gravity / (explicit_reach * v);
+            left -= duration;
+        }
+        return steps > many_steps;
+    }
+
+    void change_to(const OdeMethod& method, double rtol) {
+        course_.count(*solver_);
+        const std::vector<double> y(solver_->state().begin(), solver_->state().end());
+        solver_ = make_solver(method, rtol, solver_->time(), y);
+        begin_stage(Phase::open, Search::ground);
     }
 
     /// The stop condition is met, the run goes on a while.
     Leg end_after(double delay) {
-        const double end = std::min(course_.stop_time, solver_.time() + delay);
+        const double end = std::min(course_.stop_time, solver_->time() + delay);
         begin_stage(Phase::open, Search::ground);
-        return solver_.time() < end ? course_.integrate_to(solver_, end) : Leg::reached_end;
+        return solver_->time() < end ? course_.integrate_to(*solver_, end) : Leg::reached_end;
     }
 
     const Scene& scene_;
@@ -216,7 +255,7 @@ private:
     OpeningResult& result_;
     const double separation_;  // [m] of payload and parachute, from lock-up on
     Model model_;
-    OdeSolver solver_;
+    std::unique_ptr<OdeSolver> solver_;
 };
 
 }  // namespace

@@ -90,7 +90,7 @@ Words phases() {
     return {"transit"};
 }
 Words methods() {
-    return {"heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince", "adams", "kvaerno-3",
+    return {"auto", "heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince", "adams", "kvaerno-3",
             "kvaerno-4",  "kvaerno-5",        "bdf"};
 }
 Words fabrics() {
@@ -248,8 +248,8 @@ constexpr Key scene_rows[] = {
      .instead_of = "stop.at|stop.time|stop.altitude", .meaning = "above ground that the payload falls to"},
     {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
 
-    {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "dormand-prince", .choices = methods, .user = rom,
-     .meaning = "Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
+    {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "auto", .choices = methods, .user = rom,
+     .meaning = "auto: dormand-prince, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
     {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
      .meaning = "relative tolerance of position and velocity"},
 

@@ -145,6 +145,7 @@ struct OdeSolver::Impl {
     Roots roots;
     int root_count = 0;
     double t = 0.0, previous = 0.0;
+    Statistics before;  // restarts of multistep methods, which begin to count anew
     double dt_min = std::numeric_limits<double>::infinity(), dt_max = 0.0;
     std::string message;
     std::exception_ptr thrown;  // by the right-hand side: must not cross SUNDIALS' C frames
@@ -294,6 +295,7 @@ OdeSolver::~OdeSolver() = default;
 
 void OdeSolver::restart(double t, std::span<const double> y) {
     Impl& s = *impl_;
+    if (s.multistep) s.before = statistics();
     std::ranges::copy(y, values(s.y).begin());
     s.t = s.previous = t;
     s.require(s.calls.reset(s.memory, t, s.y), "Reset");
@@ -373,7 +375,9 @@ OdeSolver::Statistics OdeSolver::statistics() const {
     Impl& s = *impl_;
     long steps = 0;
     s.require(s.calls.steps(s.memory, &steps), "GetNumSteps");
-    return {steps, s.rhs_calls(), s.rejected(steps), steps > 0 ? s.dt_min : 0.0, s.dt_max};
+    const std::int64_t all_steps = s.before.steps + steps;
+    return {all_steps, s.before.rhs_calls + s.rhs_calls(), s.before.rejected + s.rejected(steps),
+            all_steps > 0 ? s.dt_min : 0.0, s.dt_max};
 }
 
 }  // namespace twinchute

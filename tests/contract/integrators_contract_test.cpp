@@ -125,10 +125,15 @@ TEST_P(EveryMethod, CountsItsWork) {
     OdeSolver solver(
         method(), [&](double, Values y, Rates f) { f[0] = -y[0], ++calls; }, 0.0, std::vector<double>{1.0},
         1e-6, std::vector<double>{1e-9});
-    solver.stop_at(1.0);
-    std::int64_t steps = 1;
-    while (solver.advance() == OdeSolver::Outcome::stepped)
-        ++steps;
+    std::int64_t steps = 0;
+    for (const double end : {0.5, 1.0}) {  // restarts included
+        const std::vector<double> y(solver.state().begin(), solver.state().end());
+        solver.restart(solver.time(), y);
+        solver.stop_at(end);
+        do
+            ++steps;
+        while (solver.advance() == OdeSolver::Outcome::stepped);
+    }
     const auto s = solver.statistics();
     EXPECT_EQ(s.steps, steps);
     EXPECT_EQ(s.rhs_calls, calls);

@@ -13,12 +13,12 @@ TEST(KeysContract, RomMethodsAreTheIntegratorsMethods) {
     const Key* key = find_key(scene_keys(), "rom.method");
     ASSERT_NE(key, nullptr);
     const auto words = key->choices();
-    ASSERT_EQ(words.size(), ode_methods().size());
+    ASSERT_EQ(words.size(), ode_methods().size() + 1);
+    EXPECT_NE(std::ranges::find(words, "auto"), words.end());
+    EXPECT_EQ(find_ode_method("auto"), nullptr);
     for (const OdeMethod& method : ode_methods())
         EXPECT_NE(std::ranges::find(words, method.name), words.end()) << method.name;
-    const OdeMethod* fallback = find_ode_method(key->fallback);
-    ASSERT_NE(fallback, nullptr);
-    EXPECT_FALSE(fallback->implicit);
+    EXPECT_EQ(key->fallback, "auto");
 }
 
 }  // namespace

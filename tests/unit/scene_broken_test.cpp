@@ -148,7 +148,7 @@ const Broken cases[] = {
     {"tolerance_negative", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\npeak_force = \"-1 %\"", "test.toml:20:14: compare.tolerance.peak_force: ", "out of range"},
     {"empty_noise", "[stop]", "[full.noise]\n[stop]", "test.toml:17:7: full.noise.amplitude: ", "is missing"},
     {"step_factor", "[stop]", "[full]\ntime_step_factor = 5\n[stop]", "test.toml:18:20: full.time_step_factor: ", "5 is out of range (allowed: > 0 and <= 4)"},
-    {"rom_method", "[stop]", "[rom]\nmethod = \"euler\"\n[stop]", "test.toml:18:10: rom.method: ", "known: heun-euler, bogacki-shampine, zonneveld, dormand-prince"},
+    {"rom_method", "[stop]", "[rom]\nmethod = \"euler\"\n[stop]", "test.toml:18:10: rom.method: ", "known: auto, heun-euler, bogacki-shampine, zonneveld, dormand-prince, adams, kvaerno-3, kvaerno-4, kvaerno-5, bdf"},
     {"first_mistake_wins", "schema = 1", "schema = 1\nzzz = 1\naaa = 2", "test.toml:2:1: zzz: ", "unknown key"},
 };
 // clang-format on

@@ -1,0 +1,28 @@
+// Which method integrates which part of a run (docs/cost.md, "Methods of the reduced-order model").
+#pragma once
+
+#include "lib/scene/scene.hpp"
+#include "lib/solve/sundials.hpp"
+
+namespace twinchute::rom {
+
+inline constexpr std::string_view automatic = "auto";
+
+/// Until the descent is steady, the snatch apart.
+inline const OdeMethod& opening_method(const Scene& scene) {
+    return *find_ode_method(scene.rom.method == automatic ? "dormand-prince" : scene.rom.method);
+}
+/// Taut lines are the stiff part of a run, whatever the scene says: with stiff cord and a light canopy they
+/// swing in milliseconds.
+inline const OdeMethod& snatch_method() {
+    return *find_ode_method("kvaerno-5");
+}
+/// A steady descent that lasts: its rate of decay, 2 g/v, holds an explicit method back where nothing
+/// happens.
+inline const OdeMethod& descent_method() {
+    return *find_ode_method("bdf");
+}
+/// Of rom.rtol: at the same tolerance its answer is ten times as far off as that of the opening's pair.
+inline constexpr double descent_tolerance = 0.1;
+
+}  // namespace twinchute::rom
