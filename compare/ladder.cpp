@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -15,7 +16,7 @@ namespace {
 
 /// Runs shorter than this are repeated, since other work on the machine only ever adds to their time.
 constexpr double short_run = 0.2;       // [s]
-constexpr double repeating_time = 0.5;  // [s] of one rung in all
+constexpr double repeating_time = 0.3;  // [s] of one rung in all
 constexpr int most_repeats = 20;
 /// A closed form is too quick for the clock: it is timed in batches.
 constexpr int batches = 7, batch_size = 2000;
@@ -196,8 +197,10 @@ const RungResult* cheapest(const Ladder& ladder, std::string_view fidelity, doub
 
 std::string advice(const Ladder& ladder) {
     std::string text = "to use:";
-    for (const double wanted : {1e-2, 1e-3, 1e-4, 1e-6}) {
-        text += wanted >= 1e-3 ? fmt::format(" for {:g} %", 100 * wanted) : fmt::format(" for {:g}", wanted);
+    constexpr std::array<std::pair<double, std::string_view>, 4> accuracies{
+        {{1e-2, "1 %"}, {1e-3, "0.1 %"}, {1e-4, "1e-4"}, {1e-6, "1e-6"}}};
+    for (const auto& [wanted, word] : accuracies) {
+        text += fmt::format(" for {}", word);
         const char* separator = " ";
         for (const std::string_view fidelity : ladder.fidelities) {
             const RungResult* rung = cheapest(ladder, fidelity, wanted);

@@ -63,34 +63,34 @@ bool may_be_a_sector(const Scene& scene) {
 
 // clang-format off
 constexpr std::array pieces{
-    Piece{"added mass", "what the air that moves with the canopy does", true,
+    Piece{"no added mass", "what the air that moves with the canopy does", true,
           [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
           [](Scene& s) { s.aerodynamics.added_mass.reset(); }},
-    Piece{"payload drag", "what the payload's own drag does", true,
+    Piece{"no payload drag", "what the payload's own drag does", true,
           [](const Scene& s) { return s.payload.drag_area.has_value(); },
           [](Scene& s) { s.payload.drag_area.reset(); }},
-    Piece{"line drag", "what the drag of the suspension lines does", false,
+    Piece{"no line drag", "what the drag of the suspension lines does", false,
           [](const Scene& s) { return s.aerodynamics.line_drag.has_value(); },
           [](Scene& s) { s.aerodynamics.line_drag.reset(); }},
-    Piece{"breathing damping", "what the air's resistance to fluttering fabric does", false,
+    Piece{"no breathing damping", "what the air's resistance to fluttering fabric does", false,
           [](const Scene& s) { return s.aerodynamics.breathing_damping.has_value(); },
           [](Scene& s) { s.aerodynamics.breathing_damping.reset(); }},
-    Piece{"noise", "what the disturbance of the canopy at the start does", false,
+    Piece{"no noise", "what the disturbance of the canopy at the start does", false,
           [](const Scene& s) { return s.full.noise.has_value(); },
           [](Scene& s) { s.full.noise.reset(); }},
-    Piece{"mass damping", "what alpha does", false,
+    Piece{"no mass damping", "what alpha does", false,
           [](const Scene& s) { return s.full.alpha > 0.0; },
           [](Scene& s) { s.full.alpha = 0.0; }},
-    Piece{"stiffness damping", "what beta does", false,
+    Piece{"no stiffness damping", "what beta does", false,
           [](const Scene& s) { return s.full.beta > 0.0; },
           [](Scene& s) { s.full.beta = 0.0; }},
-    Piece{"bulk viscosity", "what the damping of waves along cables does", false,
+    Piece{"no bulk viscosity", "what the damping of waves along cables does", false,
           [](const Scene& s) { return s.full.bulk_viscosity > 0.0; },
           [](Scene& s) { s.full.bulk_viscosity = 0.0; }},
-    Piece{"springs before filling", "finite elements throughout", false,
+    Piece{"no springs", "finite elements from the pack on", false,
           [](const Scene& s) { return s.full.structure == Structure::msd_fe && s.parachutes.front().deploy.starts_packed(); },
           [](Scene& s) { s.full.structure = Structure::fe; }, 8.0},
-    Piece{"folds of their own in each sector", "one sector stands for all", false,
+    Piece{"one sector", "what it costs and saves that all sectors fold alike", false,
           may_be_a_sector,
           [](Scene& s) { s.full.symmetry = Symmetry::sector; }},
 };
@@ -145,10 +145,10 @@ bool same_tolerance(double a, double b) {
     return std::abs(a - b) <= 1e-9 * b;
 }
 
+/// "1e-4", where fmt writes 0.0001.
 std::string tolerance_word(double rtol) {
-    std::string word = fmt::format("{:.3g}", rtol);
-    if (const std::size_t zero = word.find("e-0"); zero != std::string::npos) word.erase(zero + 2, 1);
-    return word;
+    const int exponent = static_cast<int>(std::floor(std::log10(rtol) + 1e-9));
+    return fmt::format("{:.3g}e{}", rtol / std::pow(10.0, exponent), exponent);
 }
 
 void add_rom(std::vector<Rung>& rungs, const Scene& scene) {
@@ -171,7 +171,7 @@ void add_rom(std::vector<Rung>& rungs, const Scene& scene) {
     for (const OdeMethod& method : explicit_methods()) {
         if (method.name == scene.rom.method) continue;
         for (const double rtol : tolerances_of_methods) {
-            Rung rung{.name = fmt::format("{}, rtol {}", method.name, tolerance_word(rtol)),
+            Rung rung{.name = fmt::format("rom, {}, rtol {}", method.name, tolerance_word(rtol)),
                       .label = fmt::format("{} {}", method.name, tolerance_word(rtol)),
                       .family = std::string(methods),
                       .why = fmt::format("a method of order {}", method.order)};
@@ -212,8 +212,8 @@ void add_full(std::vector<Rung>& rungs) {
 void add_without(std::vector<Rung>& rungs, const Scene& scene, std::string_view fidelity) {
     for (const Piece& piece : pieces) {
         if (!piece.present(scene) || (fidelity == rom && !piece.in_rom)) continue;
-        Rung rung{.name = fmt::format("{}, no {}", fidelity, piece.name),
-                  .label = fmt::format("no {}", piece.name),
+        Rung rung{.name = fmt::format("{}, {}", fidelity, piece.name),
+                  .label = std::string(piece.name),
                   .family = std::string(fidelity == rom ? rom_without : full_without),
                   .why = std::string(piece.why)};
         rung.fidelity = fidelity;

@@ -37,8 +37,9 @@ struct LogAxis {
 };
 
 LogAxis axis_of(double smallest, double largest, double from, double to) {
-    LogAxis axis{static_cast<int>(std::floor(std::log10(smallest))),
-                 static_cast<int>(std::ceil(std::log10(largest))), from, to};
+    constexpr double room = 0.1;  // decades: no marker sits on the frame
+    LogAxis axis{static_cast<int>(std::floor(std::log10(smallest) - room)),
+                 static_cast<int>(std::ceil(std::log10(largest) + room)), from, to};
     if (axis.high <= axis.low) axis.high = axis.low + 1;
     return axis;
 }
@@ -158,7 +159,7 @@ public:
             const double x1 = x + spot.dx - share * long_side, base = y + spot.dy;
             const Box box{x1, base - line_height + 2, x1 + long_side, base + 2};
             const bool inside =
-                box.x1 >= left + 2 && box.x2 <= right + 30 && box.y1 >= top && box.y2 <= bottom - 2;
+                box.x1 >= left + 2 && box.x2 <= right + 16 && box.y1 >= top && box.y2 <= bottom - 2;
             if (!inside || std::ranges::any_of(taken_, [&](const Box& b) { return b.meets(box); })) continue;
             taken_.push_back(box);
             canvas.words(x + spot.dx, base, spot.anchor, colour, text, R"( font-size="10.5")");
@@ -212,7 +213,8 @@ void draw_points(Canvas& canvas, const CostPlot& plot, const LogAxis& x, const L
                     labels.place(canvas, x.at(p.x), y.at(p.y), p.label, ink);
 }
 
-void draw_legend(Canvas& canvas, const CostPlot& plot) {
+/// Returns where it ends.
+double draw_legend(Canvas& canvas, const CostPlot& plot) {
     double y = top + 12;
     const double x = right + 36;
     for (const CostFamily& family : plot.families) {
@@ -227,6 +229,7 @@ void draw_legend(Canvas& canvas, const CostPlot& plot) {
         canvas.words(x - 11, y, "start", dim, note, R"( font-size="11")");
         y += 15;
     }
+    return y;
 }
 
 }  // namespace
@@ -256,12 +259,12 @@ std::string cost_svg(const CostPlot& plot) {
         draw_levels(canvas, plot, y, labels);
         draw_points(canvas, plot, x, y, labels);
     }
-    draw_legend(canvas, plot);
+    const double page = std::max(height, draw_legend(canvas, plot));  // failures may be many
     return fmt::format(
         R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" )"
         R"(font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="13">)"
         "\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" rx=\"6\" fill=\"#ffffff\"/>\n{3}</svg>\n",
-        width, height, xml_text(plot.title + ": " + plot.subtitle), canvas.text());
+        width, page, xml_text(plot.title + ": " + plot.subtitle), canvas.text());
 }
 
 }  // namespace twinchute::compare

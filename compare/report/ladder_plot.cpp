@@ -83,10 +83,6 @@ std::optional<CostPoint> point_of(const RungResult& result, std::string& why_not
     return {};
 }
 
-std::string note_of(const RungResult& result, const std::string& why) {
-    return fmt::format("not drawn: {} ({})", result.rung.name, why);
-}
-
 }  // namespace
 
 std::string ladder_svg(const Ladder& ladder) {
@@ -102,7 +98,7 @@ std::string ladder_svg(const Ladder& ladder) {
     plot.notes.push_back("judged by");
     for (const std::string_view metric : ladder.judged)
         if (plot.notes.size() < 14) plot.notes.push_back("  " + std::string(find_metric_row(metric)->title));
-    plot.notes.push_back("");
+    int missing = 0;
     for (const std::string_view family : rung_families()) {
         const Look& look = look_of(family);
         CostFamily drawn{std::string(family), std::string(look.colour), look.shape, true, look.joined, {}};
@@ -114,7 +110,9 @@ std::string ladder_svg(const Ladder& ladder) {
                 point->joined = point->shape != Shape::cross;
                 drawn.points.push_back(std::move(*point));
             } else {
-                plot.notes.push_back(note_of(result, why));
+                if (missing++ == 0) plot.notes.insert(plot.notes.end(), {"", "not drawn"});
+                plot.notes.push_back(result.rung.name);
+                plot.notes.push_back(fmt::format("({})", why));
             }
         }
         if (!drawn.points.empty()) plot.families.push_back(std::move(drawn));

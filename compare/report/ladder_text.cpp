@@ -24,7 +24,8 @@ std::string worst_text(const std::optional<Worst>& worst) {
 std::string status_text(const RungResult& result) {
     if (!result.was_run) return "not run";
     if (result.is_reference) return "reference";
-    return std::string(status_name(result.status.code));
+    const std::string status(status_name(result.status.code));
+    return result.rung.given ? status + ", as given" : status;
 }
 
 struct Cells {

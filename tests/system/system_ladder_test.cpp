@@ -2,8 +2,8 @@
 // fall with the tolerance is what a tolerance means.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
-
 #include <thread>
 
 #include "tests/support/process.hpp"
@@ -74,20 +74,21 @@ TEST_F(SystemLadder, LeavesTableAndPlot) {
     EXPECT_EQ(rung(ladder, "full, mesh x1.5")["setting"],
               "full.mesh.gore_columns=2 full.mesh.gore_rows=6 full.mesh.line_elements=6 "
               "full.mesh.riser_elements=8");
-    EXPECT_EQ(run({scene, "--out", "out", "--quiet"}).code, 0);  // our own results may be written again
 }
 
 TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
     const Ended ended = run({scene, "--out", "out", "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json ladder = json::parse(ended.out);
-    double before = 1.0;
-    for (int power = 3; power <= 9; ++power) {
-        const json row = rung(ladder, "rom, rtol 1e-" + std::to_string(power));
-        const double error = row["error"]["value"];
-        EXPECT_LT(error, before) << power;
-        before = error;
-    }
+    const auto error_at = [&](int power) {
+        return rung(ladder, "rom, rtol 1e-" + std::to_string(power))["error"]["value"].get<double>();
+    };
+    // One error may be small by chance: two decades of tolerance are more than that. What a step commits adds
+    // up over some tens of steps.
+    for (int power = 5; power <= 11; power += 2)
+        EXPECT_LT(error_at(power), error_at(power - 2)) << power;
+    for (int power = 3; power <= 12; ++power)
+        EXPECT_LT(error_at(power), 30 * std::pow(10.0, -power)) << power;
     // As the scene is: the numerical error that the model promises.
     const json given = rung(ladder, "rom, rtol 1e-8");
     EXPECT_TRUE(given["as_given"]);
@@ -98,7 +99,9 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
 
 TEST_F(SystemLadder, SameInputSameNumbers) {
     const auto numbers = [&] {
-        json ladder = json::parse(run({scene, "--json"}).out);
+        const Ended ended = run({scene, "--json"});
+        EXPECT_EQ(ended.code, 0) << ended.err;  // our own results may be written again
+        json ladder = json::parse(ended.out);
         for (json& row : ladder["rungs"])
             for (const char* timing : {"wall_s", "runs", "on_pareto_front"})
                 row.erase(timing);

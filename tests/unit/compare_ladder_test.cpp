@@ -82,10 +82,9 @@ TEST(CompareLadder, OnlyPiecesThatTheSceneHasAreLeftOut) {
         return names;
     };
     Scene scene = test::c9_scene();
-    EXPECT_EQ(pieces_of(scene),
-              (std::set<std::string>{"rom, no added mass", "full, no added mass", "full, no line drag",
-                                     "full, no breathing damping", "full, no bulk viscosity",
-                                     "full, no folds of their own in each sector"}));
+    EXPECT_EQ(pieces_of(scene), (std::set<std::string>{"rom, no added mass", "full, no added mass",
+                                                       "full, no line drag", "full, no breathing damping",
+                                                       "full, no bulk viscosity", "full, one sector"}));
     scene.aerodynamics = {};
     scene.full.bulk_viscosity = 0.0;
     scene.full.noise = Noise{1e-4, 1};  // gores differ: no sector stands for all
@@ -146,13 +145,14 @@ TEST(CompareLadder, WhatIsLeftOutIsAnEffectAndNoError) {
 }
 
 TEST(CompareLadder, AClosedFormHasAGapAndNoError) {
-    // sqrt(2 m g/(rho C_D S)) of 152.4 + 5.19 kg on 42.56 m^2 in 1.225 kg/m^3 is 7.6994 m/s, by hand.
-    const RungResult& balance = rung(made_up_ladder(), "descent balance");
-    EXPECT_NEAR(balance.find("descent_rate")->value, 7.6994, 1e-4);
+    // sqrt(2 m g/(rho C_D S)) of 152.4 + 5.19 kg on 42.56 m^2 in 1.225 kg/m^3 is 7.69965 m/s, by hand.
+    const Ladder ladder = made_up_ladder();
+    const RungResult& balance = rung(ladder, "descent balance");
+    EXPECT_NEAR(balance.find("descent_rate")->value, 7.69965, 1e-5);
     EXPECT_FALSE(balance.error);
     EXPECT_GT(balance.wall_s, 0.0);
     EXPECT_LT(balance.wall_s, 1e-3);
-    const RungResult& filling = rung(made_up_ladder(), "filling correlation");
+    const RungResult& filling = rung(ladder, "filling correlation");
     EXPECT_NEAR(filling.find("filling_time")->value, 4 * 8.53 / 21, 1e-12);
 }
 
@@ -208,7 +208,7 @@ TEST(CompareLadder, AFailureIsARowWithoutAnswers) {
     EXPECT_EQ(rung(ladder, "full, mesh x1").is_reference, true);  // the finest that is left
     for (const std::string& text : {ladder_csv(ladder), ladder_json(ladder), ladder_markdown(ladder)})
         EXPECT_NE(text.find("energy"), std::string::npos);
-    EXPECT_NE(ladder_svg(ladder).find("not drawn: full, mesh x2"), std::string::npos);
+    EXPECT_NE(ladder_svg(ladder).find(">full, mesh x2</text>"), std::string::npos);
 }
 
 TEST(CompareLadder, TheSceneAsItIsMustNotFail) {
@@ -276,7 +276,7 @@ TEST(CompareLadderFiles, ThePlotIsWellFormedAndHasEveryRung) {
     EXPECT_EQ(svg.find("<C-9>"), std::string::npos);
     for (const RungResult& r : ladder.rungs) {
         const bool drawn = svg.find("<title>" + r.rung.name + ":") != std::string::npos;
-        const bool excused = svg.find("not drawn: " + r.rung.name + " (") != std::string::npos;
+        const bool excused = svg.find(">" + r.rung.name + "</text>") != std::string::npos;
         EXPECT_TRUE(drawn != excused) << r.rung.name;
         EXPECT_TRUE(drawn || !r.error) << r.rung.name;
     }
