@@ -133,42 +133,49 @@ void draw_axes(Canvas& canvas, const CostPlot& plot, const LogAxis& x, const Log
                  fmt::format(R"x( transform="rotate(-90 22 {:.1f})")x", middle));
 }
 
-/// Labels where they meet neither a marker nor each other; a label without room stays away, its marker keeps
-/// its title.
+/// Labels where they meet neither a marker nor each other: beside their marker, else farther off at the end
+/// of a thin line. A label without room stays away; its marker keeps its title.
 class Labels {
 public:
     void block(const Box& box) { taken_.push_back(box); }
 
-    bool place(Canvas& canvas, double x, double y, const std::string& text, std::string_view colour) {
-        const double long_side = letter * static_cast<double>(text.size());
-        constexpr double gap = half_marker + 3;
-        struct Spot {
-            double dx, dy;  // of the text's baseline from the marker
-            std::string_view anchor;
-        };
-        const std::array<Spot, 8> spots{{{gap, 3.5, "start"},
-                                         {-gap, 3.5, "end"},
-                                         {0, -gap, "middle"},
-                                         {0, gap + 8, "middle"},
-                                         {gap, -6, "start"},
-                                         {gap, 13, "start"},
-                                         {-gap, -6, "end"},
-                                         {-gap, 13, "end"}}};
+    void place(Canvas& canvas, double x, double y, const std::string& text) {
+        const double length = letter * static_cast<double>(text.size());
         for (const Spot& spot : spots) {
             const double share = spot.anchor == "start" ? 0.0 : spot.anchor == "end" ? 1.0 : 0.5;
-            const double x1 = x + spot.dx - share * long_side, base = y + spot.dy;
-            const Box box{x1, base - line_height + 2, x1 + long_side, base + 2};
+            const double x1 = x + spot.dx - share * length, base = y + spot.dy;
+            const Box box{x1, base - line_height + 2, x1 + length, base + 2};
             const bool inside =
                 box.x1 >= left + 2 && box.x2 <= right + 16 && box.y1 >= top && box.y2 <= bottom - 2;
             if (!inside || std::ranges::any_of(taken_, [&](const Box& b) { return b.meets(box); })) continue;
             taken_.push_back(box);
-            canvas.words(x + spot.dx, base, spot.anchor, colour, text, R"( font-size="10.5")");
-            return true;
+            if (std::abs(spot.dy) > 20)
+                canvas.line(x, y, x + spot.dx, spot.dy > 0 ? box.y1 : box.y2, dim, R"( stroke-width="0.6")");
+            canvas.words(x + spot.dx, base, spot.anchor, ink, text, R"( font-size="10.5")");
+            return;
         }
-        return false;
     }
 
 private:
+    struct Spot {
+        double dx, dy;  // [px] of the text's baseline from the marker
+        std::string_view anchor;
+    };
+    static constexpr double gap = half_marker + 3;
+    static constexpr std::array<Spot, 14> spots{{{gap, 3.5, "start"},
+                                                 {-gap, 3.5, "end"},
+                                                 {0, -gap, "middle"},
+                                                 {0, gap + 8, "middle"},
+                                                 {gap, -6, "start"},
+                                                 {gap, 13, "start"},
+                                                 {-gap, -6, "end"},
+                                                 {-gap, 13, "end"},
+                                                 {-14, 46, "end"},
+                                                 {14, 46, "start"},
+                                                 {-14, -36, "end"},
+                                                 {14, -36, "start"},
+                                                 {14, 62, "start"},
+                                                 {14, -50, "start"}}};
     std::vector<Box> taken_;
 };
 
@@ -206,11 +213,11 @@ void draw_points(Canvas& canvas, const CostPlot& plot, const LogAxis& x, const L
             canvas.marker(px, py, p.shape, p.filled, family.colour, p.title);
         }
     }
-    for (const bool first : {true, false})
+    for (const int rank : {0, 1, 2})
         for (const CostFamily& family : plot.families)
             for (const CostPoint& p : family.points)
-                if (is_drawable(p) && p.first == first && !p.label.empty())
-                    labels.place(canvas, x.at(p.x), y.at(p.y), p.label, ink);
+                if (is_drawable(p) && p.rank == rank && !p.label.empty())
+                    labels.place(canvas, x.at(p.x), y.at(p.y), p.label);
 }
 
 /// Returns where it ends.

@@ -9,11 +9,11 @@ namespace twinchute::compare {
 enum class Shape { circle, square, triangle, diamond, cross };
 
 struct CostPoint {
-    std::string label;   ///< drawn where there is room
-    std::string title;   ///< always there, for whoever points at it
-    double x = 0.0;      ///< positive
-    double y = 0.0;      ///< zero, which no logarithm shows, is drawn on the lower edge
-    bool first = false;  ///< its label goes before those of others
+    std::string label;  ///< drawn where there is room
+    std::string title;  ///< always there, for whoever points at it
+    double x = 0.0;     ///< positive
+    double y = 0.0;     ///< zero, which no logarithm shows, is drawn on the lower edge
+    int rank = 2;       ///< labels of rank 0 find their place first, those of rank 2 last
     Shape shape = Shape::circle;
     bool filled = true;
     bool joined = true;  ///< to the point before it, where its family is joined

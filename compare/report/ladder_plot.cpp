@@ -49,7 +49,7 @@ std::optional<CostPoint> point_of(const RungResult& result, std::string& why_not
     point.label = result.rung.label;
     point.x = result.wall_s;
     point.shape = look_of(result.rung.family).shape;
-    point.first = result.on_front || result.rung.given;
+    point.rank = result.rung.given ? 0 : result.on_front ? 1 : 2;
     const auto at = [&](const Worst& worst, std::string_view what) {
         point.y = worst.value;
         point.title = fmt::format("{}: {} {:.2g} ({}), {}", result.rung.name, what, worst.value, worst.metric,
@@ -111,8 +111,8 @@ std::string ladder_svg(const Ladder& ladder) {
                 drawn.points.push_back(std::move(*point));
             } else {
                 if (missing++ == 0) plot.notes.insert(plot.notes.end(), {"", "not drawn"});
-                plot.notes.push_back(result.rung.name);
-                plot.notes.push_back(fmt::format("({})", why));
+                plot.notes.push_back("- " + result.rung.name);
+                plot.notes.push_back(fmt::format("  ({})", why));
             }
         }
         if (!drawn.points.empty()) plot.families.push_back(std::move(drawn));
