@@ -2,6 +2,7 @@
 #include <array>
 #include <vector>
 
+#include "compare/ladder_verb.hpp"
 #include "compare/metrics.hpp"
 #include "compare/report_verb.hpp"
 #include "compare/verb.hpp"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
         single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         compare::report_verb(full, rom),
+        compare::ladder_verb({&rom, &full}),
         fullsim::mesh_verb(),
         list_verb(std::move(topics)),
     };

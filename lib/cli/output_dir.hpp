@@ -9,8 +9,8 @@ namespace twinchute {
 /// "./<stem of the scene file>.out" in the current directory, made safe by file_stem_of.
 std::filesystem::path default_output_dir(const std::filesystem::path& scene_file);
 
-/// True if a directory holds results of this program: a summary.json or gap.json of ours, in it or
-/// in one of its immediate subdirectories.
+/// True if a directory holds results of this program: a summary.json, gap.json or ladder.json of ours,
+/// in it or in one of its immediate subdirectories.
 bool is_our_output(const std::filesystem::path& directory);
 
 /// Called before anything runs. Throws UsageError for a non-empty directory that is not ours, and

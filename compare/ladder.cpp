@@ -1,0 +1,228 @@
+#include "compare/ladder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "lib/cli/record_text.hpp"
+#include "lib/solve/stopwatch.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+/// Runs shorter than this are repeated, since other work on the machine only ever adds to their time.
+constexpr double short_run = 0.2;       // [s]
+constexpr double repeating_time = 0.3;  // [s] of one rung in all
+constexpr int most_repeats = 20;
+/// A closed form is too quick for the clock: it is timed in batches.
+constexpr int batches = 7, batch_size = 2000;
+
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    const std::size_t half = values.size() / 2;
+    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+std::optional<RungMetric> metric_of(const RunRecord& record, const MetricRow& row, std::string_view key) {
+    const Metric* metric = record.find_metric(key);
+    if (metric == nullptr || !std::isfinite(metric->value)) return {};
+    RungMetric found;
+    found.row = &row;
+    found.value = found.low = found.high = metric->value;
+    found.standing = metric->standing;
+    return found;
+}
+
+std::vector<RungMetric> metrics_of(const Rung& rung, const RunRecord& record) {
+    std::vector<RungMetric> metrics;
+    for (const MetricRow& row : metric_rows()) {
+        if (!rung.metric.empty() && rung.metric != row.name) continue;
+        if (auto metric = metric_of(record, row, rung.key.empty() ? row.key : rung.key))
+            metrics.push_back(std::move(*metric));
+    }
+    return metrics;
+}
+
+void answer(RungResult& result) {
+    const MetricRow* row = find_metric_row(result.rung.metric);
+    double sum = 0.0;
+    for (int batch = 0; batch < batches; ++batch) {
+        const Stopwatch watch;
+        for (int i = 0; i < batch_size; ++i)
+            sum += result.rung.closed_form();
+        const double wall = watch.wall() / batch_size;
+        result.wall_s = batch == 0 ? wall : std::min(result.wall_s, wall);
+    }
+    result.runs = batches * batch_size;
+    result.was_run = true;
+    const double value = sum / result.runs;
+    result.status = {StatusCode::completed, "evaluated"};
+    if (!std::isfinite(value)) {
+        result.status = {StatusCode::not_finite, "the closed form has no value here"};
+        return;
+    }
+    RungMetric metric;
+    metric.row = row;
+    metric.value = metric.low = metric.high = result.rung.closed_form();
+    result.metrics.push_back(metric);
+}
+
+/// Runs the scene of a rung, again and again while that is quick; the time is the least.
+RunRecord run_repeatedly(const Fidelity& fidelity, const Scene& scene, const RunOne& run, int& runs) {
+    RunRecord record = run(fidelity, scene);
+    ++runs;
+    double total = record.cost.wall_s;
+    for (int i = 1; i < most_repeats && record.cost.wall_s < short_run && total < repeating_time; ++i) {
+        if (twinchute::exit_code(record.status.code) != ExitCode::done) break;
+        const RunRecord again = run(fidelity, scene);
+        ++runs;
+        total += again.cost.wall_s;
+        if (again.status.code == StatusCode::interrupted) break;
+        record.cost.wall_s = std::min(record.cost.wall_s, again.cost.wall_s);
+    }
+    return record;
+}
+
+/// Median and range over the seeds of what every one of them has.
+void take_medians(RungResult& result, const std::vector<std::vector<RungMetric>>& of_seeds) {
+    for (const RungMetric& first : of_seeds.front()) {
+        std::vector<double> values;
+        for (const std::vector<RungMetric>& metrics : of_seeds) {
+            const auto same = std::ranges::find(metrics, first.row, &RungMetric::row);
+            if (same != metrics.end()) values.push_back(same->value);
+        }
+        if (values.size() != of_seeds.size()) continue;
+        RungMetric metric = first;
+        std::tie(metric.low, metric.high) = std::pair(std::ranges::min(values), std::ranges::max(values));
+        metric.value = median(std::move(values));
+        result.metrics.push_back(std::move(metric));
+    }
+}
+
+void run_rung(RungResult& result, const Scene& scene, const Fidelity& fidelity, const LadderOptions& options,
+              const RunOne& run) {
+    const Scene changed = scene_of(result.rung, scene);
+    // The reduced-order model has no noise: one seed says all.
+    const bool scatters = result.rung.fidelity == "full" && changed.full.noise &&
+                          changed.parachutes.front().deploy.starts_packed();
+    result.seeds = scatters ? options.seeds : 1;
+    result.was_run = true;
+    std::vector<double> walls;
+    std::vector<std::vector<RungMetric>> of_seeds;
+    for (int i = 0; i < result.seeds; ++i) {
+        const std::optional<std::uint64_t> seed =
+            scatters ? std::optional(changed.full.noise->seed + static_cast<std::uint64_t>(i)) : std::nullopt;
+        const RunRecord record =
+            run_repeatedly(fidelity, scene_of(result.rung, scene, seed), run, result.runs);
+        walls.push_back(record.cost.wall_s);
+        if (i == 0 || twinchute::exit_code(record.status.code) != ExitCode::done)
+            result.status = record.status;
+        result.steps = std::max(result.steps, record.cost.steps);
+        result.rhs_calls = std::max(result.rhs_calls, record.cost.rhs_calls);
+        of_seeds.push_back(metrics_of(result.rung, record));
+        // What a run that broke off says of a maximum or a time is not that maximum or time.
+        if (!result.ended()) break;
+    }
+    result.wall_s = median(walls);
+    if (result.ended()) take_medians(result, of_seeds);
+}
+
+}  // namespace
+
+const RungMetric* RungResult::find(std::string_view metric) const {
+    const auto found =
+        std::ranges::find_if(metrics, [&](const RungMetric& m) { return m.row->name == metric; });
+    return found == metrics.end() ? nullptr : &*found;
+}
+
+RungMetric* RungResult::find(std::string_view metric) {
+    const auto found =
+        std::ranges::find_if(metrics, [&](const RungMetric& m) { return m.row->name == metric; });
+    return found == metrics.end() ? nullptr : &*found;
+}
+
+std::optional<Worst> RungResult::gap_to(std::string_view fidelity) const {
+    const auto found = std::ranges::find_if(gaps, [&](const auto& gap) { return gap.first == fidelity; });
+    if (found == gaps.end()) return {};
+    return found->second;
+}
+
+bool RungResult::ended() const {
+    return was_run && twinchute::exit_code(status.code) == ExitCode::done;
+}
+
+Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, const LadderOptions& options,
+             const RunOne& run) {
+    Ladder ladder;
+    ladder.scene = {scene.name, scene.file.string(), scene.sha256};
+    ladder.provenance = current_provenance();
+    ladder.threads = options.threads;
+    ladder.quick = options.quick;
+    for (const Fidelity* fidelity : fidelities)
+        ladder.fidelities.push_back(fidelity->name);
+
+    bool interrupted = false;
+    for (Rung& rung : ladder_rungs(scene)) {
+        const auto fidelity = std::ranges::find(fidelities, rung.fidelity, &Fidelity::name);
+        if (!rung.closed_form && fidelity == fidelities.end()) continue;
+        if (options.quick && rung.cost > quick_cost * (1 + 1e-9)) continue;
+        RungResult result;
+        result.setting = setting_of(rung, scene);
+        result.rung = std::move(rung);
+        if (interrupted)
+            result.status = {StatusCode::interrupted, "not run: the ladder was interrupted before"};
+        else if (result.rung.closed_form)
+            answer(result);
+        else
+            run_rung(result, scene, **fidelity, options, run);
+        interrupted = interrupted || result.status.code == StatusCode::interrupted;
+        ladder.rungs.push_back(std::move(result));
+    }
+    evaluate(ladder, scene);
+    return ladder;
+}
+
+const RungResult* cheapest(const Ladder& ladder, std::string_view fidelity, double wanted) {
+    const RungResult* best = nullptr;
+    for (const RungResult& result : ladder.rungs) {
+        if (result.rung.fidelity != fidelity || !result.error || result.error->value > wanted) continue;
+        if (best == nullptr || result.wall_s < best->wall_s) best = &result;
+    }
+    return best;
+}
+
+std::string advice(const Ladder& ladder) {
+    std::string text = "to use:";
+    constexpr std::array<std::pair<double, std::string_view>, 4> accuracies{
+        {{1e-2, "1 %"}, {1e-3, "0.1 %"}, {1e-4, "1e-4"}, {1e-6, "1e-6"}}};
+    for (const auto& [wanted, word] : accuracies) {
+        text += fmt::format(" for {}", word);
+        const char* separator = " ";
+        for (const std::string_view fidelity : ladder.fidelities) {
+            const RungResult* rung = cheapest(ladder, fidelity, wanted);
+            text += separator;
+            text += rung == nullptr ? fmt::format("no rung of {}", fidelity)
+                                    : fmt::format("{} ({})", rung->rung.name, time_text(rung->wall_s));
+            separator = " or ";
+        }
+        text += ";";
+    }
+    if (!ladder.gap) return text + " the gap between the fidelities is unknown";
+    return text + fmt::format(" the gap between {} and {} is {:.2g} % ({})", ladder.fidelities[0],
+                              ladder.fidelities[1], 100 * ladder.gap->value, ladder.gap->metric);
+}
+
+ExitCode exit_code(const Ladder& ladder) {
+    ExitCode code = ExitCode::done;
+    for (const RungResult& result : ladder.rungs) {
+        if (result.status.code == StatusCode::interrupted) return ExitCode::interrupted;
+        if (result.rung.given && !result.ended()) code = twinchute::exit_code(result.status.code);
+    }
+    return code;
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,121 @@
+// Error against run time: the rungs of a ladder, run, timed, and held against the reference of the same
+// physics. The gap to other physics is kept beside that, never in it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "compare/metrics.hpp"
+#include "compare/rungs.hpp"
+#include "lib/cli/exit_code.hpp"
+#include "lib/record/run_record.hpp"
+#include "lib/solve/fidelity.hpp"
+
+namespace twinchute::compare {
+
+/// How far a value lies from the reference of another fidelity: relative, without sign.
+struct LadderGap {
+    std::string_view to;  ///< the fidelity
+    double value = 0.0;
+};
+
+struct RungMetric {
+    const MetricRow* row = nullptr;
+    double value = 0.0;            ///< median over seeds
+    double low = 0.0, high = 0.0;  ///< over seeds
+    Standing standing = Standing::result;
+    /// Relative, against the reference of the same physics. Absent: other physics, no such reference, or the
+    /// rung is the reference.
+    std::optional<double> error;
+    /// What the rung's own sequence says without the reference: relative difference from the next finer
+    /// rung, of the finest from the one before it.
+    std::optional<double> estimate;
+    std::vector<LadderGap> gaps;
+    /// Of a piece that is left out: relative difference from the scene as it is, on the same mesh, so that
+    /// what both have of numerical error cancels.
+    std::optional<double> effect;
+};
+
+/// The largest of something over the metrics that a rung is judged by.
+struct Worst {
+    double value = 0.0;
+    std::string_view metric;
+};
+
+struct RungResult {
+    Rung rung;
+    std::string setting;
+    bool was_run = false;
+    RunStatus status;  ///< of the run; of the first that did not end as it should where there are several
+    int runs = 0;      ///< repeats and seeds
+    int seeds = 1;
+    double wall_s = 0.0;  ///< least of the repeats; median over seeds
+    std::int64_t steps = 0, rhs_calls = 0;
+    std::vector<RungMetric> metrics;
+    std::optional<Worst> error, estimate;
+    std::vector<std::pair<std::string_view, Worst>> gaps;  ///< by fidelity
+    std::optional<Worst> effect;
+    bool on_front = false;      ///< of its fidelity: nothing is cheaper and as good
+    bool is_reference = false;  ///< of its fidelity, in at least one judged metric
+
+    const RungMetric* find(std::string_view metric) const;
+    RungMetric* find(std::string_view metric);
+    std::optional<Worst> gap_to(std::string_view fidelity) const;
+    /// It ran and came to the end that the scene asks for.
+    bool ended() const;
+};
+
+/// What the rungs of one fidelity are held against in one metric.
+struct LadderReference {
+    std::string_view fidelity;
+    const MetricRow* row = nullptr;
+    double value = 0.0;
+    Standing standing = Standing::result;
+    std::string how;   ///< e.g. "Richardson extrapolation, order 1.9, of ..." or "rom, rtol 1e-13"
+    std::string rung;  ///< the one that is the reference itself; empty where it is extrapolated
+};
+
+struct Ladder {
+    SceneId scene;
+    Provenance provenance;
+    int threads = 1;
+    bool quick = false;
+    std::vector<std::string_view> fidelities;
+    std::vector<std::string_view> judged;  ///< metrics, by name
+    std::vector<RungResult> rungs;         ///< in the order of ladder_rungs
+    std::vector<LadderReference> references;
+    std::optional<Worst> gap;  ///< between the references of the first two fidelities
+};
+
+struct LadderOptions {
+    int seeds = 3;  ///< of scenes that start packed and have noise
+    bool quick = false;
+    int threads = 1;
+};
+
+/// Runs one scene; how is the caller's business (progress line, stop token).
+using RunOne = std::function<RunRecord(const Fidelity&, const Scene&)>;
+
+/// Runs all rungs and evaluates them. An interrupted rung is the last that is run.
+Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, const LadderOptions& options,
+             const RunOne& run);
+
+/// Fills in references, errors, estimates, gaps and fronts from the metrics of the rungs.
+void evaluate(Ladder& ladder, const Scene& scene);
+
+/// The cheapest rung of a fidelity whose error is no larger than `wanted`, or null.
+const RungResult* cheapest(const Ladder& ladder, std::string_view fidelity, double wanted);
+
+/// One line: which rung to use for a wanted accuracy.
+std::string advice(const Ladder& ladder);
+
+/// 0; 130 where a rung was interrupted; 3 where the scene as it is failed. Other rungs that fail are rows.
+ExitCode exit_code(const Ladder& ladder);
+
+}  // namespace twinchute::compare

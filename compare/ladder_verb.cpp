@@ -1,0 +1,100 @@
+#include "compare/ladder_verb.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <utility>
+
+#include "compare/ladder.hpp"
+#include "compare/report/ladder_files.hpp"
+#include "lib/cli/interrupt.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+int seeds_of(const Arguments& arguments) {
+    constexpr int most = 1000;
+    const std::optional<std::string> text = arguments.value("seeds");
+    if (!text) return LadderOptions{}.seeds;
+    int seeds = 0;
+    const char* const end = text->data() + text->size();
+    const auto [rest, error] = std::from_chars(text->data(), end, seeds);
+    if (error != std::errc{} || rest != end || seeds < 1 || seeds > most)
+        throw UsageError(fmt::format(
+            "'--seeds {}' is not understood (a whole number from 1 to {} is wanted), e.g. --seeds 3", *text,
+            most));
+    return seeds;
+}
+
+ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Arguments& arguments) {
+    const std::vector<Scene> scenes = scenes_of(arguments);
+    LadderOptions options;
+    options.seeds = seeds_of(arguments);
+    options.quick = arguments.has("quick");
+    options.threads = threads_of(arguments);
+    for (const Scene& scene : scenes)
+        for (const Fidelity* fidelity : fidelities)
+            require_physics(scene, *fidelity, fidelities);
+    if (arguments.has("check")) {
+        say_valid(scenes, arguments);
+        return ExitCode::done;
+    }
+    const std::filesystem::path directory =
+        arguments.value("out").value_or(default_output_dir(arguments.operand).string());
+    check_output_dir(directory);
+
+    const Interrupt interrupt;  // until the files are safe
+    const bool quiet = arguments.has("quiet");
+    ExitCode code = ExitCode::done;
+    std::vector<std::string> texts;
+    for (const Scene& scene : scenes) {
+        const Ladder ladder =
+            climb(scene, fidelities, options, [&](const Fidelity& fidelity, const Scene& changed) {
+                return run_watched(fidelity, changed, interrupt.token(), quiet, options.threads);
+            });
+        const std::filesystem::path place = directory_of(scene, directory);
+        FileBatch batch;
+        add_ladder(batch, ladder, place);
+        batch.commit();
+        if (arguments.has("json")) {
+            texts.push_back(ladder_json(ladder));
+        } else if (!quiet) {
+            if (&scene != &scenes.front()) print("\n");
+            print(fmt::format("ladder    {}\n\n", printable((place / "ladder.md").string())));
+            print(ladder_text(ladder, output_style()));
+        }
+        code = gravest(code, exit_code(ladder));
+        if (code == ExitCode::interrupted) break;
+    }
+    if (arguments.has("json")) print(joined_json(scenes, texts));
+    return code;
+}
+
+}  // namespace
+
+Verb ladder_verb(std::vector<const Fidelity*> fidelities) {
+    Verb verb;
+    verb.name = "ladder";
+    verb.summary = "error against run time, from closed forms to the finest mesh";
+    verb.operand = "SCENE";
+    verb.example = "twinchute ladder data/scenes/c9-inflation.toml --quick";
+    verb.options = scene_options("write table and plot there instead of ./<scene file>.out");
+    const auto at = verb.options.begin() + 1;
+    std::vector<Option> own{
+        {"quick", "",
+         fmt::format("leave out what costs more than {:g} runs of the scene as it is", quick_cost)},
+        {"seeds", "N", "runs with noise of a packed start: medians over N seeds, 3 unless given"}};
+    if (std::ranges::any_of(fidelities, &Fidelity::has_threads)) own.push_back(threads_option());
+    verb.options.insert(at, own.begin(), own.end());
+    verb.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
+        return run_ladder(fidelities, arguments);
+    };
+    return verb;
+}
+
+}  // namespace twinchute::compare

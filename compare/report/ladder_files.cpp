@@ -1,0 +1,160 @@
+#include "compare/report/ladder_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "compare/report/escape.hpp"
+#include "lib/record/record_csv.hpp"
+#include "lib/record/record_json.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int ladder_schema = 1;
+
+std::string number(const std::optional<double>& value) {
+    return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
+}
+
+std::optional<double> gap_to(const RungMetric& metric, std::string_view fidelity) {
+    for (const LadderGap& gap : metric.gaps)
+        if (gap.to == fidelity) return gap.value;
+    return {};
+}
+
+const LadderReference* reference_for(const Ladder& ladder, const RungResult& result, const MetricRow* row) {
+    if (result.rung.physics == Physics::other) return nullptr;
+    for (const LadderReference& reference : ladder.references)
+        if (reference.fidelity == result.rung.fidelity && reference.row == row) return &reference;
+    return nullptr;
+}
+
+Json worst_json(const Worst& worst) {
+    return {{"value", worst.value}, {"metric", worst.metric}};
+}
+
+Json metric_json(const RungMetric& metric) {
+    Json json;
+    json["value"] = metric.value;
+    if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
+    json["input_or_result"] = standing_name(metric.standing);
+    if (metric.low != metric.high) json["range"] = {metric.low, metric.high};
+    if (metric.error) json["error"] = *metric.error;
+    if (metric.estimate) json["error_estimate"] = *metric.estimate;
+    for (const LadderGap& gap : metric.gaps)
+        json["gap"][std::string(gap.to)] = gap.value;
+    if (metric.effect) json["effect"] = *metric.effect;
+    return json;
+}
+
+Json rung_json(const RungResult& result) {
+    const Rung& rung = result.rung;
+    Json json;
+    json["name"] = rung.name;
+    json["family"] = rung.family;
+    json["why"] = rung.why;
+    if (!rung.fidelity.empty()) json["fidelity"] = rung.fidelity;
+    json["setting"] = result.setting;
+    json["as_given"] = rung.given;
+    json["physics"] = rung.physics == Physics::same ? "same" : "other";
+    json["status"] = result.was_run ? status_json(result.status)
+                                    : Json{{"code", "not_run"}, {"detail", result.status.detail}};
+    if (result.was_run) {
+        json["runs"] = result.runs;
+        json["seeds"] = result.seeds;
+        json["wall_s"] = result.wall_s;
+        json["steps"] = result.steps;
+        json["rhs_calls"] = result.rhs_calls;
+    }
+    if (result.error) json["error"] = worst_json(*result.error);
+    if (result.estimate) json["error_estimate"] = worst_json(*result.estimate);
+    for (const auto& [to, worst] : result.gaps)
+        json["gap"][std::string(to)] = worst_json(worst);
+    if (result.effect) json["effect"] = worst_json(*result.effect);
+    json["is_reference"] = result.is_reference;
+    json["on_pareto_front"] = result.on_front;
+    Json& metrics = json["metrics"] = Json::object();
+    for (const RungMetric& metric : result.metrics)
+        metrics[std::string(metric.row->key)] = metric_json(metric);
+    return json;
+}
+
+}  // namespace
+
+std::string ladder_csv(const Ladder& ladder) {
+    std::string text =
+        "rung,family,fidelity,physics,setting,status,runs,seeds,wall_time,steps,rhs_calls,on_pareto_front,"
+        "metric,unit,input_or_result,value,low,high,reference,error,error_estimate";
+    std::string units = "-,-,-,-,-,-,1,1,s,1,1,-,-,-,-,see unit,see unit,see unit,see unit,1,1";
+    for (const std::string_view fidelity : ladder.fidelities) {
+        text += fmt::format(",gap_to_{}", fidelity);
+        units += ",1";
+    }
+    text += ",effect_of_leaving_out\n" + units + ",1\n";
+    for (const RungResult& result : ladder.rungs) {
+        const Rung& rung = result.rung;
+        const bool run = result.was_run;
+        std::string front =
+            fmt::format("{},{},{},{},{},{}", csv_field(rung.name), csv_field(rung.family), rung.fidelity,
+                        rung.physics == Physics::same ? "same" : "other", csv_field(result.setting),
+                        run ? status_name(result.status.code) : std::string_view("not_run"));
+        front += run ? fmt::format(",{},{},{},{},{}", result.runs, result.seeds, result.wall_s, result.steps,
+                                   result.rhs_calls)
+                     : std::string(",,,,,");
+        front += result.on_front ? ",yes" : ",no";
+        if (result.metrics.empty()) text += front + std::string(9 + ladder.fidelities.size() + 1, ',') + '\n';
+        for (const RungMetric& metric : result.metrics) {
+            const LadderReference* reference = reference_for(ladder, result, metric.row);
+            fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}", front, metric.row->name,
+                           metric.row->unit.empty() ? "1" : csv_field(metric.row->unit),
+                           standing_name(metric.standing), metric.value, metric.low, metric.high,
+                           reference ? number(reference->value) : "", number(metric.error),
+                           number(metric.estimate));
+            for (const std::string_view fidelity : ladder.fidelities)
+                text += ',' + number(gap_to(metric, fidelity));
+            text += ',' + number(metric.effect) + '\n';
+        }
+    }
+    return text;
+}
+
+std::string ladder_json(const Ladder& ladder) {
+    Json json;
+    json["generator"] = "twinchute";
+    json["schema"] = ladder_schema;
+    json["scene"] = scene_json(ladder.scene);
+    json["exit_code"] = static_cast<int>(exit_code(ladder));
+    json["quick"] = ladder.quick;
+    json["threads"] = ladder.threads;
+    json["judged"] = ladder.judged;
+    json["advice"] = advice(ladder);
+    if (ladder.gap) json["gap_between_fidelities"] = worst_json(*ladder.gap);
+    Json& references = json["references"] = Json::object();
+    for (const std::string_view fidelity : ladder.fidelities)
+        references[std::string(fidelity)] = Json::object();
+    for (const LadderReference& reference : ladder.references) {
+        Json& row = references[std::string(reference.fidelity)][std::string(reference.row->key)];
+        row["value"] = reference.value;
+        row["how"] = reference.how;
+        row["input_or_result"] = standing_name(reference.standing);
+    }
+    Json& rungs = json["rungs"] = Json::array();
+    for (const RungResult& result : ladder.rungs)
+        rungs.push_back(rung_json(result));
+    json["provenance"] = provenance_json(ladder.provenance);
+    return json_text(json);
+}
+
+void add_ladder(FileBatch& batch, const Ladder& ladder, const std::filesystem::path& directory) {
+    batch.add(directory / "ladder.svg", ladder_svg(ladder));
+    batch.add(directory / "ladder.md", ladder_markdown(ladder));
+    batch.add(directory / "ladder.csv", ladder_csv(ladder));
+    batch.add(directory / "ladder.json", ladder_json(ladder), FileBatch::Kind::marker);
+}
+
+}  // namespace twinchute::compare

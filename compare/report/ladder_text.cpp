@@ -1,0 +1,182 @@
+// The ladder for reading: Markdown and terminal.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "compare/report/escape.hpp"
+#include "compare/report/ladder_files.hpp"
+#include "lib/cli/record_text.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+std::string share_text(double value) {
+    if (value == 0.0) return "0";
+    return value >= 1e-4 ? fmt::format("{:.2g} %", 100 * value) : fmt::format("{:.1e}", value);
+}
+
+std::string worst_text(const std::optional<Worst>& worst) {
+    return worst ? share_text(worst->value) : "-";
+}
+
+std::string status_text(const RungResult& result) {
+    if (!result.was_run) return "not run";
+    if (result.is_reference) return "reference";
+    const std::string status(status_name(result.status.code));
+    return result.rung.given ? status + ", as given" : status;
+}
+
+struct Cells {
+    std::vector<std::string> header;
+    std::vector<bool> right;
+    std::vector<std::vector<std::string>> rows;
+};
+
+Cells cells_of(const Ladder& ladder) {
+    Cells cells;
+    cells.header = {"rung", "time", "steps", "calls", "error", "in", "estimate"};
+    cells.right = {false, true, true, true, true, false, true};
+    for (const std::string_view fidelity : ladder.fidelities) {
+        cells.header.push_back(fmt::format("gap to {}", fidelity));
+        cells.right.push_back(true);
+    }
+    cells.header.insert(cells.header.end(), {"effect", "front", "status"});
+    cells.right.insert(cells.right.end(), {true, false, false});
+    for (const RungResult& result : ladder.rungs) {
+        const bool counts = result.was_run && result.steps > 0;
+        std::vector<std::string> row{result.rung.name,
+                                     result.was_run ? time_text(result.wall_s) : "-",
+                                     counts ? fmt::format("{}", result.steps) : "-",
+                                     counts ? fmt::format("{}", result.rhs_calls) : "-",
+                                     worst_text(result.error),
+                                     result.error ? std::string(result.error->metric) : "-",
+                                     worst_text(result.estimate)};
+        for (const std::string_view fidelity : ladder.fidelities)
+            row.push_back(worst_text(result.gap_to(fidelity)));
+        row.insert(row.end(), {worst_text(result.effect), result.on_front ? "*" : "", status_text(result)});
+        cells.rows.push_back(std::move(row));
+    }
+    return cells;
+}
+
+std::string markdown_row(const std::vector<std::string>& cells) {
+    std::string line = "|";
+    for (const std::string& cell : cells)
+        line += " " + markdown_text(cell) + " |";
+    return line + "\n";
+}
+
+std::string markdown_table(const Cells& cells) {
+    std::string text = markdown_row(cells.header) + "|";
+    for (const bool right : cells.right)
+        text += right ? " ---: |" : " --- |";
+    text += "\n";
+    for (const auto& row : cells.rows)
+        text += markdown_row(row);
+    return text;
+}
+
+std::string with_unit(double value, std::string_view unit) {
+    return readable(value, 6) + (unit.empty() ? "" : " ") + std::string(unit);
+}
+
+std::string value_of(const RungMetric* metric) {
+    if (metric == nullptr) return "-";
+    std::string text = with_unit(metric->value, metric->row->unit);
+    if (metric->low != metric->high)
+        text += fmt::format(" ({} to {})", readable(metric->low, 4), readable(metric->high, 4));
+    return text;
+}
+
+Cells values_of(const Ladder& ladder) {
+    Cells cells{{"rung", "setting", "shows"}, {false, false, false}, {}};
+    for (const std::string_view name : ladder.judged) {
+        cells.header.emplace_back(find_metric_row(name)->title);
+        cells.right.push_back(true);
+    }
+    for (const RungResult& result : ladder.rungs) {
+        std::vector<std::string> row{result.rung.name, result.setting, result.rung.why};
+        for (const std::string_view name : ladder.judged)
+            row.push_back(value_of(result.find(name)));
+        cells.rows.push_back(std::move(row));
+    }
+    return cells;
+}
+
+Cells references_of(const Ladder& ladder, bool all) {
+    Cells cells{{"fidelity", "metric", "value", "reference"}, {false, false, true, false}, {}};
+    for (const LadderReference& reference : ladder.references) {
+        if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
+        const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";
+        cells.rows.push_back({std::string(reference.fidelity), std::string(reference.row->title),
+                              with_unit(reference.value, reference.row->unit), reference.how + note});
+    }
+    return cells;
+}
+
+std::string failures_of(const Ladder& ladder, const char* prefix) {
+    std::string text;
+    for (const RungResult& result : ladder.rungs)
+        if (!result.ended())
+            text += fmt::format("{}{}: {}{}{}\n", prefix, result.rung.name, status_text(result),
+                                result.status.detail.empty() ? "" : ", ", clean_text(result.status.detail));
+    return text;
+}
+
+std::string seeds_text(const Ladder& ladder) {
+    int seeds = 1;
+    for (const RungResult& result : ladder.rungs)
+        seeds = std::max(seeds, result.seeds);
+    if (seeds == 1) return {};
+    return fmt::format("Values of runs with noise are medians over {} seeds, with their range. ", seeds);
+}
+
+}  // namespace
+
+std::string ladder_markdown(const Ladder& ladder) {
+    const Provenance& p = ladder.provenance;
+    std::string text = fmt::format("# Error against run time: {}\n\n", markdown_text(ladder.scene.name));
+    text += fmt::format("`{}`, SHA-256 {}. twinchute {} ({}), {}, {}, {} {}; {}.\n\n",
+                        clean_text(ladder.scene.file), ladder.scene.sha256.substr(0, 12),
+                        markdown_text(p.version), markdown_text(p.commit), markdown_text(p.compiler),
+                        markdown_text(p.host_cpu), ladder.threads, ladder.threads == 1 ? "thread" : "threads",
+                        markdown_text(p.date));
+    text += "![Error against run time](ladder.svg)\n\n";
+    text +=
+        "*Error* is numerical: the relative distance from the reference of the same physics, the largest "
+        "over "
+        "the\njudged metrics. *Gap* is the distance from the reference of another model, *effect* that of a "
+        "rung "
+        "without a\npiece from the scene as it is on the same mesh: neither is an error of numbers. "
+        "*Estimate* is "
+        "the difference\nfrom the next finer rung, of the finest from the one before it. Time is wall time, "
+        "the "
+        "least of several\nruns where they are short. A star marks what no cheaper rung of its model "
+        "matches. ";
+    text += seeds_text(ladder) + "\n\n";
+    text += markdown_table(cells_of(ladder)) + "\n";
+    if (const std::string failures = failures_of(ladder, "- "); !failures.empty())
+        text += "Not answered:\n\n" + failures + "\n";
+    text += "## References\n\n" + markdown_table(references_of(ladder, true)) + "\n";
+    text += "## Values\n\n" + markdown_table(values_of(ladder)) + "\n";
+    return text + "## Which rung\n\n" + markdown_text(advice(ladder)) + "\n";
+}
+
+std::string ladder_text(const Ladder& ladder, const Style& style) {
+    const auto table = [&](const Cells& cells) {
+        Table lines{cells.header, cells.rows, cells.right};
+        for (auto& row : lines.rows)
+            for (std::string& cell : row)
+                cell = printable(cell);
+        return aligned(lines, style);
+    };
+    std::string text = style.paint(printable(ladder.scene.name), Colour::bold) + "\n\n";
+    text += table(cells_of(ladder)) + "\n";
+    text += printable(failures_of(ladder, "failed    "), Newlines::keep);
+    text += table(references_of(ladder, false)) + "\n";
+    return text + printable(advice(ladder)) + "\n";
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,321 @@
+// A ladder of made-up models whose errors are known exactly: what is an error, what is a gap, and what
+// becomes of rungs that fail.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "compare/ladder.hpp"
+#include "compare/report/ladder_files.hpp"
+#include "tests/support/c9_scene.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+const Fidelity rom_row{"rom", "made-up quick model", nullptr, nullptr};
+const Fidelity full_row{"full", "made-up dear model", nullptr, nullptr};
+const std::array<const Fidelity*, 2> both{&rom_row, &full_row};
+
+constexpr double rom_limit = 5000.0, full_limit = 4000.0;
+
+/// The quick model is wrong by its tolerance, the dear one by 0.08 (h/h_0)^2, half of that in time; without
+/// added mass both pull 10 % harder.
+RunRecord made_up(const Fidelity& fidelity, const Scene& scene) {
+    RunRecord record;
+    record.fidelity = fidelity.name;
+    record.status = {StatusCode::completed, "steady descent"};
+    const double harder = scene.aerodynamics.added_mass ? 1.0 : 1.1;
+    if (fidelity.name == "rom") {
+        record.add_metric("peak_force_N", rom_limit * harder * (1.0 + scene.rom.rtol));
+        record.cost.wall_s = 1e-3 * std::pow(scene.rom.rtol, -0.2);
+        record.cost.steps = 10;
+    } else {
+        const double h = mesh_size(scene) / mesh_size(test::c9_scene());
+        const double noise = scene.full.noise ? 1e-3 * static_cast<double>(scene.full.noise->seed) : 0.0;
+        record.add_metric("peak_force_N", full_limit * harder * (1.0 + 0.08 * h * h + noise));
+        record.cost.wall_s = 1.0 / (h * h * h);
+        record.cost.steps = 1000;
+    }
+    record.add_metric("filling_time_s", 1.6, Standing::input);
+    return record;
+}
+
+Ladder made_up_ladder(const LadderOptions& options = {}, const Scene& scene = test::c9_scene(),
+                      const RunOne& run = made_up) {
+    return climb(scene, both, options, run);
+}
+
+const RungResult& rung(const Ladder& ladder, const std::string& name) {
+    const auto found =
+        std::ranges::find_if(ladder.rungs, [&](const RungResult& r) { return r.rung.name == name; });
+    if (found == ladder.rungs.end()) throw std::runtime_error("no rung " + name);
+    return *found;
+}
+
+TEST(CompareLadder, RungsHaveNamesOfTheirOwn) {
+    for (const bool packed : {false, true}) {
+        const Scene scene = packed ? test::packed_c9(DeployBy::static_line) : test::c9_scene();
+        std::set<std::string> names;
+        int given = 0;
+        for (const Rung& r : ladder_rungs(scene)) {
+            EXPECT_TRUE(names.insert(r.name).second) << r.name;
+            EXPECT_FALSE(r.why.empty()) << r.name;
+            EXPECT_EQ(std::ranges::count(rung_families(), r.family), 1) << r.name;
+            // What is not the scene as it is says what it changes.
+            EXPECT_EQ(setting_of(r, scene) == "as given", r.given) << r.name;
+            given += r.given;
+        }
+        EXPECT_EQ(given, 2);  // one a fidelity
+    }
+}
+
+TEST(CompareLadder, OnlyPiecesThatTheSceneHasAreLeftOut) {
+    const auto pieces_of = [](const Scene& scene) {
+        std::set<std::string> names;
+        for (const Rung& r : ladder_rungs(scene))
+            if (r.family.ends_with("without a piece")) names.insert(r.name);
+        return names;
+    };
+    Scene scene = test::c9_scene();
+    EXPECT_EQ(pieces_of(scene), (std::set<std::string>{"rom, no added mass", "full, no added mass",
+                                                       "full, no line drag", "full, no breathing damping",
+                                                       "full, no bulk viscosity", "full, one sector"}));
+    scene.aerodynamics = {};
+    scene.full.bulk_viscosity = 0.0;
+    scene.full.noise = Noise{1e-4, 1};  // gores differ: no sector stands for all
+    EXPECT_EQ(pieces_of(scene), (std::set<std::string>{"full, no noise"}));
+}
+
+TEST(CompareLadder, AnErrorIsHeldAgainstTheSamePhysicsAndNothingElse) {
+    const Ladder ladder = made_up_ladder();
+    for (const double rtol : {1e-3, 1e-6, 1e-8}) {
+        const RungResult& r = rung(ladder, fmt::format("rom, rtol 1e{:.0f}", std::log10(rtol)));
+        // Against the rung of 1e-13: of 1 + rtol and 1 + 1e-13.
+        EXPECT_NEAR(r.find("peak_force")->error.value(), rtol, 2e-13 + 1e-4 * rtol);
+        EXPECT_NEAR(r.error.value().value, rtol, 2e-13 + 1e-4 * rtol);
+        EXPECT_NEAR(r.gap_to("full").value().value, 0.25, 1.3 * rtol + 1e-8);  // 5000 over 4000
+        EXPECT_FALSE(r.gap_to("rom"));
+    }
+    // Three meshes of one order give the limit, so that even the finest has an error.
+    for (const auto& [name, h] :
+         {std::pair{"full, mesh x0.5", 2.0}, {"full, mesh x1", 1.0}, {"full, mesh x2", 0.5}}) {
+        const RungResult& r = rung(ladder, name);
+        // Rows are whole numbers: 8.5 are 9, and one column is the fewest.
+        const double expected = 0.08 * h * h;
+        EXPECT_NEAR(r.error.value().value, expected, 0.06 * expected) << name;
+        EXPECT_NEAR(r.gap_to("rom").value().value, std::abs(1 - 0.8 * (1 + expected)), 0.05 * expected)
+            << name;
+    }
+    ASSERT_TRUE(ladder.gap);
+    EXPECT_NEAR(ladder.gap->value, 0.25, 1e-6);
+    EXPECT_EQ(ladder.gap->metric, "peak_force");
+}
+
+TEST(CompareLadder, TheReferenceSaysHowItCameAbout) {
+    const Ladder ladder = made_up_ladder();
+    for (const LadderReference& reference : ladder.references) {
+        if (reference.row->name != "peak_force") continue;
+        if (reference.fidelity == "full") {
+            EXPECT_NEAR(reference.value, full_limit, 1e-6 * full_limit);
+            EXPECT_NE(reference.how.find("Richardson"), std::string::npos);
+            EXPECT_NE(reference.how.find("order 2"), std::string::npos) << reference.how;
+        } else {
+            EXPECT_EQ(reference.how, "rom, rtol 1e-13");
+        }
+    }
+    const RungResult& finest = rung(ladder, "rom, rtol 1e-13");
+    EXPECT_TRUE(finest.is_reference);
+    EXPECT_FALSE(finest.error);  // it would be zero by definition
+    EXPECT_NEAR(finest.estimate.value().value, 0.9e-12, 1e-14);
+}
+
+TEST(CompareLadder, WhatIsLeftOutIsAnEffectAndNoError) {
+    const Ladder ladder = made_up_ladder();
+    for (const char* name : {"rom, no added mass", "full, no added mass"}) {
+        EXPECT_FALSE(rung(ladder, name).error) << name;
+        EXPECT_NEAR(rung(ladder, name).effect.value().value, 0.1, 1e-12) << name;
+        EXPECT_FALSE(rung(ladder, name).on_front) << name;
+    }
+    EXPECT_FALSE(rung(ladder, "rom, rtol 1e-8").effect);
+}
+
+TEST(CompareLadder, AClosedFormHasAGapAndNoError) {
+    // sqrt(2 m g/(rho C_D S)) of 152.4 + 5.19 kg on 42.56 m^2 in 1.225 kg/m^3 is 7.69965 m/s, by hand.
+    const Ladder ladder = made_up_ladder();
+    const RungResult& balance = rung(ladder, "descent balance");
+    EXPECT_NEAR(balance.find("descent_rate")->value, 7.69965, 1e-5);
+    EXPECT_FALSE(balance.error);
+    EXPECT_GT(balance.wall_s, 0.0);
+    EXPECT_LT(balance.wall_s, 1e-3);
+    const RungResult& filling = rung(ladder, "filling correlation");
+    EXPECT_NEAR(filling.find("filling_time")->value, 4 * 8.53 / 21, 1e-12);
+}
+
+TEST(CompareLadder, TheFrontAndTheAdviceAreOfNumericalErrors) {
+    const Ladder ladder = made_up_ladder();
+    for (const char* name : {"rom, rtol 1e-3", "rom, rtol 1e-8", "full, mesh x0.5", "full, mesh x3"})
+        EXPECT_TRUE(rung(ladder, name).on_front) << name;
+    EXPECT_EQ(cheapest(ladder, "rom", 1e-2)->rung.name, "rom, rtol 1e-3");
+    EXPECT_EQ(cheapest(ladder, "full", 0.1)->rung.name, "full, mesh x1");
+    EXPECT_EQ(cheapest(ladder, "full", 1e-6), nullptr);
+    EXPECT_NE(advice(ladder).find("no rung of full"), std::string::npos);
+}
+
+TEST(CompareLadder, SeedsGiveMedianAndRange) {
+    Scene scene = test::packed_c9(DeployBy::static_line);
+    scene.full.mesh = test::c9_scene().full.mesh;
+    LadderOptions options;
+    options.seeds = 3;
+    const Ladder ladder = made_up_ladder(options, scene);
+    const RungResult& full = rung(ladder, "full, mesh x1");
+    EXPECT_EQ(full.seeds, 3);
+    const RungMetric& peak = *full.find("peak_force");  // 1.08 and 0.001, 0.002, 0.003 of noise
+    EXPECT_NEAR(peak.low, full_limit * 1.081, 1e-6);
+    EXPECT_NEAR(peak.value, full_limit * 1.082, 1e-6);
+    EXPECT_NEAR(peak.high, full_limit * 1.083, 1e-6);
+    EXPECT_EQ(rung(ladder, "rom, rtol 1e-8").seeds, 1);
+    EXPECT_EQ(rung(ladder, "full, no noise").seeds, 1);
+}
+
+TEST(CompareLadder, QuickLeavesOutWhatIsDear) {
+    LadderOptions options;
+    options.quick = true;
+    for (const RungResult& r : made_up_ladder(options).rungs)
+        EXPECT_LE(r.rung.cost, quick_cost) << r.rung.name;
+    EXPECT_LT(made_up_ladder(options).rungs.size(), made_up_ladder().rungs.size());
+}
+
+/// The dear model breaks on meshes finer than the scene's.
+RunRecord fragile(const Fidelity& fidelity, const Scene& scene) {
+    RunRecord record = made_up(fidelity, scene);
+    if (fidelity.name == "full" && scene.full.mesh.gore_rows > 17)
+        record.status = {StatusCode::energy_grew, "at \"0.5\" s, energy came from nowhere"};
+    return record;
+}
+
+TEST(CompareLadder, AFailureIsARowWithoutAnswers) {
+    const Ladder ladder = made_up_ladder({}, test::c9_scene(), fragile);
+    const RungResult& failed = rung(ladder, "full, mesh x2");
+    EXPECT_EQ(failed.status.code, StatusCode::energy_grew);
+    EXPECT_TRUE(failed.metrics.empty());
+    EXPECT_FALSE(failed.error);
+    EXPECT_EQ(exit_code(ladder), ExitCode::done);
+    EXPECT_EQ(rung(ladder, "full, mesh x1").is_reference, true);  // the finest that is left
+    for (const std::string& text : {ladder_csv(ladder), ladder_json(ladder), ladder_markdown(ladder)})
+        EXPECT_NE(text.find("energy"), std::string::npos);
+    EXPECT_NE(ladder_svg(ladder).find(">- full, mesh x2</text>"), std::string::npos);
+}
+
+TEST(CompareLadder, TheSceneAsItIsMustNotFail) {
+    const auto broken = [](const Fidelity& fidelity, const Scene& scene) {
+        RunRecord record = made_up(fidelity, scene);
+        if (fidelity.name == "full") record.status = {StatusCode::not_finite, "node 3"};
+        return record;
+    };
+    EXPECT_EQ(exit_code(made_up_ladder({}, test::c9_scene(), broken)), ExitCode::numerical);
+}
+
+TEST(CompareLadder, AnInterruptedRungIsTheLastThatIsRun) {
+    int runs_after = -1;
+    const auto interrupted = [&](const Fidelity& fidelity, const Scene& scene) {
+        RunRecord record = made_up(fidelity, scene);
+        if (runs_after >= 0) ++runs_after;
+        if (fidelity.name == "full" && scene.full.mesh.gore_rows == 17 && runs_after < 0) {
+            record.status = {StatusCode::interrupted, ""};
+            runs_after = 0;
+        }
+        return record;
+    };
+    const Ladder ladder = made_up_ladder({}, test::c9_scene(), interrupted);
+    EXPECT_EQ(exit_code(ladder), ExitCode::interrupted);
+    EXPECT_EQ(runs_after, 0);
+    EXPECT_FALSE(rung(ladder, "full, mesh x2").was_run);
+    EXPECT_TRUE(rung(ladder, "rom, rtol 1e-8").error);  // what was computed is there
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
+        ++found;
+    return found;
+}
+
+/// Every element closes, in the right order. Attributes are quoted and hold no '>', which xml_text escapes.
+void expect_well_formed(const std::string& xml) {
+    std::vector<std::string> open;
+    for (std::size_t at = 0; (at = xml.find('<', at)) != std::string::npos;) {
+        const std::size_t end = xml.find('>', at);
+        ASSERT_NE(end, std::string::npos);
+        const std::string tag = xml.substr(at + 1, end - at - 1);
+        EXPECT_EQ(count(tag, "\"") % 2, 0u) << tag;
+        EXPECT_EQ(count(tag, "<"), 0u) << tag;
+        const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
+        if (tag.starts_with("/")) {
+            ASSERT_FALSE(open.empty());
+            EXPECT_EQ(open.back(), tag.substr(1));
+            open.pop_back();
+        } else if (!tag.ends_with("/")) {
+            open.push_back(name);
+        }
+        at = end;
+    }
+    EXPECT_TRUE(open.empty());
+}
+
+TEST(CompareLadderFiles, ThePlotIsWellFormedAndHasEveryRung) {
+    Scene scene = test::c9_scene();
+    scene.name = "<C-9> & \"friends\"";
+    const Ladder ladder = made_up_ladder({}, scene);
+    const std::string svg = ladder_svg(ladder);
+    expect_well_formed(svg);
+    EXPECT_EQ(svg.find("<C-9>"), std::string::npos);
+    for (const RungResult& r : ladder.rungs) {
+        const bool drawn = svg.find("<title>" + r.rung.name + ":") != std::string::npos;
+        const bool excused = svg.find(">- " + r.rung.name + "</text>") != std::string::npos;
+        EXPECT_TRUE(drawn != excused) << r.rung.name;
+        EXPECT_TRUE(drawn || !r.error) << r.rung.name;
+    }
+    EXPECT_NE(svg.find("run time [s]"), std::string::npos);
+    EXPECT_NE(svg.find("gap between rom and full: 25 % (peak_force)"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("script"), std::string::npos);
+}
+
+TEST(CompareLadderFiles, TheCsvHasEveryRungAndAsManyFieldsInEveryLine) {
+    const Ladder ladder = made_up_ladder({}, test::c9_scene(), fragile);
+    std::istringstream lines(ladder_csv(ladder));
+    std::string line;
+    std::size_t fields = 0;
+    std::set<std::string> rungs;
+    while (std::getline(lines, line)) {
+        std::size_t commas = 0;
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"') quoted = !quoted;
+            commas += c == ',' && !quoted;
+        }
+        if (fields == 0) fields = commas;
+        EXPECT_EQ(commas, fields) << line;
+        rungs.insert(line.substr(0, line.starts_with('"') ? line.find('"', 1) + 1 : line.find(',')));
+    }
+    EXPECT_GE(fields, 20u);
+    for (const RungResult& r : ladder.rungs) {
+        const bool quoted = r.rung.name.find(',') != std::string::npos;
+        EXPECT_TRUE(rungs.contains(quoted ? '"' + r.rung.name + '"' : r.rung.name)) << r.rung.name;
+    }
+}
+
+TEST(CompareLadderFiles, TheLastLineForTheTerminalIsTheAdvice) {
+    const Ladder ladder = made_up_ladder();
+    const std::string text = ladder_text(ladder, {});
+    EXPECT_TRUE(text.ends_with("\n" + advice(ladder) + "\n"));
+    EXPECT_TRUE(advice(ladder).starts_with("to use: for 1 % rom, rtol 1e-3 ("));
+}
+
+}  // namespace
+}  // namespace twinchute::compare
