@@ -4,6 +4,7 @@
 
 #include "compare/metrics.hpp"
 #include "compare/report_verb.hpp"
+#include "compare/stability_verb.hpp"
 #include "compare/verb.hpp"
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_verb.hpp"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
         single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         compare::report_verb(full, rom),
+        compare::stability_verb(full, rom),
         fullsim::mesh_verb(),
         list_verb(std::move(topics)),
     };
