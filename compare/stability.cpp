@@ -119,9 +119,10 @@ std::optional<StabilityCell> judge(const StabilityCase& row, const StabilityMeth
         cell.end = time->values.back();
     if (record.status.code == StatusCode::refused)
         judge_ending(cell, record.status, CellVerdict::refused);
-    else if (is_numerical_failure(record.status.code))
+    else if (is_numerical_failure(record.status.code)) {
         judge_ending(cell, record.status, CellVerdict::stopped);
-    else
+        if (row.latency) cell.latency = row.latency({scene, record, fidelity, stop});
+    } else
         judge_answer(cell, {scene, record, fidelity, stop});
     if (stop.stop_requested()) return std::nullopt;  // what it is compared with may not be complete
     return cell;

@@ -64,6 +64,8 @@ struct StabilityCase {
     std::vector<StatusCode> causes = {};
     /// "key=value" that the reader of scenes refuses before there is a Scene; empty: `change` says all.
     std::string asked = {};
+    /// Steps from the first sign of what is wrong to a stop; empty: not measured.
+    std::function<std::optional<std::int64_t>(const Trial&)> latency = {};
     bool quick = true;  ///< a cell takes less than about 0.2 s
 };
 
@@ -89,8 +91,9 @@ struct StabilityCell {
     std::optional<double> margin;        ///< limit over error of the worst finding
     std::optional<double> error, limit;  ///< of that
     std::int64_t steps = 0;
-    double seconds = 0.0;  ///< [s] wall time of the run alone
-    double end = 0.0;      ///< [s] simulated time that its record reaches
+    std::optional<std::int64_t> latency;  ///< of a stop: steps since the first sign, at most
+    double seconds = 0.0;                 ///< [s] wall time of the run alone
+    double end = 0.0;                     ///< [s] simulated time that its record reaches
 };
 
 /// Why a scene is refused before it runs, in the words of the reader or of the fidelity.

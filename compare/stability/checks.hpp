@@ -38,14 +38,22 @@ Check has_event(std::string name);
 
 /// What does not add up over the energy that changed hands, below the 0.2 % at which a run stops.
 Check energy_closes();
-/// Peak force and line tension of the same scene in steps half as long, within 0.5 %: what is above the limit
-/// of stability or at its edge does not depend on the step so little.
+/// Peak force and largest deceleration of the same scene in steps half as long, within 0.5 %, and no larger
+/// line tension: what is above the limit of stability or at its edge hangs on the step more than that.
 Check same_in_half_the_step();
+/// The same within the scatter of the scene itself, where that is larger: the range of the peak over starts
+/// that differ by a micrometre. For lines that slap taut on next to no mass.
+Check same_within_its_scatter();
+/// Steps from the first sign that a step is too long, an opening force more than 1 % of the peak away from
+/// that of a run with `sound_factor`, to the stop; at most that many. Nothing where there is no such run.
+std::optional<std::int64_t> steps_since_first_sign(const Trial& trial, double sound_factor);
 /// A straight fall: the payload's momentum is the impulse of weight and opening force.
 Check payload_momentum();
 /// sqrt(2 W/(rho C_D S)) at the end, within the 0.5 % by which a descent is steady and the 2 % by which the
 /// mesh may weigh more or less than parachute.mass.
 Check terminal_speed_of_the_mesh();
+/// v_e tanh(g t/v_e) of a canopy that starts open and at rest, without added mass, within the same.
+Check fall_of_the_mesh();
 /// The snatch speed of a drop on a static line of the length that the fall before it has: momentum shared by
 /// payload and parachute, within 1 m/s (verification of deployments).
 Check snatch_speed_of_a_drop();

@@ -43,6 +43,7 @@ struct Row {
     Check check = {};
     std::vector<StatusCode> causes = {};
     bool quick = true;
+    std::function<std::optional<std::int64_t>(const Trial&)> latency = {};
 };
 
 void stop_after(Scene& scene, double seconds) {
@@ -74,19 +75,19 @@ std::vector<Row> structure_rows() {
                         c9_coarse,
                         [modulus](Scene& s) {
                             s.parachutes.front().line.youngs_modulus = modulus;
-                            stop_after(s, 0.3);
+                            stop_after(s, 2.0);  // the peak comes at 1.5 s
                         },
                         layouts(),
                         sound_drop(),
                         {},
-                        modulus < 1e10});
-    rows.push_back({"168 triangles and less", "one triangle from seam to seam, six rows or two", c9_coarse,
+                        modulus < 1e9});
+    rows.push_back({"168 triangles", "one triangle from seam to seam, three rows", c9_coarse,
                     [](Scene& s) {
-                        s.full.mesh = {1, 2, 1, 1};
+                        s.full.mesh = {1, 3, 1, 1};
                         s.full.line_substeps = 1;
                     },
                     layouts(), sound_drop()});
-    rows.push_back({"30 000 triangles",
+    rows.push_back({"35 644 triangles",
                     "small elements, short steps",
                     c9_coarse,
                     [](Scene& s) {
@@ -122,7 +123,7 @@ std::vector<Row> load_rows() {
                             stop_after(s, 1.0);
                         },
                         layouts(),
-                        sound_opening(),
+                        mass < 0.1 ? all_of({energy_closes(), same_within_its_scatter()}) : sound_opening(),
                         {},
                         false});
     rows.push_back({"release at 210 m/s",
@@ -154,19 +155,15 @@ std::vector<Row> load_rows() {
                     layouts(),
                     {},
                     {StatusCode::refused}});
-    rows.push_back({"open canopy at rest",
-                    "no dynamic pressure, no direction of the air",
-                    c9_coarse,
+    rows.push_back({"open canopy at rest", "no dynamic pressure, no direction of the air", c9_coarse,
                     [](Scene& s) {
                         s.release.speed = 0.0;
                         s.parachutes.front().deploy.by = DeployBy::inflated;
                         s.aerodynamics.line_drag.reset();
+                        s.aerodynamics.added_mass.reset();
                         stop_after(s, 1.0);
                     },
-                    layouts(),
-                    sound_drop(),
-                    {},
-                    false});
+                    layouts(), all_of({energy_closes(), payload_momentum(), fall_of_the_mesh()})});
     rows.push_back({"descent to the terminal speed",
                     "a closed form for what the balance of forces must be",
                     c9_coarse,
@@ -239,7 +236,12 @@ std::vector<Row> step_rows() {
             {fmt::format("step of {:g} times its bound", factor),
              factor > 1.0 ? "above the bound: errors may grow with every step"
                           : "below the bound: has to be right",
-             c9_coarse, [factor](Scene& s) { s.full.time_step_factor = factor; }, layouts(),
+             c9_coarse,
+             [factor](Scene& s) {
+                 s.full.time_step_factor = factor;
+                 s.full.output_rate = 2000.0;  // to see the first sign
+             },
+             layouts(),
              [factor](const Trial& trial) {
                  // Against half of a step that is known to be sound, not half of this one.
                  Scene scene = trial.scene;
@@ -249,7 +251,8 @@ std::vector<Row> step_rows() {
                      findings.push_back(std::move(f));
                  return findings;
              },
-             std::move(causes), false});
+             std::move(causes), false,
+             [](const Trial& trial) { return steps_since_first_sign(trial, 0.5); }});
     }
     return rows;
 }
@@ -270,6 +273,7 @@ std::vector<StabilityCase> full_cases() {
             c.check = std::move(row.check);
             c.causes = std::move(row.causes);
             c.quick = row.quick;
+            c.latency = std::move(row.latency);
             cases.push_back(std::move(c));
         }
     return cases;
