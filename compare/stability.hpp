@@ -96,6 +96,11 @@ struct StabilityCell {
     double end = 0.0;                     ///< [s] simulated time that its record reaches
 };
 
+struct StabilityMatrix {
+    std::vector<StabilityCell> cells;
+    bool interrupted = false;  ///< the rest was not run
+};
+
 /// Why a scene is refused before it runs, in the words of the reader or of the fidelity.
 std::optional<std::string> refusal(const StabilityCase& row, const Scene& scene, const Fidelity& fidelity);
 

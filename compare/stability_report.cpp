@@ -62,8 +62,10 @@ constexpr std::string_view how_to_read =
   error found; it has to be above 1.
 - **refused**: before it ran, or at an instant before anything could go wrong, with the reason.
 - **stopped**: by a guard, with a named status that is a true statement about this case. Which ones are true
-  stands in the case's row; any other ending counts as **misnamed**, a failure.
+  stands in the case's row of the source; any other ending counts as **misnamed**, a failure.
 - **silently wrong**: answered, and a check fails. This is the failure that the matrix is there to exclude.
+
+Steps and verdicts are the same in every run; seconds are those of one run each and of the machine at hand.
 
 )";
 
@@ -75,7 +77,7 @@ Errors and limits are shares of the expected value.
   pi/2 sqrt(m_red/k), momentum shared; Ludtke's opening by drag alone, v/v_s = 1/(1 + I(x)/M); the fall in a
   vacuum; the fall with a constant drag area, v_e tanh(g t/v_e) and v_e^2/g ln cosh(g t/v_e); the terminal speed
   sqrt(2 W/(rho C_D S)). Limit: a hundred times the relative tolerance of the scene, 1e-6 at the default. One step may
-  leave one tolerance, and a run has tens to thousands of steps whose errors partly add up. The snatch force is the
+  leave one tolerance, and a run has tens to tens of thousands of them, whose errors partly add up. The snatch force is the
   lines' stiffness times a small difference of lengths, so that its limit grows with the length over the stretch.
 - **Another method** at a tolerance of 1e-12 where no closed form exists: two Runge-Kutta pairs of different order
   do not share their errors. They would share those of the right-hand side; the closed forms exclude these.
@@ -103,21 +105,22 @@ Steps at multiples of the true limit, from the eigenvalues of the tangent, are h
 
 }  // namespace
 
-std::string stability_summary(const std::vector<StabilityCell>& cells) {
+std::string stability_summary(const StabilityMatrix& matrix) {
     std::string text;
     for (const CellVerdict verdict : verdicts) {
-        const auto count = std::ranges::count(cells, verdict, &StabilityCell::verdict);
+        const auto count = std::ranges::count(matrix.cells, verdict, &StabilityCell::verdict);
         if (count > 0 || verdict == CellVerdict::silently_wrong)
             text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, cell_verdict_name(verdict));
     }
-    return fmt::format("{}; {} cells", text, cells.size());
+    return fmt::format("{}; {} cells{}", text, matrix.cells.size(),
+                       matrix.interrupted ? ", interrupted" : "");
 }
 
-std::string stability_terminal(const std::vector<StabilityCell>& cells, const Style& style) {
+std::string stability_terminal(const StabilityMatrix& matrix, const Style& style) {
     Table table;
     table.header = {"", "case", "method", "verdict", "margin", "steps", "s", "reason"};
     table.right = {false, false, false, false, true, true, true};
-    for (const StabilityCell& cell : cells)
+    for (const StabilityCell& cell : matrix.cells)
         table.rows.push_back({std::string(cell.row->fidelity), cell.row->name, cell.method,
                               std::string(cell_verdict_name(cell.verdict)), margin_text(cell),
                               fmt::format("{}", cell.steps), seconds_text(cell),
@@ -130,7 +133,7 @@ std::string stability_terminal(const std::vector<StabilityCell>& cells, const St
         const std::size_t end = text.find('\n', begin);
         std::string line = text.substr(begin, end - begin);
         if (row > 0 && style.colour) {
-            const CellVerdict verdict = cells[row - 1].verdict;
+            const CellVerdict verdict = matrix.cells[row - 1].verdict;
             const std::string name = "  " + std::string(cell_verdict_name(verdict)) + " ";
             if (const std::size_t at = line.find(name); at != std::string::npos)
                 line.replace(at, name.size(), style.paint(name, colour_of(verdict)));
@@ -138,17 +141,17 @@ std::string stability_terminal(const std::vector<StabilityCell>& cells, const St
         painted += line + '\n';
         begin = end + 1;
     }
-    return painted + "\n" + stability_summary(cells) + "\n";
+    return painted + "\n" + stability_summary(matrix) + "\n";
 }
 
-std::string stability_csv(const std::vector<StabilityCell>& cells) {
+std::string stability_csv(const StabilityMatrix& matrix) {
     std::string text =
         "fidelity,case,method,verdict,margin,error,limit,status,reason,steps,latency,end,wall\n"
         "-,-,-,-,1,1,1,-,-,1,1,s,s\n";
     const auto number = [](const std::optional<double>& value) {
         return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
     };
-    for (const StabilityCell& cell : cells)
+    for (const StabilityCell& cell : matrix.cells)
         text += fmt::format(
             "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", cell.row->fidelity, csv_field(cell.row->name),
             csv_field(cell.method), cell_verdict_name(cell.verdict), number(cell.margin), number(cell.error),
@@ -157,23 +160,24 @@ std::string stability_csv(const std::vector<StabilityCell>& cells) {
     return text;
 }
 
-std::string stability_markdown(const std::vector<StabilityCell>& cells, const Provenance& provenance,
+std::string stability_markdown(const StabilityMatrix& matrix, const Provenance& provenance,
                                const std::string& command) {
-    std::string text = "# Stability\n\n" + markdown_text(stability_summary(cells)) + ".\n\n";
+    std::string text = "# Stability\n\n" + markdown_text(stability_summary(matrix)) + ".\n\n";
     text += fmt::format("Made by `{}`: twinchute {}, commit {}, {}, {}, {}.\n\n", command, provenance.version,
                         provenance.commit, markdown_text(provenance.compiler),
                         markdown_text(provenance.host_cpu), provenance.date);
     text += how_to_read;
     for (const auto& [fidelity, title] :
          {std::pair<std::string_view, const char*>{"rom", "Reduced-order model"}, {"full", "Full model"}}) {
-        if (std::ranges::find(cells, fidelity, [](const auto& c) { return c.row->fidelity; }) == cells.end())
+        if (std::ranges::find(matrix.cells, fidelity, [](const auto& c) { return c.row->fidelity; }) ==
+            matrix.cells.end())
             continue;
         text += fmt::format("## {}\n\n", title);
         text += "| case | method | verdict | margin | steps | s | reason |\n";
         text += "| --- | --- | --- | ---: | ---: | ---: | --- |\n";
         const StabilityCase* before = nullptr;
         std::string hard;
-        for (const StabilityCell& cell : cells) {
+        for (const StabilityCell& cell : matrix.cells) {
             if (cell.row->fidelity != fidelity) continue;
             if (cell.row != before)
                 hard +=
@@ -188,13 +192,13 @@ std::string stability_markdown(const std::vector<StabilityCell>& cells, const Pr
     return text + std::string(theory);
 }
 
-std::string stability_json(const std::vector<StabilityCell>& cells, const Provenance& provenance) {
+std::string stability_json(const StabilityMatrix& matrix, const Provenance& provenance) {
     nlohmann::ordered_json json;
     json["generator"] = "twinchute";
     json["schema"] = 1;
-    json["summary"] = stability_summary(cells);
+    json["summary"] = stability_summary(matrix);
     auto& list = json["cells"] = nlohmann::ordered_json::array();
-    for (const StabilityCell& cell : cells) {
+    for (const StabilityCell& cell : matrix.cells) {
         nlohmann::ordered_json one{
             {"fidelity", cell.row->fidelity}, {"case", cell.row->name},
             {"method", cell.method},          {"verdict", cell_verdict_name(cell.verdict)},

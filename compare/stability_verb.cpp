@@ -26,40 +26,39 @@ ExitCode run_stability(std::span<const Fidelity* const> fidelities, const Argume
     std::vector<const StabilityCase*> rows;
     for (const StabilityCase& row : stability_cases())
         if (row.quick || !quick) rows.push_back(&row);
-    std::vector<StabilityCell> cells;
-    bool interrupted = false;
+    StabilityMatrix matrix;
     {
         ProgressLine line("stability", !quiet && progress_is_seen());
         const auto say = line.reporter();
-        for (std::size_t i = 0; i < rows.size() && !interrupted; ++i) {
+        for (std::size_t i = 0; i < rows.size() && !matrix.interrupted; ++i) {
             const auto fidelity = std::ranges::find(fidelities, rows[i]->fidelity, &Fidelity::name);
             for (const StabilityMethod& method : rows[i]->methods) {
                 if (say) say({rows[i]->name, 0.0, static_cast<double>(i) / static_cast<double>(rows.size())});
                 auto cell = judge(*rows[i], method, **fidelity, interrupt.token());
-                interrupted = !cell || interrupt.token().stop_requested();
-                if (interrupted) break;
-                cells.push_back(std::move(*cell));
+                matrix.interrupted = !cell || interrupt.token().stop_requested();
+                if (matrix.interrupted) break;
+                matrix.cells.push_back(std::move(*cell));
             }
         }
     }
     const Provenance provenance = current_provenance();
-    const std::string json = stability_json(cells, provenance);
+    const std::string json = stability_json(matrix, provenance);
     FileBatch batch;
-    batch.add(directory / "stability.csv", stability_csv(cells));
-    batch.add(
-        directory / "stability.md",
-        stability_markdown(cells, provenance, fmt::format("twinchute stability{}", quick ? " --quick" : "")));
+    batch.add(directory / "stability.csv", stability_csv(matrix));
+    batch.add(directory / "stability.md",
+              stability_markdown(matrix, provenance,
+                                 fmt::format("twinchute stability{}", quick ? " --quick" : "")));
     batch.add(directory / "stability.json", json, FileBatch::Kind::marker);
     batch.commit();
 
     if (arguments.has("json")) {
         print(json);
     } else if (!quiet) {
-        print(stability_terminal(cells, output_style()));
+        print(stability_terminal(matrix, output_style()));
         print(fmt::format("report    {}\n", printable((directory / "stability.md").string())));
     }
-    if (interrupted) return ExitCode::interrupted;
-    const bool failed = std::ranges::any_of(cells, is_failure, &StabilityCell::verdict);
+    if (matrix.interrupted) return ExitCode::interrupted;
+    const bool failed = std::ranges::any_of(matrix.cells, is_failure, &StabilityCell::verdict);
     return failed ? ExitCode::verdict : ExitCode::done;
 }
 

@@ -114,7 +114,7 @@ void add_openings(std::vector<StabilityCase>& rows) {
         },
         ludtke_closed_form()));
     rows.push_back(row(
-        "release at 300 m/s, oblique", "the same with weight, added mass and a turn of 90 deg",
+        "release at 300 m/s, oblique", "the same from level flight, with weight and added mass",
         c9_at_line_stretch,
         [](Scene& s) {
             s.release = {3000.0, 300.0, 0.0, 0.5 * pi};
@@ -132,7 +132,7 @@ void add_media(std::vector<StabilityCase>& rows) {
                         momentum == AddedMassMomentum::accreting ? "accreting" : "inertia-only"),
             "the air that moves along is nearly all there is to move", c9_at_line_stretch,
             [momentum](Scene& s) {
-                // M_a of the open canopy is 74.8 kg.
+                // M_a of the open canopy is 75.2 kg.
                 s.payload.mass = 1.2;
                 s.parachutes.front().mass = 0.3;
                 s.aerodynamics.added_mass->momentum = momentum;
@@ -141,7 +141,7 @@ void add_media(std::vector<StabilityCase>& rows) {
             },
             all_of({same_by_another_method(), terminal_speed()})));
     rows.push_back(row(
-        "30 km", "a seventieth of the density, and 40 m/s of descent that follow it down", c9_at_line_stretch,
+        "30 km", "1/67 of the density, and 63 m/s of descent that follow it down", c9_at_line_stretch,
         [](Scene& s) {
             us76(s, 30000.0);
             s.release.speed = 100.0;
@@ -149,8 +149,7 @@ void add_media(std::vector<StabilityCase>& rows) {
         },
         same_by_another_method()));
     rows.push_back(row(
-        "60 km", "a four-thousandth of the density: a fall that speeds up before it slows down",
-        c9_of_closed_forms,
+        "60 km", "1/4000 of the density: a fall that speeds up before it slows down", c9_of_closed_forms,
         [](Scene& s) {
             us76(s, 60000.0);
             s.release.speed = 100.0;

@@ -125,25 +125,27 @@ TEST_F(CompareStability, AStopRequestIsNoVerdict) {
 }
 
 TEST_F(CompareStability, EveryReportHasEveryCell) {
-    std::vector<StabilityCell> cells{cell()};
+    StabilityMatrix matrix{{cell()}};
     row_.name = "a | b, \"c\"";
     row_.check = peak_of(90.0);
-    cells.push_back(cell());
+    matrix.cells.push_back(cell());
     const Provenance provenance = current_provenance();
 
-    const std::string csv = stability_csv(cells);
+    const std::string csv = stability_csv(matrix);
     EXPECT_EQ(std::ranges::count(csv, '\n'), 4);
     EXPECT_NE(csv.find("\"a | b, \"\"c\"\"\""), std::string::npos) << csv;
-    const std::string markdown = stability_markdown(cells, provenance, "twinchute stability");
+    const std::string markdown = stability_markdown(matrix, provenance, "twinchute stability");
     EXPECT_NE(markdown.find(provenance.commit), std::string::npos);
-    const std::string text = stability_terminal(cells, {});
+    const std::string text = stability_terminal(matrix, {});
     EXPECT_NE(text.find("silently wrong"), std::string::npos);
     EXPECT_NE(text.find("1 stable, 1 silently wrong; 2 cells"), std::string::npos) << text;
-    const auto json = nlohmann::json::parse(stability_json(cells, provenance));
+    const auto json = nlohmann::json::parse(stability_json(matrix, provenance));
     EXPECT_EQ(json["generator"], "twinchute");
     ASSERT_EQ(json["cells"].size(), 2u);
     EXPECT_EQ(json["cells"][1]["verdict"], "silently wrong");
     EXPECT_NEAR(json["cells"][1]["error"], 1.0 / 9.0, 1e-12);
+    matrix.interrupted = true;
+    EXPECT_TRUE(stability_summary(matrix).ends_with("2 cells, interrupted"));
 }
 
 }  // namespace
