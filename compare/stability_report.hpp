@@ -8,7 +8,7 @@
 
 namespace twinchute::compare {
 
-/// "31 stable, 2 refused, ... of 40 cells", and which of them failed.
+/// "31 stable, 2 refused, 0 silently wrong; 33 cells".
 std::string stability_summary(const StabilityMatrix& matrix);
 
 std::string stability_terminal(const StabilityMatrix& matrix, const Style& style);
