@@ -5,6 +5,7 @@
 #include "compare/ladder_verb.hpp"
 #include "compare/metrics.hpp"
 #include "compare/report_verb.hpp"
+#include "compare/stability_verb.hpp"
 #include "compare/verb.hpp"
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_verb.hpp"
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         compare::report_verb(full, rom),
         compare::ladder_verb({&rom, &full}),
+        compare::stability_verb(full, rom),
         fullsim::mesh_verb(),
         list_verb(std::move(topics)),
     };

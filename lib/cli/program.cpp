@@ -148,7 +148,13 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
                 fmt::format("--{} is given twice (one place, one value), keep one", option.name));
         }
     }
-    const bool optional = verb.operand.starts_with('['), several = verb.operand.ends_with("...");
+    const bool none = verb.operand.empty(), several = verb.operand.ends_with("...");
+    const bool optional = none || verb.operand.starts_with('[');
+    if (none && !operands.empty())
+        throw UsageError(
+            fmt::format("'{}' is one argument too many (`twinchute {}` takes options alone), "
+                        "e.g. {}",
+                        operands[0], verb.name, verb.example));
     if (operands.size() > 1 && !several) {
         throw UsageError(fmt::format("'{}' is one argument too many (`twinchute {}` takes one {})",
                                      operands[1], verb.name, verb.operand));
@@ -176,8 +182,8 @@ std::string program_help(std::span<const Verb> verbs) {
 }
 
 std::string verb_help(const Verb& verb) {
-    std::string text =
-        fmt::format("{}\n\nusage: twinchute {} {} [options]\n\n", verb.summary, verb.name, verb.operand);
+    std::string text = fmt::format("{}\n\nusage: twinchute {}{}{} [options]\n\n", verb.summary, verb.name,
+                                   verb.operand.empty() ? "" : " ", verb.operand);
     option_lines(text, all_options(verb));
     text += fmt::format("\nexample: {}\n", verb.example);
     return text;
