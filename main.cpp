@@ -8,6 +8,7 @@
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_verb.hpp"
 #include "lib/cli/list_verb.hpp"
+#include "lib/cli/plan_verb.hpp"
 #include "lib/cli/program.hpp"
 #include "lib/cli/single_verb.hpp"
 #include "rom/fidelity.hpp"
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         compare::report_verb(full, rom),
         fullsim::mesh_verb(),
+        plan_verb({&rom, &full}),
         list_verb(std::move(topics)),
     };
     return run_program(verbs, argc, argv);
