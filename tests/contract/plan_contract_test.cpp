@@ -54,9 +54,13 @@ Scene bare_from_the_pack() {
 
 /// Everything that goes with this way of deploying.
 Scene rich(DeployBy by) {
-    Scene scene = coarse(test::packed_c9(by));
-    if (by == DeployBy::extraction)
-        scene.parachutes.front().deploy.extraction = {"", {0.0, 2.0}, {300.0, 300.0}, 2.0};
+    Scene scene = test::packed_c9(by);
+    scene.stop = {Trigger::Kind::full_open, 0.0, 0.3};
+    if (by == DeployBy::extraction) {
+        scene.parachutes.front().deploy.extraction = {"", {0.0, 0.5}, {300.0, 300.0}, 0.5};
+        scene.release.speed = 60.0;
+        scene.environment.ground = -400.0;
+    }
     scene.payload.drag_area = 0.4;
     scene.full.alpha = 2.0;
     scene.aerodynamics.added_mass->momentum = AddedMassMomentum::accreting;
