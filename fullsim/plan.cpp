@@ -131,17 +131,17 @@ public:
                 observer_.observe(observer_.row_is_due(outline.time) ? simulation_.seams() : outline);
                 simulation_.step_to(never);
             }
-            seconds.push_back(watch.wall() / steps_of_bound);
+            seconds.push_back(time_of(watch) / steps_of_bound);
         } while (all.wall() < budget);
         steps_ = simulation_.outline().step - before;
         mean_step_ = (simulation_.outline().time - start) / static_cast<double>(steps_);
-        // What else the machine does makes some groups dear.
+        // Interrupts make some groups dear.
         const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
         std::ranges::nth_element(seconds, middle);
         const Stopwatch check;
         simulation_.find_fault();
         seconds_ =
-            (*middle + check.wall() / steps_of_check) / Simulation::cost_of(simulation_.step().substeps);
+            (*middle + time_of(check) / steps_of_check) / Simulation::cost_of(simulation_.step().substeps);
     }
 
     double seconds() const { return seconds_; }      ///< [s] of wall time of a step without substeps
@@ -149,6 +149,11 @@ public:
     std::int64_t steps() const { return steps_; }    ///< that were tried
 
 private:
+    /// [s] Of one thread its own time, which other work on the machine does not add to.
+    double time_of(const Stopwatch& watch) const {
+        return simulation_.layout().threads() > 1 ? watch.wall() : watch.cpu();
+    }
+
     Scene scene_;
     Simulation simulation_;
     Observer observer_;

@@ -75,7 +75,8 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
                   "this model has no canopy shape");
     parts.optional("added mass", "air moves with the canopy", "aerodynamics.added_mass",
                    scene.aerodynamics.added_mass.has_value());
-    parts.optional("payload drag", "of its body in the air", "payload.drag_area", scene.payload.drag_area.has_value());
+    parts.optional("payload drag", "of its body in the air", "payload.drag_area",
+                   scene.payload.drag_area.has_value());
 
     parts.add(event, "line-stretch", "lines come taut", !inflated, start);
     parts.add(event, "snatch", "payload and parachute have one velocity", packed, start);
@@ -100,9 +101,9 @@ Plan plan_rom(const Scene& scene, const PlanBasis& basis) {
     do {
         Run run;
         record = run_rom(scene, run);
-        seconds.push_back(record.cost.wall_s);
+        seconds.push_back(record.cost.cpu_s);
     } while (static_cast<int>(seconds.size()) < most_runs && all.wall() < 0.2 * basis.probe);
-    // What else the machine does makes some runs dear.
+    // Processor time, since other work on the machine is none of the run's; interrupts make some runs dear.
     const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
     std::ranges::nth_element(seconds, middle);
 

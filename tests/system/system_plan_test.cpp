@@ -78,7 +78,7 @@ TEST_F(SystemPlan, StagesAreThoseOfTheRunAndAddUp) {
 
 TEST_F(SystemPlan, AModelThatCannotRunTheSceneSaysSo) {
     const Words free{TWINCHUTE_SOURCE_DIR "/data/scenes/paper/free-2000m.toml", "--set",
-                     "parachute.deploy={by='free'}"};
+                     "parachute.deploy.pack_drag_area=0"};
     const json all = plan_json(free);
     EXPECT_EQ(all["plans"][0]["lacks"], json::array({"parachute.deploy.pack_drag_area"}));
     EXPECT_FALSE(all["plans"][1].contains("wall_s"));
