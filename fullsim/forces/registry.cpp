@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <utility>
 
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -36,9 +35,9 @@ std::string way_to_deploy(const Scene& scene) {
     return std::string("parachute.deploy.by is \"").append(deployment_name(deployment(scene).by)) + "\"";
 }
 /// Of a piece of the deployment.
-std::string deployed(const Scene& scene, std::string otherwise) {
+std::string deployed(const Scene& scene, const std::string& otherwise) {
     const std::string none = no_deployment(scene);
-    return none.empty() ? std::move(otherwise) : none;
+    return none.empty() ? otherwise : none;
 }
 /// Of an optional key.
 std::string given(std::string_view key, bool is_given) {
