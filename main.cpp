@@ -10,6 +10,7 @@
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_verb.hpp"
 #include "lib/cli/list_verb.hpp"
+#include "lib/cli/plan_verb.hpp"
 #include "lib/cli/program.hpp"
 #include "lib/cli/single_verb.hpp"
 #include "rom/fidelity.hpp"
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
         compare::ladder_verb({&rom, &full}),
         compare::stability_verb(full, rom),
         fullsim::mesh_verb(),
+        plan_verb({&rom, &full}),
         list_verb(std::move(topics)),
     };
     return run_program(verbs, argc, argv);

@@ -12,6 +12,7 @@
 #include "fullsim/step/stable_step.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
+#include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
 
@@ -80,6 +81,9 @@ public:
 
     /// Structural elements that a step evaluates.
     virtual std::size_t elements(const ForceModels& structure) const;
+
+    /// What it keeps in memory since begin, by the force blocks whose elements they are.
+    virtual std::vector<PlanArray> arrays() const { return {}; }
 
     /// [J] that the membranes of the stage would hold at full stiffness.
     virtual double membrane_energy(State& state) const = 0;

@@ -9,6 +9,8 @@
 #include "fullsim/fidelity.hpp"
 #include "fullsim/fields.hpp"
 #include "fullsim/observer.hpp"
+#include "fullsim/parts.hpp"
+#include "fullsim/plan.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -263,7 +265,6 @@ private:
 
     void fill_results();
     void add_warnings();
-    void add_left_out();
 
     const Scene& scene_;
     Run& run_;
@@ -354,7 +355,14 @@ void FullRun::fill_results() {
     record_.energy = simulation_.ledger();
     record_.channels = observer_.channels();
     add_warnings();
-    add_left_out();
+    record_.left_out = left_out_of(parts_of(scene_));
+    if (const MassScaling& scaling = simulation_.mass_scaling(); scaling.nodes > 0)
+        record_.left_out.push_back(
+            {fmt::format("true mass of {} canopy nodes", scaling.nodes),
+             fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
+                         "that may be "
+                         "{:.1f} % longer before the air moves along",
+                         scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0))});
 }
 
 void FullRun::add_warnings() {
@@ -435,40 +443,6 @@ void FullRun::add_warnings() {
              "set stop.time later, or stop.at = \"steady-descent\"");
 }
 
-void FullRun::add_left_out() {
-    const Aerodynamics& aero = scene_.aerodynamics;
-    const auto out = [&](std::string what, std::string why) {
-        record_.left_out.push_back({std::move(what), std::move(why)});
-    };
-    if (!packed())
-        out("deployment and mass-spring-damper model",
-            inflated() ? "the scene starts with the canopy open" : "the scene starts at line stretch");
-    if (const MassScaling& scaling = simulation_.mass_scaling(); scaling.nodes > 0)
-        out(fmt::format("true mass of {} canopy nodes", scaling.nodes),
-            fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
-                        "that may be {:.1f} % "
-                        "longer before the air moves along",
-                        scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0)));
-    if (scene_.full.symmetry == Symmetry::sector)
-        out("folds that differ from gore to gore",
-            "full.symmetry is \"sector\": all sectors move alike. From the pack, where they do not, that "
-            "would miss "
-            "16 % of the peak");
-    if (inflated()) out("snatch and inflation", "the scene starts with the canopy open");
-    if (packed() && scene_.full.structure == Structure::fe)
-        out("mass-spring-damper model", "full.structure is \"fe\"");
-    if (deploy().by == DeployBy::free) out("static line, extraction", "deploy.by is \"free\"");
-    if (packed() && deploy().drag_coefficient == 0.0) out("cloth drag", "deploy.drag_coefficient is zero");
-    if (packed() && deploy().fold_resistance == 0.0) out("fold resistance", "deploy.fold_resistance is zero");
-    if (!scene_.environment.wind) out("wind", "environment.wind is absent");
-    if (!aero.line_drag) out("line drag", "aerodynamics.line_drag is absent");
-    if (!aero.breathing_damping) out("breathing damping", "aerodynamics.breathing_damping is absent");
-    if (!aero.added_mass) out("added mass", "aerodynamics.added_mass is absent");
-    if (!scene_.payload.drag_area) out("payload drag", "payload.drag_area is absent");
-    if (scene_.full.alpha == 0.0) out("mass damping", "full.alpha is zero");
-    if (!scene_.full.noise) out("initial noise", "full.noise is absent");
-}
-
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
@@ -478,7 +452,8 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 const Fidelity& full_fidelity() {
     static constexpr Fidelity row{"full",       "full aeroelastic model",
                                   &run_fullsim, [](const Scene&) { return std::vector<std::string>{}; },
-                                  true,         true};
+                                  true,         true,
+                                  &plan_full};
     return row;
 }
 

@@ -104,7 +104,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout)
       dt_min_(never) {
     state_.phase = first_phase(scene, inflation_);
     if (scene.parachutes.front().deploy.starts_packed()) {
-        state_.stage = Stage::deployment;
+        state_.stage = stages_of(scene).front();
         state_.fe_weight = scene.full.structure == Structure::fe ? 1.0 : 0.0;
         std::ranges::copy_if(mesh_.cables, std::back_inserter(lines_),
                              [](const Cable& c) { return c.kind == CableKind::line; });
@@ -190,7 +190,7 @@ std::optional<RunStatus> Simulation::snatch() {
     lines_ = {};
     // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
     const double before = kinetic_energy(whole(), constants_);
-    state_.stage = scene_.full.structure == Structure::fe ? Stage::flight : Stage::springs;
+    state_.stage = stages_of(scene_)[1];
     state_.added_mass = added_mass_after(0.0).value;
     state_.energy.added_mass += kinetic_energy(state_, constants_) - before;
     change_stage(state_.stage);
@@ -279,22 +279,59 @@ StableStep Simulation::bound() const {
     return stable_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 
-void Simulation::refresh_step() {
-    const StableSteps stable = layout_->stable_steps(state_);
-    substeps_ = 1;
+double Simulation::cost_of(int substeps) {
+    return 1.0 + substep_cost * (substeps - 1);
+}
+
+Simulation::Step Simulation::choose_step(const State& state) {
+    const StableSteps stable = layout_->stable_steps(state);
+    int substeps = 1;
     double step = stable.all, dearness = 1.0 / step;
     // Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds
     // to the energy grows with the step, so that longer ones are not for them.
-    const int most = state_.stage == Stage::flight ? scene_.full.line_substeps : 1;
+    const int most = state.stage == Stage::flight ? scene_.full.line_substeps : 1;
     for (int count = 2; count <= most; ++count) {
         const double longer = std::min(stable.canopy, count * stable.lines);
-        const double dearness_of_count = (1.0 + substep_cost * (count - 1)) / longer;
+        const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
-        substeps_ = count;
+        substeps = count;
         step = longer;
         dearness = dearness_of_count;
     }
-    step_ = scene_.full.time_step_factor * step;
+    return {scene_.full.time_step_factor * step, substeps};
+}
+
+void Simulation::refresh_step() {
+    const Step chosen = choose_step(state_);
+    step_ = chosen.dt;
+    substeps_ = chosen.substeps;
+}
+
+Simulation::Step Simulation::step_with(double added_mass, double fe_weight) {
+    State state = whole();
+    state.added_mass = added_mass;
+    state.fe_weight = fe_weight;
+    return choose_step(state);
+}
+
+std::vector<PlanArray> Simulation::arrays() const {
+    std::vector<PlanArray> all;
+    add_bytes(
+        all, "node records",
+        bytes_of(state_.node) + bytes_of(state_.v_half) + bytes_of(state_.force) + bytes_of(state_.aero));
+    add_bytes(all, "mesh",
+              bytes_of(mesh_.position) + bytes_of(mesh_.mass) + bytes_of(mesh_.tributary_area) +
+                  bytes_of(mesh_.triangles) + bytes_of(mesh_.cables));
+    add_bytes(all, "node constants", bytes_of(constants_.mass) + bytes_of(constants_.share));
+    const StaticLine& tether = mesh_.static_line;
+    add_bytes(all, "static line",
+              bytes_of(tether.position) + bytes_of(tether.mass) + bytes_of(tether.cables));
+    for (const ForceModels* models : {&structure_, &loads_})
+        for (const auto& model : *models)
+            add_bytes(all, model->name(), model->bytes());
+    for (const PlanArray& array : layout_->arrays())
+        add_bytes(all, array.name, array.bytes);
+    return all;
 }
 
 void Simulation::step_to(double end) {

@@ -70,6 +70,17 @@ public:
 
     /// [s] the bound on the stable step of the current tangent, without safety factor.
     StableStep bound() const;
+    /// A step [s] with safety factor, and the substeps of lines in it.
+    struct Step {
+        double dt = 0.0;
+        int substeps = 1;
+    };
+    Step step() const { return {step_, substeps_}; }
+    /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
+    /// stiffness and nothing else were different. For forecasts: weights of the bound may change with it.
+    Step step_with(double added_mass, double fe_weight);
+    /// Of a step with so many substeps over one without.
+    static double cost_of(int substeps);
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
     /// What `full.mass_scaling` did to the mesh.
@@ -89,6 +100,8 @@ public:
     std::int64_t element_steps() const { return element_steps_; }
     std::vector<BlockCost> block_costs() const { return clock_.costs(); }
     const Layout& layout() const { return *layout_; }
+    /// What it keeps in memory in this stage.
+    std::vector<PlanArray> arrays() const;
 
 private:
     static constexpr int steps_between_bounds = 20;
@@ -97,6 +110,7 @@ private:
     void build_blocks();
     void grow_ramp();
     void let_static_line_go();
+    Step choose_step(const State& state);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;

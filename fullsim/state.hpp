@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "fullsim/mesh/mesh.hpp"
@@ -37,6 +38,20 @@ enum class Stage {
     ramp,        ///< finite elements take over
     flight       ///< finite elements alone
 };
+
+inline std::string_view stage_name(Stage stage) {
+    switch (stage) {
+        case Stage::deployment:
+            return "deployment";
+        case Stage::springs:
+            return "springs";
+        case Stage::ramp:
+            return "ramp";
+        case Stage::flight:
+            break;
+    }
+    return "flight";
+}
 
 /// Sums over nodes that the aerodynamic reference needs; material mass only.
 struct NodeSums {

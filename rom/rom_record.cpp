@@ -47,31 +47,6 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
         channel("separation", "m", [](const HistoryRow& r) { return r.separation; });
 }
 
-void add_left_out(RunRecord& record, const Scene& scene, int dimensions) {
-    const Deployment& deploy = scene.parachutes.front().deploy;
-    const auto out = [&](const char* what, const char* why) { record.left_out.push_back({what, why}); };
-    if (dimensions == 1) out("horizontal motion", "the release is straight down and the air is still");
-    if (dimensions == 2) out("motion across the release plane", "the air is still");
-    if (dimensions != 3) out("wind", "environment.wind is absent");
-    if (deploy.by == DeployBy::line_stretch) out("second body", "the scene starts at line stretch");
-    if (deploy.by == DeployBy::inflated) {
-        out("second body", "the scene starts with the canopy open");
-        out("filling", "the scene starts with the canopy open");
-    }
-    if (deploy.starts_packed()) {
-        out("drawing out of cloth and lines", "payload and parachute are two point masses until snatch");
-        if (!(deploy.pack_drag_area > 0.0))
-            out("drag of the pack", "parachute.deploy.pack_drag_area is absent");
-    }
-    out("canopy structure", deploy.starts_packed()
-                                ? "this model moves payload and parachute as one rigid body from snatch on"
-                                : "this model moves payload and parachute as one rigid body");
-    if (scene.aerodynamics.line_drag) out("line drag", "this model has no lines; the full model has");
-    if (scene.aerodynamics.breathing_damping) out("breathing damping", "this model has no canopy shape");
-    if (!scene.aerodynamics.added_mass) out("added mass", "aerodynamics.added_mass is absent");
-    if (!scene.payload.drag_area) out("payload drag", "payload.drag_area is absent");
-}
-
 void add_snatch_forms(RunRecord& record, const Scene& scene, double parting_speed, double stretch) {
     const Parachute& chute = scene.parachutes.front();
     const std::string dv = fmt::format("at dv = {:.4g} m/s", parting_speed);

@@ -10,6 +10,7 @@
 #include "rom/deployment.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/flight.hpp"
+#include "rom/plan.hpp"
 #include "rom/rom_record.hpp"
 
 namespace twinchute::rom {
@@ -118,7 +119,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
     add_channels(record, course.observer.rows(), scene, dimensions);
-    add_left_out(record, scene, dimensions);
+    record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
     return record;
 }
@@ -134,14 +135,18 @@ std::vector<std::string> lacks(const Scene& scene) {
 }  // namespace
 
 RunRecord run_rom(const Scene& scene, Run& run) {
-    if (scene.environment.wind) return run_in<3>(scene, run);
-    // A path within 1e-9 rad of the vertical has no horizontal part that anyone could measure.
-    const bool vertical = scene.release.speed == 0.0 || std::abs(std::cos(scene.release.path_angle)) < 1e-9;
-    return vertical ? run_in<1>(scene, run) : run_in<2>(scene, run);
+    switch (dimensions_of(scene)) {
+        case 1:
+            return run_in<1>(scene, run);
+        case 2:
+            return run_in<2>(scene, run);
+        default:
+            return run_in<3>(scene, run);
+    }
 }
 
 const Fidelity& rom_fidelity() {
-    static constexpr Fidelity row{"rom", "reduced-order model", &run_rom, &lacks};
+    static constexpr Fidelity row{"rom", "reduced-order model", &run_rom, &lacks, false, false, &plan_rom};
     return row;
 }
 

@@ -147,6 +147,7 @@ public:
     }
 
     std::string_view name() const override { return "extraction"; }
+    std::size_t bytes() const override { return shares_.capacity() * sizeof(Share); }
 
     void add_forces(State& state) const override {
         const double now = history_.at(state.time);

@@ -50,6 +50,8 @@ public:
     virtual std::string element_name(std::size_t) const { return std::string(name()); }
     /// Element evaluations in one add_forces.
     virtual std::size_t elements() const { return 0; }
+    /// Of constants that it keeps for itself.
+    virtual std::size_t bytes() const { return 0; }
 };
 
 using ForceModels = std::vector<std::unique_ptr<const ForceModel>>;

@@ -94,6 +94,7 @@ public:
     }
 
     std::string_view name() const override { return "accretion"; }
+    std::size_t bytes() const override { return share_.capacity() * sizeof(double); }
 
     void add_forces(State& state) const override {
         if (!(state.added_mass_rate > 0.0)) return;

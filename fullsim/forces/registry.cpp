@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -16,31 +17,66 @@ const Deployment& deployment(const Scene& scene) {
 bool always(const Scene&, Stage) {
     return true;
 }
+std::string every_parachute(const Scene&) {
+    return "every parachute has them";
+}
+
+/// Why there is no deployment; empty where there is one.
+std::string no_deployment(const Scene& scene) {
+    if (deployment(scene).starts_packed()) return {};
+    return deployment(scene).by == DeployBy::inflated ? "the scene starts with the canopy open"
+                                                      : "the scene starts at line stretch";
+}
+std::string structure(const Scene& scene) {
+    return scene.full.structure == Structure::fe ? "full.structure is \"fe\""
+                                                 : "full.structure is \"msd-fe\"";
+}
+std::string way_to_deploy(const Scene& scene) {
+    return std::string("parachute.deploy.by is \"").append(deployment_name(deployment(scene).by)) + "\"";
+}
+/// Of a piece of the deployment.
+std::string deployed(const Scene& scene, const std::string& otherwise) {
+    const std::string none = no_deployment(scene);
+    return none.empty() ? otherwise : none;
+}
+/// Of an optional key.
+std::string given(std::string_view key, bool is_given) {
+    return std::string(key) + (is_given ? " is given" : " is absent");
+}
+std::string strength(std::string_view key, double value) {
+    return std::string(key) + (value > 0.0 ? " is above zero" : " is zero");
+}
 
 constexpr std::array<ForceBlock, 14> blocks{{
     {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::fe || stage == Stage::ramp || stage == Stage::flight;
      },
+     [](const Scene& s) {
+         return deployment(s).starts_packed() ? structure(s) : "fabric carries the canopy";
+     },
      [](const Scene& s, const Mesh& m) { return make_membrane(m, s.full.bulk_viscosity); }},
     {"fabric springs", "paper, 2.1, Eqs 2-3", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::msd_fe && stage != Stage::flight;
      },
+     [](const Scene& s) { return deployed(s, structure(s)); },
      [](const Scene& s, const Mesh& m) {
          return make_fabric_springs(m, deployment(s).fold_repulsion, s.full.bulk_viscosity, s.full.beta);
      }},
-    {"tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always,
+    {"tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always, &every_parachute,
      [](const Scene& s, const Mesh& m) { return make_tapes(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"lines", "paper, 2.2 and Eq. 3", true, true, true, true, false, true, &always,
+    {"lines", "paper, 2.2 and Eq. 3", true, true, true, true, false, true, &always, &every_parachute,
      [](const Scene& s, const Mesh& m) { return make_lines(m, s.full.bulk_viscosity, s.full.beta); }},
     {"static line", "paper, 5.2", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return deployment(s).by == DeployBy::static_line && stage == Stage::deployment;
      },
+     [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
      [](const Scene& s, const Mesh& m) { return make_static_line(m, s.full.bulk_viscosity, s.full.beta); }},
     {"canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
+     [](const Scene&) { return std::string("air fills the canopy from snatch on"); },
      [](const Scene& s, const Mesh& m) {
          return make_canopy_pressure(m, smallest_projected_area(s.parachutes.front()));
      }},
@@ -48,44 +84,63 @@ constexpr std::array<ForceBlock, 14> blocks{{
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).drag_coefficient > 0.0;
      },
+     [](const Scene& s) {
+         return deployed(s, strength("parachute.deploy.drag_coefficient", deployment(s).drag_coefficient));
+     },
      [](const Scene& s, const Mesh& m) { return make_cloth_drag(m, deployment(s).drag_coefficient); }},
     {"fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).fold_resistance > 0.0;
+     },
+     [](const Scene& s) {
+         return deployed(s, strength("parachute.deploy.fold_resistance", deployment(s).fold_resistance));
      },
      [](const Scene& s, const Mesh& m) { return make_fold_resistance(m, deployment(s).fold_resistance); }},
     {"extraction", "paper, 2.1", false, false, false, false, true, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).by == DeployBy::extraction;
      },
+     [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
      [](const Scene& s, const Mesh& m) {
          return make_extraction(m, deployment(s).extraction, deployment(s).extraction_on_apex,
                                 trailing_direction(s));
      }},
     {"line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.aerodynamics.line_drag.has_value(); },
+     [](const Scene& s) { return given("aerodynamics.line_drag", s.aerodynamics.line_drag.has_value()); },
      [](const Scene&, const Mesh& m) { return make_line_drag(m); }},
     {"breathing damping", "not in the paper; docs/theory/full-model.md", false, true, true, true, false,
      false,
      [](const Scene& s, Stage stage) {
          return s.aerodynamics.breathing_damping.has_value() && stage != Stage::deployment;
      },
+     [](const Scene& s) {
+         return given("aerodynamics.breathing_damping", s.aerodynamics.breathing_damping.has_value());
+     },
      [](const Scene& s, const Mesh& m) {
          return make_breathing_damping(m, *s.aerodynamics.breathing_damping);
      }},
     {"payload drag", "paper, 3.1", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.payload.drag_area.has_value(); },
+     [](const Scene& s) { return given("payload.drag_area", s.payload.drag_area.has_value()); },
      [](const Scene& s, const Mesh& m) { return make_payload_drag(m, *s.payload.drag_area); }},
     {"accretion", "momentum balance of the added mass", false, false, true, false, false, false,
      [](const Scene& s, Stage stage) {
          const auto& added = s.aerodynamics.added_mass;
          return added && added->momentum == AddedMassMomentum::accreting && stage != Stage::deployment;
      },
+     [](const Scene& s) {
+         const auto& added = s.aerodynamics.added_mass;
+         if (!added) return given("aerodynamics.added_mass", false);
+         return std::string("aerodynamics.added_mass.momentum is ") +
+                (added->momentum == AddedMassMomentum::accreting ? "\"accreting\"" : "\"inertia-only\"");
+     },
      [](const Scene&, const Mesh& m) { return make_accretion(m); }},
     {"mass damping", "paper, Eq. 4", false, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.alpha > 0.0 && (s.full.alpha_from_release || stage != Stage::deployment);
      },
+     [](const Scene& s) { return strength("full.alpha", s.full.alpha); },
      [](const Scene& s, const Mesh& m) { return make_mass_damping(m, s.full.alpha); }},
 }};
 
@@ -105,6 +160,18 @@ std::span<const ForceBlock> force_blocks() {
 
 const ForceBlock& force_block(std::string_view name) {
     return *std::ranges::find(blocks, name, &ForceBlock::name);
+}
+
+std::vector<Stage> stages_of(const Scene& scene) {
+    if (!deployment(scene).starts_packed()) return {Stage::flight};
+    if (scene.full.structure == Structure::fe) return {Stage::deployment, Stage::flight};
+    return {Stage::deployment, Stage::springs, Stage::ramp, Stage::flight};
+}
+
+std::vector<Stage> stages_with(const ForceBlock& block, const Scene& scene) {
+    std::vector<Stage> stages = stages_of(scene);
+    std::erase_if(stages, [&](Stage stage) { return !block.needed(scene, stage); });
+    return stages;
 }
 
 ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage) {

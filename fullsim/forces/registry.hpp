@@ -57,12 +57,18 @@ struct ForceBlock {
                           ///< air
     bool substeps;        ///< of lines and risers: evaluated in every substep (fullsim/step/substeps.hpp)
     bool (*needed)(const Scene&, Stage);
+    std::string (*why)(const Scene&);  ///< what in a scene makes it needed, or left out
     std::unique_ptr<const ForceModel> (*make)(const Scene&, const Mesh&);
 };
 
 std::span<const ForceBlock> force_blocks();
 /// The row of that name.
 const ForceBlock& force_block(std::string_view name);
+
+/// The stages of a scene's run, in their order.
+std::vector<Stage> stages_of(const Scene& scene);
+/// Those in which it takes part; none: the scene leaves it out.
+std::vector<Stage> stages_with(const ForceBlock& block, const Scene& scene);
 
 /// The structural blocks of a scene in a stage of its run. They come first in every step, so that the riser
 /// force can be read before anything else acts on the payload.

@@ -66,6 +66,7 @@ public:
         state.damping_power += sum(dissipated);
     }
 
+    std::size_t bytes() const override { return edges_.capacity() * sizeof(FabricEdge); }
     void add_row_sums(const State& state, RowSums& sums) const override {
         for (const FabricEdge& e : edges_) {
             const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);

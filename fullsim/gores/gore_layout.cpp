@@ -71,6 +71,7 @@ public:
         lines_.clear();
         cords_.clear();
         trunk_.clear();
+        springs_ = {};
         make_nodes();
         for (auto& of_row : sums_)
             of_row.assign(nodes_->frame.blocks, {});
@@ -95,12 +96,28 @@ public:
         has_.breathing = acts("breathing damping");
         has_.accretion = acts("accretion");
         has_.mass_damping = acts("mass damping");
+        seen_ = {nodes_->frame.force};
+        if (has_.cloth_drag) seen_.push_back(nodes_->frame.aero);  // lines see no image
+        if (has_.pressure) seen_.push_back(nodes_->frame.push);
         const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
         weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
         weigh_rows(state);
     }
 
     void store(State& state) const override { nodes_->store(state); }
+
+    std::vector<PlanArray> arrays() const override {
+        std::vector<PlanArray> all;
+        add_bytes(all, "nodes of gores", nodes_->bytes() + rows_->bytes() + bytes_of(node_));
+        // Canopy pressure, cloth drag and membranes read the same constants of triangles.
+        add_bytes(all, "triangles", bytes_of(membrane_) + bytes_of(triangle_rows_));
+        // Springs and fold resistance those of edges.
+        add_bytes(all, "edges", bytes_of(springs_) + bytes_of(spring_columns_));
+        add_bytes(all, "tapes", bytes_of(tapes_));
+        add_bytes(all, "lines", bytes_of(lines_));
+        add_bytes(all, "static line", bytes_of(cords_));
+        return all;
+    }
 
     double membrane_energy(State&) const override {
         return kernels_.membrane_levels(nodes_->frame, fabric_).energy;
@@ -175,9 +192,8 @@ public:
         steps.canopy = std::min(inner, bound(gores_.inner, gores_.canopy));
         steps.lines = line_step_;
         for (LocalNode n = gores_.inner; n < gores_.canopy; ++n) {
-            steps.lines = std::min(steps.lines, fullsim::stable_step({{line_rows_[n][0]}, {line_rows_[n][1]}},
-                                                                     {1.0 / inverse_inertia_[n]})
-                                                    .dt);
+            steps.lines = std::min(
+                steps.lines, stable_step_of(line_rows_[n][0], line_rows_[n][1], 1.0 / inverse_inertia_[n]));
             add_rows(n, line_rows_[n]);
         }
         steps.all = std::min({inner, bound(gores_.inner, gores_.canopy), line_step_});
@@ -207,9 +223,8 @@ public:
         step_.together = together;
         step_.first_kick = substep(state, dt, substeps, 0).kick;
         step_.gravity = constants_.gravity;
-        const std::vector<double*> seen = arrays_with_images();
         for_parts([&](const GoreFrame& part) {
-            for (double* array : seen)
+            for (double* array : seen_)
                 kernels_.give_back(part, gores_.neighbour, array);
             step_sums_[part.first] = kernels_.advance(part, step_);
         });
@@ -238,7 +253,7 @@ public:
         for_parts([&](const GoreFrame& part) {
             for (double* array : {frame.x, frame.v})
                 kernels_.show_neighbours(part, gores_.neighbour, array);
-            for (double* array : seen)
+            for (double* array : seen_)
                 kernels_.clear_images(part, gores_.neighbour, array);
         });
         nodes_->receive_guests(state);
@@ -292,14 +307,6 @@ private:
         const auto now = std::chrono::steady_clock::now();
         if (step_began_) crew_.took(std::chrono::duration<double>(now - *step_began_).count());
         step_began_ = now;
-    }
-
-    /// Arrays in which gores add to the image of the next one's seam.
-    std::vector<double*> arrays_with_images() const {
-        std::vector<double*> arrays{nodes_->frame.force};
-        if (has_.cloth_drag) arrays.push_back(nodes_->frame.aero);  // lines see no image
-        if (has_.pressure) arrays.push_back(nodes_->frame.push);
-        return arrays;
     }
 
     void make_nodes() {
@@ -390,6 +397,7 @@ private:
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         triangle_rows_.clear();
         for (const GoreTriangle& t : gores_.triangles) {
+            if (!has_.membrane) break;
             const TriangleRows flat = unstrained_rows(law, {{}, t.a, t.b, t.c});
             const std::array<double, 3> weights{weight(t.node[0]), weight(t.node[1]), weight(t.node[2])};
             WeighedRows weighed{};
@@ -399,8 +407,9 @@ private:
             }
             triangle_rows_.push_back(weighed);
         }
-        spring_columns_.clear();
+        spring_columns_ = {};
         for (const GoreEdge& e : gores_.edges) {
+            if (!has_.springs && !has_.folds) break;
             const double ratio = weight(e.node[1]) / weight(e.node[0]);
             spring_columns_.push_back({1.0 + ratio, 1.0 + 1.0 / ratio});
         }
@@ -439,23 +448,22 @@ private:
                 trunk.damping[i] += slow_rows_[n][1] + line_rows_[n][1];
             }
         }
-        const auto bound = [](double stiffness, double damping, double mass) {
-            return fullsim::stable_step({{stiffness}, {damping}}, {mass}).dt;
-        };
         line_step_ = static_line_step_ = std::numeric_limits<double>::infinity();
         for (LocalNode n = gores_.canopy; n < gores_.own; ++n)
             line_step_ = std::min(
-                line_step_,
-                bound(line_rows_[n][0], line_rows_[n][1] + by_mass() * node_[n].mass, node_[n].mass));
+                line_step_, stable_step_of(line_rows_[n][0], line_rows_[n][1] + by_mass() * node_[n].mass,
+                                           node_[n].mass));
         for (const NodeIndex i : gores_.trunk)
-            line_step_ = std::min(line_step_,
-                                  bound(trunk.stiffness[i], trunk.damping[i] + by_mass() * constants_.mass[i],
+            line_step_ =
+                std::min(line_step_,
+                         stable_step_of(trunk.stiffness[i], trunk.damping[i] + by_mass() * constants_.mass[i],
                                         constants_.mass[i]));
         const auto& line = constants_.static_line_mass;
         const std::size_t first = constants_.mass.size() + 1;
         for (std::size_t k = 0; k + 1 < line.size(); ++k)  // its far end is not accelerated
-            static_line_step_ = std::min(
-                static_line_step_, bound(trunk.stiffness[first + k], trunk.damping[first + k], line[k]));
+            static_line_step_ =
+                std::min(static_line_step_,
+                         stable_step_of(trunk.stiffness[first + k], trunk.damping[first + k], line[k]));
     }
 
     void nothing(const ForceModel&) {}
@@ -687,6 +695,7 @@ private:
     bool tethered_;                            // to a static line
     std::vector<const Row*> structure_, loads_;
     Has has_;
+    std::vector<double*> seen_;  // arrays in which gores add to the image of the next one's seam
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;

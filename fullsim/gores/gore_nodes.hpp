@@ -7,6 +7,7 @@
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/state.hpp"
+#include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
 
@@ -17,6 +18,7 @@ public:
     GoreNodes(const Gores& gores, int lanes, int arrays);
 
     GoreFrame frame;
+    std::size_t bytes() const { return bytes_of(memory_); }
 
     /// A component of a node of a gore.
     double& at(double* array, LocalNode node, int gore, int component) const {

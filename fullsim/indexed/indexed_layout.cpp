@@ -60,6 +60,8 @@ public:
         set_constants(i, constant);
     }
 
+    std::size_t bytes() const { return bytes_of(node_) + bytes_of(constant_); }
+
     indexed::Elements elements() const {
         return {groups_, node_.data(), constant_.empty() ? nullptr : constant_.front().data()};
     }
@@ -122,6 +124,23 @@ public:
 
     void store(State&) const override {}
 
+    std::vector<PlanArray> arrays() const override {
+        std::vector<PlanArray> all;
+        // Canopy pressure, cloth drag and membranes read the same constants of triangles, springs and fold
+        // resistance those of edges.
+        add_bytes(all, "triangles", triangles_.bytes());
+        add_bytes(all, "edges", edges_.bytes());
+        add_bytes(all, "tapes", tapes_.bytes());
+        add_bytes(all, "lines", lines_.bytes() + risers_.bytes() + bytes_of(pulled_));
+        add_bytes(all, "static line", cords_.bytes());
+        add_bytes(all, "lines", bytes_of(others_));
+        add_bytes(all, "pushed areas", bytes_of(push_));
+        for (const RowSums* sums : {&sums_, &pulled_sums_})
+            add_bytes(all, "bound on the step",
+                      bytes_of(sums->stiffness) + bytes_of(sums->damping) + bytes_of(sums->weight));
+        return all;
+    }
+
     double membrane_energy(State& state) const override {
         return kernels_.membrane_energy(nodes_to_read(state), triangles_.elements(), fabric_.law);
     }
@@ -141,7 +160,8 @@ public:
 
     StableSteps stable_steps(const State& state) override {
         weights_.renew(state);
-        RowSums sums = no_rows(state, weights_.by_node());
+        RowSums& sums = cleared(sums_, state);
+        sums.weight = weights_.by_node();
         const indexed::Rows rows_out = rows_of(sums);
         const indexed::Nodes nodes = nodes_to_read(state);
         fabric_.weight = state.fe_weight;
@@ -153,7 +173,8 @@ public:
         for (const Acting& block : acts_)
             if (!block.add) block.model->add_row_sums(state, sums);
 
-        RowSums pulled = no_rows(state, std::vector<double>(state.node.size(), 1.0));
+        RowSums& pulled = cleared(pulled_sums_, state);
+        pulled.weight.assign(state.node.size(), 1.0);
         indexed::Bound bound{constants_.mass, constants_.share, state.added_mass};
         bound.by_share = (has_.breathing ? breathing(state.air) : 0.0) +
                          (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
@@ -169,7 +190,7 @@ public:
         steps.lines = std::numeric_limits<double>::infinity();
         const auto step_of = [&](const RowSums& of, NodeIndex i, double damping) {
             const double inertia = constants_.mass[i] + constants_.share[i] * state.added_mass;
-            return fullsim::stable_step({{of.stiffness[i]}, {of.damping[i] + damping}}, {inertia}).dt;
+            return stable_step_of(of.stiffness[i], of.damping[i] + damping, inertia);
         };
         for (const NodeIndex i : pulled_) {
             const double loads =
@@ -240,6 +261,11 @@ private:
     indexed::Nodes nodes_of(State& state) {
         return {doubles(state.node), doubles(state.force), doubles(state.aero), doubles(push_)};
     }
+    static RowSums& cleared(RowSums& sums, const State& state) {
+        sums.stiffness.assign(state.node.size(), 0.0);
+        sums.damping.assign(state.node.size(), 0.0);
+        return sums;
+    }
     static indexed::Rows rows_of(RowSums& sums) {
         return {sums.stiffness.data(), sums.damping.data(), sums.weight.data()};
     }
@@ -253,9 +279,8 @@ private:
         const std::vector<double>& mass = constants_.static_line_mass;
         const std::size_t first = constants_.mass.size() + 1;
         for (std::size_t k = 0; k + 1 < mass.size(); ++k)
-            least = std::min(
-                least,
-                fullsim::stable_step({{sums.stiffness[first + k]}, {sums.damping[first + k]}}, {mass[k]}).dt);
+            least =
+                std::min(least, stable_step_of(sums.stiffness[first + k], sums.damping[first + k], mass[k]));
         return least;
     }
 
@@ -279,7 +304,7 @@ private:
 
     /// Nodes on lines and risers, as advance_in_substeps.
     void move_in_substeps(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
-        std::vector<NodeVector> others(pulled_.size());  // [N] of everything but lines and risers
+        std::vector<NodeVector>& others = others_;
         for (std::size_t k = 0; k < pulled_.size(); ++k)
             others[k].value = std::exchange(state.force[pulled_[k]].value, splat(0.0));
         double damping = pull_lines(state);
@@ -455,6 +480,7 @@ private:
         std::ranges::sort(pulled_);
         pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
         pulled_.shrink_to_fit();
+        others_.assign(pulled_.size(), {splat(0.0)});
     }
     bool drag_acts(const State& state) const {
         return has_.line_drag && state.air.density > 0.0;  // no Reynolds number without air
@@ -528,8 +554,10 @@ private:
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
     ElementList triangles_, edges_, tapes_, lines_, risers_, cords_;
-    std::vector<NodeIndex> pulled_;  // nodes on lines and risers, which may take substeps
-    double line_damping_ = 0.0;      // [W] by lines and risers
+    std::vector<NodeIndex> pulled_;   // nodes on lines and risers, which may take substeps
+    std::vector<NodeVector> others_;  // [N] on them, of everything but lines and risers
+    RowSums sums_, pulled_sums_;      // of the bound: all, and of lines and risers alone
+    double line_damping_ = 0.0;       // [W] by lines and risers
     RowWeights weights_;
     indexed::Fabric fabric_;
     indexed::FabricSums fabric_sums_;

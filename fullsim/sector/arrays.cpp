@@ -103,6 +103,15 @@ SectorArrays::SectorArrays(const Sector& sector, const Mesh& mesh, const NodeCon
     collect_sources(sector);
 }
 
+std::vector<PlanArray> SectorArrays::sizes() const {
+    std::vector<PlanArray> all;
+    add_bytes(all, "nodes of the sector", node_rows_.bytes() + node_arrays_.bytes());
+    add_bytes(all, "triangles", triangle_rows_.bytes());
+    add_bytes(all, "lines", cable_constants_.bytes() + line_rows_.bytes());
+    add_bytes(all, "streams", stream_rows_.bytes());
+    return all;
+}
+
 /// Before and behind it lie zeros, as many as a register has: nodes may ask beyond its ends.
 std::int32_t SectorArrays::new_stream(int elements) {
     const std::int32_t at = streams_ + lanes_;

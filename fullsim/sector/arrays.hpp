@@ -7,6 +7,7 @@
 #include "fullsim/sector/kernels.hpp"
 #include "fullsim/sector/sector.hpp"
 #include "fullsim/step/midpoint.hpp"
+#include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
 
@@ -17,6 +18,7 @@ public:
     AlignedRows(int rows, std::size_t length)
         : lines_((length + Line{}.size() - 1) / Line{}.size() | 1), memory_(rows * lines_, Line{}) {}
     double* operator[](int row) { return memory_[row * lines_].data(); }
+    std::size_t bytes() const { return bytes_of(memory_); }
 
 private:
     struct alignas(128) Line : std::array<double, 16> {};  // the widest register, or two hand in hand
@@ -35,6 +37,9 @@ public:
     /// Row sums of everything unstrained with these weights of nodes (RowWeights), by local node; those of
     /// images are their nodes'. To be called before any bound is asked for.
     void weigh(const Sector& sector, const std::vector<double>& weight);
+
+    /// What is behind the frame.
+    std::vector<PlanArray> sizes() const;
 
     SectorFrame frame;
     SectorPlan plan;

@@ -67,6 +67,8 @@ public:
         return sector_.triangles.size() + sector_.cables.size();
     }
 
+    std::vector<PlanArray> arrays() const override { return arrays_.sizes(); }
+
     void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
         clear_forces(state);
         load(state);
@@ -148,12 +150,9 @@ public:
         const double by_mass = has_mass_damping_ ? scene_.full.alpha : 0.0;
         const double payload_mass = constants_.mass[mesh_.payload()];
         const NodeRows& rows_of = arrays_.frame.node;
-        const double payload =
-            fullsim::stable_step(
-                {{sector_.count * rows_of.stiffness[sector_.payload()]},
-                 {sector_.count * rows_of.damping[sector_.payload()] + by_mass * payload_mass}},
-                {payload_mass})
-                .dt;
+        const double payload = stable_step_of(
+            sector_.count * rows_of.stiffness[sector_.payload()],
+            sector_.count * rows_of.damping[sector_.payload()] + by_mass * payload_mass, payload_mass);
         const double step = std::min(
             payload, kernels_.stable_step(arrays_.frame, arrays_.plan, state.added_mass, by_share, by_mass));
         // Lines take no steps of their own here: all are as short as theirs.

@@ -1,6 +1,8 @@
 // The largest time step at which the explicit midpoint rule is stable, from below.
 #pragma once
 
+#include <cmath>
+
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
 
@@ -10,6 +12,12 @@ struct StableStep {
     double dt = 0.0;     ///< [s]
     NodeIndex node = 0;  ///< the one that sets it
 };
+
+/// [s] of one node with these row sums, see below.
+inline double stable_step_of(double stiffness, double damping, double mass) {
+    // (sqrt(C^2 + K m) - C)/K without cancellation, and right for K = 0.
+    return 2.0 * mass / (std::sqrt(damping * damping + stiffness * mass) + damping);
+}
 
 /// None yet, for every node of a state.
 RowSums no_rows(const State& state, const std::vector<double>& weights = {});

@@ -90,8 +90,8 @@ Words phases() {
     return {"transit"};
 }
 Words methods() {
-    return {"auto", "heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince", "adams", "kvaerno-3",
-            "kvaerno-4",  "kvaerno-5",        "bdf"};
+    return {"auto",  "heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince",
+            "adams", "kvaerno-3",  "kvaerno-4",        "kvaerno-5", "bdf"};
 }
 Words fabrics() {
     return {"fabric"};

@@ -11,6 +11,7 @@
 #include "lib/record/run_record.hpp"
 #include "lib/record/vtu.hpp"
 #include "lib/scene/scene.hpp"
+#include "lib/solve/plan.hpp"
 
 namespace twinchute {
 
@@ -38,6 +39,8 @@ struct Fidelity {
     std::vector<std::string> (*lacks)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
     bool has_threads = false;   ///< it is faster with some
+    /// What a run of the scene would need and cost; may be null. Throws SceneError.
+    Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
 };
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.

@@ -46,7 +46,8 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryVerb) {
     for (const char* word : {"twinchute ", "commit ", "compiler "}) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
-    for (const std::string verb : {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "list"}) {
+    for (const std::string verb :
+         {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "plan", "list"}) {
         const Ended help = run({verb, "-h"});
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("example: twinchute " + verb), std::string::npos) << help.out;

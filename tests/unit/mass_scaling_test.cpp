@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include "fullsim/run_fullsim.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gores.hpp"
+#include "fullsim/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/step/mass_scaling.hpp"
 #include "tests/support/c9_scene.hpp"

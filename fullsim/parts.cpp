@@ -1,0 +1,129 @@
+#include "fullsim/parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "fullsim/forces/registry.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+const Deployment& deployment(const Scene& scene) {
+    return scene.parachutes.front().deploy;
+}
+bool packed(const Scene& scene) {
+    return deployment(scene).starts_packed();
+}
+bool inflated(const Scene& scene) {
+    return deployment(scene).by == DeployBy::inflated;
+}
+bool always(const Scene&) {
+    return true;
+}
+
+std::string start(const Scene& scene) {
+    if (packed(scene)) return "the scene starts packed";
+    return inflated(scene) ? "the scene starts with the canopy open" : "the scene starts at line stretch";
+}
+std::string given(std::string_view key, bool is_given) {
+    return fmt::format("{} is {}", key, is_given ? "given" : "absent");
+}
+/// Of what belongs to the change from springs to finite elements.
+std::string structure(const Scene& scene) {
+    if (!packed(scene)) return start(scene);
+    return fmt::format("full.structure is \"{}\"", scene.full.structure == Structure::fe ? "fe" : "msd-fe");
+}
+bool has_springs(const Scene& scene) {
+    return packed(scene) && scene.full.structure == Structure::msd_fe;
+}
+std::string stop(const Scene&) {
+    return "the scene may stop there";
+}
+std::string every_run(const Scene&) {
+    return "every run has it";
+}
+
+/// What is not a force block.
+struct Piece {
+    PlanPart::Kind kind;
+    std::string_view name, what;
+    bool (*needed)(const Scene&);
+    std::string (*why)(const Scene&);
+};
+
+using enum PlanPart::Kind;
+
+constexpr std::array pieces{
+    Piece{dimension, "three dimensions", "places and velocities of all nodes", &always,
+          [](const Scene&) { return std::string("cloth folds in all directions"); }},
+    Piece{
+        dimension, "folds that differ from gore to gore", "all gores are computed, not one sector",
+        [](const Scene& s) { return s.full.symmetry == Symmetry::none; },
+        [](const Scene& s) {
+            if (s.full.symmetry == Symmetry::none) return std::string("full.symmetry is \"none\"");
+            return std::string(
+                "full.symmetry is \"sector\": all sectors move alike. From the pack, where they do not, that "
+                "would miss 16 % of the peak");
+        }},
+    Piece{physics, "deployment", "lines and canopy are drawn out of the pack", &packed, &start},
+    Piece{physics, "snatch and inflation", "the canopy fills", [](const Scene& s) { return !inflated(s); },
+          &start},
+    Piece{physics, "wind", "the air moves", [](const Scene& s) { return s.environment.wind.has_value(); },
+          [](const Scene& s) { return given("environment.wind", s.environment.wind.has_value()); }},
+    Piece{physics, "added mass", "air moves with the canopy",
+          [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
+          [](const Scene& s) {
+              return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
+          }},
+    Piece{physics, "initial noise", "the canopy's nodes start a little displaced",
+          [](const Scene& s) { return s.full.noise.has_value(); },
+          [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},
+
+    Piece{event, "release", "the run begins with a pack", &packed, &start},
+    Piece{event, "line-stretch", "the run begins with lines drawn out",
+          [](const Scene& s) { return !packed(s) && !inflated(s); }, &start},
+    Piece{event, "snatch", "lines come under load, the canopy begins to fill", &packed, &start},
+    Piece{event, "end-of-initial-phase", "the drag area begins to rise",
+          [](const Scene& s) {
+              const InitialPhase& initial = s.parachutes.front().initial_phase;
+              return !inflated(s) && (initial.transit || initial.seconds > 0.0);
+          },
+          [](const Scene& s) { return inflated(s) ? start(s) : std::string("by parachute.initial_phase"); }},
+    Piece{event, "switch", "finite elements begin to take over from springs", &has_springs, &structure},
+    Piece{event, "finite-elements-alone", "springs are dropped", &has_springs, &structure},
+    Piece{event, "full-open", "the drag area is full", &always, &every_run},
+    Piece{event, "canopy-filled", "the projected area first reaches its steady mean",
+          [](const Scene& s) { return !inflated(s); }, &start},
+    Piece{event, "peak-force", "the opening force is largest", &always, &every_run},
+    Piece{event, "steady-descent", "the speed no longer changes", &always, &stop},
+    Piece{event, "ground", "the payload lands", &always, &stop},
+
+    Piece{output, "record", "key figures, history, events", &always, &every_run},
+    Piece{output, "fields", "frames for VTK", [](const Scene& s) { return s.full.fields_rate.has_value(); },
+          [](const Scene& s) { return given("full.fields_rate", s.full.fields_rate.has_value()); }},
+};
+
+PlanPart part_of(const ForceBlock& block, const Scene& scene) {
+    std::string when;
+    for (const Stage stage : stages_with(block, scene))
+        when += (when.empty() ? "" : ", ") + std::string(stage_name(stage));
+    return {PlanPart::Kind::block, std::string(block.name), when, !when.empty(), block.why(scene)};
+}
+
+}  // namespace
+
+std::vector<PlanPart> parts_of(const Scene& scene) {
+    std::vector<PlanPart> parts;
+    for (const Piece& piece : pieces)
+        parts.push_back({piece.kind, std::string(piece.name), std::string(piece.what), piece.needed(scene),
+                         piece.why(scene)});
+    for (const ForceBlock& block : force_blocks())
+        parts.push_back(part_of(block, scene));
+    std::ranges::stable_sort(parts, {}, &PlanPart::kind);
+    return parts;
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,316 @@
+#include "fullsim/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "fullsim/observer.hpp"
+#include "fullsim/parts.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/solve/opening.hpp"
+#include "lib/solve/stopwatch.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr int steps_of_bound = 20;  // from one bound on the step to the next
+constexpr int steps_of_check = 50;  // from one check of a run to the next
+constexpr int parts_of_stage = 32;  // of the midpoint rule over a stage
+/// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
+/// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.
+constexpr double mouth_share = 0.4;
+
+/// What a run's stages last, as far as that can be known beforehand.
+struct Course {
+    bool known = false;                               ///< its end
+    double snatch = 0.0, full_open = 0.0, end = 0.0;  ///< [s] since release; infinite where not reached
+    double altitude = 0.0;                            ///< [m] of the snatch
+    double speed = 0.0;                               ///< [m/s] through the air, at snatch
+    Inflation inflation;
+};
+
+double density_at(const Scene& scene, double altitude) {
+    return scene.environment.atmosphere.at(altitude).density;
+}
+
+Course course_of(const Scene& scene, const RunRecord* expected) {
+    const Parachute& chute = scene.parachutes.front();
+    Course course;
+    course.altitude = scene.release.altitude;
+    course.speed = release_airspeed(scene).norm();
+    if (expected && !is_numerical_failure(expected->status.code) &&
+        expected->status.code != StatusCode::refused) {
+        course.known = true;
+        course.end = expected->find_channel("time")->values.back();
+    } else if (scene.stop.kind == Trigger::Kind::time && !chute.deploy.starts_packed()) {
+        course.known = true;
+        course.end = scene.stop.value + scene.stop.delay;
+    }
+    if (chute.deploy.by == DeployBy::inflated) {
+        course.inflation = inflated(chute);
+    } else {
+        if (chute.deploy.starts_packed()) {
+            course.snatch = never;
+            const Event* event = expected ? expected->find_event("snatch") : nullptr;
+            if (const auto speed = expected ? expected->metric("snatch_speed_m_s") : std::nullopt;
+                event && speed) {
+                course.snatch = event->time;
+                course.altitude = event->altitude;
+                course.speed = *speed;
+            }
+        }
+        const double snatch = std::isfinite(course.snatch) ? course.snatch : 0.0;
+        course.inflation = make_inflation(chute, snatch, course.speed, density_at(scene, course.altitude));
+    }
+    course.full_open = std::isfinite(course.snatch) ? course.inflation.end_of(Phase::filling) : course.snatch;
+    // A descent is found steady by the means of two seconds, both with the canopy open.
+    if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(course.full_open))
+        course.end = std::max(course.end, course.full_open + 2.0 + scene.stop.delay);
+    return course;
+}
+
+/// [kg] of air that moves with the canopy, as a run prescribes it.
+double added_mass_at(const Scene& scene, const Course& course, double time) {
+    if (!scene.aerodynamics.added_mass) return 0.0;
+    const Inflation& inflation = course.inflation;
+    const Phase phase = time < inflation.end_of(Phase::initial)   ? Phase::initial
+                        : time < inflation.end_of(Phase::filling) ? Phase::filling
+                                                                  : Phase::open;
+    return inflation
+        .added_mass(*scene.aerodynamics.added_mass, phase, time, density_at(scene, course.altitude),
+                    steady_radius(scene.parachutes.front()))
+        .value;
+}
+
+/// The scene with another start, straight down through still air.
+Scene start_of(Scene scene, DeployBy by, double altitude, double speed) {
+    scene.parachutes.front().deploy.by = by;
+    scene.release = {altitude, speed, 0.5 * pi, scene.release.heading};
+    scene.environment.wind.reset();
+    return scene;
+}
+
+/// A simulation that takes steps as a run does, to see what they cost.
+class Probe {
+public:
+    Probe(Scene scene, int threads)
+        : scene_(std::move(scene)),
+          simulation_(scene_,
+                      [threads](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+                          return make_layout(s, mesh, constants, threads);
+                      }),
+          observer_(simulation_.mesh(), scene_.environment.gravity, scene_.full.output_rate) {}
+
+    Simulation& simulation() { return simulation_; }
+
+    /// The next stage begins; false where the simulation refuses to.
+    bool begin(const std::function<bool(Simulation&)>& change) {
+        simulation_.evaluate_forces();
+        const bool begun = change(simulation_);
+        simulation_.step_to(never);
+        return begun;
+    }
+
+    /// Steps for so many seconds of wall time.
+    void run(double budget) {
+        std::vector<double> seconds;  // of a step, by group of steps
+        const double start = simulation_.outline().time;
+        const std::int64_t before = simulation_.outline().step;
+        const Stopwatch all;
+        do {
+            const Stopwatch watch;
+            for (int k = 0; k < steps_of_bound; ++k) {
+                simulation_.evaluate_forces();
+                const State& outline = simulation_.outline();
+                observer_.observe(observer_.row_is_due(outline.time) ? simulation_.seams() : outline);
+                simulation_.step_to(never);
+            }
+            seconds.push_back(time_of(watch) / steps_of_bound);
+        } while (all.wall() < budget);
+        steps_ = simulation_.outline().step - before;
+        mean_step_ = (simulation_.outline().time - start) / static_cast<double>(steps_);
+        // Interrupts make some groups dear.
+        const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+        std::ranges::nth_element(seconds, middle);
+        const Stopwatch check;
+        simulation_.find_fault();
+        seconds_ =
+            (*middle + time_of(check) / steps_of_check) / Simulation::cost_of(simulation_.step().substeps);
+    }
+
+    double seconds() const { return seconds_; }      ///< [s] of wall time of a step without substeps
+    double mean_step() const { return mean_step_; }  ///< [s]
+    std::int64_t steps() const { return steps_; }    ///< that were tried
+
+private:
+    /// [s] Of one thread its own time, which other work on the machine does not add to.
+    double time_of(const Stopwatch& watch) const {
+        return simulation_.layout().threads() > 1 ? watch.wall() : watch.cpu();
+    }
+
+    Scene scene_;
+    Simulation simulation_;
+    Observer observer_;
+    double seconds_ = 0.0, mean_step_ = 0.0;
+    std::int64_t steps_ = 0;
+};
+
+class Forecast {
+public:
+    Forecast(const Scene& scene, const PlanBasis& basis)
+        : scene_(scene), basis_(basis), course_(course_of(scene, basis.expected)) {
+        plan_.parts = parts_of(scene);
+        plan_.whole = course_.known;
+    }
+
+    Plan make() {
+        const std::vector<Stage> stages = stages_of(scene_);
+        const bool packed = stages.front() == Stage::deployment;
+        const bool opens = !plan_.whole || course_.snatch < course_.end;
+        // Deployment, springs, ramp; filling and the open canopy.
+        budget_ = basis_.probe / static_cast<double>(stages.size() + 1);
+        double begin = 0.0;
+        if (packed) {
+            Probe probe(scene_, basis_.threads);
+            run(probe);
+            begin = std::min(course_.snatch, course_.end);
+            add(probe, "deployment", 0.0, begin, [&](double) {
+                return Simulation::Step{probe.mean_step(), probe.simulation().step().substeps};
+            });
+        }
+        if (opens && stages.size() > 2) begin = add_springs(begin);
+        if (opens && scene_.parachutes.front().deploy.by != DeployBy::inflated)
+            begin = add_filling(packed, begin);
+        if (opens && (!plan_.whole || course_.end > begin)) add_open(begin);
+        if (plan_.whole)
+            add_bytes(
+                plan_.arrays, "history",
+                sizeof(HistoryRow) * static_cast<std::size_t>(course_.end * scene_.full.output_rate + 1.0));
+        plan_.how = fmt::format("{}: {} steps tried in {} {}{}; ", layout_, tried_, plan_.stages.size(),
+                                plan_.stages.size() == 1 ? "state" : "states",
+                                basis_.threads > 1 ? fmt::format(" on {} threads", basis_.threads) : "");
+        if (!plan_.whole)
+            plan_.how += "no end is known beforehand, figures are of one step";
+        else if (!basis_.expected)
+            plan_.how += "the scene says when it ends";
+        else
+            plan_.how += fmt::format("times of events from '{}'{}", basis_.expected->fidelity,
+                                     packed ? ", whose snatch may come at another time" : "");
+        plan_.how += "; time of a machine without other work";
+        return std::move(plan_);
+    }
+
+private:
+    using StepAt = std::function<Simulation::Step(double time)>;
+
+    void run(Probe& probe) {
+        probe.run(budget_);
+        tried_ += probe.steps();
+        const Layout& layout = probe.simulation().layout();
+        layout_ = fmt::format("{}, {}", layout.instruction_set(), layout.name());
+        // A stage has its own; what a run holds at once is never more than the largest of each.
+        for (const PlanArray& array : probe.simulation().arrays()) {
+            const auto found = std::ranges::find(plan_.arrays, array.name, &PlanArray::name);
+            if (found == plan_.arrays.end())
+                plan_.arrays.push_back(array);
+            else
+                found->bytes = std::max(found->bytes, array.bytes);
+        }
+    }
+
+    void add(const Probe& probe, const char* name, double begin, double end, const StepAt& step_at) {
+        PlanStage stage{name, begin, end};
+        if (!plan_.whole) {
+            const Simulation::Step step = step_at(begin);
+            stage.end = begin + step.dt;
+            stage.steps = 1.0;
+            stage.seconds = probe.seconds() * Simulation::cost_of(step.substeps);
+        } else if (end > begin) {
+            const double length = (end - begin) / parts_of_stage;
+            for (int k = 0; k < parts_of_stage; ++k) {
+                const Simulation::Step step = step_at(begin + (k + 0.5) * length);
+                const double steps = length / step.dt;
+                stage.steps += steps;
+                stage.seconds += steps * probe.seconds() * Simulation::cost_of(step.substeps);
+            }
+        }
+        plan_.stages.push_back(std::move(stage));
+    }
+
+    /// Springs and ramp, on a parachute that is drawn out already. Says when they are over.
+    double add_springs(double begin) {
+        const Scene drawn_out = [&] {
+            Scene scene =
+                start_of(scene_, scene_.parachutes.front().deploy.by, course_.altitude, course_.speed);
+            scene.parachutes.front().deploy.pack_ratio = 1.0;
+            return scene;
+        }();
+        Probe probe(drawn_out, basis_.threads);
+        if (!probe.begin([](Simulation& s) { return !s.snatch().has_value(); })) return begin;
+        run(probe);
+        const double change = std::min(course_.end, begin + mouth_share * course_.inflation.filling_time);
+        add(probe, "springs", begin, change, [&](double time) {
+            return probe.simulation().step_with(added_mass_at(scene_, course_, time), 0.0);
+        });
+        probe.begin([](Simulation& s) {
+            s.begin_ramp();
+            return true;
+        });
+        run(probe);
+        const double end = std::min(course_.end, change + scene_.full.ramp_time);
+        add(probe, "ramp", change, end, [&](double time) {
+            const double share = end > change ? (time - change) / scene_.full.ramp_time : 1.0;
+            return probe.simulation().step_with(added_mass_at(scene_, course_, time), share * share * share);
+        });
+        return end;
+    }
+
+    double add_filling(bool packed, double begin) {
+        Probe probe(
+            packed ? start_of(scene_, DeployBy::line_stretch, course_.altitude, course_.speed) : scene_,
+            basis_.threads);
+        run(probe);
+        const double end = std::max(begin, std::min(course_.end, course_.full_open));
+        add(probe, "filling", begin, end, [&](double time) {
+            return probe.simulation().step_with(added_mass_at(scene_, course_, time), 1.0);
+        });
+        return end;
+    }
+
+    void add_open(double begin) {
+        const Parachute& chute = scene_.parachutes.front();
+        const double weight = (scene_.payload.mass + chute.mass) * scene_.environment.gravity;
+        const double density = density_at(scene_, course_.altitude);
+        const double descent =
+            density > 0.0 ? std::sqrt(2.0 * weight / (density * chute.drag_area)) : course_.speed;
+        const bool as_it_is = chute.deploy.by == DeployBy::inflated;
+        Probe probe(as_it_is ? scene_ : start_of(scene_, DeployBy::inflated, course_.altitude, descent),
+                    basis_.threads);
+        run(probe);
+        add(probe, "open canopy", begin, course_.end, [&](double) {
+            return Simulation::Step{probe.mean_step(), probe.simulation().step().substeps};
+        });
+    }
+
+    const Scene& scene_;
+    const PlanBasis& basis_;
+    Course course_;
+    Plan plan_;
+    double budget_ = 0.0;     // [s] of wall time of a probe
+    std::int64_t tried_ = 0;  // steps
+    std::string layout_;
+};
+
+}  // namespace
+
+Plan plan_full(const Scene& scene, const PlanBasis& basis) {
+    return Forecast(scene, basis).make();
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,122 @@
+#include "rom/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/solve/stopwatch.hpp"
+#include "rom/observer.hpp"
+#include "rom/run_rom.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+constexpr int most_runs = 15;
+
+struct Parts {
+    std::vector<PlanPart> rows;
+
+    void add(PlanPart::Kind kind, const char* name, const char* what, bool needed, std::string why) {
+        rows.push_back({kind, name, what, needed, std::move(why)});
+    }
+    void optional(const char* name, const char* what, const char* key, bool is_given) {
+        add(PlanPart::Kind::physics, name, what, is_given,
+            std::string(key) + (is_given ? " is given" : " is absent"));
+    }
+};
+
+}  // namespace
+
+int dimensions_of(const Scene& scene) {
+    if (scene.environment.wind) return 3;
+    // A path within 1e-9 rad of the vertical has no horizontal part that anyone could measure.
+    const bool vertical = scene.release.speed == 0.0 || std::abs(std::cos(scene.release.path_angle)) < 1e-9;
+    return vertical ? 1 : 2;
+}
+
+std::vector<PlanPart> parts_of(const Scene& scene) {
+    using enum PlanPart::Kind;
+    const Deployment& deploy = scene.parachutes.front().deploy;
+    const InitialPhase& initial = scene.parachutes.front().initial_phase;
+    const bool packed = deploy.starts_packed(), inflated = deploy.by == DeployBy::inflated;
+    const bool windy = scene.environment.wind.has_value();
+    const int dimensions = dimensions_of(scene);
+    const std::string start = packed     ? "the scene starts packed"
+                              : inflated ? "the scene starts with the canopy open"
+                                         : "the scene starts at line stretch";
+    const std::string every_run = "every run has it", stop = "the scene may stop there";
+    Parts parts;
+    parts.add(dimension, "vertical motion", "altitude and its rate", true, every_run);
+    parts.add(dimension, "horizontal motion", "downrange", dimensions >= 2,
+              dimensions >= 2 ? windy ? "the air moves" : "the release is not straight down"
+                              : "the release is straight down and the air is still");
+    parts.add(dimension, "motion across the release plane", "crossrange", dimensions == 3,
+              windy             ? "the air moves"
+              : dimensions == 2 ? "the air is still"
+                                : "the release is straight down and the air is still");
+    parts.optional("wind", "the air moves", "environment.wind", windy);
+    parts.add(physics, "second body", "payload and pack part until the lines are taut", packed, start);
+    parts.add(physics, "filling", "the drag area grows", !inflated, start);
+    if (packed) {
+        parts.add(physics, "drawing out of cloth and lines", "their motion until snatch", false,
+                  "payload and parachute are two point masses until snatch");
+        parts.optional("drag of the pack", "until snatch", "parachute.deploy.pack_drag_area",
+                       deploy.pack_drag_area > 0.0);
+    }
+    parts.add(physics, "canopy structure", "cloth and lines with stresses", false,
+              packed ? "this model moves payload and parachute as one rigid body from snatch on"
+                     : "this model moves payload and parachute as one rigid body");
+    if (scene.aerodynamics.line_drag)
+        parts.add(physics, "line drag", "of the suspension lines", false,
+                  "this model has no lines; the full model has");
+    if (scene.aerodynamics.breathing_damping)
+        parts.add(physics, "breathing damping", "of cloth against air", false,
+                  "this model has no canopy shape");
+    parts.optional("added mass", "air moves with the canopy", "aerodynamics.added_mass",
+                   scene.aerodynamics.added_mass.has_value());
+    parts.optional("payload drag", "of its body in the air", "payload.drag_area",
+                   scene.payload.drag_area.has_value());
+
+    parts.add(event, "line-stretch", "lines come taut", !inflated, start);
+    parts.add(event, "snatch", "payload and parachute have one velocity", packed, start);
+    parts.add(event, "end-of-initial-phase", "the drag area begins to rise",
+              !inflated && (initial.transit || initial.seconds > 0.0),
+              inflated ? start : "by parachute.initial_phase");
+    parts.add(event, "full-open", "the drag area is full", !inflated, start);
+    parts.add(event, "peak-force", "the opening force is largest", true, every_run);
+    parts.add(event, "steady-descent", "the speed no longer changes", true, stop);
+    parts.add(event, "ground", "the payload lands", true, stop);
+    parts.add(output, "record", "key figures, history, events", true, every_run);
+    parts.add(output, "fields", "frames for VTK", false, "this model has no shape");
+    return std::move(parts.rows);
+}
+
+Plan plan_rom(const Scene& scene, const PlanBasis& basis) {
+    Plan plan;
+    plan.parts = parts_of(scene);
+    std::vector<double> seconds;
+    RunRecord record;
+    const Stopwatch all;
+    do {
+        Run run;
+        record = run_rom(scene, run);
+        seconds.push_back(record.cost.cpu_s);
+    } while (static_cast<int>(seconds.size()) < most_runs && all.wall() < 0.2 * basis.probe);
+    // Processor time, since other work on the machine is none of the run's; interrupts make some runs dear.
+    const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+    std::ranges::nth_element(seconds, middle);
+
+    const Channel& time = *record.find_channel("time");
+    const std::size_t bodies = scene.parachutes.front().deploy.starts_packed() ? 2 : 1;
+    add_bytes(plan.arrays, "state",
+              2 * bodies * static_cast<std::size_t>(dimensions_of(scene)) * sizeof(double));
+    add_bytes(plan.arrays, "history", time.values.size() * sizeof(HistoryRow));
+    plan.stages.push_back(
+        {"trajectory", 0.0, time.values.back(), static_cast<double>(record.cost.steps), *middle});
+    plan.how =
+        fmt::format("{} whole runs, the middle one's time: they are cheaper than any guess", seconds.size());
+    return plan;
+}
+
+}  // namespace twinchute::rom
