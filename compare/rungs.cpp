@@ -168,13 +168,14 @@ void add_rom(std::vector<Rung>& rungs, const Scene& scene) {
         rung.cost = 1.0;
         rungs.push_back(std::move(rung));
     }
-    for (const OdeMethod& method : explicit_methods()) {
+    for (const OdeMethod& method : ode_methods()) {
         if (method.name == scene.rom.method) continue;
         for (const double rtol : tolerances_of_methods) {
-            Rung rung{.name = fmt::format("rom, {}, rtol {}", method.name, tolerance_word(rtol)),
-                      .label = fmt::format("{} {}", method.name, tolerance_word(rtol)),
-                      .family = std::string(methods),
-                      .why = fmt::format("a method of order {}", method.order)};
+            Rung rung{
+                .name = fmt::format("rom, {}, rtol {}", method.name, tolerance_word(rtol)),
+                .label = fmt::format("{} {}", method.name, tolerance_word(rtol)),
+                .family = std::string(methods),
+                .why = fmt::format("a method of order {}{}", method.multistep ? "up to " : "", method.order)};
             rung.fidelity = rom;
             rung.change = [name = std::string(method.name), rtol](Scene& s) { s.rom = {name, rtol}; };
             rung.cost = 1.0;

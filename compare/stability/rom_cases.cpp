@@ -7,8 +7,8 @@
 #include "compare/stability/cases.hpp"
 #include "compare/stability/checks.hpp"
 #include "lib/math/vec.hpp"
+#include "lib/scene/keys.hpp"
 #include "lib/scene/line_stretch.hpp"
-#include "lib/solve/sundials.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 std::span<const StabilityMethod> methods() {
     static const std::vector<StabilityMethod> rows = [] {
         std::vector<StabilityMethod> list;
-        for (const OdeMethod& method : explicit_methods()) {
-            const std::string name(method.name);
+        for (const std::string_view word : find_key(scene_keys(), "rom.method")->choices()) {
+            const std::string name(word);
             list.push_back({name, [name](Scene& scene) { scene.rom.method = name; }});
         }
         return list;
