@@ -60,7 +60,8 @@ double log_cosh(double x) {
 
 std::vector<Finding> of_another_method(const Trial& trial) {
     Scene scene = trial.scene;
-    scene.rom.method = trial.scene.rom.method == "dormand-prince" ? "zonneveld" : "dormand-prince";
+    const bool by_pair = trial.scene.rom.method == "dormand-prince" || trial.scene.rom.method == "auto";
+    scene.rom.method = by_pair ? "zonneveld" : "dormand-prince";
     scene.rom.rtol = 1e-12;
     const RunRecord truth = trial.run(scene);
     const double limit = rom_limit(trial.scene);
