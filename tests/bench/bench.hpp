@@ -8,6 +8,8 @@ namespace twinchute::bench {
 void register_ceilings();
 /// Force blocks, node update and whole steps, each on several meshes in flight.
 void register_elements();
+/// Stages of the reduced-order model by every method, and by integrators of other libraries.
+void register_methods();
 /// Whole runs, split by stage, and whole processes from start to end.
 void register_runs();
 

@@ -84,6 +84,21 @@ def elements(best):
     return table(["ns per element, on a mesh of"] + [f"{int(s):,}".replace(",", " ") for s in sizes], rows)
 
 
+def methods(best):
+    found = {}  # {problem: {solver: {digits: run}}}
+    for name, run in best.items():
+        if name.startswith("method/"):
+            _, problem, solver, digits = name.split("/")
+            found.setdefault(problem, {}).setdefault(solver, {})[digits] = run
+    text = []
+    for problem, solvers in found.items():
+        digits = sorted({d for runs in solvers.values() for d in runs}, key=int)
+        cell = lambda run: f"{number(run['cpu_time'])}, {number(run['calls'], 1)}, {run['error']:.0e}" if run else ""
+        rows = [[solver] + [cell(runs.get(d)) for d in digits] for solver, runs in solvers.items()]
+        text.append(table([f"{problem}: us, calls, error"] + [f"1e-{d}" for d in digits], rows))
+    return "\n\n".join(text)
+
+
 def runs(best):
     rows = []
     for name, run in best.items():
@@ -109,7 +124,7 @@ def show(path):
         measured = json.load(file)
     best = best_of(measured["benchmarks"])
     failed = [b["name"] for b in measured["benchmarks"] if b.get("error_occurred")]
-    print("\n\n".join(part for part in (machine(measured["context"]), ceilings(best), elements(best), runs(best)) if part))
+    print("\n\n".join(part for part in (machine(measured["context"]), ceilings(best), elements(best), methods(best), runs(best)) if part))
     if failed or not best:
         print(f"not measured: {', '.join(failed) or 'anything'}")
     return 1 if failed or not best else 0

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     benchmark::AddCustomContext("instruction_set", std::string(fullsim::gore_kernels().instruction_set));
     bench::register_ceilings();
     bench::register_elements();
+    bench::register_methods();
     bench::register_runs();
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
