@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
 #include <utility>
 
 #include "compare/ladder.hpp"
@@ -17,24 +15,10 @@
 namespace twinchute::compare {
 namespace {
 
-int seeds_of(const Arguments& arguments) {
-    constexpr int most = 1000;
-    const std::optional<std::string> text = arguments.value("seeds");
-    if (!text) return LadderOptions{}.seeds;
-    int seeds = 0;
-    const char* const end = text->data() + text->size();
-    const auto [rest, error] = std::from_chars(text->data(), end, seeds);
-    if (error != std::errc{} || rest != end || seeds < 1 || seeds > most)
-        throw UsageError(fmt::format(
-            "'--seeds {}' is not understood (a whole number from 1 to {} is wanted), e.g. --seeds 3", *text,
-            most));
-    return seeds;
-}
-
 ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Arguments& arguments) {
     const std::vector<Scene> scenes = scenes_of(arguments);
     LadderOptions options;
-    options.seeds = seeds_of(arguments);
+    options.seeds = whole_number(arguments, "seeds", options.seeds, 1000, 3);
     options.quick = arguments.has("quick");
     options.threads = threads_of(arguments);
     for (const Scene& scene : scenes)

@@ -225,10 +225,11 @@ private:
         if (!(speed > 0.0)) return false;
         const auto density = [&](double z) { return scene_.environment.atmosphere.at(z).density; };
         const double layer = (here.altitude() - course_.floor()) / layers;
+        const double here_density = density(here.altitude());
         double left = end - solver_->time(), steps = 0.0;
         for (int k = 0; k < layers && left > 0.0; ++k) {
             const double z = here.altitude() - (k + 0.5) * layer;
-            const double v = speed * std::sqrt(density(here.altitude()) / density(z));
+            const double v = speed * std::sqrt(here_density / density(z));
             const double duration = std::min(left, layer / v);
             steps += duration * 2.0 * scene_.environment.gravity / (explicit_reach * v);
             left -= duration;

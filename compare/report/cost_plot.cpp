@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "compare/report/escape.hpp"
+#include "compare/report/svg_canvas.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -49,23 +50,8 @@ struct Box {
     bool meets(const Box& b) const { return x1 < b.x2 && b.x1 < x2 && y1 < b.y2 && b.y1 < y2; }
 };
 
-class Canvas {
+class Canvas : public SvgCanvas {
 public:
-    template <typename... Values>
-    void add(fmt::format_string<Values...> format, Values&&... values) {
-        fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
-        text_ += '\n';
-    }
-    void line(double x1, double y1, double x2, double y2, std::string_view stroke,
-              std::string_view more = "") {
-        add(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" stroke="{}"{}/>)", x1, y1, x2, y2,
-            stroke, more);
-    }
-    void words(double x, double y, std::string_view anchor, std::string_view fill, std::string_view text,
-               std::string_view more = "") {
-        add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}"{}>{}</text>)", x, y, anchor, fill, more,
-            xml_text(text));
-    }
     void power(double x, double y, std::string_view anchor, int exponent) {
         add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}">10<tspan dy="-5" font-size="9">{}</tspan></text>)",
             x, y, anchor, ink, exponent);
@@ -102,10 +88,6 @@ public:
         const std::string_view closing = shape == Shape::circle ? "</circle>" : "</path>";
         add("{}<title>{}</title>{}", drawn, xml_text(title), closing);
     }
-    const std::string& text() const { return text_; }
-
-private:
-    std::string text_;
 };
 
 void draw_axes(Canvas& canvas, const CostPlot& plot, const LogAxis& x, const LogAxis& y) {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "compare/report/escape.hpp"
+#include "compare/report/svg_canvas.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -18,6 +18,8 @@ constexpr double width = 720, height = 440;
 constexpr double left = 78, right = 700, top = 112, bottom = 386;
 
 constexpr std::string_view ink = "#222222", faint = "#dddddd", dim = "#555555";
+
+using Canvas = SvgCanvas;
 
 // Blue and vermillion of Okabe and Ito: apart for every kind of colour vision and in grey.
 std::string_view colour(Role role) {
@@ -52,30 +54,6 @@ struct Axis {
         std::erase_if(ticks.values, [&](double tick) { return tick > high * (1 + 1e-9) + 1e-300; });
     }
     double at(double value) const { return from + (value - low) / (high - low) * (to - from); }
-};
-
-/// The drawing under construction.
-class Canvas {
-public:
-    template <typename... Values>
-    void add(fmt::format_string<Values...> format, Values&&... values) {
-        fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
-        text_ += '\n';
-    }
-    void line(double x1, double y1, double x2, double y2, std::string_view stroke,
-              std::string_view more = "") {
-        add(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" stroke="{}"{}/>)", x1, y1, x2, y2,
-            stroke, more);
-    }
-    void words(double x, double y, std::string_view anchor, std::string_view fill, std::string_view text,
-               std::string_view more = "") {
-        add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}"{}>{}</text>)", x, y, anchor, fill, more,
-            xml_text(text));
-    }
-    const std::string& text() const { return text_; }
-
-private:
-    std::string text_;
 };
 
 std::string shortened(std::string_view text, std::size_t longest) {

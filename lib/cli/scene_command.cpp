@@ -49,17 +49,20 @@ Option threads_option() {
 }
 
 int threads_of(const Arguments& arguments) {
-    constexpr int most = 256;
-    const std::optional<std::string> text = arguments.value("threads");
-    if (!text) return 1;
-    int threads = 0;
+    return whole_number(arguments, "threads", 1, 256, 2);
+}
+
+int whole_number(const Arguments& arguments, std::string_view option, int fallback, int most, int example) {
+    const std::optional<std::string> text = arguments.value(option);
+    if (!text) return fallback;
+    int number = 0;
     const char* const end = text->data() + text->size();
-    const auto [rest, error] = std::from_chars(text->data(), end, threads);
-    if (error != std::errc{} || rest != end || threads < 1 || threads > most)
+    const auto [rest, error] = std::from_chars(text->data(), end, number);
+    if (error != std::errc{} || rest != end || number < 1 || number > most)
         throw UsageError(fmt::format(
-            "'--threads {}' is not understood (a whole number from 1 to {} is wanted), e.g. --threads 2",
-            *text, most));
-    return threads;
+            "'--{0} {1}' is not understood (a whole number from 1 to {2} is wanted), e.g. --{0} {3}", option,
+            *text, most, example));
+    return number;
 }
 
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {

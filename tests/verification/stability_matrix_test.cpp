@@ -5,6 +5,7 @@
 #include <set>
 
 #include "compare/stability.hpp"
+#include "compare/stability/base_scenes.hpp"
 #include "compare/stability_verb.hpp"
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -25,6 +26,23 @@ const Fidelity& fidelity_of(const StabilityCase& row) {
 std::string title(const StabilityCell& cell) {
     return std::string(cell.row->fidelity) + ", " + cell.row->name + ", " + cell.method + ": " +
            std::string(cell_verdict_name(cell.verdict)) + ", " + cell.reason;
+}
+
+TEST(StabilityMatrix, StartsFromTheShippedC9) {
+    // Built in code, since the matrix needs no file; the numbers are those of data/, which have their
+    // sources.
+    const Parachute built = c9_at_line_stretch().parachutes.front();
+    const Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml");
+    const Parachute& shipped = scene.parachutes.front();
+    for (double Parachute::*number :
+         {&Parachute::nominal_diameter, &Parachute::drag_area, &Parachute::projected_diameter_ratio,
+          &Parachute::mass, &Parachute::vent_diameter, &Parachute::line_length, &Parachute::riser_length})
+        EXPECT_NEAR(built.*number, shipped.*number, 1e-12 * shipped.*number);
+    EXPECT_EQ(built.gores, shipped.gores);
+    EXPECT_EQ(built.fabric, shipped.fabric);
+    EXPECT_EQ(built.line, shipped.line);
+    EXPECT_EQ(built.tapes, shipped.tapes);
+    EXPECT_EQ(c9_at_line_stretch().payload.mass, scene.payload.mass);
 }
 
 TEST(StabilityMatrix, NoQuickCellFails) {
