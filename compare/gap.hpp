@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/attribution.hpp"
 #include "compare/metrics.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/run_record.hpp"
@@ -50,6 +51,7 @@ struct Comparison {
     RunRecord reference, candidate;
     std::string reference_title, candidate_title;  ///< e.g. "reduced-order model"
     FidelityGap gap;
+    std::optional<Attribution> attribution;  ///< where it was asked for
 };
 
 /// `tolerances`: by metric name; they replace the default of a row. A relative one is a share of
