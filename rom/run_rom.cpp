@@ -8,6 +8,7 @@
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "rom/deployment.hpp"
+#include "rom/estimates.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/flight.hpp"
 #include "rom/plan.hpp"
@@ -118,6 +119,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
+    add_estimates(record, scene, result);
     add_channels(record, course.observer.rows(), scene, dimensions);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);

@@ -171,6 +171,8 @@ Parachute parachute(const Values& v, Materials& materials) {
                                                  : v.number("parachute.drag_coefficient") * 0.25 * pi *
                                                        p.nominal_diameter * p.nominal_diameter;
     p.projected_diameter_ratio = v.number("parachute.projected_diameter_ratio");
+    if (v.given("parachute.opening_force_coefficient"))
+        p.opening_force_coefficient = v.number("parachute.opening_force_coefficient");
     p.mass = v.number("parachute.mass");
     p.gores = static_cast<int>(v.integer("parachute.gores"));
     p.vent_diameter = v.number("parachute.vent_diameter");

@@ -163,6 +163,8 @@ constexpr Key scene_rows[] = {
      .meaning = "C_D0 on the nominal area pi/4 D0^2"},
     {.path = "parachute.projected_diameter_ratio", .unit = "1", .range = above(0, 1),
      .meaning = "D_p/D0 of the steady canopy, sets the added mass while it fills"},
+    {.path = "parachute.opening_force_coefficient", .unit = "1", .need = optional, .fallback = "no formulas with it", .range = above(0, 5),
+     .user = rom, .meaning = "C_x of the canopy's type at infinite mass, for estimates by formula; multiplies no integrated force"},
     {.path = "parachute.mass", .unit = "kg", .range = above(0, 1e4), .user = rom,
      .meaning = "canopy, lines and risers; the full model weighs its mesh"},
     {.path = "parachute.gores", .kind = integer, .range = from(3, 400), .user = full, .meaning = "gores, and as many lines"},

@@ -94,6 +94,7 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.number("nominal_diameter", p.nominal_diameter);
     w.number("drag_area", p.drag_area);
     w.number("projected_diameter_ratio", p.projected_diameter_ratio);
+    if (p.opening_force_coefficient) w.number("opening_force_coefficient", *p.opening_force_coefficient);
     w.number("mass", p.mass);
     w.count("gores", p.gores);
     w.number("vent_diameter", p.vent_diameter);

@@ -11,6 +11,7 @@
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/opening_force.hpp"
 #include "tests/support/difference.hpp"
 
 namespace twinchute {
@@ -33,6 +34,7 @@ TEST(ModelTables, HaveNamesOnceAndSources) {
     expect_named_and_sourced(drag_area_laws());
     expect_named_and_sourced(fill_time_models());
     expect_named_and_sourced(added_mass_models());
+    expect_named_and_sourced(opening_force_forms());
 }
 
 TEST(ModelTables, FindTheirRowsAndNothingElse) {
@@ -69,6 +71,19 @@ TEST(DragAreaContract, RatesAreTheDerivativesOfValues) {
                 // h^2 f'''/6 is largest for the square root at x = 0.05: 1e-10 * 0.375 * 0.05^-2.5/6 = 1e-8.
                 EXPECT_NEAR(law.at(x, eta).rate, slope, 1e-7) << law.name << x;
             }
+}
+
+TEST(DragAreaContract, IntegralsAreThoseOfValues) {
+    for (const DragAreaLaw& law : drag_area_laws())
+        for (const double eta : {0.0, 0.2, 0.7}) {
+            EXPECT_EQ(law.integral(0.0, eta), 0.0) << law.name;
+            for (double x = 0.05; x < 1.0; x += 0.05) {
+                const double slope =
+                    central_difference([&](double y) { return law.integral(y, eta); }, x, 1e-5);
+                // h^2 f''/6, f'' <= 0.25 x^-1.5 of the square root at 0.05: 4e-10; round-off 1e-11.
+                EXPECT_NEAR(law.at(x, eta).value, slope, 2e-9) << law.name << x;
+            }
+        }
 }
 
 TEST(AddedMassContract, ScalesAsAirTimesVolume) {
