@@ -41,14 +41,15 @@ OpeningForceInputs with_ballistic(double A) {
 }
 
 TEST(OpeningForce, X1TableOfDragOnlyInflation) {
-    // x1_closed_form.csv, exact and printed to eight digits: half a unit of the last.
+    // x1_closed_form.csv, exact and printed to eight digits: half a unit of the last, and as much of A, of
+    // whose change X_1 takes less than the whole at the three A that are not round (thirds).
     const auto rows = test::reference_rows("x1_closed_form.csv");
     ASSERT_GE(rows.size(), 20u);
     for (const auto& row : rows) {
-        const std::array columns{
-            std::pair{"power-0.5", 1u}, {"power-1", 2u}, {"power-2", 3u}, {"power-6", 5u}};
+        const std::array<std::pair<const char*, std::size_t>, 4> columns{
+            {{"power-0.5", 1}, {"power-1", 2}, {"power-2", 3}, {"power-6", 5}}};
         for (const auto& [law, column] : columns)
-            EXPECT_NEAR(drag_only_peak(*find_drag_area_law(law), 0.0, row[0]), row[column], 0.51e-8)
+            EXPECT_NEAR(drag_only_peak(*find_drag_area_law(law), 0.0, row[0]), row[column], 1.01e-8)
                 << law << ", A = " << row[0];
     }
 }
