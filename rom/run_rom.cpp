@@ -96,8 +96,9 @@ void judge(const Scene& scene, int dimensions, Course& course, OpeningResult& re
 void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result) {
     const FillTime& fill = scene.parachutes.front().fill_time;
     const Metric filling{"", 0.0, Standing::input,
-                         fill.model->name == "given"
-                             ? std::string("given in the scene")
+                         fill.model->name == "given" ? std::string("given in the scene")
+                         : fill.porosity > 0.0
+                             ? fmt::format("prescribed: lambda_g = {:g} and the snatch speed", fill.porosity)
                              : fmt::format("prescribed: n = {:g} and the snatch speed", fill.n)};
     const Metric descent{"", 0.0, Standing::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};

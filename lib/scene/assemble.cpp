@@ -124,6 +124,8 @@ FillTime fill_time(const Values& v) {
         f.n = v.number("parachute.fill_time.n");
         f.density_exponent = v.number("parachute.fill_time.density_exponent");
     }
+    if (v.is_effective("parachute.fill_time.geometric_porosity"))
+        f.porosity = v.number("parachute.fill_time.geometric_porosity");
     if (v.is_effective("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
     return f;
 }

@@ -110,6 +110,8 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.words("fill_time.model", p.fill_time.model->name);
     if (p.fill_time.model->name == "given") {
         w.number("fill_time.time", p.fill_time.given);
+    } else if (p.fill_time.model->name == "ribbon") {
+        w.number("fill_time.geometric_porosity", p.fill_time.porosity);
     } else {
         w.number("fill_time.n", p.fill_time.n);
         w.number("fill_time.density_exponent", p.fill_time.density_exponent);
