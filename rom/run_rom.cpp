@@ -8,6 +8,7 @@
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "rom/deployment.hpp"
+#include "rom/estimates.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/flight.hpp"
 #include "rom/plan.hpp"
@@ -95,8 +96,9 @@ void judge(const Scene& scene, int dimensions, Course& course, OpeningResult& re
 void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result) {
     const FillTime& fill = scene.parachutes.front().fill_time;
     const Metric filling{"", 0.0, Standing::input,
-                         fill.model->name == "given"
-                             ? std::string("given in the scene")
+                         fill.model->name == "given" ? std::string("given in the scene")
+                         : fill.porosity > 0.0
+                             ? fmt::format("prescribed: lambda_g = {:g} and the snatch speed", fill.porosity)
                              : fmt::format("prescribed: n = {:g} and the snatch speed", fill.n)};
     const Metric descent{"", 0.0, Standing::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
@@ -118,6 +120,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
+    add_estimates(record, scene, result);
     add_channels(record, course.observer.rows(), scene, dimensions);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);

@@ -24,6 +24,29 @@ std::string metrics_text(const std::vector<Metric>& metrics) {
     return aligned(table, {}, 2);
 }
 
+/// Formulas beside the value that the run has for the same metric; what does not hold here is greyed.
+std::string estimates_text(const RunRecord& record, const Style& style) {
+    Table table;
+    table.right = {false, true, false, true};
+    for (const Estimate& estimate : record.estimates) {
+        const auto run = record.metric(estimate.metric);
+        table.rows.push_back(
+            {printable(estimate.title), readable(estimate.value),
+             std::string(split_metric_key(estimate.metric).unit),
+             run && *run != 0 ? fmt::format("{:.0f} % of the run's", 100 * estimate.value / *run) : "",
+             estimate.outside.empty() ? "holds here" : "does not hold: " + printable(estimate.outside)});
+    }
+    std::string text;
+    const std::string lines = aligned(table, {}, 2);
+    std::string_view rest = lines;
+    for (const Estimate& estimate : record.estimates) {
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(line.size() + 1);
+        text += (estimate.outside.empty() ? std::string(line) : style.paint(line, Colour::dim)) + "\n";
+    }
+    return text;
+}
+
 std::string events_text(const std::vector<Event>& events) {
     Table table;
     table.right = {false, true, true, true};
@@ -92,6 +115,8 @@ std::string record_text(const RunRecord& record, std::string_view title, const S
     if (const std::string fill = fill_constant_text(record); !fill.empty()) text += printable(fill) + "\n";
 
     if (!record.metrics.empty()) text += heading("key figures", style) + metrics_text(record.metrics);
+    if (!record.estimates.empty())
+        text += heading("peak force by formula", style) + estimates_text(record, style);
     if (!record.events.empty()) text += heading("events", style) + events_text(record.events);
     text += "\n";
     if (record.energy) {

@@ -26,15 +26,27 @@ ValueAndRate power(double x, double eta) {
     return {start + (1.0 - start) * std::pow(x, j), (1.0 - start) * j * std::pow(x, j - 1.0)};
 }
 
+double ludtke_integral(double x, double eta) {
+    const double rise = 1.0 - eta, x3 = x * x * x;
+    return x * (rise * rise * x3 * x3 / 7.0 + rise * eta * x3 / 2.0 + eta * eta);
+}
+
+template <int half_powers>
+double power_integral(double x, double eta) {
+    constexpr double j = 0.5 * half_powers;
+    const double start = eta * eta;
+    return start * x + (x > 0.0 ? (1.0 - start) * std::pow(x, j + 1.0) / (j + 1.0) : 0.0);
+}
+
 constexpr std::string_view knacke =
     "Knacke NWC TP 6575, Fig. 5-51: (t/t_f)^j; here above the initial drag area";
 
 constexpr std::array<DragAreaLaw, 5> laws{{
-    {"ludtke", "Ludtke's law for solid flat circular canopies, paper Eqs 14-15", ludtke},
-    {"power-0.5", knacke, power<1>},
-    {"power-1", knacke, power<2>},
-    {"power-2", knacke, power<4>},
-    {"power-6", knacke, power<12>},
+    {"ludtke", "Ludtke's law for solid flat circular canopies, paper Eqs 14-15", ludtke, ludtke_integral},
+    {"power-0.5", knacke, power<1>, power_integral<1>},
+    {"power-1", knacke, power<2>, power_integral<2>},
+    {"power-2", knacke, power<4>, power_integral<4>},
+    {"power-6", knacke, power<12>, power_integral<12>},
 }};
 
 }  // namespace

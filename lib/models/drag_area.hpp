@@ -18,6 +18,8 @@ struct DragAreaLaw {
     /// (C_D S)_t/(C_D S)_0 and its derivative with respect to x, for the fill fraction
     /// x in [0, 1] and eta = sqrt((C_D S)_i/(C_D S)_0) in [0, 1].
     ValueAndRate (*at)(double x, double eta);
+    /// Integral of that ratio from 0 to x: what brakes a body that nothing but drag acts on.
+    double (*integral)(double x, double eta);
 };
 
 std::span<const DragAreaLaw> drag_area_laws();

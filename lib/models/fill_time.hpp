@@ -22,20 +22,22 @@ struct FillTimeModel {
     std::string_view source;
     std::string_view range;  ///< where the source says it holds, in words
     double (*seconds)(const FillTime&, const FillTimeInputs&);
+    /// Its constant has a unit: the correlation does not scale as times of lengths over speeds do.
+    bool dimensional = false;
 };
 
 /// A choice of row with its parameters.
 struct FillTime {
     const FillTimeModel* model = nullptr;
-    double n = 0.0;                 ///< fill constant [-], for "fill-constant"
-    double density_exponent = 0.0;  ///< k of (rho/rho_0)^k [-], for "fill-constant"
+    double n = 0.0;                 ///< fill constant, for "fill-constant" [-] and "knacke-0.85" [ft, ft/s]
+    double density_exponent = 0.0;  ///< k of (rho/rho_0)^k [-], for the same two
     double given = 0.0;             ///< [s], for "given"
+    double porosity = 0.0;          ///< lambda_g [-], geometric, for "ribbon"
 
     double seconds(const FillTimeInputs& inputs) const { return model->seconds(*this, inputs); }
     bool operator==(const FillTime&) const = default;
 };
 
-/// "fill-constant" and "given".
 std::span<const FillTimeModel> fill_time_models();
 const FillTimeModel* find_fill_time(std::string_view name);
 

@@ -285,6 +285,13 @@ RunRecord read_summary(std::string_view text, const std::string& file) {
     record.metrics = read_metrics(top.at("metrics"), top.at("standing"));
     if (const auto energy = top.find("energy")) record.energy = read_energy(*energy);
     record.cost = read_cost(top.at("cost"));
+    if (const auto estimates = top.find("estimates"))
+        estimates->each_row([&](const Node& row) {
+            const auto outside = row.find("outside");
+            record.estimates.push_back({row.text_at("name"), row.text_at("title"), row.text_at("metric"),
+                                        row.at("value").number(), row.text_at("source"),
+                                        outside ? outside->text() : std::string()});
+        });
     top.at("warnings").each_row([&](const Node& row) {
         record.warnings.push_back({row.text_at("what"), row.text_at("why"), row.text_at("suggestion")});
     });

@@ -120,6 +120,17 @@ nlohmann::ordered_json cost_json(const Cost& cost) {
     return json;
 }
 
+/// Absent where there are none: most records have none. A formula without a finite value is not written.
+void put_estimates(Json& json, const std::vector<Estimate>& estimates) {
+    for (const Estimate& estimate : estimates) {
+        Json row{{"name", estimate.name}, {"title", estimate.title}, {"metric", estimate.metric}};
+        if (!put(row, "value", estimate.value)) continue;
+        row["source"] = estimate.source;
+        if (!estimate.outside.empty()) row["outside"] = estimate.outside;
+        json["estimates"].push_back(std::move(row));
+    }
+}
+
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     Json json = Json::array();
     for (const Warning& warning : warnings) {
@@ -161,6 +172,7 @@ std::string summary_json(const RunRecord& record) {
     json["standing"] = standing_json(metrics);
     if (record.energy) json["energy"] = energy_json(*record.energy);
     json["cost"] = cost_json(record.cost);
+    put_estimates(json, record.estimates);
     json["warnings"] = warnings_json(warnings);
     json["left_out"] = left_out_json(record.left_out);
     json["provenance"] = provenance_json(record.provenance);
@@ -179,6 +191,7 @@ RunRecord as_written(RunRecord record) {
                              &energy.ramp, &energy.external_work})
             tell(*term, 0.0);
     }
+    std::erase_if(record.estimates, [](const Estimate& estimate) { return !std::isfinite(estimate.value); });
     Cost& cost = record.cost;
     for (double* value :
          {&cost.wall_s, &cost.cpu_s, &cost.dt_min_s, &cost.dt_max_s, &cost.ns_per_element_step})

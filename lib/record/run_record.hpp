@@ -123,6 +123,16 @@ struct LeftOut {
     std::string what, why;
 };
 
+/// A metric by formula, beside what the run computed.
+struct Estimate {
+    std::string name;     ///< e.g. "pflanz"
+    std::string title;    ///< e.g. "Pflanz"
+    std::string metric;   ///< key of the metric that it estimates, e.g. "peak_force_N"
+    double value = 0.0;   ///< in the unit of that metric
+    std::string source;   ///< where the formula is from
+    std::string outside;  ///< why it does not hold here; empty where it does
+};
+
 struct Provenance {
     std::string version, commit, compiler, flags, instruction_set, host_cpu, date;
     int threads = 1;
@@ -145,6 +155,7 @@ struct RunRecord {
     std::vector<Metric> metrics;
     std::optional<EnergyLedger> energy;
     Cost cost;
+    std::vector<Estimate> estimates;  ///< by formula; none where nothing opened
     std::vector<Warning> warnings;
     std::vector<LeftOut> left_out;
     Provenance provenance;

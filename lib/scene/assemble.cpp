@@ -124,6 +124,8 @@ FillTime fill_time(const Values& v) {
         f.n = v.number("parachute.fill_time.n");
         f.density_exponent = v.number("parachute.fill_time.density_exponent");
     }
+    if (v.is_effective("parachute.fill_time.geometric_porosity"))
+        f.porosity = v.number("parachute.fill_time.geometric_porosity");
     if (v.is_effective("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
     return f;
 }
@@ -171,6 +173,8 @@ Parachute parachute(const Values& v, Materials& materials) {
                                                  : v.number("parachute.drag_coefficient") * 0.25 * pi *
                                                        p.nominal_diameter * p.nominal_diameter;
     p.projected_diameter_ratio = v.number("parachute.projected_diameter_ratio");
+    if (v.given("parachute.opening_force_coefficient"))
+        p.opening_force_coefficient = v.number("parachute.opening_force_coefficient");
     p.mass = v.number("parachute.mass");
     p.gores = static_cast<int>(v.integer("parachute.gores"));
     p.vent_diameter = v.number("parachute.vent_diameter");

@@ -108,16 +108,21 @@ void check_packed_opening(const Scene& scene, const Complain& complain) {
     const Parachute& p = scene.parachutes.front();
     const double speed = 1.0, density = scene.environment.atmosphere.at(scene.release.altitude).density;
     const double filling = p.fill_time.seconds({p.nominal_diameter, speed, density});
-    const bool both_scale = p.initial_phase.transit && p.fill_time.given == 0.0;
-    const bool both_given = !p.initial_phase.transit && p.fill_time.given > 0.0;
+    const bool has_given = p.fill_time.given > 0.0, has_porosity = p.fill_time.porosity > 0.0;
+    const bool both_scale = p.initial_phase.transit && !has_given && !p.fill_time.model->dimensional;
+    const bool both_given = !p.initial_phase.transit && has_given;
     const double initial =
         p.initial_phase.transit ? 0.5 * p.nominal_diameter / speed : p.initial_phase.seconds;
     if ((both_scale || both_given) && initial >= filling)
-        complain.about(both_given ? "parachute.initial_phase" : "parachute.fill_time.n",
-                       "the initial phase is not shorter than the filling time",
-                       both_given ? fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling)
-                                  : "it lasts half a diameter, the filling n diameters, at any speed",
-                       "shorten initial_phase or lengthen fill_time");
+        complain.about(
+            both_given     ? "parachute.initial_phase"
+            : has_porosity ? "parachute.fill_time.geometric_porosity"
+                           : "parachute.fill_time.n",
+            "the initial phase is not shorter than the filling time",
+            both_given ? fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling)
+                       : fmt::format("it lasts half a diameter, the filling {:.3g} diameters, at any speed",
+                                     filling * speed / p.nominal_diameter),
+            "shorten initial_phase or lengthen fill_time");
 }
 
 /// A line-stretch start snatches at once, so that its times are known before anything runs.
@@ -140,6 +145,7 @@ void check_opening(const Scene& scene, const Values& values, const Complain& com
     if (initial >= filling) {
         const char* given = values.given("parachute.initial_phase") ? "parachute.initial_phase"
                             : p.fill_time.given > 0.0               ? "parachute.fill_time.time"
+                            : p.fill_time.porosity > 0.0            ? "parachute.fill_time.geometric_porosity"
                                                                     : "parachute.fill_time.n";
         complain.about(given, "the initial phase is not shorter than the filling time",
                        fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling),

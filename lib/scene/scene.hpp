@@ -68,10 +68,11 @@ struct Tapes {
 
 struct Parachute {
     std::string name;
-    double nominal_diameter = 0.0;          ///< D0 [m]
-    double drag_area = 0.0;                 ///< (C_D S)_0 [m^2]
-    double projected_diameter_ratio = 0.0;  ///< D_p/D0 of the steady canopy [-]
-    double mass = 0.0;                      ///< canopy and lines [kg]
+    double nominal_diameter = 0.0;                    ///< D0 [m]
+    double drag_area = 0.0;                           ///< (C_D S)_0 [m^2]
+    double projected_diameter_ratio = 0.0;            ///< D_p/D0 of the steady canopy [-]
+    std::optional<double> opening_force_coefficient;  ///< C_x [-], for estimates by formula
+    double mass = 0.0;                                ///< canopy and lines [kg]
     int gores = 0;
     double vent_diameter = 0.0;  ///< [m]
     double line_length = 0.0;    ///< [m] skirt to link

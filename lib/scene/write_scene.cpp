@@ -94,6 +94,7 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.number("nominal_diameter", p.nominal_diameter);
     w.number("drag_area", p.drag_area);
     w.number("projected_diameter_ratio", p.projected_diameter_ratio);
+    if (p.opening_force_coefficient) w.number("opening_force_coefficient", *p.opening_force_coefficient);
     w.number("mass", p.mass);
     w.count("gores", p.gores);
     w.number("vent_diameter", p.vent_diameter);
@@ -109,6 +110,8 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.words("fill_time.model", p.fill_time.model->name);
     if (p.fill_time.model->name == "given") {
         w.number("fill_time.time", p.fill_time.given);
+    } else if (p.fill_time.model->name == "ribbon") {
+        w.number("fill_time.geometric_porosity", p.fill_time.porosity);
     } else {
         w.number("fill_time.n", p.fill_time.n);
         w.number("fill_time.density_exponent", p.fill_time.density_exponent);

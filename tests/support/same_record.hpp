@@ -33,6 +33,8 @@ public:
             &Cost::rejected_steps, &Cost::dt_min_s, &Cost::dt_max_s, &Cost::element_steps,
             &Cost::ns_per_element_step);
         rows("blocks", a.cost.blocks, b.cost.blocks, &BlockCost::name, &BlockCost::seconds);
+        rows("estimates", a.estimates, b.estimates, &Estimate::name, &Estimate::title, &Estimate::metric,
+             &Estimate::value, &Estimate::source, &Estimate::outside);
         rows("warnings", a.warnings, b.warnings, &Warning::what, &Warning::why, &Warning::suggestion);
         rows("left out", a.left_out, b.left_out, &LeftOut::what, &LeftOut::why);
         all("provenance", a.provenance, b.provenance, &Provenance::version, &Provenance::commit,

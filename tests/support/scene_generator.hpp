@@ -234,7 +234,19 @@ inline void SceneGenerator::put_opening() {
         if (corrected) put_number("parachute.fill_time.density_exponent", number_in(-4.9, 4.9));
         if (!corrected && airspeed_) filling = n * diameter_ / *airspeed_;
         transit = !corrected && n > 0.6;
-        if (chance(0.5)) put("parachute.fill_time.model", "\"fill-constant\"");
+        if (chance(0.3)) {
+            put("parachute.fill_time.model", "\"knacke-0.85\"");
+            if (filling) filling = n * (diameter_ / 0.3048) / std::pow(*airspeed_ / 0.3048, 0.85);
+            transit = filling && 0.5 * diameter_ / *airspeed_ < 0.9 * *filling;
+        } else if (chance(0.5)) {
+            put("parachute.fill_time.model", "\"fill-constant\"");
+        }
+    } else if (chance(0.3)) {
+        const double porosity = number_in(0.001, 0.999);
+        put("parachute.fill_time.model", "\"ribbon\"");
+        put_number("parachute.fill_time.geometric_porosity", porosity);
+        if (airspeed_) filling = 65.0 * porosity * diameter_ / *airspeed_;
+        transit = 65.0 * porosity > 0.6;
     } else {
         filling = number_in(0.001, 999.0);
         put_number("parachute.fill_time.time", *filling);
@@ -276,6 +288,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.fill_time.n",
                                                     "parachute.fill_time.density_exponent",
                                                     "parachute.fill_time.time",
+                                                    "parachute.fill_time.geometric_porosity",
                                                     "parachute.initial_phase",
                                                     "parachute.nominal_diameter",
                                                     "parachute.vent_diameter",

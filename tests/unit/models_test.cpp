@@ -84,6 +84,21 @@ TEST(FillTime, DensityExponentShortensAtAltitude) {
     EXPECT_DOUBLE_EQ(corrected.seconds(sea_level), plain.seconds(sea_level));
 }
 
+TEST(FillTime, KnackesPowerInFeetAndFeetPerSecond) {
+    // A 28 ft canopy at 200 ft/s with n = 4: 4 * 28/200^0.85 = 1.23977 s; in metres the constant is 1.19508 n
+    // (filling_time.csv), 0.3048^-0.15.
+    const FillTime model{find_fill_time("knacke-0.85"), 4.0};
+    const double seconds = model.seconds({28.0 * 0.3048, 200.0 * 0.3048, 1.0});
+    EXPECT_NEAR(seconds, 4.0 * 28.0 / std::pow(200.0, 0.85), 1e-12);
+    EXPECT_NEAR(seconds, 1.19508 * 4.0 * 8.5344 / std::pow(60.96, 0.85), 5e-6);
+}
+
+TEST(FillTime, RibbonByPorosityInPercent) {
+    // 0.65 lambda_g D0/v with lambda_g = 20 %: 13 diameters.
+    const FillTime model{find_fill_time("ribbon"), 0.0, 0.0, 0.0, 0.2};
+    EXPECT_NEAR(model.seconds({10.0, 65.0, 1.0}), 2.0, 1e-12);
+}
+
 TEST(FillTime, GivenIsGiven) {
     EXPECT_EQ((FillTime{find_fill_time("given"), 0.0, 0.0, 1.3}.seconds({8.53, 21.0, 1.0})), 1.3);
 }

@@ -119,7 +119,7 @@ const Broken cases[] = {
     {"pack_of_an_open_canopy", "by = \"line-stretch\"", "by = \"inflated\", pack_drag_area = 0.1", "test.toml:13:29: parachute.deploy.pack_drag_area: ", "is not used"},
     {"pack_drag_as_length", "by = \"line-stretch\"", "by = \"free\", pack_drag_area = \"1 m\"", "test.toml:13:42: parachute.deploy.pack_drag_area: ", "expected m^2"},
     {"pitch_beyond", "by = \"line-stretch\"", "by = \"free\", pitch = 4", "test.toml:13:33: parachute.deploy.pitch: ", "out of range"},
-    {"packed_transit_too_long", "{ by = \"line-stretch\" }\nfill_time = { model = \"fill-constant\", n = 4.0 }", "{ by = \"free\" }\nfill_time = { n = 0.5 }", "test.toml:14:19: parachute.fill_time.n: ", "it lasts half a diameter, the filling n diameters, at any speed"},
+    {"packed_transit_too_long", "{ by = \"line-stretch\" }\nfill_time = { model = \"fill-constant\", n = 4.0 }", "{ by = \"free\" }\nfill_time = { n = 0.5 }", "test.toml:14:19: parachute.fill_time.n: ", "it lasts half a diameter, the filling 0.5 diameters, at any speed"},
     {"packed_times_too_long", "{ by = \"line-stretch\" }\nfill_time = { model = \"fill-constant\", n = 4.0 }", "{ by = \"free\" }\nfill_time = { model = \"given\", time = 2 }\ninitial_phase = 2", "test.toml:15:17: parachute.initial_phase: ", "t_i = 2 s, t_f = 2 s"},
     {"case_leaves_the_static_line", "[stop]", "[[case]]\nname = \"a\"\nset = { \"parachute.deploy\" = { by = \"free\", length = 3 } }\n[stop]", "test.toml:19:45: case 'a': parachute.deploy.length: ", "is not used"},
     {"unknown_atmosphere", "{ density = \"1.225 kg/m^3\" }", "\"us62\"", "test.toml:4:14: environment.atmosphere.model: ", "known: us76, constant"},
