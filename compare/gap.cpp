@@ -45,16 +45,46 @@ std::string note_of(const MetricGap& gap, const RunRecord& reference, const RunR
     return {};
 }
 
-std::string joined_names(const FidelityGap& gap, Verdict verdict) {
+/// Names of metrics, then of histories.
+std::vector<std::string_view> names_of(const FidelityGap& gap, Verdict verdict) {
     std::vector<std::string_view> names;
-    for (const MetricGap& metric : gap.metrics) {
+    for (const MetricGap& metric : gap.metrics)
         if (metric.verdict == verdict) names.push_back(metric.row->name);
-    }
-    return fmt::format("{}", fmt::join(names, ", "));
+    for (const HistoryGap& history : gap.histories)
+        if (history.verdict == verdict) names.push_back(history.row->name);
+    return names;
 }
 
-std::ptrdiff_t count(const FidelityGap& gap, Verdict verdict) {
-    return std::ranges::count(gap.metrics, verdict, &MetricGap::verdict);
+std::string joined_names(const FidelityGap& gap, Verdict verdict) {
+    return fmt::format("{}", fmt::join(names_of(gap, verdict), ", "));
+}
+
+std::size_t count(const FidelityGap& gap, Verdict verdict) {
+    return names_of(gap, verdict).size();
+}
+
+Verdict held_against(double score, const Tolerance& tolerance) {
+    return score <= tolerance.value * (1 + round_off) ? Verdict::within : Verdict::exceeded;
+}
+
+std::vector<HistoryGap> histories_of(const RunRecord& reference, const RunRecord& candidate,
+                                     const std::map<std::string, Tolerance>& tolerances, bool both_ended) {
+    std::vector<HistoryGap> histories;
+    for (const HistoryRow& row : history_rows()) {
+        HistoryGap history;
+        history.row = &row;
+        history.phases = score_history(reference, candidate, row);
+        history.score = judged_score(history.phases);
+        if (const auto asked = tolerances.find(std::string(row.name)); asked != tolerances.end())
+            history.tolerance = asked->second;
+        if (history.phases.empty() && !history.tolerance) continue;
+        if (!history.score) history.note = "the two have no common time of it from snatch on";
+        if (history.tolerance && both_ended)
+            history.verdict =
+                history.score ? held_against(*history.score, *history.tolerance) : Verdict::missing;
+        histories.push_back(std::move(history));
+    }
+    return histories;
 }
 
 }  // namespace
@@ -96,10 +126,17 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
         metric.note = note_of(metric, reference, candidate);
         gap.metrics.push_back(std::move(metric));
     }
+    gap.histories = histories_of(reference, candidate, tolerances, both_ended);
     if (reference.cost.wall_s > 0 && candidate.cost.wall_s > 0) {
         gap.cost_ratio = reference.cost.wall_s / candidate.cost.wall_s;
     }
     return gap;
+}
+
+Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase) {
+    if (history.verdict == Verdict::not_judged || phase.phase == HistoryPhase::deployment)
+        return Verdict::not_judged;
+    return held_against(phase.l2, *history.tolerance);
 }
 
 Verdict overall_verdict(const FidelityGap& gap) {

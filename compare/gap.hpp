@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compare/attribution.hpp"
+#include "compare/histories.hpp"
 #include "compare/metrics.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/run_record.hpp"
@@ -41,8 +42,19 @@ struct MetricGap {
     std::string note;  ///< e.g. that only one side has it; empty when there is nothing to say
 };
 
+/// A history that both sides have, or that a tolerance is asked for.
+struct HistoryGap {
+    const HistoryRow* row = nullptr;
+    std::vector<PhaseScore> phases;
+    std::optional<double> score;         ///< judged_score of the phases
+    std::optional<Tolerance> tolerance;  ///< where asked for; "10 %" and "0.1" are the same, of a norm
+    Verdict verdict = Verdict::not_judged;
+    std::string note;
+};
+
 struct FidelityGap {
-    std::vector<MetricGap> metrics;    ///< those that at least one side has or a tolerance is asked for
+    std::vector<MetricGap> metrics;  ///< those that at least one side has or a tolerance is asked for
+    std::vector<HistoryGap> histories;
     std::optional<double> cost_ratio;  ///< wall time of the reference over that of the candidate
 };
 
@@ -59,7 +71,11 @@ struct Comparison {
 FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                         const std::map<std::string, Tolerance>& tolerances);
 
-/// Of all judged metrics: exceeded if any is exceeded or missing, within if all are, else not judged.
+/// Of one phase of a history, by its own L2; deployment is not judged.
+Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase);
+
+/// Of all judged metrics and histories: exceeded if any is exceeded or missing, within if all are, else not
+/// judged.
 Verdict overall_verdict(const FidelityGap& gap);
 
 /// Interrupted before failed before exceeded.

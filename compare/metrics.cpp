@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "compare/histories.hpp"
+
 namespace twinchute::compare {
 namespace {
 
@@ -36,14 +38,16 @@ constexpr std::array rows{
     MetricRow{"peak_force_raw", "peak_force_raw_N", "N", "Peak opening force, unfiltered", none, Show::when_judged},
     MetricRow{"max_force", "max_force_N", "N", "Maximum force", none, Show::when_judged},
     MetricRow{"descent_altitude", "descent_altitude_m", "m", "Altitude of steady descent", none, Show::when_judged},
-    MetricRow{"flight_time", "flight_time_s", "s", "Flight time", none, Show::when_judged},
-    MetricRow{"landing_east", "landing_east_m", "m", "Landing point, east", none, Show::when_judged},
-    MetricRow{"landing_north", "landing_north_m", "m", "Landing point, north", none, Show::when_judged},
+    MetricRow{"flight_time", "flight_time_s", "s", "Flight time"},
+    MetricRow{"landing_east", "landing_east_m", "m", "Landing point, east"},
+    MetricRow{"landing_north", "landing_north_m", "m", "Landing point, north"},
     MetricRow{"seam_diameter_ratio", "seam_diameter_ratio", "", "Seam diameter ratio", none, Show::when_judged},
     MetricRow{"canopy_depth_ratio", "canopy_depth_ratio", "", "Canopy depth ratio h/D_p", none, Show::when_judged},
     MetricRow{"signed_area_ratio", "signed_area_ratio", "", "Signed area ratio", none, Show::when_judged},
-    MetricRow{"max_line_tension", "max_line_tension_N", "N", "Maximum line tension", none, Show::when_judged},
-    MetricRow{"max_membrane_stress", "max_membrane_stress_N_m", "N/m", "Maximum membrane stress", none, Show::when_judged},
+    MetricRow{"max_line_tension", "max_line_tension_N", "N", "Maximum line tension"},
+    MetricRow{"line_strength_margin", "line_strength_margin", "", "Margin to the lines' strength"},
+    MetricRow{"max_membrane_stress", "max_membrane_stress_N_m", "N/m", "Maximum membrane stress"},
+    MetricRow{"membrane_strength_margin", "membrane_strength_margin", "", "Margin to the fabric's strength"},
 };
 // clang-format on
 
@@ -55,6 +59,9 @@ Table metrics_table() {
             {std::string(row.name), row.unit.empty() ? "1" : std::string(row.unit), std::string(row.key),
              row.tolerance ? tolerance_text(*row.tolerance, row.unit) : "-", std::string(row.title)});
     }
+    for (const HistoryRow& row : history_rows())
+        table.rows.push_back({std::string(row.name), "1", "-", "-",
+                              std::string(row.title) + " over time: relative L2 norm of the difference"});
     return table;
 }
 

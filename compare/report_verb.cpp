@@ -4,17 +4,22 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "compare/gap.hpp"
+#include "compare/record_table.hpp"
+#include "compare/records.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
+#include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/read_record.hpp"
+#include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
 
 namespace twinchute::compare {
@@ -47,19 +52,6 @@ std::vector<fs::path> comparisons_in(const fs::path& directory, const Fidelity& 
     return places;
 }
 
-std::string summary_of(const fs::path& place, const Fidelity& fidelity) {
-    return (place / fidelity.name / "summary.json").string();
-}
-
-RunRecord record_of(const fs::path& place, const Fidelity& fidelity) {
-    RunRecord record = read_record(place / fidelity.name);
-    if (record.fidelity != fidelity.name)
-        throw RecordError({summary_of(place, fidelity)}, "is not a record of " + std::string(fidelity.name),
-                          "it says that it is of '" + record.fidelity.substr(0, 40) + "'",
-                          "put the records back in their places");
-    return record;
-}
-
 /// Two records that are not of the same scene have no gap.
 void require_same_scene(const Comparison& comparison, const fs::path& place) {
     const auto refuse = [&](const std::string& why) {
@@ -88,33 +80,92 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     return comparison;
 }
 
+/// A directory that an operand leads to, and what lies there.
+struct Place {
+    fs::path directory;
+    bool comparison = true;  ///< otherwise the record of one fidelity
+};
+
+std::vector<Place> places_of(const Arguments& arguments, const Fidelity& reference,
+                             const Fidelity& candidate) {
+    std::vector<Place> places;
+    const auto add = [&](fs::path directory, bool comparison) {
+        if (std::ranges::find(places, directory, &Place::directory) == places.end())
+            places.push_back({std::move(directory), comparison});
+    };
+    for (const std::string& operand : arguments.operands) {
+        std::error_code ignored;
+        if (fs::exists(fs::path(operand) / "summary.json", ignored)) {
+            add(operand, false);
+            continue;
+        }
+        for (fs::path& place : comparisons_in(operand, reference, candidate))
+            add(std::move(place), true);
+    }
+    return places;
+}
+
+/// What is said of all places together.
+struct Told {
+    ExitCode code = ExitCode::done;
+    std::vector<RecordRow> rows;
+    std::vector<std::string> json;
+    std::string verdicts;   ///< a line a comparison
+    std::string last_text;  ///< of the only comparison, where there is one
+};
+
+void tell(Told& told, const Comparison& comparison, const fs::path& place, bool alone) {
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
+        told.rows.push_back(record_row(*side, place.string()));
+    told.code = gravest(told.code, exit_code(comparison));
+    told.json.push_back(gap_json(comparison));
+    told.verdicts +=
+        fmt::format("verdict   {}: {}\n", printable(place.string()), printable(verdict_line(comparison)));
+    if (alone)
+        told.last_text = terminal_text(comparison, output_style()) +
+                         fmt::format("report    {}\n", printable((place / "report.md").string()));
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+    return fmt::format("[\n{}]\n", fmt::join(texts, ",\n"));
+}
+
+/// The table of all records, in a directory of its own.
+void add_table(FileBatch& batch, const std::vector<RecordRow>& rows, const fs::path& directory) {
+    batch.add(directory / "report.md", records_markdown(rows));
+    batch.add(directory / "records.csv", records_csv(rows));
+    batch.add(directory / "records.json", records_json(rows), FileBatch::Kind::marker);
+}
+
 ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::map<std::string, Tolerance> asked = read_tolerances(tolerance_overrides(arguments));
-    std::vector<fs::path> places;
-    bool one = arguments.operands.size() == 1;
-    for (const std::string& operand : arguments.operands) {
-        for (fs::path& place : comparisons_in(operand, reference, candidate)) {
-            one = one && place == operand;
-            if (std::ranges::find(places, place) == places.end()) places.push_back(std::move(place));
-        }
-    }
+    const std::optional<std::string> out = arguments.value("out");
+    if (out) check_output_dir(*out);
+    const std::vector<Place> places = places_of(arguments, reference, candidate);
+    const bool alone = places.size() == 1 && places.front().comparison && !out;
+    const bool one = places.size() == 1 && places.front().directory == arguments.operand;
     FileBatch batch;  // all of them or none
-    ExitCode code = ExitCode::done;
-    std::string text;
-    for (const fs::path& place : places) {
-        const Comparison comparison = comparison_of(place, reference, candidate, asked);
-        add_gap_files(batch, comparison, place);
-        code = gravest(code, exit_code(comparison));
-        if (arguments.has("json")) {
-            text += (text.empty() ? "" : ",\n") + gap_json(comparison);
-        } else if (!arguments.has("quiet")) {
-            text += (text.empty() ? "" : "\n") + terminal_text(comparison, output_style());
-            text += fmt::format("report    {}\n", printable((place / "report.md").string()));
+    Told told;
+    for (const Place& place : places) {
+        if (!place.comparison) {
+            const RunRecord record = read_record(place.directory);
+            told.rows.push_back(record_row(record, place.directory.string()));
+            told.json.push_back(summary_json(record));
+            continue;
         }
+        const Comparison comparison = comparison_of(place.directory, reference, candidate, asked);
+        if (!out) add_gap_files(batch, comparison, place.directory);
+        tell(told, comparison, place.directory, alone);
     }
+    if (out) add_table(batch, told.rows, *out);
     batch.commit();
-    print(arguments.has("json") && !one ? "[\n" + text + "]\n" : text);
-    return code;
+    if (arguments.has("json")) {
+        print(one ? told.json.front() : joined(told.json));
+    } else if (!arguments.has("quiet")) {
+        print(alone ? told.last_text : records_terminal(told.rows, output_style()) + "\n" + told.verdicts);
+        if (out) print(fmt::format("report    {}\n", printable((fs::path(*out) / "report.md").string())));
+    }
+    return told.code;
 }
 
 }  // namespace
@@ -122,10 +173,11 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
 Verb report_verb(const Fidelity& reference, const Fidelity& candidate) {
     Verb verb;
     verb.name = "report";
-    verb.summary = "make the reports of comparisons again, from their records";
+    verb.summary = "make the reports of comparisons again, from their records; of many, a table";
     verb.operand = "DIR...";
     verb.example = "twinchute report c9-inflation.out";
     verb.options = {tolerance_option(reference.name),
+                    {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
                     {"json", "", "print the gap as JSON and nothing else"},
                     {"quiet", "", "print nothing but errors"}};
     verb.run = [&reference, &candidate](const Arguments& arguments) {

@@ -35,15 +35,15 @@ Option tolerance_option(std::string_view reference) {
             true};
 }
 
-std::vector<std::string> tolerance_overrides(const Arguments& arguments) {
+std::vector<std::string> tolerance_overrides(const Arguments& arguments, std::string_view option) {
     std::vector<std::string> overrides;
-    for (const std::string& text : arguments.values("tolerance")) {
+    for (const std::string& text : arguments.values(option)) {
         const auto equals = text.find('=');
         if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
             throw UsageError(
-                fmt::format("'--tolerance {}' is not understood (METRIC=VALUE is wanted), e.g. "
-                            "--tolerance peak_force=10% or --tolerance peak_force=500N",
-                            text));
+                fmt::format("'--{0} {1}' is not understood (METRIC=VALUE is wanted), e.g. "
+                            "--{0} peak_force=10% or --{0} peak_force=500N",
+                            option, text));
         }
         overrides.push_back(std::string(prefix) + text);
     }

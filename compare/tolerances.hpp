@@ -16,8 +16,9 @@ namespace twinchute::compare {
 Option tolerance_option(std::string_view reference);
 
 /// --tolerance peak_force=10% is the scene's compare.tolerance.peak_force = "10%": one reader
-/// for both. Throws UsageError.
-std::vector<std::string> tolerance_overrides(const Arguments& arguments);
+/// for both. `option`: where the same is said of something else. Throws UsageError.
+std::vector<std::string> tolerance_overrides(const Arguments& arguments,
+                                             std::string_view option = "tolerance");
 
 /// What was asked for when a record was made, by metric: its inputs hold it. Metrics that this version does
 /// not know are left out. `file` stands for the record in messages. Throws RecordError.

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
+#include "compare/baseline.hpp"
 #include "compare/gap.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
+#include "compare/report/trend_text.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
 #include "lib/cli/interrupt.hpp"
@@ -21,6 +25,15 @@
 namespace twinchute::compare {
 namespace {
 
+/// For standard output: the gap, and the trend in it where one was asked for. gap.json is without, since a
+/// report is made of records alone.
+std::string with_trend(const std::string& gap, const std::optional<Trend>& trend, const Baseline& baseline) {
+    if (!trend) return gap;
+    auto json = nlohmann::ordered_json::parse(gap);
+    json["trend"] = trend_json(*trend, baseline.directory());
+    return json_text(json);
+}
+
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
     std::vector<std::string> overrides = tolerance_overrides(arguments);
@@ -31,6 +44,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
+    const Baseline baseline(arguments, scenes, reference, candidate);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;
@@ -43,7 +57,8 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
     const bool quiet = arguments.has("quiet");
     ExitCode code = ExitCode::done;
     std::vector<std::string> gaps;
-    for (const Scene& scene : scenes) {
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const Scene& scene = scenes[i];
         const std::filesystem::path place = directory_of(scene, directory);
         Comparison comparison;
         comparison.reference_title = reference.title;
@@ -56,17 +71,22 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         comparison.reference =
             as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference));
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+        std::optional<Trend> trend;
+        if (baseline.asked()) trend = baseline.trend_of(i, comparison);
         add_report(batch, comparison, place);
+        baseline.add_files(batch, trend, comparison, place);
         batch.commit();
 
         if (arguments.has("json")) {
-            gaps.push_back(gap_json(comparison));
+            gaps.push_back(with_trend(gap_json(comparison), trend, baseline));
         } else if (!quiet) {
-            print((&scene == &scenes.front() ? "" : "\n") + terminal_text(comparison, output_style()));
+            print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
+            if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
             print(fmt::format("report    {}\n", printable((place / "report.md").string())));
             print(fields_text(of_reference) + fields_text(of_candidate));
         }
         code = gravest(code, exit_code(comparison));
+        if (trend && overall_verdict(*trend) == Verdict::exceeded) code = gravest(code, ExitCode::verdict);
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, gaps));
@@ -83,6 +103,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.example = "twinchute compare data/scenes/c9-inflation.toml";
     verb.options = scene_options("write records and report there instead of ./<scene file>.out");
     verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
+    for (Option& option : baseline_options())
+        verb.options.insert(verb.options.begin() + 2, std::move(option));
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
     if (reference.has_threads || candidate.has_threads)

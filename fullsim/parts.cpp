@@ -95,7 +95,7 @@ constexpr std::array pieces{
     Piece{event, "switch", "finite elements begin to take over from springs", &has_springs, &structure},
     Piece{event, "finite-elements-alone", "springs are dropped", &has_springs, &structure},
     Piece{event, "full-open", "the drag area is full", &always, &every_run},
-    Piece{event, "canopy-filled", "the projected area first reaches its steady mean",
+    Piece{event, "canopy-filled", "the projected area first reaches 98 % of its steady mean",
           [](const Scene& s) { return !inflated(s); }, &start},
     Piece{event, "peak-force", "the opening force is largest", &always, &every_run},
     Piece{event, "steady-descent", "the speed no longer changes", &always, &stop},

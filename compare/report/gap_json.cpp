@@ -44,6 +44,22 @@ Json metric_json(const MetricGap& metric) {
     return json;
 }
 
+Json history_json(const HistoryGap& history) {
+    Json json;
+    json["channel"] = history.row->channel;
+    for (const PhaseScore& phase : history.phases)
+        json[std::string(phase_name(phase.phase))] = {{"from_s", phase.from},
+                                                      {"to_s", phase.to},
+                                                      {"relative_maximum", phase.maximum},
+                                                      {"relative_l2", phase.l2},
+                                                      {"relative_infinity", phase.infinity}};
+    put(json, "score", history.score);
+    if (history.tolerance) json["tolerance"] = history.tolerance->value;
+    json["verdict"] = verdict_name(history.verdict);
+    if (!history.note.empty()) json["note"] = history.note;
+    return json;
+}
+
 Json side_json(const RunRecord& record, const std::string& title) {
     return {{"fidelity", record.fidelity},
             {"title", title},
@@ -66,6 +82,9 @@ std::string gap_json(const Comparison& comparison) {
     for (const MetricGap& metric : comparison.gap.metrics) {
         metrics[std::string(metric.row->key)] = metric_json(metric);
     }
+    Json& histories = json["histories"] = Json::object();
+    for (const HistoryGap& history : comparison.gap.histories)
+        histories[std::string(history.row->name)] = history_json(history);
     Json& cost = json["cost"] = Json::object();
     cost["reference"] = cost_json(comparison.reference.cost);
     cost["candidate"] = cost_json(comparison.candidate.cost);

@@ -14,7 +14,7 @@ namespace {
 struct Case {
     std::string name;
     double seconds = 0.0;
-    std::string problem;  ///< "", "failure" or "error"
+    std::string problem;  ///< "", "failure", "error" or "skipped"
     std::string type, message;
 };
 
@@ -28,12 +28,32 @@ Case run_case(const RunRecord& record) {
     return row;
 }
 
+/// Where there is nothing to judge a case says why it was skipped.
+void skip(Case& row, bool has_tolerance) {
+    row.problem = "skipped";
+    row.message = has_tolerance ? "a run broke off" : "no tolerance asked for";
+}
+
+Case history_case(const HistoryGap& history) {
+    Case row{std::string(history.row->name), 0.0, {}, {}, {}};
+    if (history.verdict == Verdict::exceeded || history.verdict == Verdict::missing) {
+        row.problem = "failure";
+        row.type = verdict_name(history.verdict);
+        row.message = failure_text(history);
+    } else if (history.verdict == Verdict::not_judged) {
+        skip(row, history.tolerance.has_value());
+    }
+    return row;
+}
+
 Case metric_case(const MetricGap& metric, const Comparison& comparison) {
     Case row{std::string(metric.row->name), 0.0, {}, {}, {}};
     if (metric.verdict == Verdict::exceeded || metric.verdict == Verdict::missing) {
         row.problem = "failure";
         row.type = verdict_name(metric.verdict);
         row.message = failure_text(metric, comparison);
+    } else if (metric.verdict == Verdict::not_judged) {
+        skip(row, metric.tolerance.has_value());
     }
     return row;
 }
@@ -44,6 +64,8 @@ std::string case_xml(const Case& row, std::string_view class_name) {
                     xml_text(row.name), std::isfinite(row.seconds) ? row.seconds : 0.0);
     if (row.problem.empty()) return text + "/>\n";
     const std::string message = xml_text(row.message);
+    if (row.problem == "skipped")
+        return text + fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n", message);
     return text + fmt::format(">\n      <{0} type=\"{1}\" message=\"{2}\">{2}</{0}>\n    </testcase>\n",
                               row.problem, xml_text(row.type), message);
 }
@@ -52,10 +74,11 @@ std::string case_xml(const Case& row, std::string_view class_name) {
 
 std::string junit_xml(const Comparison& comparison) {
     std::vector<Case> cases{run_case(comparison.reference), run_case(comparison.candidate)};
-    for (const MetricGap& metric : comparison.gap.metrics) {
-        if (metric.verdict != Verdict::not_judged) cases.push_back(metric_case(metric, comparison));
-    }
-    int failures = 0, errors = 0;
+    for (const MetricGap& metric : comparison.gap.metrics)
+        cases.push_back(metric_case(metric, comparison));
+    for (const HistoryGap& history : comparison.gap.histories)
+        cases.push_back(history_case(history));
+    int failures = 0, errors = 0, skipped = 0;
     double seconds = 0;
     // Dashboards take what stands before the last '.' for a package.
     std::string scene = comparison.reference.scene.name;
@@ -65,6 +88,7 @@ std::string junit_xml(const Comparison& comparison) {
     for (const Case& row : cases) {
         failures += row.problem == "failure";
         errors += row.problem == "error";
+        skipped += row.problem == "skipped";
         if (std::isfinite(row.seconds)) seconds += row.seconds;
         body += case_xml(row, class_name);
     }
@@ -76,9 +100,9 @@ std::string junit_xml(const Comparison& comparison) {
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
         "<testsuites name=\"twinchute compare\" {0} time=\"{1:.6f}\">\n"
-        "  <testsuite name=\"{2}\" {0} skipped=\"0\" time=\"{1:.6f}\" timestamp=\"{3}\">\n"
+        "  <testsuite name=\"{2}\" {0} skipped=\"{5}\" time=\"{1:.6f}\" timestamp=\"{3}\">\n"
         "{4}  </testsuite>\n</testsuites>\n",
-        counts, seconds, xml_text(class_name), xml_text(date), body);
+        counts, seconds, xml_text(class_name), xml_text(date), body, skipped);
 }
 
 }  // namespace twinchute::compare

@@ -74,6 +74,38 @@ std::string metrics_section(const Comparison& comparison) {
     return notes.empty() ? text : text + "\n" + notes;
 }
 
+std::string verdict_or_dash(Verdict verdict) {
+    return std::string(verdict == Verdict::not_judged ? "-" : verdict_name(verdict));
+}
+
+std::string histories_section(const FidelityGap& gap) {
+    if (gap.histories.empty()) return {};
+    std::string text = "## Histories\n\n" + header({"over time", "phase", "since snatch [s]", "maximum", "L2",
+                                                    "infinity", "tolerance", "verdict"},
+                                                   "llrrrrrl");
+    std::string notes;
+    for (const HistoryGap& history : gap.histories) {
+        const std::string title(history.row->title);
+        const std::string tolerance = history.tolerance ? share_text(history.tolerance->value, false) : "-";
+        for (const PhaseScore& phase : history.phases) {
+            const bool judged = phase.phase != HistoryPhase::deployment;
+            text +=
+                row({title, std::string(phase_name(phase.phase)),
+                     fmt::format("{:.2f} to {:.2f}", phase.from, phase.to), share_text(phase.maximum, true),
+                     share_text(phase.l2, false), share_text(phase.infinity, false), judged ? tolerance : "-",
+                     verdict_or_dash(phase_verdict(history, phase))});
+        }
+        if (history.phases.empty())
+            text += row({title, "-", "-", "-", "-", "-", tolerance, verdict_or_dash(history.verdict)});
+        if (!history.note.empty()) notes += fmt::format("- {} over time: {}\n", title, history.note);
+    }
+    text +=
+        "\nBoth clocks begin at snatch. Difference of the maxima, L2 and infinity norm of the difference, "
+        "each over the\n"
+        "reference's own in the same time. A tolerance is held against the L2 of inflation and descent.\n\n";
+    return notes.empty() ? text : text + notes + "\n";
+}
+
 std::string cost_section(const Comparison& comparison, const Sides& sides) {
     std::string text = "## Cost\n\n";
     for (const RunRecord* side : sides) {
@@ -221,8 +253,9 @@ std::string report_markdown(const Comparison& comparison) {
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
-    text += "\n" + metrics_section(comparison) + "\n" + cost_section(comparison, sides) + "\n";
+    text += "\n" + metrics_section(comparison) + "\n";
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
+    text += histories_section(comparison.gap) + cost_section(comparison, sides) + "\n";
     text += events_section(sides) + energy_section(sides) + notes_section(sides);
     text += inputs_section(comparison.reference);
     return text + provenance_section(comparison.reference);

@@ -21,14 +21,6 @@ std::array<Side, 2> sides(const Comparison& comparison) {
     return {{{&comparison.reference, Role::reference}, {&comparison.candidate, Role::candidate}}};
 }
 
-/// [s] when filling begins, in the clock of the channels.
-double filling_start(const RunRecord& record) {
-    for (const char* name : {"snatch", "line-stretch"}) {
-        if (const Event* event = record.find_event(name)) return event->time;
-    }
-    return 0;
-}
-
 /// When the canopy is open: as measured where the model has a shape, else as prescribed.
 const Event* opening(const RunRecord& record) {
     const Event* filled = record.find_event("canopy-filled");
@@ -79,7 +71,7 @@ std::string force_svg(const Comparison& comparison) {
     for (const auto& [record, role] : sides(comparison)) {
         const auto peak = record->metric("peak_force_N");
         const auto delay = record->metric("time_to_peak_force_s");
-        const double at = filling_start(*record) + delay.value_or(0);
+        const double at = snatch_of(*record) + delay.value_or(0);
         if (delay) last = std::max(last, at);
         if (const Event* open = opening(*record)) last = std::max(last, open->time);
         if (!peak) continue;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 
@@ -21,13 +24,35 @@ Colour verdict_colour(Verdict verdict) {
     return Colour::none;
 }
 
+/// Paints the verdicts of a table, one a row, afterwards: colour codes would count as columns.
+std::string painted(const std::string& text, const std::vector<Verdict>& verdicts, const Style& style) {
+    if (!style.colour) return text;
+    std::string result;
+    std::size_t row = 0;
+    for (std::size_t begin = 0; begin < text.size(); ++row) {
+        const std::size_t end = text.find('\n', begin);
+        std::string line = text.substr(begin, end - begin);
+        if (row > 0) {
+            const std::string_view name = verdict_name(verdicts[row - 1]);
+            const std::size_t at = line.rfind(name);
+            if (at != std::string::npos)
+                line.replace(at, name.size(), style.paint(name, verdict_colour(verdicts[row - 1])));
+        }
+        result += line + '\n';
+        begin = end + 1;
+    }
+    return result;
+}
+
 std::string gap_table(const Comparison& comparison, const Style& style) {
     Table table;
     const std::string reference = comparison.reference.fidelity, candidate = comparison.candidate.fidelity;
     table.header = {"metric",    candidate, reference,         "difference",
                     "tolerance", "verdict", candidate + " is", reference + " is"};
     table.right = {false, true, true, true, true};
+    std::vector<Verdict> verdicts;
     for (const MetricGap& metric : comparison.gap.metrics) {
+        verdicts.push_back(metric.verdict);
         const std::string_view unit = metric.row->unit;
         const bool judged = metric.verdict != Verdict::not_judged;
         table.rows.push_back({std::string(metric.row->title), value_text(metric.candidate, unit),
@@ -36,25 +61,37 @@ std::string gap_table(const Comparison& comparison, const Style& style) {
                               judged ? std::string(verdict_name(metric.verdict)) : "-",
                               standing_text(metric.candidate), standing_text(metric.reference)});
     }
-    std::string text = aligned(table, style);
-    if (!style.colour) return text;
-    // Painted afterwards, because colour codes would count as columns.
-    std::string painted;
-    std::size_t row = 0;
-    for (std::size_t begin = 0; begin < text.size(); ++row) {
-        const std::size_t end = text.find('\n', begin);
-        std::string line = text.substr(begin, end - begin);
-        if (row > 0) {
-            const Verdict verdict = comparison.gap.metrics[row - 1].verdict;
-            const std::string_view name = verdict_name(verdict);
-            const std::size_t at = line.rfind(name);
-            if (at != std::string::npos)
-                line.replace(at, name.size(), style.paint(name, verdict_colour(verdict)));
-        }
-        painted += line + '\n';
-        begin = end + 1;
+    return painted(aligned(table, style), verdicts, style);
+}
+
+/// A line a history: the share by phase, in one norm; the report has the others.
+std::string histories_text(const Comparison& comparison, const Style& style) {
+    Table table;
+    table.header = {"over time"};
+    table.right = {false};
+    constexpr std::array phases{HistoryPhase::deployment, HistoryPhase::inflation, HistoryPhase::descent};
+    for (const HistoryPhase phase : phases) {
+        table.header.emplace_back(phase_name(phase));
+        table.right.push_back(true);
     }
-    return painted;
+    table.header.insert(table.header.end(), {"tolerance", "verdict"});
+    table.right.push_back(true);
+    std::vector<Verdict> verdicts;
+    for (const HistoryGap& history : comparison.gap.histories) {
+        std::vector<std::string> cells{std::string(history.row->title)};
+        for (const HistoryPhase phase : phases) {
+            const auto score = std::ranges::find(history.phases, phase, &PhaseScore::phase);
+            cells.push_back(score == history.phases.end() ? "-" : share_text(score->l2, false));
+        }
+        cells.push_back(history.tolerance ? share_text(history.tolerance->value, false) : "-");
+        cells.emplace_back(history.verdict == Verdict::not_judged ? "-" : verdict_name(history.verdict));
+        table.rows.push_back(std::move(cells));
+        verdicts.push_back(history.verdict);
+    }
+    if (table.rows.empty()) return {};
+    return painted(aligned(table, style), verdicts, style) +
+           fmt::format("L2 norm of the difference since snatch, over that of {}\n\n",
+                       comparison.reference.fidelity);
 }
 
 std::string side_notes(const RunRecord& record, const Style& style) {
@@ -78,7 +115,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
         text += printable(fill) + "\n";
     }
     text += "\n";
-    text += gap_table(comparison, style) + "\n";
+    text += gap_table(comparison, style) + "\n" + histories_text(comparison, style);
     text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));
     text += fmt::format("cost      {}\n", cost_line(comparison));
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})

@@ -54,6 +54,21 @@ std::string failure_text(const MetricGap& metric, const Comparison& comparison) 
                        difference_text(metric), tolerance);
 }
 
+std::string failure_text(const HistoryGap& history) {
+    const std::string tolerance = history.tolerance ? share_text(history.tolerance->value, false) : "none";
+    if (!history.score)
+        return fmt::format("{} over time: {}, so that the tolerance of {} cannot be judged",
+                           history.row->title, history.note, tolerance);
+    return fmt::format("{} over time: relative L2 norm of the difference {}, tolerance {}",
+                       history.row->title, share_text(*history.score, false), tolerance);
+}
+
+std::string share_text(double share, bool with_sign) {
+    const std::string text = fmt::format("{:.{}f}", 100 * std::abs(share), std::abs(share) < 10 ? 1 : 0);
+    const bool zero = text.find_first_not_of("0.") == std::string::npos;
+    return fmt::format("{}{} %", !with_sign || zero ? "" : share < 0 ? "-" : "+", text);
+}
+
 std::string ratio_text(double ratio) {
     // Two runs of the same input differ by some per cent in time: more digits would be noise.
     if (!(std::isfinite(ratio) && ratio >= 100)) return readable(ratio, 2);

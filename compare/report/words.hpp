@@ -19,6 +19,11 @@ std::string standing_text(const std::optional<SideValue>& side);
 /// Why a metric is not within: values, difference and tolerance in one sentence.
 std::string failure_text(const MetricGap& metric, const Comparison& comparison);
 
+std::string failure_text(const HistoryGap& history);
+
+/// "+1.2 %" of a share, or "3.4 %" without sign.
+std::string share_text(double share, bool with_sign);
+
 /// How many times longer, in two digits: wall times have no more.
 std::string ratio_text(double ratio);
 

@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // [bytes] Real summaries take some 30 kB and histories some MB: what is far beyond is no record of ours.
-constexpr std::size_t largest_summary = 4u << 20, largest_history = 256u << 20, largest_events = 4u << 20;
+constexpr std::size_t largest_summary = 4u << 20, largest_history = 256u << 20, largest_events = 4u << 20,
+                      largest_other = 256u << 20;
 
 void require_size(std::string_view text, std::size_t largest, const std::string& file) {
     if (text.size() <= largest) return;
@@ -57,6 +58,24 @@ std::string message(const RecordPlace& place, const std::string& problem, const 
     return text;
 }
 
+struct Texts {
+    std::string_view summary, history, events;
+};
+
+/// What is wrong in a table is said with its line; only then, that the table is another one.
+RunRecord read_parts(const Texts& texts, const fs::path& directory, FileSums& sums) {
+    const auto name = [&](const char* file) { return (directory / file).string(); };
+    require_size(texts.summary, largest_summary, name("summary.json"));
+    require_size(texts.history, largest_history, name("history.csv"));
+    require_size(texts.events, largest_events, name("events.csv"));
+    RunRecord record = read_summary(texts.summary, name("summary.json"), sums);
+    record.channels = read_history(texts.history, name("history.csv"));
+    record.events = read_events(texts.events, name("events.csv"));
+    require_sum(sums, "history.csv", texts.history, name("history.csv"));
+    require_sum(sums, "events.csv", texts.events, name("events.csv"));
+    return record;
+}
+
 }  // namespace
 
 RecordError::RecordError(RecordPlace place, const std::string& problem, const std::string& why,
@@ -76,19 +95,20 @@ RunRecord read_record(const fs::path& directory) {
     const std::string summary = content(directory / "summary.json", largest_summary),
                       history = content(directory / "history.csv", largest_history),
                       events = content(directory / "events.csv", largest_events);
-    return read_record_text(summary, history, events, directory);
+    FileSums sums;
+    RunRecord record = read_parts({summary, history, events}, directory, sums);
+    for (const auto& [name, sum] : sums) {
+        if (name == "history.csv" || name == "events.csv") continue;  // read_parts has seen to them
+        const fs::path file = directory / name;
+        require_sum(sums, name, content(file, largest_other), file.string());
+    }
+    return record;
 }
 
 RunRecord read_record_text(std::string_view summary, std::string_view history, std::string_view events,
                            const fs::path& directory) {
-    const auto name = [&](const char* file) { return (directory / file).string(); };
-    require_size(summary, largest_summary, name("summary.json"));
-    require_size(history, largest_history, name("history.csv"));
-    require_size(events, largest_events, name("events.csv"));
-    RunRecord record = read_summary(summary, name("summary.json"));
-    record.channels = read_history(history, name("history.csv"));
-    record.events = read_events(events, name("events.csv"));
-    return record;
+    FileSums sums;
+    return read_parts({summary, history, events}, directory, sums);
 }
 
 }  // namespace twinchute

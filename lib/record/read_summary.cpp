@@ -250,6 +250,20 @@ Provenance read_provenance(const Node& node) {
     return made;
 }
 
+/// Names of files in the record's own directory: nothing else is ever looked at.
+FileSums read_sums(const Node& node) {
+    FileSums sums;
+    node.each_key([&](const std::string& name, const Node& sum) {
+        constexpr std::string_view plain =
+            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+        if (name.empty() || name.starts_with('.') || name.size() > 100 ||
+            name.find_first_not_of(plain) != name.npos)
+            node.refuse(fmt::format("'{}' is not the name of a file of a record", shown(name)), "");
+        sums[name] = sum.text();
+    });
+    return sums;
+}
+
 void require_schema(const Node& top) {
     const auto generator = top.find("generator");
     if (!generator || !generator->is_text() || generator->text() != "twinchute")
@@ -264,7 +278,7 @@ void require_schema(const Node& top) {
 
 }  // namespace
 
-RunRecord read_summary(std::string_view text, const std::string& file) {
+RunRecord read_summary(std::string_view text, const std::string& file, FileSums& sums) {
     Json json;
     try {
         json = Json::parse(text.begin(), text.end(), Bounds(file));
@@ -299,6 +313,7 @@ RunRecord read_summary(std::string_view text, const std::string& file) {
         record.left_out.push_back({row.text_at("what"), row.text_at("why")});
     });
     record.provenance = read_provenance(top.at("provenance"));
+    if (const auto files = top.find("files")) sums = read_sums(*files);
     return record;
 }
 

@@ -157,7 +157,7 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
             {"threads", provenance.threads}};
 }
 
-std::string summary_json(const RunRecord& record) {
+std::string summary_json(const RunRecord& record, const FileSums& files) {
     std::vector<Metric> metrics = record.metrics;
     std::vector<Warning> warnings = record.warnings;
     leave_out_not_finite(metrics, warnings);
@@ -176,6 +176,7 @@ std::string summary_json(const RunRecord& record) {
     json["warnings"] = warnings_json(warnings);
     json["left_out"] = left_out_json(record.left_out);
     json["provenance"] = provenance_json(record.provenance);
+    if (!files.empty()) json["files"] = files;
     return json_text(json);
 }
 

@@ -5,13 +5,15 @@
 #include <string_view>
 #include <vector>
 
+#include "lib/record/file_sums.hpp"
 #include "lib/record/record_error.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
 
-/// Everything but channels and events. `file` stands for it in messages. Throws RecordError.
-RunRecord read_summary(std::string_view text, const std::string& file);
+/// Everything but channels and events. `file` stands for it in messages. `sums` gets what it says of the
+/// files beside it, by plain names. Throws RecordError.
+RunRecord read_summary(std::string_view text, const std::string& file, FileSums& sums);
 
 /// Throws RecordError.
 std::vector<Channel> read_history(std::string_view text, const std::string& file);

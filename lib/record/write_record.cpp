@@ -1,16 +1,23 @@
 #include "lib/record/write_record.hpp"
 
+#include "lib/math/sha256.hpp"
 #include "lib/record/field_files.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute {
 
-void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory) {
+void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
+                const FileSums& others) {
     remove_old_fields(batch, directory);
-    batch.add(directory / "history.csv", history_csv(record));
-    batch.add(directory / "events.csv", events_csv(record));
-    batch.add(directory / "summary.json", summary_json(record), FileBatch::Kind::marker);
+    FileSums sums = others;
+    const auto add = [&](const char* name, const std::string& text) {
+        batch.add(directory / name, text);
+        sums[name] = sha256_hex(text);
+    };
+    add("history.csv", history_csv(record));
+    add("events.csv", events_csv(record));
+    batch.add(directory / "summary.json", summary_json(record, sums), FileBatch::Kind::marker);
 }
 
 void write_record(const RunRecord& record, const std::filesystem::path& directory) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lib/record/file_batch.hpp"
+#include "lib/record/file_sums.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
@@ -13,7 +14,9 @@ namespace twinchute {
 /// changed.
 void write_record(const RunRecord& record, const std::filesystem::path& directory);
 
-/// The same as part of a larger batch.
-void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory);
+/// The same as part of a larger batch. `others`: further files of the record that the caller adds, which the
+/// summary vouches for as well.
+void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
+                const FileSums& others = {});
 
 }  // namespace twinchute

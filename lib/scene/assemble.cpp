@@ -14,6 +14,10 @@
 namespace twinchute {
 namespace {
 
+std::optional<double> optional_number(const Values& v, std::string_view key) {
+    return v.given(key) ? std::optional(v.number(key)) : std::nullopt;
+}
+
 /// Materials as a scene names them, each file read once a key.
 class Materials {
 public:
@@ -21,14 +25,18 @@ public:
 
     Fabric fabric(const std::string& key) {
         const Values m = read(key, {fabric_keys(), "fabric.", InputOrigin::design, key});
-        return {values_.word(key), m.number("fabric.density"), m.number("fabric.youngs_modulus"),
-                m.number("fabric.poisson_ratio"), m.number("fabric.thickness")};
+        return {values_.word(key),
+                m.number("fabric.density"),
+                m.number("fabric.youngs_modulus"),
+                m.number("fabric.poisson_ratio"),
+                m.number("fabric.thickness"),
+                optional_number(m, "fabric.strength")};
     }
 
     Cord cord(const std::string& key) {
         const Values m = read(key, {cord_keys(), "cord.", InputOrigin::design, key});
         return {values_.word(key), m.number("cord.density"), m.number("cord.youngs_modulus"),
-                m.number("cord.diameter")};
+                m.number("cord.diameter"), optional_number(m, "cord.strength")};
     }
 
 private:
@@ -186,6 +194,8 @@ Parachute parachute(const Values& v, Materials& materials) {
     p.tapes.radial = materials.cord("parachute.tapes.radial");
     p.tapes.skirt = materials.cord("parachute.tapes.skirt");
     p.tapes.vent = materials.cord("parachute.tapes.vent");
+
+    p.strength = {v.number("parachute.joint_efficiency"), v.number("parachute.design_factor")};
 
     p.deploy = deployment(v);
     p.fill_time = fill_time(v);

@@ -177,6 +177,10 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.tapes.radial", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
     {.path = "parachute.tapes.skirt", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the skirt"},
     {.path = "parachute.tapes.vent", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.joint_efficiency", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1), .user = full,
+     .meaning = "strength of seams and joints over that of fabric and line, for the margins", .source = "nothing taken off; Knacke NWC TP 6575, chapter 6, has it per joint"},
+    {.path = "parachute.design_factor", .unit = "1", .need = defaulted, .fallback = "1", .range = from(1, 100), .user = full,
+     .meaning = "loads times this are held against the strength, for the margins", .source = "nothing added; Knacke NWC TP 6575, chapter 6: safety, uneven load, wear"},
     {.path = "parachute.deploy.by", .kind = word, .choices = deployments,
      .meaning = "how it leaves its pack; line-stretch and inflated: the scene starts with lines and canopy drawn out"},
     {.path = "parachute.deploy.length", .unit = "m", .range = above(0, 1000), .only_with = "static-line",
@@ -313,10 +317,14 @@ constexpr Key material_rows[] = {
     {.path = "fabric.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in both directions"},
     {.path = "fabric.poisson_ratio", .unit = "1", .range = below(0, 0.5), .user = full, .meaning = "in the plane"},
     {.path = "fabric.thickness", .unit = "m", .range = above(0, 0.1), .user = full, .meaning = "of the sheet"},
+    {.path = "fabric.strength", .unit = "N/m", .need = optional, .fallback = "no margin", .range = above(0, 1e7), .user = full,
+     .meaning = "at which a strip breaks, over its width"},
     {.path = "cord.kind", .kind = word, .choices = cords, .user = full, .meaning = "\"cord\""},
     {.path = "cord.density", .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the solid round section"},
     {.path = "cord.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in tension"},
     {.path = "cord.diameter", .unit = "m", .range = above(0, 1), .user = full, .meaning = "of that section, and what the air sees"},
+    {.path = "cord.strength", .unit = "N", .need = optional, .fallback = "no margin", .range = above(0, 1e8), .user = full,
+     .meaning = "at which it breaks"},
 };
 
 constexpr ToleranceMetric metric_rows[] = {
@@ -329,6 +337,8 @@ constexpr ToleranceMetric metric_rows[] = {
     {"landing_east", "m"}, {"landing_north", "m"}, {"projected_diameter_ratio", "1"},
     {"seam_diameter_ratio", "1"}, {"canopy_depth_ratio", "1"}, {"signed_area_ratio", "1"},
     {"max_line_tension", "N"}, {"max_membrane_stress", "N/m"},
+    {"line_strength_margin", "1"}, {"membrane_strength_margin", "1"},
+    {"force_history", "1"}, {"speed_history", "1"}, {"drag_area_history", "1"}, {"projected_area_history", "1"},
 };
 // clang-format on
 

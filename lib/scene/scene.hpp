@@ -81,6 +81,7 @@ struct Parachute {
     Fabric fabric;
     Cord line;
     Tapes tapes;
+    StrengthFactors strength;
 
     Deployment deploy;
     FillTime fill_time;

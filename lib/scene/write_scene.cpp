@@ -106,6 +106,8 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.words("tapes.radial", p.tapes.radial.name);
     w.words("tapes.skirt", p.tapes.skirt.name);
     w.words("tapes.vent", p.tapes.vent.name);
+    w.number("joint_efficiency", p.strength.joint_efficiency);
+    w.number("design_factor", p.strength.design_factor);
     write_deployment(w, p.deploy);
     w.words("fill_time.model", p.fill_time.model->name);
     if (p.fill_time.model->name == "given") {

@@ -74,7 +74,9 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
             r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
             packed ? Standing::result : Standing::input, "v_s^2/(g D0)");
     }
-    if (r.impulse) add("impulse_N_s", *r.impulse);
+    if (r.impulse)
+        add("impulse_N_s", *r.impulse, Standing::result,
+            "of the opening force, from snatch until the drag area is full");
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
     if (r.descent_rate)
         record.add_metric("descent_rate_m_s", *r.descent_rate, descent.standing, descent.note);
@@ -88,6 +90,20 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         add("landing_east_m", r.end_position.x());
         add("landing_north_m", r.end_position.y());
     }
+}
+
+void add_strength_margins(RunRecord& record, const Parachute& chute) {
+    const auto add = [&](const char* key, const char* load_key, const std::optional<double>& strength,
+                         std::string_view unit) {
+        const std::optional<double> load = record.metric(load_key);
+        if (!strength || !load || !(*load > 0.0)) return;
+        record.add_metric(
+            key, strength_margin(*strength, chute.strength, *load), Standing::result,
+            fmt::format("strength {:.5g} {}, joint efficiency {:g}, design factor {:g}", *strength, unit,
+                        chute.strength.joint_efficiency, chute.strength.design_factor));
+    };
+    add("line_strength_margin", "max_line_tension_N", chute.line.strength, "N");
+    add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength, "N/m");
 }
 
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,

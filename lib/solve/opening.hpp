@@ -67,6 +67,10 @@ struct OpeningResult {
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
                          const Metric& filling, const Metric& descent);
 
+/// Adds the margins of lines and fabric where a largest load and a strength are known; absent otherwise.
+/// Loads: the metrics max_line_tension_N and max_membrane_stress_N_m of the record.
+void add_strength_margins(RunRecord& record, const Parachute& chute);
+
 /// Warnings about an opening that hold for every fidelity (M_r > 1, ...). speed, density: at snatch [m/s],
 /// [kg/m^3].
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,

@@ -130,20 +130,32 @@ TEST(CompareReport, GapJsonHasTheKeysOfTheContract) {
     EXPECT_EQ(gap["metrics"]["snatch_speed_m_s"]["input_or_result"],
               (json{{"reference", "input"}, {"candidate", "input"}}));
     EXPECT_FALSE(gap["metrics"]["snatch_speed_m_s"].contains("tolerance"));
+    const json& history = gap["histories"]["force_history"];
+    EXPECT_EQ(history["channel"], "force");
+    EXPECT_EQ(history["verdict"], "not judged");
+    // Full open of the reference is at 1.6 s, both records last 6 s, the peak is 200 N lower.
+    EXPECT_EQ(history["inflation"]["to_s"], 1.6);
+    EXPECT_EQ(history["descent"]["to_s"], 6.0);
+    EXPECT_NEAR(history["inflation"]["relative_maximum"], -0.04, 1e-3);  // of points 1 ms apart
+    EXPECT_FALSE(history.contains("deployment"));
     EXPECT_EQ(gap["cost"]["reference"]["wall_s"], 12.0);
     EXPECT_EQ(gap["cost"]["ratio"].get<double>(), 12.0 / 4e-4);
     EXPECT_EQ(gap["reference"]["fidelity"], "full");
     EXPECT_EQ(gap["candidate"]["fidelity"], "rom");
 }
 
-TEST(CompareReport, JunitHasACaseForEachRunAndEachJudgedMetric) {
+TEST(CompareReport, JunitHasACaseForEachRunMetricAndHistory) {
     const std::string xml = junit_xml(made_up_comparison({{"peak_force", {150, false}}}));
     EXPECT_TRUE(well_formed(xml)) << xml;
-    // Two runs, then filling time, peak force and descent rate.
-    EXPECT_NE(xml.find("tests=\"5\" failures=\"1\" errors=\"0\""), std::string::npos) << xml;
+    // Two runs; filling time, peak force and descent rate; snatch speed, time to peak force and the histories
+    // of force and speed, for which nobody asked for a tolerance.
+    EXPECT_NE(xml.find("tests=\"9\" failures=\"1\" errors=\"0\" skipped=\"4\""), std::string::npos) << xml;
     EXPECT_NE(xml.find("<failure type=\"exceeded\" message=\"Peak opening force: full 5000 N, rom 4800 N"),
               std::string::npos);
-    EXPECT_EQ(xml.find("snatch_speed"), std::string::npos);  // not judged
+    EXPECT_NE(
+        xml.find(
+            "name=\"snatch_speed\" time=\"0.000000\">\n      <skipped message=\"no tolerance asked for\"/>"),
+        std::string::npos);
 }
 
 TEST(CompareReport, JunitIsRedWhenARunFailed) {

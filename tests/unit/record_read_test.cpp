@@ -8,6 +8,7 @@
 #include <locale>
 #include <nlohmann/json.hpp>
 
+#include "lib/math/sha256.hpp"
 #include "lib/record/read_record.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
@@ -326,6 +327,63 @@ TEST(RecordRead, ATableThatIsCutOffAnywhereIsRefusedOrShorterByWholeLines) {
         const bool two_lines = std::ranges::count(cut, '\n') >= 2;
         EXPECT_EQ(complaint_of_history(cut) == "no complaint", two_lines && cut.ends_with('\n')) << length;
     }
+}
+
+TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
+    const ScratchDir scratch;
+    const std::string frames("\x01\x00\xff frames", 10);
+    const auto whole = [&] {
+        FileBatch batch;
+        batch.add(scratch / "r/frames.bin", frames);
+        add_record(batch, small_record(), scratch / "r", {{"frames.bin", sha256_hex(frames)}});
+        batch.commit();
+    };
+    const auto says = [&] {
+        try {
+            read_record(scratch / "r");
+        } catch (const RecordError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    whole();
+    EXPECT_EQ(says(), "");
+    for (const std::string name : {"history.csv", "events.csv", "frames.bin"}) {
+        whole();
+        std::string text = content_of(scratch / ("r/" + name));
+        const auto digit = text.rfind(name == "frames.bin" ? 'm' : '5');  // still a table of numbers
+        ASSERT_NE(digit, std::string::npos) << name;
+        text[digit] = '6';
+        scratch.write("r/" + name, text);
+        EXPECT_TRUE(
+            has(says(), "r/" + name + ": is not the file that this record was written with (its SHA-256"))
+            << says();
+        text.resize(name == "frames.bin" ? 5 : text.find('\n', text.find('\n') + 1) + 1);  // no row left
+        scratch.write("r/" + name, text);
+        EXPECT_TRUE(has(says(), "it was edited or cut short), run the scene again")) << name << says();
+    }
+    whole();
+    std::filesystem::remove(scratch / "r/frames.bin");
+    EXPECT_TRUE(has(says(), "r/frames.bin: no such file (the record is not whole)"));
+
+    // An earlier version vouched for nothing: its record is read, edited or not.
+    whole();
+    ordered_json summary = ordered_json::parse(content_of(scratch / "r/summary.json"));
+    EXPECT_EQ(summary["files"].size(), 3u);
+    summary.erase("files");
+    scratch.write("r/summary.json", summary.dump());
+    scratch.write("r/events.csv", "name,time,altitude,speed\n-,s,m,m/s\n");
+    EXPECT_EQ(says(), "");
+    // What it names stays inside: no file of another place is opened, whatever its sum.
+    for (const char* name : {"../r/history.csv", "/etc/hostname", "..", ".hidden", "", "a b", "a\nb"}) {
+        summary["files"] = {{name, "0"}};
+        scratch.write("r/summary.json", summary.dump());
+        EXPECT_TRUE(has(says(), "summary.json: files: '") && has(says(), "is not the name of a file"))
+            << says();
+    }
+    summary["files"] = {{"history.csv", 3}};
+    scratch.write("r/summary.json", summary.dump());
+    EXPECT_TRUE(has(says(), "files.history.csv: is a number where text belongs")) << says();
 }
 
 TEST(RecordRead, ADirectoryWithoutSummaryIsNotARecord) {

@@ -62,7 +62,7 @@ TEST(Keys, DesignKeysAreThoseOfTheParachute) {
     EXPECT_EQ(find_key(design_keys(), "parachute.deploy.by"), nullptr);
     EXPECT_EQ(find_key(design_keys(), "payload.mass"), nullptr);
     EXPECT_EQ(fabric_keys().size() + cord_keys().size(), material_keys().size());
-    EXPECT_EQ(fabric_keys().back().path, "fabric.thickness");
+    EXPECT_EQ(fabric_keys().back().path, "fabric.strength");
     EXPECT_EQ(cord_keys().front().path, "cord.kind");
 }
 

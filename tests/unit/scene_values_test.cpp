@@ -9,6 +9,7 @@
 #include "lib/math/vec.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
+#include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
 
 namespace twinchute::test {
@@ -99,6 +100,31 @@ TEST(SceneValues, EveryShippedDesignValueNamesItsSource) {
         ++seen;
     }
     EXPECT_GE(seen, 30);  // 14 of the design, 4 of the fabric, 3 of each of four cords
+}
+
+TEST(SceneValues, StrengthsComeWithMaterialsAndFactorsWithTheParachute) {
+    const Parachute& c9 = read_text(good_scene).parachutes.front();
+    ASSERT_TRUE(c9.line.strength && c9.fabric.strength);
+    EXPECT_DOUBLE_EQ(*c9.line.strength, 400 * 4.4482216152605);  // lbf, NIST SP 811
+    EXPECT_DOUBLE_EQ(*c9.fabric.strength, 7355);                 // 750 kgf/m
+    EXPECT_EQ(c9.strength, (StrengthFactors{1.0, 1.0}));
+    const std::string factors = "[[parachute]]\njoint_efficiency = \"80 %\"\ndesign_factor = 1.5";
+    EXPECT_EQ(read_text(edited(good_scene, "[[parachute]]", factors)).parachutes.front().strength,
+              (StrengthFactors{0.8, 1.5}));
+    for (const char* wrong : {"joint_efficiency = 0", "joint_efficiency = 1.01", "design_factor = 0.99"})
+        EXPECT_NE(complaint(edited(good_scene, "[[parachute]]", std::string("[[parachute]]\n") + wrong)), "")
+            << wrong;
+}
+
+TEST(SceneValues, AMaterialWithoutStrengthHasNone) {
+    const ScratchDir scratch;
+    scratch.write("materials/cord.toml",
+                  "kind = \"cord\"\ndensity = 462\nyoungs_modulus = 9.7e8\ndiameter = 4e-3\n");
+    const Scene scene = read_scene_text(edited(good_scene, "[[parachute]]", "[[parachute]]\nline = \"cord\""),
+                                        "test.toml", scratch.path());
+    EXPECT_EQ(scene.parachutes.front().line.strength, std::nullopt);
+    EXPECT_EQ(find_input(scene, "parachute.line.strength"), nullptr);
+    EXPECT_NE(find_input(scene, "parachute.tapes.skirt.strength"), nullptr);
 }
 
 TEST(SceneValues, HeightCountsFromTheGround) {

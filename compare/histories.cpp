@@ -1,0 +1,173 @@
+#include "compare/histories.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace twinchute::compare {
+namespace {
+
+constexpr std::array rows{
+    HistoryRow{"force_history", "force", "N", "Opening force"},
+    HistoryRow{"speed_history", "speed", "m/s", "Speed"},
+    HistoryRow{"drag_area_history", "drag_area", "m^2", "Drag area"},
+    HistoryRow{"projected_area_history", "projected_area", "m^2", "Projected area"},
+};
+
+/// Value on segment i, between its points i and i + 1.
+double on_segment(const Curve& curve, std::size_t i, double time) {
+    const double a = curve.time[i], b = curve.time[i + 1];
+    if (time <= a) return curve.value[i];
+    if (time >= b) return curve.value[i + 1];
+    const double share = (time - a) / (b - a);
+    return (1 - share) * curve.value[i] + share * curve.value[i + 1];
+}
+
+/// The segment in which a piece of time just after `time` lies; time is not after the end.
+std::size_t segment_after(const Curve& curve, double time) {
+    const auto next = std::ranges::upper_bound(curve.time, time);
+    const auto i = static_cast<std::size_t>(next - curve.time.begin());
+    return std::clamp<std::size_t>(i, 1, curve.time.size() - 1) - 1;
+}
+
+/// Times of the points strictly inside, and both ends.
+void add_times(std::vector<double>& times, const Curve& curve, double from, double to) {
+    const auto begin = std::ranges::upper_bound(curve.time, from),
+               end = std::ranges::lower_bound(curve.time, to);
+    if (begin < end) times.insert(times.end(), begin, end);
+}
+
+/// a - b, or a alone.
+Curve combined(const Curve& a, const Curve* b, double from, double to) {
+    std::vector<double> times{from, to};
+    add_times(times, a, from, to);
+    if (b) add_times(times, *b, from, to);
+    std::ranges::sort(times);
+    times.erase(std::ranges::unique(times).begin(), times.end());
+    Curve result;
+    for (std::size_t k = 0; k + 1 < times.size(); ++k) {
+        // Of a jump the value after it begins a piece and the value before it ends one.
+        const std::size_t i = segment_after(a, times[k]), j = b ? segment_after(*b, times[k]) : 0;
+        for (const double time : {times[k], times[k + 1]}) {
+            const double value = on_segment(a, i, time) - (b ? on_segment(*b, j, time) : 0.0);
+            if (!result.time.empty() && result.time.back() == time && result.value.back() == value) continue;
+            result.time.push_back(time);
+            result.value.push_back(value);
+        }
+    }
+    return result;
+}
+
+const Event* event_of(const RunRecord& record, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+        if (const Event* event = record.find_event(name)) return event;
+    return nullptr;
+}
+
+/// A channel as a curve in the time since snatch; nothing where it is not one.
+std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel) {
+    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
+    if (!time || !values || time->values.size() < 2 || time->values.size() != values->values.size())
+        return {};
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (!std::ranges::all_of(time->values, finite) || !std::ranges::all_of(values->values, finite) ||
+        !std::ranges::is_sorted(time->values))
+        return {};
+    Curve curve{time->values, values->values};
+    const double snatch = snatch_of(record);
+    for (double& t : curve.time)
+        t -= snatch;
+    return curve;
+}
+
+std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, HistoryPhase phase,
+                                double from, double to) {
+    from = std::max({from, reference.time.front(), candidate.time.front()});
+    to = std::min({to, reference.time.back(), candidate.time.back()});
+    if (!(to > from)) return {};
+    const Curve one = cut(reference, from, to), other = cut(candidate, from, to),
+                apart = difference(candidate, reference, from, to);
+    const double largest = infinity_norm(one), norm = l2_norm(one);
+    PhaseScore result{phase, from, to, 0.0, 0.0, 0.0};
+    result.maximum = (infinity_norm(other) - largest) / largest;
+    result.l2 = l2_norm(apart) / norm;
+    result.infinity = infinity_norm(apart) / largest;
+    // A reference of zeros, or values whose squares a double does not hold.
+    if (!std::isfinite(result.maximum + result.l2 + result.infinity)) return {};
+    return result;
+}
+
+}  // namespace
+
+Curve difference(const Curve& a, const Curve& b, double from, double to) {
+    return combined(a, &b, from, to);
+}
+
+Curve cut(const Curve& curve, double from, double to) {
+    return combined(curve, nullptr, from, to);
+}
+
+double l2_norm(const Curve& curve) {
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < curve.time.size(); ++i) {
+        const double a = curve.value[i], b = curve.value[i + 1];
+        sum += (curve.time[i + 1] - curve.time[i]) * (a * a + a * b + b * b) / 3.0;
+    }
+    return std::sqrt(sum);
+}
+
+double infinity_norm(const Curve& curve) {
+    double most = 0;
+    for (const double value : curve.value)
+        most = std::max(most, std::abs(value));
+    return most;
+}
+
+std::span<const HistoryRow> history_rows() {
+    return rows;
+}
+
+std::string_view phase_name(HistoryPhase phase) {
+    switch (phase) {
+        case HistoryPhase::deployment:
+            return "deployment";
+        case HistoryPhase::inflation:
+            return "inflation";
+        case HistoryPhase::descent:
+            return "descent";
+    }
+    return "unknown";
+}
+
+double snatch_of(const RunRecord& record) {
+    const Event* event = event_of(record, {"snatch", "line-stretch"});
+    return event ? event->time : 0.0;
+}
+
+std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
+                                      const HistoryRow& row) {
+    const std::optional<Curve> one = curve_of(reference, row.channel),
+                               other = curve_of(candidate, row.channel);
+    if (!one || !other) return {};
+    constexpr double ever = std::numeric_limits<double>::infinity();
+    const Event* open = event_of(reference, {"full-open"});
+    const double full = open ? open->time - snatch_of(reference) : ever;
+    std::vector<PhaseScore> scores;
+    const auto add = [&](HistoryPhase phase, double from, double to) {
+        if (const auto result = score(*one, *other, phase, from, to)) scores.push_back(*result);
+    };
+    add(HistoryPhase::deployment, -ever, 0.0);
+    add(HistoryPhase::inflation, 0.0, full);
+    add(HistoryPhase::descent, full, ever);
+    return scores;
+}
+
+std::optional<double> judged_score(std::span<const PhaseScore> phases) {
+    std::optional<double> most;
+    for (const PhaseScore& phase : phases)
+        if (phase.phase != HistoryPhase::deployment) most = std::max(most.value_or(0.0), phase.l2);
+    return most;
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,162 @@
+#include "compare/record_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "compare/metrics.hpp"
+#include "compare/report/escape.hpp"
+#include "lib/cli/record_text.hpp"
+#include "lib/record/metric_key.hpp"
+#include "lib/record/record_csv.hpp"
+#include "lib/record/record_json.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+constexpr int table_schema = 1;
+constexpr std::array<std::string_view, 6> brief{"snatch_speed_m_s", "filling_time_s",   "peak_force_N",
+                                                "load_factor",      "descent_rate_m_s", "altitude_loss_m"};
+
+std::optional<double> value_of(const RecordRow& row, std::string_view key) {
+    const auto found = std::ranges::find(row.metrics, key, &std::pair<std::string, double>::first);
+    return found == row.metrics.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// Keys that some record has: those of the table of metrics in its order, then the others as they come.
+std::vector<std::string> keys_of(const std::vector<RecordRow>& rows) {
+    std::vector<std::string> keys;
+    const auto add = [&](std::string_view key) {
+        if (std::ranges::find(keys, key) == keys.end()) keys.emplace_back(key);
+    };
+    for (const MetricRow& metric : metric_rows())
+        if (std::ranges::any_of(rows,
+                                [&](const RecordRow& row) { return value_of(row, metric.key).has_value(); }))
+            add(metric.key);
+    for (const RecordRow& row : rows)
+        for (const auto& [key, value] : row.metrics)
+            add(key);
+    return keys;
+}
+
+std::string cell_of(const RecordRow& row, const std::string& key) {
+    const std::optional<double> value = value_of(row, key);
+    return value ? readable(*value) : "-";
+}
+
+std::string title_of(const std::string& key) {
+    const auto [name, unit] = split_metric_key(key);
+    return metric_words(key) + (unit.empty() ? "" : fmt::format(" [{}]", unit));
+}
+
+Table table_of(const std::vector<RecordRow>& rows, const std::vector<std::string>& keys, bool with_scene) {
+    Table table;
+    table.header = {"record", "fidelity", "status"};
+    if (with_scene) table.header.insert(table.header.begin() + 1, "scene");
+    table.right.assign(table.header.size(), false);
+    for (const std::string& key : keys) {
+        table.header.push_back(title_of(key));
+        table.right.push_back(true);
+    }
+    table.header.emplace_back("time");
+    table.right.push_back(true);
+    for (const RecordRow& row : rows) {
+        std::vector<std::string> cells{row.place, row.fidelity, row.status};
+        if (with_scene) cells.insert(cells.begin() + 1, row.scene);
+        for (const std::string& key : keys)
+            cells.push_back(cell_of(row, key));
+        cells.push_back(time_text(row.wall_s));
+        table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+std::string number_field(std::optional<double> value) {
+    return value ? fmt::format("{}", *value) : std::string();
+}
+
+}  // namespace
+
+RecordRow record_row(const RunRecord& record, std::string place) {
+    RecordRow row{std::move(place),
+                  record.scene.name,
+                  record.fidelity,
+                  std::string(status_name(record.status.code)),
+                  {},
+                  record.cost.wall_s};
+    for (const Metric& metric : record.metrics)
+        if (std::isfinite(metric.value)) row.metrics.emplace_back(metric.key, metric.value);
+    return row;
+}
+
+std::string records_terminal(const std::vector<RecordRow>& rows, const Style& style) {
+    std::vector<std::string> keys;
+    for (const std::string_view key : brief)
+        if (std::ranges::any_of(rows, [&](const RecordRow& row) { return value_of(row, key).has_value(); }))
+            keys.emplace_back(key);
+    Table table = table_of(rows, keys, false);
+    for (auto& cells : table.rows)
+        for (std::string& cell : cells)
+            cell = printable(cell);
+    return aligned(table, style);
+}
+
+std::string records_markdown(const std::vector<RecordRow>& rows) {
+    const Table table = table_of(rows, keys_of(rows), true);
+    const auto line = [](const std::vector<std::string>& cells) {
+        std::string text = "|";
+        for (const std::string& cell : cells)
+            text += " " + markdown_text(cell) + " |";
+        return text + "\n";
+    };
+    std::string text = fmt::format("# {} records\n\n", rows.size()) + line(table.header) + "|";
+    for (const bool right : table.right)
+        text += right ? " ---: |" : " --- |";
+    text += "\n";
+    for (const auto& cells : table.rows)
+        text += line(cells);
+    return text + "\nA metric that a record lacks is '-'.\n";
+}
+
+std::string records_csv(const std::vector<RecordRow>& rows) {
+    const std::vector<std::string> keys = keys_of(rows);
+    std::string names = "record,scene,fidelity,status", units = "-,-,-,-";
+    for (const std::string& key : keys) {
+        const auto [name, unit] = split_metric_key(key);
+        names += "," + csv_field(name);
+        units += "," + (unit.empty() ? "1" : csv_field(unit));
+    }
+    std::string text = names + ",wall_time\n" + units + ",s\n";
+    for (const RecordRow& row : rows) {
+        for (const std::string* field : {&row.place, &row.scene, &row.fidelity})
+            text += csv_field(clean_text(*field)) + ",";
+        text += row.status;
+        for (const std::string& key : keys)
+            text += "," + number_field(value_of(row, key));
+        text += "," + (std::isfinite(row.wall_s) ? fmt::format("{}", row.wall_s) : "") + "\n";
+    }
+    return text;
+}
+
+std::string records_json(const std::vector<RecordRow>& rows) {
+    using Json = nlohmann::ordered_json;
+    Json json{{"generator", "twinchute"}, {"schema", table_schema}};
+    Json& records = json["records"] = Json::array();
+    for (const RecordRow& row : rows) {
+        Json record{
+            {"record", row.place}, {"scene", row.scene}, {"fidelity", row.fidelity}, {"status", row.status}};
+        record["metrics"] = Json::object();
+        for (const auto& [key, value] : row.metrics)
+            record["metrics"][key] = value;
+        if (std::isfinite(row.wall_s)) record["wall_s"] = row.wall_s;
+        records.push_back(std::move(record));
+    }
+    return json_text(json);
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,142 @@
+#include "compare/report/trend_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "compare/report/escape.hpp"
+#include "compare/report/words.hpp"
+#include "lib/record/metric_key.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int trend_schema = 1;
+constexpr std::size_t most_lines = 12;  ///< of changes on a terminal; the report has all
+
+std::string value_or_dash(const std::optional<double>& value, std::string_view unit) {
+    return value_text(value ? std::optional(SideValue{*value, Standing::result, {}}) : std::nullopt, unit);
+}
+
+/// Small changes are what a trend is about: as many digits as it takes.
+std::string change_text(const MetricChange& change, std::string_view unit) {
+    if (!change.difference) return change.now ? "new" : "gone";
+    if (change.relative) return fmt::format("{:+.2g} %", 100 * *change.relative);
+    return fmt::format("{:+.2g}{}{}", *change.difference, unit.empty() ? "" : " ", unit);
+}
+
+Table table_of(const std::vector<MetricChange>& changes) {
+    Table table;
+    table.header = {"metric", "of", "baseline", "now", "change", "tolerance", "verdict"};
+    table.right = {false, false, true, true, true, true};
+    for (const MetricChange& change : changes) {
+        const auto [name, unit] = split_metric_key(change.key);
+        table.rows.push_back(
+            {std::string(name), change.fidelity, value_or_dash(change.before, unit),
+             value_or_dash(change.now, unit), change_text(change, unit),
+             change.tolerance ? tolerance_text(*change.tolerance, unit) : "-",
+             std::string(change.verdict == Verdict::not_judged ? "-" : verdict_name(change.verdict))});
+    }
+    return table;
+}
+
+struct Group {
+    const char* title;
+    const std::vector<OtherChange>* changes;
+};
+
+std::array<Group, 3> groups_of(const Trend& trend) {
+    return {{{"input", &trend.inputs}, {"model", &trend.model}, {"machine", &trend.machine}}};
+}
+
+std::string from_to(const OtherChange& change) {
+    const auto shown = [](const std::string& text) { return text.empty() ? "absent" : text; };
+    return fmt::format("{}: {} -> {}", change.what, shown(change.before), shown(change.now));
+}
+
+Json metric_json(const MetricChange& change) {
+    Json json{{"fidelity", change.fidelity}, {"metric", change.key}};
+    const auto put = [&](const char* key, const std::optional<double>& value) {
+        if (value && std::isfinite(*value)) json[key] = *value;
+    };
+    put("baseline", change.before);
+    put("now", change.now);
+    put("difference", change.difference);
+    put("relative", change.relative);
+    if (change.tolerance)
+        json["tolerance"] = {{"value", change.tolerance->value}, {"relative", change.tolerance->relative}};
+    json["verdict"] = verdict_name(change.verdict);
+    return json;
+}
+
+}  // namespace
+
+std::string trend_terminal(const Trend& trend, const std::string& baseline, const Style& style) {
+    std::string text = fmt::format("\nbaseline  {}\n", printable(baseline));
+    for (const Group& group : groups_of(trend))
+        for (const OtherChange& change : *group.changes)
+            text += fmt::format("{:<9} {}\n", group.title, printable(from_to(change)));
+    if (!trend.changes.empty()) {
+        std::vector<MetricChange> shown(
+            trend.changes.begin(), std::next(trend.changes.begin(), static_cast<std::ptrdiff_t>(std::min(
+                                                                        most_lines, trend.changes.size()))));
+        text += "\n" + aligned(table_of(shown), style);
+        if (shown.size() < trend.changes.size())
+            text += fmt::format("and {} that moved less; trend.md has them\n",
+                                trend.changes.size() - shown.size());
+        text += "\n";
+    }
+    const bool bad = overall_verdict(trend) == Verdict::exceeded;
+    return text + fmt::format("trend     {}\n",
+                              style.paint(printable(verdict_line(trend)), bad ? Colour::red : Colour::green));
+}
+
+std::string trend_markdown(const Trend& trend, const std::string& baseline, const std::string& scene) {
+    std::string text = fmt::format("# {}, against a baseline\n\n**{}**\n\n", markdown_text(scene),
+                                   markdown_text(verdict_line(trend)));
+    text += fmt::format("- baseline: {}\n", markdown_text(baseline));
+    for (const Group& group : groups_of(trend))
+        for (const OtherChange& change : *group.changes)
+            text += fmt::format("- {}: {}\n", group.title, markdown_text(from_to(change)));
+    if (trend.changes.empty()) return text;
+    const Table table = table_of(trend.changes);
+    const auto row = [](const std::vector<std::string>& cells) {
+        std::string line = "|";
+        for (const std::string& cell : cells)
+            line += " " + markdown_text(cell) + " |";
+        return line + "\n";
+    };
+    text += "\n" + row(table.header) + "| --- | --- | ---: | ---: | ---: | ---: | --- |\n";
+    for (const auto& cells : table.rows)
+        text += row(cells);
+    return text + fmt::format("\nMetrics that moved by more than {:g} of their earlier value, most first.\n",
+                              trend_threshold);
+}
+
+Json trend_json(const Trend& trend, const std::string& baseline) {
+    Json json{{"generator", "twinchute"}, {"schema", trend_schema}, {"baseline", baseline}};
+    json["verdict"] = verdict_name(overall_verdict(trend));
+    json["summary"] = verdict_line(trend);
+    json["compared"] = trend.compared;
+    json["judged"] = trend.judged;
+    Json& changes = json["changes"] = Json::array();
+    for (const MetricChange& change : trend.changes)
+        changes.push_back(metric_json(change));
+    const std::pair<const char*, const std::vector<OtherChange>*> others[] = {
+        {"inputs", &trend.inputs}, {"model", &trend.model}, {"machine", &trend.machine}};
+    for (const auto& [key, list] : others) {
+        Json& rows = json[key] = Json::array();
+        for (const OtherChange& change : *list)
+            rows.push_back({{"what", change.what}, {"baseline", change.before}, {"now", change.now}});
+    }
+    return json;
+}
+
+}  // namespace twinchute::compare

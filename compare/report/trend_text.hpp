@@ -1,0 +1,21 @@
+// A comparison beside an earlier one: for a terminal, as Markdown and as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "compare/trend.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+
+/// `baseline`: the directory of the earlier one, as the reader named it.
+std::string trend_terminal(const Trend& trend, const std::string& baseline, const Style& style);
+
+/// The text of trend.md.
+std::string trend_markdown(const Trend& trend, const std::string& baseline, const std::string& scene);
+
+/// The content of trend.json.
+nlohmann::ordered_json trend_json(const Trend& trend, const std::string& baseline);
+
+}  // namespace twinchute::compare

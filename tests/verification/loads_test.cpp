@@ -1,0 +1,62 @@
+// What both models say of loads: the impulse of an opening, the margins to the materials' strengths.
+#include <gtest/gtest.h>
+
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
+
+namespace twinchute {
+namespace {
+
+/// A C-9 on a coarse mesh, to just after full open at 1.62 s.
+Scene opening() {
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {1, 6, 4, 2};
+    scene.stop = {Trigger::Kind::time, 1.75, 0.0};
+    return scene;
+}
+
+/// Without drag of its own and straight down, the payload has m (g - dv/dt) on its risers: from snatch to
+/// full open their impulse is m (g t_f + v_s - v(t_f)), whatever the canopy does.
+double momentum_given_up(const RunRecord& record, const Scene& scene) {
+    const Event& open = *record.find_event("full-open");
+    return scene.payload.mass * (scene.environment.gravity * open.time + scene.release.speed - open.speed);
+}
+
+TEST(Loads, TheImpulseIsTheMomentumThatThePayloadGivesUp) {
+    const Scene scene = opening();
+    const RunRecord rom = test::run_rom(scene), full = test::run_full(scene);
+    // Simpson's rule on the pieces of steps that are exact to 1e-8.
+    EXPECT_NEAR(*rom.metric("impulse_N_s") / momentum_given_up(rom, scene), 1.0, 1e-5);
+    // 200 rows a second of a force that is averaged over 5 ms, and a payload node that carries half a riser
+    // element: 0.5 x 5.8 g/m x 28 x 1.22 m/2 = 0.05 kg of 152.4 kg.
+    EXPECT_NEAR(*full.metric("impulse_N_s") / momentum_given_up(full, scene), 1.0, 1e-3);
+    for (const RunRecord* record : {&rom, &full})
+        EXPECT_EQ(record->find_metric("impulse_N_s")->note,
+                  "of the opening force, from snatch until the drag area is full");
+}
+
+TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
+    Scene scene = opening();
+    scene.stop.value = 0.3;  // any loads will do
+    Parachute& chute = scene.parachutes.front();
+    const RunRecord bare = test::run_full(scene);
+    EXPECT_FALSE(bare.metric("line_strength_margin"));  // no strength, no margin
+    EXPECT_FALSE(bare.metric("membrane_strength_margin"));
+
+    chute.line.strength = 1779.0;
+    chute.fabric.strength = 7355.0;
+    chute.strength = {0.8, 1.5};
+    const RunRecord record = test::run_full(scene);
+    const double tension = *record.metric("max_line_tension_N"),
+                 stress = *record.metric("max_membrane_stress_N_m");
+    EXPECT_EQ(tension, *bare.metric("max_line_tension_N"));  // factors judge loads, they change none
+    ASSERT_GT(tension, 0);
+    EXPECT_DOUBLE_EQ(*record.metric("line_strength_margin"), 1779.0 * 0.8 / (1.5 * tension) - 1);
+    EXPECT_DOUBLE_EQ(*record.metric("membrane_strength_margin"), 7355.0 * 0.8 / (1.5 * stress) - 1);
+    EXPECT_EQ(record.find_metric("line_strength_margin")->note,
+              "strength 1779 N, joint efficiency 0.8, design factor 1.5");
+    EXPECT_FALSE(test::run_rom(scene).metric("line_strength_margin"));  // it has no lines to pull on
+}
+
+}  // namespace
+}  // namespace twinchute
