@@ -98,7 +98,7 @@ private:
 Levels levels_of(const State& state, const NodeConstants& constants, const ForceModels& structure) {
     Levels levels{kinetic_energy(state, constants), elastic_energy(state, structure), {}};
     for (const auto& model : structure)
-        levels.stretched.push_back(model->extreme(state));
+        levels.strain.push_back(model->extreme(state).strain);
     return levels;
 }
 

@@ -55,9 +55,9 @@ private:
 
 /// What the checks of a run look at.
 struct Levels {
-    double kinetic = 0.0;            ///< [J] as kinetic_energy
-    double elastic = 0.0;            ///< [J] as elastic_energy
-    std::vector<Stretch> stretched;  ///< by structural block, as ForceModel::extreme
+    double kinetic = 0.0;        ///< [J] as kinetic_energy
+    double elastic = 0.0;        ///< [J] as elastic_energy
+    std::vector<double> strain;  ///< largest, by structural block, as ForceModel::extreme
 };
 
 /// From the node records and the blocks themselves.
@@ -90,7 +90,8 @@ public:
     /// Of all nodes and elements as they are now, without store.
     virtual Levels levels(const State& state) const = 0;
 
-    /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure.
+    /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure; state.largest
+    /// grows here, and in the substeps of advance.
     virtual void evaluate(State& state, BlockClock& clock) = 0;
     virtual StableSteps stable_steps(const State& state) = 0;
 

@@ -352,10 +352,10 @@ void FullRun::fill_results() {
                            observer_.mean(&HistoryRow::signed_area, shape_average) / *steady_area_,
                            Standing::result, "1 when no gore lies inside out");
     }
-    record_.add_metric("max_line_tension_N", simulation_.largest_load("lines"), Standing::result,
-                       "largest of the lines, looked at every 50 steps");
-    record_.add_metric("max_membrane_stress_N_m", simulation_.largest_load("membrane"), Standing::result,
-                       "principal, most strained triangle, looked at every 50 steps");
+    record_.add_metric("max_line_tension_N", simulation_.largest_loads().line_tension, Standing::result,
+                       "elastic, of all lines and steps");
+    record_.add_metric("max_membrane_stress_N_m", simulation_.largest_loads().fabric_stress, Standing::result,
+                       "first principal, elastic, of all triangles and steps");
     add_strength_margins(record_, chute);
     record_.energy = simulation_.ledger();
     record_.channels = observer_.channels();

@@ -359,14 +359,15 @@ std::string Simulation::first_bad_node(const State& state) const {
             if (std::ranges::count(mesh_.cables[c].node, i))
                 return fmt::format("node {}, {} cable {}", i, cable_kind_name(mesh_.cables[c].kind), c);
     }
-    return "the added mass";
+    return std::isfinite(state.added_mass) ? "a load" : "the added mass";
 }
 
 std::optional<RunStatus> Simulation::find_fault() {
     const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
     // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
     const Levels levels = layout_->levels(state_);
-    const double everything = levels.kinetic + state_.sums.system_position.sum();
+    const double everything = levels.kinetic + state_.sums.system_position.sum() +
+                              state_.largest.line_tension + state_.largest.fabric_stress;
     if (!std::isfinite(everything))
         return RunStatus{StatusCode::not_finite,
                          fmt::format("{} {}; the time step is probably above the stable one",
@@ -375,7 +376,7 @@ std::optional<RunStatus> Simulation::find_fault() {
         return RunStatus{StatusCode::step_too_small,
                          fmt::format("stable step {:.3g} s set by node {} {}", step_, bound().node, where())};
     for (std::size_t i = 0; i < structure_.size(); ++i)
-        if (const double strain = levels.stretched[i].strain; strain > scene_.full.strain_limit)
+        if (const double strain = levels.strain[i]; strain > scene_.full.strain_limit)
             return RunStatus{StatusCode::strain_limit,
                              fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}",
                                          structure_[i]->element_name(structure_[i]->extreme(whole()).element),
@@ -392,16 +393,8 @@ std::optional<RunStatus> Simulation::find_fault() {
     if (state_.step >= most_steps)
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};
-    for (std::size_t i = 0; i < structure_.size(); ++i) {
-        double& most = largest_load_[std::string(structure_[i]->name())];
-        most = std::max(most, levels.stretched[i].load);
-    }
+    sound_loads_ = state_.largest;
     return std::nullopt;
-}
-
-double Simulation::largest_load(std::string_view block) const {
-    const auto found = largest_load_.find(block);
-    return found == largest_load_.end() ? 0.0 : found->second;
 }
 
 }  // namespace twinchute::fullsim

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -92,9 +91,8 @@ public:
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
     /// from nowhere, or a step too small to go on.
     std::optional<RunStatus> find_fault();
-    /// Largest load that find_fault has met in a structural block: tension [N] of the lines,
-    /// principal stress resultant [N/m] of the most strained fabric.
-    double largest_load(std::string_view block) const;
+    /// Of all steps up to the last find_fault that found nothing.
+    const LargestLoads& largest_loads() const { return sound_loads_; }
 
     /// Element evaluations so far, and seconds spent in each block (sampled).
     std::int64_t element_steps() const { return element_steps_; }
@@ -138,7 +136,7 @@ private:
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
-    std::map<std::string, double, std::less<>> largest_load_;  // by structural block
+    LargestLoads sound_loads_;
     BlockClock clock_;
     std::int64_t element_steps_ = 0;
     std::size_t elements_now_ = 0, line_elements_now_ = 0;

@@ -87,6 +87,21 @@ struct EnergyBook {
     double ramp = 0.0;                                 // [J] see EnergyLedger
 };
 
+/// The larger of both; once either is not a number, neither is the answer.
+inline double larger_or_none(double a, double b) {
+    return b > a || b != b ? b : a;
+}
+
+/// Largest loads in any evaluation of forces so far, of steps and of the substeps within them. Elastic,
+/// without what dashpots and bulk viscosity add.
+struct LargestLoads {
+    double line_tension = 0.0;   ///< [N] of suspension lines
+    double fabric_stress = 0.0;  ///< [N/m] first principal stress resultant, second Piola-Kirchhoff
+
+    void add_tension(double tension) { line_tension = larger_or_none(line_tension, tension); }
+    void add_stress(double stress) { fabric_stress = larger_or_none(fabric_stress, stress); }
+};
+
 struct State {
     double time = 0.0;     ///< [s] since release
     double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
@@ -111,6 +126,7 @@ struct State {
     double external_power = 0.0;      ///< [W] of forces from outside the system now
     Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
+    LargestLoads largest;
 };
 
 /// No force on any node, and nothing dissipated yet.

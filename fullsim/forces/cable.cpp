@@ -16,6 +16,7 @@ struct alignas(32) Group {
     Lanes inverse_length;  // 1/l0 [1/m]
     Lanes stiffness;       // EA [N]
     Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
+    Lanes line;            // 1 for a suspension line, else 0
 };
 
 /// [m^2] under every length's root: keeps the direction of a cable of no length from being 0/0.
@@ -54,7 +55,7 @@ public:
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         const Lanes zero = splat(0.0);
-        Lanes dissipated = zero;
+        Lanes dissipated = zero, most = zero;
         for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
@@ -63,6 +64,7 @@ public:
             const Lanes lengthening = dot(d, w) * inverse;
             const Lanes spring = g.stiffness * (length * g.inverse_length - 1.0);
             const Lanes tension = larger(spring + g.dashpot * lengthening, zero);
+            most = larger(g.line * spring, most);
             // Whatever differs from the conservative tension dissipates, also where it is cut at zero.
             dissipated += (tension - larger(spring, zero)) * lengthening;
             const CornerForces pull(tension * inverse * d);
@@ -72,6 +74,7 @@ public:
             }
         }
         state.damping_power += sum(dissipated);
+        state.largest.add_tension(greatest_or_none(most, sum(dissipated)));
     }
 
     void add_row_sums(const State&, RowSums& sums) const override {
@@ -98,9 +101,7 @@ public:
         Extreme most;
         for (std::size_t i = 0; i < cables_.size(); ++i) {
             const double e = strain(state, cables_[i]);
-            if (cables_[i].kind == CableKind::line)
-                most.load = std::max(most.load, stiffness(cables_[i]) * e);
-            if (e > most.strain) most.strain = e, most.element = i;
+            if (e > most.strain) most = {e, i};
         }
         return most;
     }
@@ -121,6 +122,7 @@ private:
                 g.inverse_length[k] = padding ? 1.0 : 1.0 / cables_[first + k].rest_length;
                 g.stiffness[k] = padding ? 0.0 : stiffness(cables_[first + k]);
                 g.dashpot[k] = padding ? 0.0 : dashpot(cables_[first + k]);
+                g.line[k] = !padding && cables_[first + k].kind == CableKind::line ? 1.0 : 0.0;
             }
             groups.push_back(g);
         }

@@ -18,6 +18,7 @@ namespace twinchute::fullsim::HWY_NAMESPACE {
 /// What a cable does to its first end; its second end takes the opposite.
 struct CablePull {
     Vec3s force;     // [N]
+    Vec spring;      // [N] elastic tension, below zero where slack
     Vec dissipated;  // [W]
 };
 
@@ -29,7 +30,7 @@ HWY_INLINE CablePull cable_pull(Vec inverse_length, Vec stiffness, Vec dashpot, 
     const Vec lengthening = dot(d, w) * inverse;
     const Vec spring = stiffness * (square * inverse * inverse_length - 1.0);
     const Vec tension = larger(spring + dashpot * lengthening, zero);
-    return {(tension * inverse) * d, (tension - larger(spring, zero)) * lengthening};
+    return {(tension * inverse) * d, spring, (tension - larger(spring, zero)) * lengthening};
 }
 
 /// The table at as many points at once, all between its ends.

@@ -22,14 +22,9 @@ struct RowSums {
     double over(NodeIndex j, NodeIndex i) const { return weight.empty() ? 1.0 : weight[j] / weight[i]; }
 };
 
-/// How far the most strained element of a block is stretched.
-struct Stretch {
-    double strain = 0.0;  ///< [-] largest tensile strain
-    double load = 0.0;    ///< largest line tension [N], or its principal stress resultant [N/m]
-};
-
-/// And which one it is.
-struct Extreme : Stretch {
+/// The most strained element of a block.
+struct Extreme {
+    double strain = 0.0;      ///< [-] largest tensile strain
     std::size_t element = 0;  ///< its number within the block
 };
 
@@ -39,7 +34,7 @@ public:
 
     virtual std::string_view name() const = 0;
     /// Adds its forces at state.time to state.force or state.aero, and what it dissipates [W] to
-    /// state.damping_power.
+    /// state.damping_power; state.largest grows with the loads of suspension lines and fabric.
     virtual void add_forces(State& state) const = 0;
     /// Adds its share to the row sums of the current tangent.
     virtual void add_row_sums(const State&, RowSums&) const {}

@@ -39,7 +39,7 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
-        Lanes dissipated = splat(0.0);
+        Lanes dissipated = splat(0.0), most = dissipated;
         const Lanes weight = splat(state.fe_weight);
         for (const Group& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
@@ -51,6 +51,7 @@ public:
             const auto pulls = membrane_pulls(law_, g.inverse_a, g.inverse_c, g.b_over_a, weight * g.area,
                                               g.viscosity, e1, e2, w1, w2);
             dissipated += pulls.dissipated;
+            most = larger(pulls.stress, most);
             const CornerForces c0(pulls.on_first), c1(pulls.on_second), c2(pulls.on_third);
             for (int k = 0; k < lane_count; ++k) {
                 state.force[g.node[0][k]].value += c0.row[k];
@@ -59,6 +60,7 @@ public:
             }
         }
         state.damping_power += sum(dissipated);
+        state.largest.add_stress(state.fe_weight * greatest_or_none(most, sum(dissipated)));
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
@@ -88,13 +90,11 @@ public:
     Extreme extreme(const State& state) const override {
         Extreme most;
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
-            const PlaneTensor strain = strain_of(state, triangles_[i]);
-            const double first = first_principal(strain);
-            if (first > most.strain) most = {{first, first_principal(membrane_stress(law_, strain))}, i};
+            const double first = first_principal(strain_of(state, triangles_[i]));
+            if (first > most.strain) most = {first, i};
         }
         // Cloth that is held by springs still may look strained to an element: it carries its share only.
         most.strain *= state.fe_weight;
-        most.load *= state.fe_weight;
         return most;
     }
 

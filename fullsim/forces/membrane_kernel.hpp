@@ -89,6 +89,7 @@ HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalS
 template <class T, class T3>
 struct CornerPulls {
     T3 on_first, on_second, on_third;  // [N]: on_first is added to corner 0, the others are taken from theirs
+    T stress;                          // [N/m] first principal resultant, elastic, at full stiffness
     T dissipated;                      // [W]
 };
 
@@ -119,7 +120,8 @@ HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a
     const T3 p2 = (area * n.xy) * f1 + (area * n.yy) * f2;
     const T3 s2 = inverse_c * p2;
     const T3 s1 = inverse_a * p1 - b_over_a * s2;
-    return {s1 + s2, s1, s2, area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
+    return {s1 + s2, s1, s2, elastic.first,
+            area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

@@ -98,7 +98,7 @@ public:
     Extreme extreme(const State& state) const override {
         Extreme most;
         for (std::size_t i = 0; i < edges_.size(); ++i)
-            if (const double s = strain(state, edges_[i]); s > most.strain) most = {{s, 0.0}, i};
+            if (const double s = strain(state, edges_[i]); s > most.strain) most = {s, i};
         return most;
     }
 

@@ -131,7 +131,7 @@ public:
         for (const Row* row : structure_) {
             const ElementLevels of_row = (this->*row->levels)(state);
             levels.elastic += of_row.energy;
-            levels.stretched.push_back(of_row.most);
+            levels.strain.push_back(of_row.strain);
         }
         return levels;
     }
@@ -347,6 +347,7 @@ private:
                 FabricSums all;
                 for (const FabricSums& of_part : of_lines)
                     all += of_part;
+                state.largest.add_tension(all.largest_load);
                 stretch_risers(state, all.dissipated);
                 nodes_->send_guests(nodes_->frame.pull, state.force);
             }
@@ -497,8 +498,8 @@ private:
     ElementLevels fabric_levels(const State& state) const {
         // Cloth that is held by springs still carries its share only.
         ElementLevels levels = kernels_.membrane_levels(nodes_->frame, fabric_);
-        for (double* part : {&levels.energy, &levels.most.strain, &levels.most.load})
-            *part *= state.fe_weight;
+        levels.energy *= state.fe_weight;
+        levels.strain *= state.fe_weight;
         return levels;
     }
     /// Membranes, and the areas that pressure acts on with them.
@@ -507,6 +508,7 @@ private:
     }
     void finish_membrane(State& state, const FabricSums& all) {
         fabric_sums_ = all;
+        state.largest.add_stress(state.fe_weight * all.largest_load);
         book(state, all);
     }
     FabricSums find_areas(const GoreFrame& part) const {
@@ -565,12 +567,10 @@ private:
             if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
     FabricSums stretch_tapes(const GoreFrame& part) const {
-        return {0.0, 0.0, kernels_.cables(part, tapes_)};
+        return kernels_.cables(part, tapes_);
     }
     ElementLevels tape_levels(const State&) const {
-        ElementLevels tapes = kernels_.cable_levels(nodes_->frame, tapes_);
-        tapes.most.load = 0.0;  // of lines alone
-        return tapes;
+        return kernels_.cable_levels(nodes_->frame, tapes_);
     }
     /// The air needs them, too.
     void prepare_line_drag(const ForceModel&) {
@@ -590,10 +590,11 @@ private:
     FabricSums stretch_lines(const GoreFrame& part) const {
         GoreFrame pulled = part;
         pulled.force = pulled.pull;
-        return {0.0, 0.0, kernels_.cables(pulled, lines_)};
+        return kernels_.cables(pulled, lines_);
     }
     /// Of risers on the state's forces.
     void finish_lines(State& state, const FabricSums& all) {
+        state.largest.add_tension(all.largest_load);
         trunk_nodes_.note(state, [&] { stretch_risers(state, all.dissipated); });
     }
     void stretch_risers(State& state, double lines_dissipate) {
@@ -606,8 +607,7 @@ private:
     }
     /// Lanes of gores, and what belongs to none.
     ElementLevels with(ElementLevels gores, const ForceModel& trunk, const State& state) const {
-        return {gores.energy + trunk.energy(state),
-                {std::max(gores.most.strain, trunk.extreme(state).strain), gores.most.load}};
+        return {gores.energy + trunk.energy(state), std::max(gores.strain, trunk.extreme(state).strain)};
     }
     void prepare_static_line(const ForceModel&) {
         for (const GoreCable& c : gores_.static_line)
@@ -617,16 +617,14 @@ private:
         static_line_ = trunk_.back().get();
     }
     FabricSums stretch_cords(const GoreFrame& part) const {
-        return {0.0, 0.0, kernels_.cables(part, cords_)};
+        return kernels_.cables(part, cords_);
     }
     void finish_static_line(State& state, const FabricSums& all) {
         book(state, all);
         static_line_->add_forces(state);
     }
     ElementLevels static_line_levels(const State& state) const {
-        ElementLevels cords = kernels_.cable_levels(nodes_->frame, cords_);
-        cords.most.load = 0.0;  // of lines alone
-        return with(cords, *static_line_, state);
+        return with(kernels_.cable_levels(nodes_->frame, cords_), *static_line_, state);
     }
     FabricSums drag_lines(const GoreFrame& part) const {
         if (density_ > 0.0)  // no Reynolds number without air

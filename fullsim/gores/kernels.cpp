@@ -41,14 +41,19 @@ struct Block {
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
 };
 
+/// Where there is a gore: a lane without one sees no neighbour.
+HWY_INLINE Vec of_gores(const Block& block, Vec a) {
+    return select(block.live > all(0.0), a, all(0.0));
+}
+
 template <bool structure, bool pressure>
 FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
     const Vec3s e = splat3(pass.direction);
     const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(pass.radial_pressure / 3.0);
-    Vec positive = zero, all_area = zero, dissipated = zero;
+    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        Vec block_positive = zero, block_area = zero, block_dissipated = zero;
+        Vec block_positive = zero, block_area = zero, block_dissipated = zero, block_largest = zero;
         for (const MembraneElement& m : pass.elements) {
             const std::int32_t n0 = m.node[0], n1 = m.node[1], n2 = m.node[2];
             const Vec3s x0 = block.position(n0);
@@ -60,6 +65,7 @@ FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
                     membrane_pulls(pass.law, all(m.inverse_a), all(m.inverse_c), all(m.b_over_a),
                                    all(pass.weight * m.area), all(m.viscosity), e1, e2, w1, w2);
                 block_dissipated += pulls.dissipated;
+                block_largest = larger(pulls.stress, block_largest);
                 add3(pulls.on_first, block.force + n0 * block.stride);
                 take3(pulls.on_second, block.force + n1 * block.stride);
                 take3(pulls.on_third, block.force + n2 * block.stride);
@@ -80,8 +86,10 @@ FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
         positive += block.live * block_positive;
         all_area += block.live * block_area;
         dissipated += block.live * block_dissipated;
+        largest = larger(of_gores(block, block_largest), largest);
     }
-    return {sum(positive), sum(all_area), sum(dissipated)};
+    const double lost = sum(dissipated);
+    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
 }
 
 /// Green strain of a triangle.
@@ -101,20 +109,13 @@ HWY_INLINE Vec strain_of(const Block& block, std::int32_t n0, std::int32_t n1, d
 
 /// Sums and maxima of elements, lane by lane.
 struct LaneLevels {
-    Vec energy, strain, load;
+    Vec energy, strain;
 
-    HWY_INLINE ElementLevels of_all_lanes() const {
-        return {sum(energy), {greatest(strain), greatest(load)}};
-    }
+    HWY_INLINE ElementLevels of_all_lanes() const { return {sum(energy), greatest(strain)}; }
 };
 
 HWY_INLINE LaneLevels no_levels() {
-    return {all(0.0), all(0.0), all(0.0)};
-}
-
-/// Where there is a gore: a lane without one sees no neighbour.
-HWY_INLINE Vec of_gores(const Block& block, Vec a) {
-    return select(block.live > all(0.0), a, all(0.0));
+    return {all(0.0), all(0.0)};
 }
 
 ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) {
@@ -124,15 +125,10 @@ ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) 
         for (const MembraneElement& m : pass.elements) {
             const auto p = principal(strain_of(block, m));
             levels.energy += of_gores(block, all(m.area) * relaxed_energy(pass.law, p));
-            const Vec strain = of_gores(block, p.first());
-            levels.load = select(strain > levels.strain, relaxed_stress(pass.law, p).first, levels.load);
             // In this order, here and below: a strain that is not a number must not hide the others.
-            levels.strain = larger(strain, levels.strain);
+            levels.strain = larger(of_gores(block, p.first()), levels.strain);
         }
     }
-    // The load of the most strained, which need not be the largest.
-    const Mask less = levels.strain < all(greatest(levels.strain));
-    levels.load = select(less, all(0.0), levels.load);
     return levels.of_all_lanes();
 }
 
@@ -289,23 +285,26 @@ double springs(const GoreFrame& frame, const SpringPass& pass) {
     return pass.springs ? spring_pass<true, false>(frame, pass) : spring_pass<false, true>(frame, pass);
 }
 
-double cables(const GoreFrame& frame, std::span<const CableElement> elements) {
-    Vec dissipated = all(0.0);
+FabricSums cables(const GoreFrame& frame, std::span<const CableElement> elements) {
+    Vec dissipated = all(0.0), largest = dissipated;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        Vec block_dissipated = all(0.0);
+        Vec block_dissipated = all(0.0), block_largest = block_dissipated;
         for (const CableElement& c : elements) {
             const std::int32_t n0 = c.node[0], n1 = c.node[1];
             const CablePull pull =
                 cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot),
                            block.position(n1) - block.position(n0), block.velocity(n1) - block.velocity(n0));
             block_dissipated += pull.dissipated;
+            block_largest = larger(pull.spring, block_largest);
             add3(pull.force, block.force + n0 * block.stride);
             take3(pull.force, block.force + n1 * block.stride);
         }
         dissipated += block.live * block_dissipated;
+        largest = larger(of_gores(block, block_largest), largest);
     }
-    return sum(dissipated);
+    const double lost = sum(dissipated);
+    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
 ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
@@ -335,7 +334,6 @@ ElementLevels cable_levels(const GoreFrame& frame, std::span<const CableElement>
             const Vec pulled = larger(strain, all(0.0));
             levels.energy += all(0.5 * c.stiffness / c.inverse_length) * (pulled * pulled);
             levels.strain = larger(strain, levels.strain);
-            levels.load = larger(all(c.stiffness) * strain, levels.load);
         }
     }
     return levels.of_all_lanes();

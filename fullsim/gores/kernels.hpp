@@ -66,15 +66,19 @@ struct WeighedRows {
     std::array<double, 3> stiffness, damping;  // [N/m], [N s/m]
 };
 
-/// What the fabric's pass adds up.
+/// What a pass over elements adds up.
 struct FabricSums {
     double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
     double dissipated = 0.0;                        // [W]
+    /// Of the elements: elastic tension [N], or first principal stress resultant at full stiffness [N/m]. Not
+    /// a number where that of one is none.
+    double largest_load = 0.0;
 
     FabricSums& operator+=(const FabricSums& other) {
         positive_area += other.positive_area;
         signed_area += other.signed_area;
         dissipated += other.dissipated;
+        largest_load = larger_or_none(largest_load, other.largest_load);
         return *this;
     }
 };
@@ -138,7 +142,7 @@ struct GoreSums {
 /// Of all elements of a kind.
 struct ElementLevels {
     double energy = 0.0;  ///< [J]
-    Stretch most;
+    double strain = 0.0;  ///< [-] largest tensile strain
 };
 
 /// A substep of pulled nodes under `pull` alone.
@@ -160,7 +164,7 @@ struct GoreKernels {
     FabricSums (*membrane_and_pressure)(const GoreFrame&, const MembranePass&);
     FabricSums (*pressure)(const GoreFrame&, const MembranePass&);
     /// What membranes hold and how far they are stretched, at full stiffness whatever the pass says; springs,
-    /// without folds; cables, the load being that of any of them; and [J] of own nodes in motion.
+    /// without folds; cables; and [J] of own nodes in motion.
     ElementLevels (*membrane_levels)(const GoreFrame&, const MembranePass&);
     ElementLevels (*spring_levels)(const GoreFrame&, const SpringPass&);
     ElementLevels (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
@@ -168,9 +172,8 @@ struct GoreKernels {
     /// Cloth drag; `positive_area` is the area that the air meets. factor: 1/2 rho C_D [kg/m^3].
     FabricSums (*cloth_drag)(const GoreFrame&, const MembranePass&, double factor,
                              const std::array<double, 3>& wind);
-    /// Each of these: [W] dissipated.
-    double (*springs)(const GoreFrame&, const SpringPass&);
-    double (*cables)(const GoreFrame&, std::span<const CableElement>);
+    double (*springs)(const GoreFrame&, const SpringPass&);                 ///< [W] dissipated
+    FabricSums (*cables)(const GoreFrame&, std::span<const CableElement>);  ///< no areas
     /// diameter [m], density [kg/m^3], viscosity [Pa s].
     void (*line_drag)(const GoreFrame&, std::span<const CableElement>, const CylinderDragTable&,
                       double diameter, double density, double viscosity, const std::array<double, 3>& wind);

@@ -398,6 +398,7 @@ private:
         fabric_sums_ = (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(
             nodes_of(state), triangles_.elements(), fabric_);
         state.damping_power += fabric_sums_.dissipated;
+        state.largest.add_stress(state.fe_weight * fabric_sums_.largest_stress);
     }
     void add_pressure(State& state) {
         if (!has_.membrane) {
@@ -467,7 +468,7 @@ private:
 
     void prepare_tapes() { tapes_ = list_of(cables_of(is_tape)); }
     void add_tapes(State& state) {
-        state.damping_power += kernels_.cables(nodes_of(state), tapes_.elements());
+        state.damping_power += kernels_.cables(nodes_of(state), tapes_.elements()).dissipated;
     }
 
     /// The suspension lines by themselves, since the air acts on them as well.
@@ -492,15 +493,18 @@ private:
             line_damping_ = pull_lines(state);
             return;
         }
-        const indexed::Nodes nodes = nodes_of(state);
-        line_damping_ = kernels_.cables_with_drag(nodes, lines_.elements(), drag_coefficient_,
-                                                  line_diameter(), air_of(state)) +
-                        kernels_.cables(nodes, risers_.elements());
+        line_damping_ =
+            book_lines(state, kernels_.cables_with_drag(nodes_of(state), lines_.elements(), drag_coefficient_,
+                                                        line_diameter(), air_of(state)));
     }
     /// Lines and risers; [W] dissipated.
     double pull_lines(State& state) {
-        const indexed::Nodes nodes = nodes_of(state);
-        return kernels_.cables(nodes, lines_.elements()) + kernels_.cables(nodes, risers_.elements());
+        return book_lines(state, kernels_.cables(nodes_of(state), lines_.elements()));
+    }
+    /// Risers with them.
+    double book_lines(State& state, const indexed::CableSums& lines) {
+        state.largest.add_tension(lines.largest_tension);
+        return lines.dissipated + kernels_.cables(nodes_of(state), risers_.elements()).dissipated;
     }
     void add_rows_of_lines(RowSums& sums) const {
         kernels_.cable_rows(lines_.elements(), rows_of(sums));
@@ -508,7 +512,7 @@ private:
     }
     void prepare_static_line() { cords_ = list_of(mesh_.static_line.cables); }
     void add_static_line(State& state) {
-        state.damping_power += kernels_.cables(nodes_of(state), cords_.elements());
+        state.damping_power += kernels_.cables(nodes_of(state), cords_.elements()).dissipated;
     }
     void prepare_line_drag() {
         has_.line_drag = true;

@@ -56,7 +56,7 @@ FabricSums membrane_pass(Nodes nodes, Elements elements, const Fabric& fabric) {
     const Vec3s e = splat3(fabric.direction);
     const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(fabric.radial_pressure / 3.0);
     const Vec weight = all(fabric.weight);
-    Vec positive = zero, all_area = zero, dissipated = zero;
+    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
     for (std::size_t k = 0; k < elements.groups; ++k) {
         const Triangles g(elements, k);
         const Motion first = between(nodes.record, g.corner(0), g.corner(1));
@@ -81,12 +81,14 @@ FabricSums membrane_pass(Nodes nodes, Elements elements, const Fabric& fabric) {
                                               weight * g[reference_area], g[viscosity], first.x, second.x,
                                               first.v, second.v);
             dissipated += pulls.dissipated;
+            largest = larger(pulls.stress, largest);
             add_rows(pulls.on_first, nodes.force, g.corner(0));
             take_rows(pulls.on_second, nodes.force, g.corner(1));
             take_rows(pulls.on_third, nodes.force, g.corner(2));
         }
     }
-    return {sum(positive), sum(all_area), sum(dissipated)};
+    const double lost = sum(dissipated);
+    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
 }
 
 HWY_INLINE SymmetricTensor<Vec> strain_of(const Triangles& g, Vec3s e1, Vec3s e2) {
@@ -177,9 +179,10 @@ double spring_passes(Nodes nodes, Elements elements, const Springs& which) {
 
 /// cylinder: where the air drags.
 template <bool pull, bool drag>
-HWY_INLINE double cable_pass(Nodes nodes, Elements elements, const CylinderDrag* cylinder, const Air& air) {
+HWY_INLINE CableSums cable_pass(Nodes nodes, Elements elements, const CylinderDrag* cylinder,
+                                const Air& air) {
     const Vec3s wind = splat3(air.wind);
-    Vec dissipated = all(0.0);
+    Vec dissipated = all(0.0), largest = dissipated;
     for (std::size_t k = 0; k < elements.groups; ++k) {
         const Cables g(elements, k);
         const Motion ends = between(nodes.record, g.corner(0), g.corner(1));
@@ -197,13 +200,15 @@ HWY_INLINE double cable_pass(Nodes nodes, Elements elements, const CylinderDrag*
         if constexpr (pull) {
             const CablePull cable = cable_pull(g[inverse_length], g[stiffness], g[dashpot], ends.x, ends.v);
             dissipated += cable.dissipated;
+            largest = larger(cable.spring, largest);
             pull_together(nodes, g, cable.force);
         }
     }
-    return sum(dissipated);
+    const double lost = sum(dissipated);
+    return {lost, greatest_or_none(largest, lost)};
 }
 
-double cables(Nodes nodes, Elements elements) {
+CableSums cables(Nodes nodes, Elements elements) {
     return cable_pass<true, false>(nodes, elements, nullptr, {});
 }
 void line_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, double diameter,
@@ -211,8 +216,8 @@ void line_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, d
     const CylinderDrag cylinder(table, diameter, air.density, air.viscosity);
     cable_pass<false, true>(nodes, elements, &cylinder, air);
 }
-double cables_with_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, double diameter,
-                        const Air& air) {
+CableSums cables_with_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, double diameter,
+                           const Air& air) {
     const CylinderDrag cylinder(table, diameter, air.density, air.viscosity);
     return cable_pass<true, true>(nodes, elements, &cylinder, air);
 }

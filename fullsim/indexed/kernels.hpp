@@ -44,6 +44,13 @@ struct Fabric {
 struct FabricSums {
     double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
     double dissipated = 0.0;                        // [W]
+    double largest_stress = 0.0;  // [N/m] first principal resultant at full stiffness; none where one is none
+};
+
+/// And what a pass over cables does.
+struct CableSums {
+    double dissipated = 0.0;       // [W]
+    double largest_tension = 0.0;  // [N] elastic; not a number where one is none
 };
 
 struct Springs {
@@ -110,13 +117,12 @@ struct Kernels {
     double (*membrane_energy)(Nodes, Elements, const MembraneLaw&);
     /// Returns the area that the air meets [m^2].
     double (*cloth_drag)(Nodes, Elements, const Air&, double coefficient);
-    /// Each of these: [W] dissipated.
-    double (*springs)(Nodes, Elements, const Springs&);
-    double (*cables)(Nodes, Elements);
+    double (*springs)(Nodes, Elements, const Springs&);  ///< [W] dissipated
+    CableSums (*cables)(Nodes, Elements);
     /// Of cables as cylinders of a diameter [m].
     void (*line_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
-    /// Both in one pass: half of what either does is to find the same nodes. [W] dissipated by the cables.
-    double (*cables_with_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
+    /// Both in one pass: half of what either does is to find the same nodes.
+    CableSums (*cables_with_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
     /// Each of these adds to the row sums.
     void (*membrane_rows)(Nodes, Elements, const Fabric&, Rows);
     void (*spring_rows)(Nodes, Elements, const Springs&, Rows);

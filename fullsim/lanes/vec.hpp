@@ -147,6 +147,12 @@ HWY_INLINE double greatest(Vec a) {
     return -least(-a);
 }
 
+/// The greatest lane of a running maximum, in which numbers hide what is none; `witness`, a sum over the same
+/// elements, cannot hide it.
+HWY_INLINE double greatest_or_none(Vec most, double witness) {
+    return greatest(most) + 0.0 * witness;
+}
+
 struct Vec3s {
     Vec x, y, z;
 };

@@ -198,16 +198,7 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
             sum += padded(static_cast<int>(group.element.size()));
         return sum;
     };
-    enum : int {
-        inverse_length,
-        stiffness,
-        dashpot,
-        rest_length,
-        line_stiffness,
-        tape,
-        cord,
-        rows_of_cables
-    };
+    enum : int { inverse_length, stiffness, dashpot, rest_length, line, tape, cord, rows_of_cables };
     cable_constants_ = AlignedRows(rows_of_cables, length(all));
     line_rows_ = AlignedRows(1, length(all_lines));
     AlignedRows& rows = cable_constants_;
@@ -224,7 +215,7 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
             rows[stiffness][at] = constants.stiffness;
             rows[dashpot][at] = constants.dashpot;
             rows[rest_length][at] = c.rest_length;
-            rows[line_stiffness][at] = c.kind == CableKind::line ? constants.stiffness : 0.0;
+            rows[line][at] = c.kind == CableKind::line ? 1.0 : 0.0;
             rows[is_tape(c.kind) ? tape : cord][at] = 1.0;
             tangents_.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
             if (group.loose)
@@ -252,7 +243,7 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
         first += run.elements;
     }
     frame.cable = {rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length],
-                   rows[line_stiffness], rows[tape],      rows[cord]};
+                   rows[line],           rows[tape],      rows[cord]};
     frame.line = line_rows_[0];
 }
 

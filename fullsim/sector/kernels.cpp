@@ -46,7 +46,7 @@ FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const Membran
     const Vec zero = all(0.0), up = all(air.direction);
     const Vec third = all(air.direction / 3.0), radial = all(air.radial_pressure / 3.0);
     const TriangleConstants& k = f.triangle;
-    Vec positive = zero, all_area = zero, dissipated = zero;
+    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
     for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s x0 = anywhere3(f.x, run.node[0] + e), v0 = anywhere3(f.v, run.node[0] + e);
         const Vec3s e1 = anywhere3(f.x, run.node[1] + e) - x0, e2 = anywhere3(f.x, run.node[2] + e) - x0;
@@ -55,6 +55,7 @@ FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const Membran
             membrane_pulls(law, load(k.inverse_a + at), load(k.inverse_c + at), load(k.b_over_a + at),
                            load(k.area + at), load(k.viscosity + at), e1, e2, w1, w2);
         dissipated += pulls.dissipated;
+        largest = larger(pulls.stress, largest);
         put3(pulls.on_first, f.stream, run.pull[0] + e);
         put3(pulls.on_second, f.stream, run.pull[1] + e);
         put3(pulls.on_third, f.stream, run.pull[2] + e);
@@ -66,21 +67,24 @@ FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const Membran
         all_area += along;
         put3({radial * area.x, radial * area.y, third * swept}, f.stream, run.push + e);
     });
-    return {sum(positive), sum(all_area), sum(dissipated)};
+    const double lost = sum(dissipated);
+    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
 }
 
-double cables(const SectorFrame& f, const SectorPlan& plan) {
+FabricSums cables(const SectorFrame& f, const SectorPlan& plan) {
     const CableConstantsRow& k = f.cable;
-    Vec dissipated = all(0.0);
+    Vec dissipated = all(0.0), largest = dissipated;
     for_registers(plan.cables, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
         const Vec3s w = anywhere3(f.v, run.node[1] + e) - anywhere3(f.v, run.node[0] + e);
         const auto pull =
             cable_pull(load(k.inverse_length + at), load(k.stiffness + at), load(k.dashpot + at), d, w);
         dissipated += pull.dissipated;
+        largest = larger(load(k.line + at) * pull.spring, largest);
         put3(pull.force, f.stream, run.pull + e);
     });
-    return sum(dissipated);
+    const double lost = sum(dissipated);
+    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
 void line_drag(const SectorFrame& f, const SectorPlan& plan, const CylinderDragTable& table, double diameter,
@@ -306,29 +310,20 @@ double stable_step(const SectorFrame& f, const SectorPlan& plan, double added_ma
     return least(shortest);
 }
 
-/// The largest of a lane's strains so far, and its load.
-HWY_INLINE void keep_largest(Vec& strain, Vec& load_there, Vec new_strain, Vec new_load) {
-    const Mask more = new_strain > strain;
-    strain = select(more, new_strain, strain);
-    load_there = select(more, new_load, load_there);
-}
-
 ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law) {
-    Vec energy = all(0.0), strain = all(0.0), stress = all(0.0);
+    Vec energy = all(0.0), strain = all(0.0);
     for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const auto p = principal(strain_of(f, run, e, at));
         energy += load(f.triangle.area + at) * relaxed_energy(law, p);
         // A register that is filled up with no triangles shows no strain.
-        keep_largest(strain, stress, 2.0 * load(f.triangle.half + at) * p.first(),
-                     relaxed_stress(law, p).first);
+        strain = larger(2.0 * load(f.triangle.half + at) * p.first(), strain);
     });
-    const double largest = greatest(strain);
-    return {sum(energy), {largest, greatest(select(strain < all(largest), all(0.0), stress))}};
+    return {sum(energy), greatest(strain)};
 }
 
 ElementLevels cable_levels(const SectorFrame& f, const SectorPlan& plan, const double* which) {
     const CableConstantsRow& k = f.cable;
-    Vec energy = all(0.0), largest = all(0.0), tension = all(0.0);
+    Vec energy = all(0.0), largest = all(0.0);
     for_registers(plan.cables, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
         const Vec square = dot(d, d) + 1e-18;
@@ -337,9 +332,8 @@ ElementLevels cable_levels(const SectorFrame& f, const SectorPlan& plan, const d
         const Vec taut = larger(strain, all(0.0));
         energy += mine * (0.5 * load(k.stiffness + at) * load(k.length + at)) * taut * taut;
         largest = larger(largest, mine * strain);
-        tension = larger(tension, mine * load(k.line_stiffness + at) * strain);
     });
-    return {sum(energy), {greatest(largest), greatest(tension)}};
+    return {sum(energy), greatest(largest)};
 }
 
 double kinetic(const SectorFrame& f, const SectorPlan& plan, double added_mass) {

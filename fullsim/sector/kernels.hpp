@@ -80,8 +80,8 @@ struct TriangleConstants {
 };
 struct CableConstantsRow {
     const double *inverse_length, *stiffness, *dashpot;  // [1/m], EA [N], [N s/m]
-    const double *length, *line_stiffness;               // [m]; EA of lines alone [N]
-    const double *tape, *cord;                           // 1 for tapes; for lines and risers; else 0
+    const double* length;                                // [m]
+    const double *line, *tape, *cord;  // 1 for suspension lines; for tapes; for lines and risers; else 0
 };
 /// Constants of nodes.
 struct NodeRows {
@@ -136,7 +136,8 @@ struct SectorKernels {
     std::string_view instruction_set;
     int lanes;
     FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
-    double (*cables)(const SectorFrame&, const SectorPlan&);  ///< [W] dissipated
+    /// No areas; the largest load is that of lines.
+    FabricSums (*cables)(const SectorFrame&, const SectorPlan&);
     /// diameter [m], density [kg/m^3], viscosity [Pa s]
     void (*line_drag)(const SectorFrame&, const SectorPlan&, const CylinderDragTable&, double diameter,
                       double density, double viscosity);
@@ -147,7 +148,7 @@ struct SectorKernels {
     /// [1/s].
     double (*stable_step)(const SectorFrame&, const SectorPlan&, double added_mass, double damping_by_share,
                           double damping_by_mass);
-    /// A sector's energy, its largest strain and load.
+    /// A sector's energy and its largest strain.
     ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembraneLaw&);
     /// Of those that `which` marks.
     ElementLevels (*cable_levels)(const SectorFrame&, const SectorPlan&, const double* which);

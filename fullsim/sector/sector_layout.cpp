@@ -126,7 +126,7 @@ public:
         for (const Row* row : structure_) {
             const ElementLevels of_row = (this->*row->levels)();
             levels.elastic += of_row.energy;
-            levels.stretched.push_back(of_row.most);
+            levels.strain.push_back(of_row.strain);
         }
         return levels;
     }
@@ -233,7 +233,7 @@ private:
     }
 
     /// Energies of all sectors.
-    ElementLevels of_all(ElementLevels one) const { return {sector_.count * one.energy, one.most}; }
+    ElementLevels of_all(ElementLevels one) const { return {sector_.count * one.energy, one.strain}; }
     ElementLevels fabric_levels() const {
         return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, law_));
     }
@@ -249,11 +249,14 @@ private:
         fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, law_,
                                      {state.air.direction.z(), state.air.radial_pressure});
         state.damping_power += sector_.count * fabric_.dissipated;
+        state.largest.add_stress(fabric_.largest_load);
     }
     /// Lines take tapes along: a seam and its line are one run.
     void nothing(State&) {}
     void add_cables(State& state) {
-        state.damping_power += sector_.count * kernels_.cables(arrays_.frame, arrays_.plan);
+        const FabricSums cables = kernels_.cables(arrays_.frame, arrays_.plan);
+        state.damping_power += sector_.count * cables.dissipated;
+        state.largest.add_tension(cables.largest_load);
     }
     void add_pressure(State& state) {
         state.air.projected_area = sector_.count * fabric_.positive_area;

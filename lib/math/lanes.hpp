@@ -71,6 +71,12 @@ inline Lanes larger(Lanes a, Lanes b) {
 inline double sum(Lanes a) {
     return (a[0] + a[2]) + (a[1] + a[3]);
 }
+/// The greatest lane of a running maximum, in which numbers hide what is none; `witness`, a sum over the same
+/// elements, cannot hide it.
+inline double greatest_or_none(Lanes most, double witness) {
+    const double left = larger(most[0], most[1]), right = larger(most[2], most[3]);
+    return larger(left, right) + 0.0 * witness;
+}
 inline double sum3(Lanes a) {
     return a[0] + a[1] + a[2];
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -214,6 +215,64 @@ TEST(Layouts, AgreeOnAnUnevenMeshWhateverItsCounts) {
             compare_all(scene, mesh, constants, state, false);
             if (HasFailure()) return;
         }
+    }
+}
+
+TEST(Layouts, ALoadThatIsNoNumberIsNotHidden) {
+    // One node without a place, among elements that have one: vector maxima keep the number of a pair.
+    Scene scene = crane_drop({});
+    scene.parachutes.front().deploy.by = DeployBy::line_stretch;
+    scene.release.speed = 25.0;
+    const Simulation simulation(scene);
+    const Mesh& mesh = simulation.mesh();
+    const auto structure = make_structure(scene, mesh), loads = make_loads(scene, mesh);
+    const auto line = std::ranges::find(mesh.cables, CableKind::line, &Cable::kind);
+    auto layouts = layouts_of(scene, mesh, simulation.constants());
+    layouts.push_back({"reference", make_reference_layout(mesh, simulation.constants())});
+    for (const auto& [name, layout] : layouts)
+        for (const NodeIndex lost : {mesh.triangles.front().node[0], (line + 1)->node[0]}) {
+            SCOPED_TRACE(name);
+            State state = simulation.state();
+            state.node[lost].x[1] = std::numeric_limits<double>::quiet_NaN();
+            BlockClock clock;
+            clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
+            layout->begin(state, structure, loads);
+            clock.begin_step(false);
+            layout->evaluate(state, clock);
+            const bool of_canopy = mesh.is_canopy(lost);
+            EXPECT_EQ(std::isnan(state.largest.fabric_stress), of_canopy);
+            EXPECT_TRUE(of_canopy || std::isnan(state.largest.line_tension));
+        }
+}
+
+TEST(Layouts, SubstepsOfLinesCountForTheLargestTension) {
+    // The payload runs away at 10 m/s: lines are taut in the last substep of three as they were at no step.
+    Scene scene = crane_drop({});
+    scene.parachutes.front().deploy.by = DeployBy::line_stretch;
+    scene.release.speed = 25.0;
+    const Simulation simulation(scene);
+    const auto structure = make_structure(scene, simulation.mesh()),
+               loads = make_loads(scene, simulation.mesh());
+    auto layouts = layouts_of(scene, simulation.mesh(), simulation.constants());
+    layouts.push_back({"reference", make_reference_layout(simulation.mesh(), simulation.constants())});
+    for (const auto& [name, layout] : layouts) {
+        SCOPED_TRACE(name);
+        State state = simulation.state();
+        for (NodeIndex i = simulation.constants().canopy_nodes; i < simulation.mesh().node_count(); ++i) {
+            state.v_half[i].value[2] -= 10.0;
+            state.node[i].v[2] -= 10.0;
+        }
+        BlockClock clock;
+        clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
+        layout->begin(state, structure, loads);
+        clock.begin_step(false);
+        layout->evaluate(state, clock);
+        const double at_step = state.largest.line_tension;
+        layout->advance(state, 3e-5, 3, state.added_mass);
+        // By then the upper end of each line has lengthened by 10 m/s for 2e-5 s.
+        const Cable& upper = *std::ranges::find(simulation.mesh().cables, CableKind::line, &Cable::kind);
+        const double more = scene.parachutes.front().line.axial_stiffness() * 2e-4 / upper.rest_length;
+        EXPECT_NEAR(state.largest.line_tension - at_step, more, 0.2 * more);
     }
 }
 
