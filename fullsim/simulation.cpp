@@ -148,7 +148,7 @@ void Simulation::build_blocks() {
         if (force_block(model->name()).substeps) line_elements_now_ += model->elements();
 }
 
-void Simulation::evaluate_forces() {
+void Simulation::renew_air() {
     State& s = state_;
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
                air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling)));
@@ -157,11 +157,57 @@ void Simulation::evaluate_forces() {
         s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
         s.added_mass_rate = added_mass_after(0.0).rate;
     }
+}
+
+void Simulation::evaluate_forces() {
+    State& s = state_;
+    renew_air();
     if (s.stage == Stage::ramp) grow_ramp();
 
     clock_.begin_step(s.step % steps_between_bounds == 0);
     layout_->evaluate(s, clock_);
     if (s.air.pressure_capped) ++s.capped_steps;
+}
+
+std::vector<double> Simulation::unknowns() const {
+    std::vector<double> y;
+    y.reserve(6 * constants_.mass.size() + 1);
+    const State& s = whole();
+    for (std::size_t i = 0; i < constants_.mass.size(); ++i)
+        for (const Lanes vector : {s.node[i].x, s.node[i].v})
+            y.insert(y.end(), {vector[0], vector[1], vector[2]});
+    y.push_back(s.added_mass);
+    return y;
+}
+
+void Simulation::rates(double time, std::span<const double> unknowns, std::span<double> rates) {
+    State& s = state_;
+    lags_ = false;
+    s.time = time;
+    s.added_mass = unknowns.back();
+    for (std::size_t i = 0; i < constants_.mass.size(); ++i) {
+        const std::span<const double> y = unknowns.subspan(6 * i, 6);
+        s.node[i] = {Lanes{y[0], y[1], y[2], 0.0}, Lanes{y[3], y[4], y[5], 0.0}};
+    }
+    update_sums(s, constants_);
+    renew_air();
+    clear_forces(s);
+    for (const auto& model : structure_)
+        model->add_forces(s);
+    s.riser_force = to_vec3(s.force[mesh_.payload()].value);
+    for (const auto& model : loads_)
+        model->add_forces(s);
+    for (std::size_t i = 0; i < constants_.mass.size(); ++i) {
+        const double inertia = constants_.mass[i] + constants_.share[i] * s.added_mass;
+        Lanes a = (s.force[i].value + s.aero[i].value) / splat(inertia);
+        a[2] -= constants_.gravity * constants_.mass[i] / inertia;
+        const std::span<double> f = rates.subspan(6 * i, 6);
+        for (int c = 0; c < 3; ++c) {
+            f[c] = s.node[i].v[c];
+            f[3 + c] = a[c];
+        }
+    }
+    rates.back() = added_mass_after(0.0).rate;
 }
 
 bool Simulation::lines_are_taut() const {

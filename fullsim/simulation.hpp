@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "fullsim/forces/registry.hpp"
@@ -47,6 +48,17 @@ public:
     /// One step, at most to `end` [s], and at most the stable step. The last two steps before an
     /// end share what is left, so that it is reached exactly and none is tiny.
     void step_to(double end);
+
+    // The same equations for other integrators, without the step: what it is held to. Nodes and velocities in
+    // time alone; mesh, phase and stage are as they stand.
+
+    /// x [m] and v [m/s] of every node of the mesh, three numbers each, and M_a [kg], as they are now.
+    std::vector<double> unknowns() const;
+    /// Their rates at `time` [s], by the force blocks one after the other. M_a follows its rate, which in air
+    /// of one density is what a step takes of it; a static line stays where it is. The state is then that of
+    /// `unknowns`, with its riser force, and is no longer the layout's: no steps after this.
+    void rates(double time, std::span<const double> unknowns, std::span<double> rates);
+
     /// The inflation phase changes at state().time, which step_to has reached exactly.
     void begin(Phase phase) { state_.phase = phase; }
 
@@ -106,6 +118,8 @@ private:
 
     void change_stage(Stage stage);
     void build_blocks();
+    /// The air as the nodes meet it at state().time.
+    void renew_air();
     void grow_ramp();
     void let_static_line_go();
     Step choose_step(const State& state);

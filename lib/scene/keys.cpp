@@ -257,7 +257,7 @@ constexpr Key scene_rows[] = {
     {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
 
     {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "auto", .choices = methods, .user = rom,
-     .meaning = "auto: dormand-prince, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
+     .meaning = "auto: bogacki-shampine, zonneveld or dormand-prince by tolerance, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
     {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
      .meaning = "relative tolerance of position and velocity"},
 
