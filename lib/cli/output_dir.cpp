@@ -29,7 +29,8 @@ bool is_our_file(const fs::path& file) {
 
 bool holds_our_file(const fs::path& directory) {
     return is_our_file(directory / "summary.json") || is_our_file(directory / "gap.json") ||
-           is_our_file(directory / "ladder.json") || is_our_file(directory / "stability.json");
+           is_our_file(directory / "ladder.json") || is_our_file(directory / "stability.json") ||
+           is_our_file(directory / "validate.json");
 }
 
 /// The directory itself, or the nearest one above it that is there.
