@@ -2,7 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <utility>
+#include <vector>
 
 #include "compare/report/escape.hpp"
 #include "compare/validate/report.hpp"
@@ -48,20 +49,25 @@ std::string main_table(const std::vector<ShownRow>& shown) {
            text + "\n";
 }
 
-/// What is said beside a number, each sentence once.
+/// What is said beside numbers, each sentence once with the cases that it is said of.
 std::string notes(const std::vector<ShownRow>& shown) {
-    std::string text;
-    std::set<std::string> said;
+    std::vector<std::pair<std::string, std::vector<std::string>>> said;
     for (const ShownRow& one : shown) {
         const RowResult& row = *one.row;
-        if (row.verdict == RowVerdict::not_run || row.verdict == RowVerdict::by_test) continue;
+        const bool ran = row.verdict != RowVerdict::not_run && row.verdict != RowVerdict::by_test;
         std::string words = row.note;
         if (!row.why.empty() && row.verdict != RowVerdict::fitted)
             words += (words.empty() ? "" : "; ") + row.why;
-        if (words.empty() || !said.insert(row.name + row.quantity + words).second) continue;
-        text += fmt::format("- {}, {}{}: {}\n", markdown_text(row.name), row.quantity,
-                            row.verdict == RowVerdict::exceeded ? " (not within)" : "", markdown_text(words));
+        if (!ran || words.empty()) continue;
+        const std::string who = row_title(row) + (row.verdict == RowVerdict::exceeded ? " (not within)" : "");
+        auto place = std::ranges::find(said, words, [](const auto& entry) { return entry.first; });
+        if (place == said.end()) place = said.insert(said.end(), {words, {}});
+        if (std::ranges::find(place->second, who) == place->second.end()) place->second.push_back(who);
     }
+    std::string text;
+    for (const auto& [words, who] : said)
+        text += fmt::format("- {}: {}\n", markdown_text(fmt::format("{}", fmt::join(who, "; "))),
+                            markdown_text(words));
     return text.empty() ? "" : "Notes:\n\n" + text + "\n";
 }
 
@@ -93,10 +99,11 @@ std::string sources(const SuiteResult& suite) {
 std::string group_text(const SuiteResult& suite) {
     std::string text;
     for (const GroupResult& group : suite.groups()) {
-        text += fmt::format("- {}: {}", markdown_text(group.name), agreement_text(group));
-        if (group.agreement) text += fmt::format(" ([plot]({}))", plot_name(suite, group));
-        text += "\n";
+        text += fmt::format("- {}: {}\n", markdown_text(group.name), agreement_text(group));
     }
+    for (const GroupResult& group : suite.groups())
+        if (group.agreement)
+            text += fmt::format("\n![{}]({})\n", markdown_text(group.name), plot_name(suite, group));
     if (text.empty()) return {};
     return "Bias and scatter, from the logarithms of predicted over measured, sigma_M^2 = s^2 - sigma_E^2 "
            "and bias = exp(mean + "

@@ -45,14 +45,14 @@ std::string predicted_text(const RowResult& row) {
 
 std::string error_text(const RowResult& row) {
     const auto error = row.error(), relative = row.relative_error();
-    if (!error) return "-";
+    if (!error || row.verdict == RowVerdict::fitted) return "-";
     if (!relative) return fmt::format("{:+.2g}", *error);
     const double share = 100.0 * *relative;
     return std::abs(share) >= 0.1 ? fmt::format("{:+.1f} %", share) : fmt::format("{:+.1g} %", share);
 }
 
 std::string tolerance_text(const RowResult& row) {
-    if (!row.tolerance || !row.expected) return "-";
+    if (!row.tolerance || !row.expected || row.verdict == RowVerdict::fitted) return "-";
     if (*row.expected == 0.0) return readable(*row.tolerance, 2);
     const double share = 100.0 * *row.tolerance / std::abs(*row.expected);
     return share >= 0.1 ? fmt::format("{:.1f} %", share) : fmt::format("{:.1g} %", share);

@@ -226,7 +226,7 @@ private:
             row.tolerance = measured;
         else if (asked.sigma)
             row.tolerance = 2.0 * std::hypot(measured, row.sigma_inputs.value_or(0.0));
-        if (!fit_text_.empty()) row.why = fit_text_;
+        if (was_fitted) row.why = fit_text_;
         row.verdict = verdict_of(row, asked, was_fitted);
         if (!row.predicted && row.why.empty()) row.why = "the run does not give it";
         if (!row.expected && row.why.empty()) row.why = "there is no expected value";
