@@ -85,16 +85,16 @@ void draw_points(SvgCanvas& canvas, const LogSpan& span, const std::vector<const
     int number = 0;
     for (const RowResult* row : rows) {
         const double x = span.x(*row->expected), y = span.y(*row->predicted);
-        const auto bar = [&](const std::optional<double>& sigma, double at, bool vertical) {
-            if (!sigma || !(*sigma > 0.0) || !std::isfinite(*sigma)) return;
-            const double low = std::max(at - *sigma, span.low), high = std::min(at + *sigma, span.high);
-            if (vertical)
-                canvas.line(x, span.y(low), x, span.y(high), dim);
-            else
-                canvas.line(span.x(low), y, span.x(high), y, dim);
-        };
-        bar(row->sigma_measured, *row->expected, false);
-        bar(row->sigma_inputs, *row->predicted, true);
+        const auto inside = [&](double value) { return std::clamp(value, span.low, span.high); };
+        if (const double sigma = row->sigma_measured.value_or(0.0); sigma > 0.0 && std::isfinite(sigma))
+            canvas.line(span.x(inside(*row->expected - sigma)), y, span.x(inside(*row->expected + sigma)), y,
+                        dim);
+        // Uncertain inputs, or both ends of a bracket.
+        const double sigma = row->sigma_inputs.value_or(0.0);
+        const double low = row->low.value_or(*row->predicted - sigma),
+                     high = row->high.value_or(*row->predicted + sigma);
+        if (low < high && std::isfinite(high - low))
+            canvas.line(x, span.y(inside(low)), x, span.y(inside(high)), dim);
         canvas.add(
             R"(<circle cx="{:.1f}" cy="{:.1f}" r="5" fill="{}" stroke="{}" stroke-width="1.6"><title>{}</title></circle>)",
             x, y, row->verdict == RowVerdict::not_judged ? "#ffffff" : ink, ink,
@@ -125,7 +125,8 @@ void draw_legend(SvgCanvas& canvas, const GroupResult& group) {
         line(model, R"( stroke-dasharray="6 4")",
              fmt::format("two sigma of the model ({:.2f})", a.sigma_model));
     }
-    canvas.words(x, y, "start", dim, "open circles: not judged; bars: one sigma", R"( font-size="11.5")");
+    canvas.words(x, y, "start", dim, "open circles: not judged; bars: one sigma, or a bracket",
+                 R"( font-size="11.5")");
 }
 
 }  // namespace
