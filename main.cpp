@@ -6,6 +6,7 @@
 #include "compare/metrics.hpp"
 #include "compare/report_verb.hpp"
 #include "compare/stability_verb.hpp"
+#include "compare/validate/verb.hpp"
 #include "compare/verb.hpp"
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_verb.hpp"
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
         compare::report_verb(full, rom),
         compare::ladder_verb({&rom, &full}),
         compare::stability_verb(full, rom),
+        compare::validate_verb({&rom, &full}),
         fullsim::mesh_verb(),
         plan_verb({&rom, &full}),
         list_verb(std::move(topics)),

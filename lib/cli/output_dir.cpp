@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -28,9 +30,9 @@ bool is_our_file(const fs::path& file) {
 }
 
 bool holds_our_file(const fs::path& directory) {
-    return is_our_file(directory / "summary.json") || is_our_file(directory / "gap.json") ||
-           is_our_file(directory / "records.json") || is_our_file(directory / "ladder.json") ||
-           is_our_file(directory / "stability.json");
+    constexpr std::array names{"summary.json", "gap.json",       "records.json",
+                               "ladder.json",  "stability.json", "validate.json"};
+    return std::ranges::any_of(names, [&](const char* name) { return is_our_file(directory / name); });
 }
 
 /// The directory itself, or the nearest one above it that is there.

@@ -148,7 +148,7 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
                 fmt::format("--{} is given twice (one place, one value), keep one", option.name));
         }
     }
-    const bool none = verb.operand.empty(), several = verb.operand.ends_with("...");
+    const bool none = verb.operand.empty(), several = verb.operand.find("...") != std::string::npos;
     const bool optional = none || verb.operand.starts_with('[');
     if (none && !operands.empty())
         throw UsageError(

@@ -39,8 +39,8 @@ struct Arguments {
 struct Verb {
     std::string name;
     std::string summary;  ///< one line
-    std::string operand;  ///< "SCENE"; "[TOPIC]" when it may be left out, "DIR..." when there may be several;
-                          ///< empty when there is none
+    std::string operand;  ///< "SCENE"; "[TOPIC]" when it may be left out, "DIR..." when there may be several,
+                          ///< "[SUITE...]" both; empty when there is none
     std::string example;  ///< a command line that runs as it stands
     std::vector<Option> options;
     /// Throws UsageError, SceneError or WriteError.

@@ -1,0 +1,445 @@
+// From a suite's TOML to a ValidationSuite. Every key is known or refused, every number has the unit of what
+// it belongs to.
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "compare/metrics.hpp"
+#include "compare/validate/suite.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/keys.hpp"
+#include "lib/scene/nearest.hpp"
+#include "lib/scene/units.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array evidences{Evidence::exact, Evidence::printed, Evidence::measured, Evidence::made_up};
+
+/// A table of the file whose keys are asked for by name; the rest is refused at the end.
+class Reader {
+public:
+    Reader(const toml::table& table, std::string file, std::string path)
+        : table_(table), file_(std::move(file)), path_(std::move(path)) {}
+
+    [[noreturn]] void refuse(std::string_view key, std::string problem, std::string why,
+                             std::string hint) const {
+        throw SceneError(place(key), path_of(key), std::move(problem), std::move(why), std::move(hint));
+    }
+    SourcePlace place(std::string_view key = {}) const {
+        const toml::node* node = key.empty() ? nullptr : table_.get(key);
+        const auto& begin = (node ? node->source() : table_.source()).begin;
+        return {file_, static_cast<int>(begin.line), static_cast<int>(begin.column)};
+    }
+    const std::string& file() const { return file_; }
+    std::string path_of(std::string_view key) const {
+        return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+    }
+
+    const toml::node* find(std::string_view key) {
+        asked_.emplace(key);
+        return table_.get(key);
+    }
+    const toml::node& need(std::string_view key, std::string_view why) {
+        const toml::node* node = find(key);
+        if (!node) refuse(key, "is missing", std::string(why), fmt::format("add {} = ...", key));
+        return *node;
+    }
+    std::string text(std::string_view key) {
+        const toml::node* node = find(key);
+        if (!node) return {};
+        const auto value = node->value_exact<std::string>();
+        if (!value || value->empty()) refuse(key, "text in quotes belongs here", "", "write it in quotes");
+        return *value;
+    }
+    std::string needed_text(std::string_view key, std::string_view why) {
+        need(key, why);
+        return text(key);
+    }
+    std::vector<std::string> texts(std::string_view key) {
+        const toml::node* node = find(key);
+        if (!node) return {};
+        std::vector<std::string> found;
+        const toml::array* array = node->as_array();
+        if (!array) refuse(key, "a list of texts belongs here", "", fmt::format("write {} = [\"...\"]", key));
+        for (const toml::node& item : *array) {
+            const auto value = item.value_exact<std::string>();
+            if (!value)
+                refuse(key, "a list of texts belongs here", "", fmt::format("write {} = [\"...\"]", key));
+            found.push_back(*value);
+        }
+        return found;
+    }
+    bool flag(std::string_view key, bool fallback) {
+        const toml::node* node = find(key);
+        if (!node) return fallback;
+        const auto value = node->value_exact<bool>();
+        if (!value) refuse(key, "true or false belongs here", "", "write it without quotes");
+        return *value;
+    }
+    /// In SI; a plain number is taken as that.
+    std::optional<double> amount(std::string_view key, std::string_view unit) {
+        const toml::node* node = find(key);
+        if (!node) return {};
+        double value = 0.0;
+        if (const auto number = node->value<double>(); number && !node->is_string() && !node->is_boolean()) {
+            value = *number;
+        } else if (const auto words = node->value_exact<std::string>()) {
+            try {
+                value = to_si(*words, unit);
+            } catch (const UnitError& error) {
+                refuse(key, error.problem(), error.why(), error.suggestion());
+            }
+        } else {
+            refuse(key, "a number or a string with a unit belongs here", "", fmt::format("in {}", unit));
+        }
+        if (!std::isfinite(value)) refuse(key, "is not finite", "", "give a number");
+        return value;
+    }
+    /// "5 %" of what it belongs to, or an amount; not negative.
+    std::optional<Tolerance> tolerance(std::string_view key, std::string_view unit) {
+        const toml::node* node = find(key);
+        if (!node) return {};
+        const auto words = node->value_exact<std::string>();
+        const bool relative = words && words->ends_with('%');
+        const Tolerance found{*amount(key, relative ? "1" : unit), relative};
+        if (found.value < 0.0) refuse(key, "is negative", "", "give its size");
+        return found;
+    }
+    int count(std::string_view key, int fallback, int most) {
+        const toml::node* node = find(key);
+        if (!node) return fallback;
+        const auto value = node->value_exact<std::int64_t>();
+        if (!value || *value < 1 || *value > most)
+            refuse(key, fmt::format("a whole number from 1 to {} belongs here", most), "", "");
+        return static_cast<int>(*value);
+    }
+    /// The table under a key, or null.
+    const toml::table* table(std::string_view key) {
+        const toml::node* node = find(key);
+        if (!node) return nullptr;
+        if (!node->is_table())
+            refuse(key, "a table belongs here", "", fmt::format("write {} = {{ ... }}", key));
+        return node->as_table();
+    }
+    /// The tables of a list: [[key]] or [{...}].
+    std::vector<Reader> list(std::string_view key) {
+        const toml::node* node = find(key);
+        if (!node) return {};
+        const toml::array* array = node->as_array();
+        if (!array || array->empty())
+            refuse(key, "a list of tables belongs here", "", fmt::format("write [[{}]] or [{{ ... }}]", key));
+        std::vector<Reader> found;
+        for (const toml::node& item : *array) {
+            if (!item.is_table()) refuse(key, "a list of tables belongs here", "", "write { ... }");
+            found.emplace_back(*item.as_table(), file_, path_of(key));
+        }
+        return found;
+    }
+    void end() const {
+        for (const auto& [key, node] : table_) {
+            if (asked_.contains(std::string(key.str()))) continue;
+            const auto& begin = key.source().begin;
+            throw SceneError({file_, static_cast<int>(begin.line), static_cast<int>(begin.column)},
+                             path_of(key.str()), "unknown key", "",
+                             suggest(key.str(), {asked_.begin(), asked_.end()}));
+        }
+    }
+
+private:
+    const toml::table& table_;
+    std::string file_, path_;
+    std::set<std::string, std::less<>> asked_;
+};
+
+std::string toml_text(const toml::node& node) {
+    std::ostringstream text;
+    node.visit([&](const auto& value) {
+        using Value = std::remove_cvref_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, toml::table>) {
+            text << toml::toml_formatter(value);
+        } else if constexpr (std::is_same_v<Value, toml::array>) {
+            text << toml::toml_formatter(value);
+        } else {
+            text << toml::toml_formatter(toml::table{{"v", value}});
+        }
+    });
+    std::string found = text.str();
+    if (!node.is_table() && !node.is_array()) found.erase(0, found.find('=') + 2);
+    return found;
+}
+
+/// What the scene is made from: its own text, or the file it starts from.
+std::string scene_text(Reader& reader) {
+    const std::string base = reader.text("base");
+    const toml::table* inlined = reader.table("scene");
+    if (inlined && !base.empty())
+        reader.refuse("scene", "stands beside base", "one of them says which scene it is", "keep one");
+    if (inlined) return toml_text(*inlined) + "\n";
+    return base.empty() ? "" : "base = " + toml_text(toml::value<std::string>(base)) + "\n";
+}
+
+std::vector<std::string> overrides(Reader& reader) {
+    std::vector<std::string> found;
+    const toml::table* set = reader.table("set");
+    if (!set) return found;
+    for (const auto& [key, node] : *set) {
+        if (node.is_table() || node.is_array())
+            reader.refuse("set", fmt::format("'{}' is not a plain value", std::string(key.str())), "",
+                          "write \"payload.mass\" = \"80 kg\", one key after the other");
+        found.push_back(fmt::format("{}={}", std::string(key.str()), toml_text(node)));
+    }
+    return found;
+}
+
+const Key& number_key(const Reader& reader, std::string_view owner, std::string_view path) {
+    const Key* key = find_key(scene_keys(), path);
+    if (!key || (key->kind != KeyKind::quantity && key->kind != KeyKind::quantity_or_word &&
+                 key->kind != KeyKind::integer))
+        reader.refuse(owner, fmt::format("'{}' is no number of a scene", path), "",
+                      "`twinchute list keys` shows them");
+    return *key;
+}
+
+ExpectedRow read_row(Reader& reader, const ValidationCase& owner) {
+    ExpectedRow row;
+    row.place = reader.place();
+    row.quantity = reader.needed_text("quantity", "what is compared");
+    const std::string_view unit = quantity_unit(row.quantity);
+    if (unit.empty()) {
+        std::vector<std::string_view> names;
+        for (const Quantity& known : quantities())
+            names.push_back(known.name);
+        for (const MetricRow& known : metric_rows())
+            names.push_back(known.name);
+        reader.refuse("quantity", fmt::format("'{}' is unknown", row.quantity), "",
+                      suggest(row.quantity, names));
+    }
+    const Quantity* quantity = find_quantity(row.quantity);
+    const auto argument = [&](const char* key, double& value, const char* of) {
+        const auto given = reader.amount(key, of);
+        const bool taken = quantity && std::ranges::count(words_of(quantity->takes), key) > 0;
+        if (given && !taken)
+            reader.refuse(key, fmt::format("'{}' does not depend on it", row.quantity), "", "leave it out");
+        if (given) value = *given;
+        if (!given && taken && std::string_view(key) != "window")
+            reader.refuse(key, "is missing", fmt::format("'{}' depends on it", row.quantity), "add it");
+    };
+    argument("window", row.arguments.window, "s");
+    argument("height", row.arguments.height, "m");
+    argument("from", row.arguments.from, "m");
+    argument("to", row.arguments.to, "m");
+    if (!(row.arguments.window > 0.0)) reader.refuse("window", "is not positive", "", "give e.g. \"100 ms\"");
+
+    row.fidelities = reader.texts("fidelities");
+    for (const std::string& name : row.fidelities)
+        if (std::ranges::find(owner.fidelities, name) == owner.fidelities.end())
+            reader.refuse("fidelities", fmt::format("'{}' is none of the case's", name), "",
+                          suggest(name, {owner.fidelities.begin(), owner.fidelities.end()}));
+    row.expected = reader.amount("expected", unit);
+    row.column = reader.text("column");
+    if (const auto factor = reader.amount("factor", "1")) row.factor = *factor;
+    row.tolerance = reader.tolerance("tolerance", unit);
+    row.sigma = reader.tolerance("sigma", unit);
+    row.judged = reader.flag("judged", true);
+    row.group = reader.text("group");
+    row.source = reader.text("source");
+    row.grade = reader.text("grade");
+    row.where = reader.text("where");
+    row.note = reader.text("note");
+    reader.end();
+
+    const int ways = (row.expected ? 1 : 0) + (row.column.empty() ? 0 : 1);
+    if (ways > 1) reader.refuse("column", "stands beside expected", "both say what is expected", "keep one");
+    if (ways == 0 && owner.recording.empty())
+        reader.refuse("expected", "is missing", "nothing to compare with",
+                      "add expected, or column with a table, or a recording of the case");
+    if (!row.column.empty() && owner.table.empty())
+        reader.refuse("column", "needs a table of the case", "", "add table = \"reference/....csv\"");
+    if (row.judged && !row.tolerance && !row.sigma && !owner.bracket && !owner.fit)
+        reader.refuse("tolerance", "is missing", "how far off may it be?",
+                      "add tolerance, the sigma of the measurement, or judged = false");
+    return row;
+}
+
+std::vector<GivenColumn> read_given(Reader& reader) {
+    std::vector<GivenColumn> found;
+    const toml::table* given = reader.table("given");
+    if (!given) return found;
+    Reader columns(*given, reader.file(), reader.path_of("given"));
+    for (const auto& [name, node] : *given) {
+        const std::string column(name.str());
+        const toml::table* table = columns.table(column);
+        Reader one(*table, reader.file(), columns.path_of(column));
+        GivenColumn entry{column, one.needed_text("key", "which key of the scene it gives")};
+        number_key(one, "key", entry.key);
+        if (const auto factor = one.amount("factor", "1")) entry.factor = *factor;
+        if (const auto power = one.amount("power", "1")) entry.power = *power;
+        one.end();
+        found.push_back(std::move(entry));
+    }
+    return found;
+}
+
+void read_uncertainties(Reader& reader, ValidationCase& found) {
+    if (const toml::table* uncertain = reader.table("uncertain")) {
+        Reader keys(*uncertain, reader.file(), reader.path_of("uncertain"));
+        for (const auto& [name, node] : *uncertain) {
+            const std::string key(name.str());
+            found.uncertain.emplace_back(key, *keys.tolerance(key, number_key(keys, key, key).unit));
+        }
+    }
+    if (const toml::table* bracket = reader.table("bracket")) {
+        Reader keys(*bracket, reader.file(), reader.path_of("bracket"));
+        if (bracket->size() != 1) reader.refuse("bracket", "one key belongs here", "", "give one");
+        const std::string key(bracket->begin()->first.str());
+        number_key(keys, key, key);
+        const Tolerance share = *keys.tolerance(key, "1");
+        if (!(share.relative && share.value > 0.0 && share.value < 1.0))
+            keys.refuse(key, "is not a share", "", "write e.g. \"20 %\"");
+        found.bracket.emplace(key, share.value);
+    }
+    if (const toml::table* fit = reader.table("fit")) {
+        Reader keys(*fit, reader.file(), reader.path_of("fit"));
+        const std::string key = keys.needed_text("key", "what is adjusted");
+        const std::string_view unit = number_key(keys, "key", key).unit;
+        keys.need("low", "where to look"), keys.need("high", "where to look");
+        found.fit = {key, *keys.amount("low", unit), *keys.amount("high", unit)};
+        keys.end();
+        if (!(found.fit->low > 0.0 && found.fit->high > found.fit->low))
+            reader.refuse("fit", "low and high are no interval above zero", "", "give 0 < low < high");
+    }
+}
+
+ValidationCase read_case(Reader& reader) {
+    ValidationCase found;
+    found.place = reader.place();
+    found.name = reader.needed_text("name", "results are listed by it");
+    found.what = reader.text("what");
+    found.scene = scene_text(reader);
+    found.set = overrides(reader);
+    found.canopy_type = reader.text("canopy_type");
+    found.fidelities = reader.texts("fidelities");
+    if (found.fidelities.empty()) found.fidelities = {"rom"};
+    found.seeds = reader.count("seeds", 0, 1000);
+    found.table = reader.text("table");
+    found.only = reader.text("only");
+    found.given = read_given(reader);
+    found.recording = reader.text("recording");
+    found.missing = reader.texts("missing");
+    found.shown_by = reader.text("shown_by");
+    read_uncertainties(reader, found);
+    const std::string source = reader.text("source"), grade = reader.text("grade"),
+                      where = reader.text("where");
+    for (Reader& row : reader.list("row"))
+        found.rows.push_back(read_row(row, found));
+    reader.end();
+    for (ExpectedRow& row : found.rows) {
+        if (row.source.empty()) row.source = source;
+        if (row.grade.empty()) row.grade = grade;
+        if (row.where.empty()) row.where = where;
+        if (row.source.empty())
+            throw SceneError(row.place, "case.row.source", "is missing",
+                             "a value without a source is worth nothing", "add it to the row or to its case");
+    }
+    const bool runs = found.missing.empty() && found.shown_by.empty();
+    if (runs && found.scene.empty())
+        reader.refuse("base", "is missing", "which scene is it?", "add base, scene, or missing = [...]");
+    if (found.rows.empty() && runs)
+        reader.refuse("row", "is missing", "nothing to compare with", "add [[case.row]]");
+    if (found.fit && found.rows.front().column.size() + found.table.size() > 0)
+        reader.refuse("fit", "does not go with a table", "", "give the row its expected value");
+    return found;
+}
+
+}  // namespace
+
+std::string_view evidence_name(Evidence evidence) {
+    switch (evidence) {
+        case Evidence::exact:
+            return "exact";
+        case Evidence::printed:
+            return "printed";
+        case Evidence::measured:
+            return "measured";
+        case Evidence::made_up:
+            return "made-up";
+    }
+    return "unknown";
+}
+
+std::string_view agreement_word(Evidence evidence) {
+    switch (evidence) {
+        case Evidence::exact:
+            return "verified";
+        case Evidence::printed:
+            return "reproduced";
+        case Evidence::measured:
+            return "validated";
+        case Evidence::made_up:
+            return "met";
+    }
+    return "unknown";
+}
+
+ValidationSuite read_suite_text(std::string_view text, const fs::path& file) {
+    toml::table root;
+    try {
+        root = toml::parse(text, file.string());
+    } catch (const toml::parse_error& error) {
+        const auto& begin = error.source().begin;
+        throw SceneError({file.string(), static_cast<int>(begin.line), static_cast<int>(begin.column)}, "",
+                         "not valid TOML", std::string(error.description()), "mend this line");
+    }
+    ValidationSuite suite;
+    suite.file = file;
+    Reader reader(root, file.string(), "");
+    if (reader.count("schema", 0, 1) != 1) reader.need("schema", "version of this format");
+    suite.name = reader.needed_text("name", "suites are chosen by it");
+    if (file_stem_of(suite.name) != suite.name)
+        reader.refuse("name", fmt::format("'{}' is not fit for the name of a file", suite.name),
+                      "letters, digits, '-', '_' and '.'",
+                      fmt::format("write e.g. \"{}\"", file_stem_of(suite.name)));
+    suite.title = reader.needed_text("title", "heading of its table");
+    suite.about = reader.text("about");
+    const std::string evidence = reader.needed_text("evidence", "what its expected values are");
+    const auto found = std::ranges::find(evidences, evidence, evidence_name);
+    if (found == evidences.end()) {
+        std::vector<std::string_view> names;
+        for (const Evidence known : evidences)
+            names.push_back(evidence_name(known));
+        reader.refuse("evidence", fmt::format("'{}' is unknown", evidence), "", suggest(evidence, names));
+    }
+    suite.evidence = *found;
+    reader.need("case", "a suite has cases");
+    for (Reader& one : reader.list("case"))
+        suite.cases.push_back(read_case(one));
+    reader.end();
+    return suite;
+}
+
+ValidationSuite read_suite(const fs::path& file) {
+    return read_suite_text(read_text_file(file), file);
+}
+
+std::vector<std::string> suite_names() {
+    std::vector<std::string> names = data_names("validation");
+    std::erase_if(names, [](const std::string& name) { return name.find('/') != std::string::npos; });
+    return names;
+}
+
+fs::path suite_file(const std::string& name) {
+    if (const auto file = find_data_file("validation", name, {})) return *file;
+    const std::vector<std::string> names = suite_names();
+    throw SceneError({}, "--suite", fmt::format("there is no suite '{}'", name), "",
+                     suggest(name, {names.begin(), names.end()}));
+}
+
+}  // namespace twinchute::compare

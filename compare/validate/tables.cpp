@@ -1,0 +1,130 @@
+#include "compare/validate/tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "lib/scene/csv_table.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+std::vector<std::string> cells_of(std::string_view line) {
+    std::vector<std::string> cells;
+    for (std::size_t begin = 0;;) {
+        const std::size_t comma = std::min(line.find(',', begin), line.size());
+        cells.emplace_back(line.substr(begin, comma - begin));
+        if (comma == line.size()) return cells;
+        begin = comma + 1;
+    }
+}
+
+constexpr std::array<CsvColumn, 4> recording_columns{{{"time", "s", {-1e6, 1e6}},
+                                                      {"force", "N", {-1e9, 1e9}},
+                                                      {"height", "m", {-1e5, 1e5}},
+                                                      {"speed", "m/s", {-1e4, 1e4}}}};
+
+}  // namespace
+
+std::optional<std::size_t> ReferenceTable::column(std::string_view name) const {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) return {};
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+std::optional<double> ReferenceTable::number(std::size_t line, std::size_t column) const {
+    const std::string& text = lines[line][column];
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{}) return {};
+    return value;
+}
+
+ReferenceTable read_reference_table(std::string_view text, const std::string& file) {
+    ReferenceTable table;
+    table.file = file;
+    int number = 0;
+    while (!text.empty()) {
+        const std::size_t feed = std::min(text.find('\n'), text.size());
+        std::string_view line = text.substr(0, feed);
+        text.remove_prefix(std::min(feed + 1, text.size()));
+        ++number;
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        if (line.empty() || line.front() == '#') continue;
+        std::vector<std::string> cells = cells_of(line);
+        if (table.names.empty()) {
+            table.names = std::move(cells);
+            continue;
+        }
+        if (cells.size() != table.names.size())
+            throw SceneError(
+                {file, number, 1}, "",
+                fmt::format("{} cells where the first line has {}", cells.size(), table.names.size()), "",
+                "every line has a cell for every column");
+        table.lines.push_back(std::move(cells));
+        table.numbers.push_back(number);
+    }
+    if (table.lines.empty())
+        throw SceneError({file, 0, 0}, "", "is not a table", "the first line names the columns",
+                         "add lines below it");
+    return table;
+}
+
+std::optional<std::vector<std::string>> canopy_type_keys(const ReferenceTable& types, std::string_view type) {
+    const auto name = types.column("type");
+    if (!name) return {};
+    const auto row = std::ranges::find(types.lines, type,
+                                       [&](const auto& cells) -> const std::string& { return cells[*name]; });
+    if (row == types.lines.end()) return {};
+    const auto line = static_cast<std::size_t>(row - types.lines.begin());
+    const auto value = [&](std::string_view column) -> std::optional<double> {
+        const auto at = types.column(column);
+        if (!at) return {};
+        return types.number(line, *at);
+    };
+    const auto middle = [&](std::string_view low, std::string_view high) -> std::optional<double> {
+        const auto a = value(low), b = value(high);
+        if (!a || !b) return {};
+        return 0.5 * (*a + *b);
+    };
+    const auto n = value("n_unreefed"), coefficient = middle("CD0_lo", "CD0_hi");
+    if (!n || !coefficient) return {};
+    std::vector<std::string> keys{fmt::format("parachute.fill_time.n={}", *n),
+                                  fmt::format("parachute.drag_coefficient={}", *coefficient)};
+    if (const auto ratio = middle("Dp_over_D0_lo", "Dp_over_D0_hi"))
+        keys.push_back(fmt::format("parachute.projected_diameter_ratio={}", *ratio));
+    if (const auto exponent = value("j"))
+        keys.push_back(fmt::format("parachute.drag_area_law=power-{:g}", *exponent));
+    return keys;
+}
+
+RunRecord read_recording(std::string_view text, const std::string& file, const Scene& scene) {
+    const CsvTable table = read_csv_table(text, file, recording_columns);
+    if (table.columns.size() < 2)
+        throw SceneError({file, 1, 1}, "", "nothing is recorded beside the time", "",
+                         "the columns are time, and force, height or speed");
+    RunRecord record;
+    record.fidelity = "recording";
+    for (const auto& [name, values] : table.columns) {
+        Channel channel{name, "", values};
+        if (name == "time") channel.unit = "s";
+        if (name == "force") channel.unit = "N";
+        if (name == "height") {
+            channel = {"altitude", "m", values};
+            for (double& value : channel.values)
+                value += scene.environment.ground;
+        }
+        if (name == "speed") {
+            channel = {"vertical_speed", "m/s", values};
+            for (double& value : channel.values)
+                value = -value;
+        }
+        record.channels.push_back(std::move(channel));
+    }
+    return record;
+}
+
+}  // namespace twinchute::compare

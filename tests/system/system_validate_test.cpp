@@ -1,0 +1,114 @@
+// `twinchute validate` as a script sees it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute {
+namespace {
+
+using nlohmann::json;
+using test::Ended;
+using test::Process;
+
+class SystemValidate : public testing::Test {
+protected:
+    Ended run(std::vector<std::string> words) {
+        words.insert(words.begin(), {TWINCHUTE_PROGRAM, "validate"});
+        return Process(words, here_.path()).wait();
+    }
+    /// A suite of one closed form, sqrt(2 L/g) for 24.995 m, and of what cannot be run.
+    void write_suite(const std::string& name, const std::string& expected) {
+        here_.write(name,
+                    "schema = 1\nname = \"mine\"\ntitle = \"Mine\"\nevidence = \"exact\"\n"
+                    "[[case]]\nname = \"drop\"\nbase = \"paper/crane-drop.toml\"\nsource = \"free fall\"\n"
+                    "set = { \"environment.atmosphere.density\" = 1e-9, \"stop.at\" = \"line-stretch\" }\n"
+                    "row = [{ quantity = \"line_stretch_time\", tolerance = 1e-6, expected = " +
+                        expected +
+                        " }]\n"
+                        "[[case]]\nname = \"elsewhere\"\nmissing = [\"mass of the payload\"]\n");
+    }
+
+    ScratchDir here_;
+};
+
+TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
+    // All shipped suites. Whether they hold is their business; that the exit code says so is this test's.
+    const Ended ended = run({"--quick", "--json"});
+    ASSERT_TRUE(ended.code == 0 || ended.code == 1) << ended.err;
+    EXPECT_EQ(ended.out, content_of(here_ / "validate.out/validate.json"));
+    const json result = json::parse(ended.out);
+    int judged = 0, exceeded = 0, listed = 0;
+    for (const json& suite : result["suites"])
+        for (const json& row : suite["rows"]) {
+            const std::string verdict = row["verdict"];
+            judged += verdict == "within" || verdict == "exceeded";
+            exceeded += verdict == "exceeded";
+            ++listed;
+            if (verdict == "not run" || verdict == "by test") {
+                EXPECT_NE(row["why"], "") << row;
+            }
+            if (verdict == "within") {
+                EXPECT_TRUE(row.contains("predicted") && row.contains("expected")) << row;
+            }
+        }
+    EXPECT_EQ(ended.code, exceeded > 0 ? 1 : 0);
+    EXPECT_EQ(result["within"], exceeded == 0);
+    EXPECT_GT(judged, 150);
+    // What the equations say holds, whatever tests and papers say.
+    for (const json& suite : result["suites"]) {
+        if (suite["evidence"] != "exact") continue;
+        for (const json& row : suite["rows"])
+            EXPECT_NE(row["verdict"], "exceeded") << row;
+    }
+    const std::string csv = content_of(here_ / "validate.out/validate.csv");
+    EXPECT_EQ(std::ranges::count(csv, '\n'), listed + 2);  // names and units
+    for (const std::string& name : tree_of(here_ / "validate.out"))
+        EXPECT_TRUE(name == "report.md" || name == "validate.csv" || name == "validate.json" ||
+                    (name.starts_with("scatter-measured-") && name.ends_with(".svg")))
+            << name;
+}
+
+TEST_F(SystemValidate, AWrongExpectedValueExitsWithOne) {
+    write_suite("right.toml", "2.257778");
+    const Ended right = run({"right.toml", "--out", "r"});
+    EXPECT_EQ(right.code, 0) << right.out << right.err;
+    EXPECT_NE(right.out.find("1 of 1 judged rows verified; 1 not run"), std::string::npos) << right.out;
+    EXPECT_NE(right.out.find("elsewhere: missing: mass of the payload"), std::string::npos) << right.out;
+    write_suite("wrong.toml", "2.257");
+    const Ended wrong = run({"wrong.toml", "--out", "r"});
+    EXPECT_EQ(wrong.code, 1) << wrong.err;
+    EXPECT_NE(wrong.out.find("NO"), std::string::npos) << wrong.out;
+    EXPECT_NE(content_of(here_ / "r/report.md").find("elsewhere: missing: mass of the payload"),
+              std::string::npos);
+}
+
+TEST_F(SystemValidate, ATestOfOnesOwnIsASuite) {
+    const Ended ended = run({"--suite", "example/own-test"});
+    EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+    EXPECT_NE(ended.out.find("2 of 2 judged rows met"), std::string::npos) << ended.out;
+    EXPECT_EQ(ended.out.find("validated"), std::string::npos) << ended.out;
+}
+
+TEST_F(SystemValidate, ABadSuiteWritesNothing) {
+    write_suite("bad.toml", "\"2 m\"");
+    const Ended unit = run({"bad.toml"});
+    EXPECT_EQ(unit.code, 2);
+    EXPECT_TRUE(unit.err.starts_with("bad.toml:10:")) << unit.err;
+    EXPECT_NE(unit.err.find("case.row.expected"), std::string::npos) << unit.err;
+    EXPECT_EQ(run({"nowhere.toml"}).code, 2);
+    const Ended name = run({"--suite", "closed-from"});
+    EXPECT_EQ(name.code, 2);
+    EXPECT_NE(name.err.find("did you mean 'closed-forms'?"), std::string::npos) << name.err;
+    write_suite("a.toml", "1");
+    EXPECT_EQ(run({"a.toml", "a.toml"}).code, 2);  // results are kept by name
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"a.toml", "bad.toml"}));
+    here_.write("thesis/chapter.tex", "years of work");
+    EXPECT_EQ(run({"a.toml", "--out", "thesis"}).code, 2);
+}
+
+}  // namespace
+}  // namespace twinchute
