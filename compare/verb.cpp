@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <thread>
 #include <utility>
 
+#include "compare/attribute.hpp"
 #include "compare/gap.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
@@ -14,12 +16,37 @@
 #include "compare/tolerances.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/output_dir.hpp"
+#include "lib/cli/progress.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
 namespace {
+
+/// --why, --seeds and --threads: of the runs with pieces switched.
+struct Why {
+    bool asked = false;
+    int seeds = AttributionOptions{}.seeds, threads = 1;
+};
+
+Why why_of(const Arguments& arguments) {
+    Why why;
+    why.asked = arguments.has("why");
+    if (arguments.has("seeds") && !why.asked)
+        throw UsageError("--seeds is for the runs of --why, give both, e.g. --why --seeds 3");
+    why.seeds = whole_number(arguments, "seeds", why.seeds, 1000, 3);
+    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+    why.threads = arguments.has("threads") ? threads_of(arguments) : static_cast<int>(processors);
+    return why;
+}
+
+Attribution explained(const Comparison& comparison, const Scene& scene, const Fidelity& reference,
+                      const Fidelity& candidate, const Why& why, const Interrupt& interrupt, bool quiet) {
+    ProgressLine line("why", !quiet && progress_is_seen());
+    return attribute(comparison, scene, reference, candidate,
+                     {why.seeds, why.threads, interrupt.token(), line.reporter()});
+}
 
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
@@ -28,6 +55,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
     const std::vector<Scene> scenes = scenes_of(arguments, overrides);
     const int threads = threads_of(arguments);
+    const Why why = why_of(arguments);
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
@@ -56,6 +84,9 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         comparison.reference =
             as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference));
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+        if (why.asked && !interrupt.token().stop_requested())
+            comparison.attribution =
+                explained(comparison, scene, reference, candidate, why, interrupt, quiet);
         add_report(batch, comparison, place);
         batch.commit();
 
@@ -67,6 +98,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
             print(fields_text(of_reference) + fields_text(of_candidate));
         }
         code = gravest(code, exit_code(comparison));
+        if (why.asked && interrupt.token().stop_requested()) code = gravest(code, ExitCode::interrupted);
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, gaps));
@@ -82,7 +114,14 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.operand = "SCENE";
     verb.example = "twinchute compare data/scenes/c9-inflation.toml";
     verb.options = scene_options("write records and report there instead of ./<scene file>.out");
-    verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
+    const std::vector<Option> own{
+        tolerance_option(reference.name),
+        {"why", "",
+         "run both models again with pieces of physics switched: what makes which part of the gap"},
+        {"seeds", "N",
+         fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
+                     AttributionOptions{}.seeds)}};
+    verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
     if (reference.has_threads || candidate.has_threads)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "compare/report/attribution_text.hpp"
 #include "compare/report/escape.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
@@ -72,6 +73,26 @@ std::string metrics_section(const Comparison& comparison) {
         markdown_text(candidate), markdown_text(reference), markdown_text(reference));
     text += "An *input* only repeats what the scene says; a *result* comes out of the model.\n";
     return notes.empty() ? text : text + "\n" + notes;
+}
+
+std::string attribution_section(const Comparison& comparison) {
+    if (!comparison.attribution) return {};
+    const Attribution& attribution = *comparison.attribution;
+    std::string text = "## Why\n\n";
+    for (const MetricAttribution& metric : attribution.metrics)
+        text += fmt::format("- {}\n", markdown_text(attribution_sentence(metric, comparison)));
+    if (!attribution.metrics.empty()) {
+        const Table table = attribution_table(comparison);
+        text += "\n" + header(table.header, "l" + std::string(table.header.size() - 1, 'r'));
+        for (const std::vector<std::string>& cells : table.rows)
+            text += row(cells);
+        text += fmt::format("\n{}\n\n", markdown_text(attribution_legend(comparison)));
+        for (const std::string& detail : attribution_details(attribution))
+            text += fmt::format("- {}\n", markdown_text(detail));
+    }
+    for (const std::string& note : attribution.notes)
+        text += fmt::format("- {}\n", markdown_text(note));
+    return text + "\n";
 }
 
 std::string cost_section(const Comparison& comparison, const Sides& sides) {
@@ -221,7 +242,8 @@ std::string report_markdown(const Comparison& comparison) {
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
-    text += "\n" + metrics_section(comparison) + "\n" + cost_section(comparison, sides) + "\n";
+    text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
+    text += cost_section(comparison, sides) + "\n";
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text += events_section(sides) + energy_section(sides) + notes_section(sides);
     text += inputs_section(comparison.reference);
