@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "compare/pieces.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/sundials.hpp"
@@ -43,58 +44,6 @@ void scale_mesh(MeshCounts& mesh, double factor) {
     mesh.line_elements = scaled(mesh.line_elements, factor, "full.mesh.line_elements");
     mesh.riser_elements = scaled(mesh.riser_elements, factor, "full.mesh.riser_elements");
 }
-
-/// A piece that a scene can do without.
-struct Piece {
-    std::string_view name, why;
-    bool in_rom;
-    bool (*present)(const Scene&);
-    void (*remove)(Scene&);
-    double cost = 1.0;
-};
-
-/// One sector may stand for all where nothing makes sectors differ; the reader of scenes refuses the rest.
-bool may_be_a_sector(const Scene& scene) {
-    const Vec3 velocity = velocity_over_ground(scene.release);
-    return scene.full.symmetry == Symmetry::none && !scene.parachutes.front().deploy.starts_packed() &&
-           !scene.full.noise && !scene.environment.wind && velocity.z() <= 0.0 &&
-           std::hypot(velocity.x(), velocity.y()) <= 1e-9 * velocity.norm();
-}
-
-// clang-format off
-constexpr std::array pieces{
-    Piece{"no added mass", "what the air that moves with the canopy does", true,
-          [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
-          [](Scene& s) { s.aerodynamics.added_mass.reset(); }},
-    Piece{"no payload drag", "what the payload's own drag does", true,
-          [](const Scene& s) { return s.payload.drag_area.has_value(); },
-          [](Scene& s) { s.payload.drag_area.reset(); }},
-    Piece{"no line drag", "what the drag of the suspension lines does", false,
-          [](const Scene& s) { return s.aerodynamics.line_drag.has_value(); },
-          [](Scene& s) { s.aerodynamics.line_drag.reset(); }},
-    Piece{"no breathing damping", "what the air's resistance to fluttering fabric does", false,
-          [](const Scene& s) { return s.aerodynamics.breathing_damping.has_value(); },
-          [](Scene& s) { s.aerodynamics.breathing_damping.reset(); }},
-    Piece{"no noise", "what the disturbance of the canopy at the start does", false,
-          [](const Scene& s) { return s.full.noise.has_value(); },
-          [](Scene& s) { s.full.noise.reset(); }},
-    Piece{"no mass damping", "what alpha does", false,
-          [](const Scene& s) { return s.full.alpha > 0.0; },
-          [](Scene& s) { s.full.alpha = 0.0; }},
-    Piece{"no stiffness damping", "what beta does", false,
-          [](const Scene& s) { return s.full.beta > 0.0; },
-          [](Scene& s) { s.full.beta = 0.0; }},
-    Piece{"no bulk viscosity", "what the damping of waves along cables does", false,
-          [](const Scene& s) { return s.full.bulk_viscosity > 0.0; },
-          [](Scene& s) { s.full.bulk_viscosity = 0.0; }},
-    Piece{"no springs", "finite elements from the pack on", false,
-          [](const Scene& s) { return s.full.structure == Structure::msd_fe && s.parachutes.front().deploy.starts_packed(); },
-          [](Scene& s) { s.full.structure = Structure::fe; }, 8.0},
-    Piece{"one sector", "what it costs and saves that all sectors fold alike", false,
-          may_be_a_sector,
-          [](Scene& s) { s.full.symmetry = Symmetry::sector; }},
-};
-// clang-format on
 
 /// [m/s] at which drag carries the weight, in the air at the release.
 double steady_descent(const Scene& scene) {
@@ -211,10 +160,10 @@ void add_full(std::vector<Rung>& rungs) {
 }
 
 void add_without(std::vector<Rung>& rungs, const Scene& scene, std::string_view fidelity) {
-    for (const Piece& piece : pieces) {
-        if (!piece.present(scene) || (fidelity == rom && !piece.in_rom)) continue;
-        Rung rung{.name = fmt::format("{}, {}", fidelity, piece.name),
-                  .label = std::string(piece.name),
+    for (const Piece& piece : pieces()) {
+        if (piece.rung.empty() || !piece.present(scene) || (fidelity == rom && !piece.in_rom)) continue;
+        Rung rung{.name = fmt::format("{}, {}", fidelity, piece.rung),
+                  .label = std::string(piece.rung),
                   .family = std::string(fidelity == rom ? rom_without : full_without),
                   .why = std::string(piece.why)};
         rung.fidelity = fidelity;

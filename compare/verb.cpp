@@ -7,8 +7,10 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 #include <utility>
 
+#include "compare/attribute.hpp"
 #include "compare/baseline.hpp"
 #include "compare/gap.hpp"
 #include "compare/report/gap_json.hpp"
@@ -18,6 +20,7 @@
 #include "compare/tolerances.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/output_dir.hpp"
+#include "lib/cli/progress.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
@@ -34,6 +37,30 @@ std::string with_trend(const std::string& gap, const std::optional<Trend>& trend
     return json_text(json);
 }
 
+/// --why, --seeds and --threads: of the runs with pieces switched.
+struct Why {
+    bool asked = false;
+    int seeds = AttributionOptions{}.seeds, threads = 1;
+};
+
+Why why_of(const Arguments& arguments) {
+    Why why;
+    why.asked = arguments.has("why");
+    if (arguments.has("seeds") && !why.asked)
+        throw UsageError("--seeds is for the runs of --why, give both, e.g. --why --seeds 3");
+    why.seeds = whole_number(arguments, "seeds", why.seeds, 1000, 3);
+    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+    why.threads = arguments.has("threads") ? threads_of(arguments) : static_cast<int>(processors);
+    return why;
+}
+
+Attribution explained(const Comparison& comparison, const Scene& scene, const Fidelity& reference,
+                      const Fidelity& candidate, const Why& why, const Interrupt& interrupt, bool quiet) {
+    ProgressLine line("why", !quiet && progress_is_seen());
+    return attribute(comparison, scene, reference, candidate,
+                     {why.seeds, why.threads, interrupt.token(), line.reporter()});
+}
+
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
     std::vector<std::string> overrides = tolerance_overrides(arguments);
@@ -41,6 +68,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
     const std::vector<Scene> scenes = scenes_of(arguments, overrides);
     const int threads = threads_of(arguments);
+    const Why why = why_of(arguments);
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
@@ -73,6 +101,9 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
         std::optional<Trend> trend;
         if (baseline.asked()) trend = baseline.trend_of(i, comparison);
+        if (why.asked && !interrupt.token().stop_requested())
+            comparison.attribution =
+                explained(comparison, scene, reference, candidate, why, interrupt, quiet);
         add_report(batch, comparison, place);
         baseline.add_files(batch, trend, comparison, place);
         batch.commit();
@@ -87,6 +118,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         }
         code = gravest(code, exit_code(comparison));
         if (trend && overall_verdict(*trend) == Verdict::exceeded) code = gravest(code, ExitCode::verdict);
+        if (why.asked && interrupt.token().stop_requested()) code = gravest(code, ExitCode::interrupted);
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, gaps));
@@ -102,9 +134,15 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.operand = "SCENE";
     verb.example = "twinchute compare data/scenes/c9-inflation.toml";
     verb.options = scene_options("write records and report there instead of ./<scene file>.out");
-    verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
-    for (Option& option : baseline_options())
-        verb.options.insert(verb.options.begin() + 2, std::move(option));
+    std::vector<Option> own{
+        tolerance_option(reference.name),
+        {"why", "",
+         "run both models again with pieces of physics switched: what makes which part of the gap"},
+        {"seeds", "N",
+         fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
+                     AttributionOptions{}.seeds)}};
+    std::ranges::copy(baseline_options(), std::back_inserter(own));
+    verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
     if (reference.has_threads || candidate.has_threads)

@@ -308,7 +308,7 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     if (!scene_.aerodynamics.added_mass || state_.stage == Stage::deployment) return {};
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
     const double rho = state_.air.density;
-    if (state_.phase != Phase::open)
+    if (state_.phase != Phase::open || spec.open_radius == AddedMassRadius::drag_area)
         return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho,
                                      steady_radius(scene_.parachutes.front()));
     // Once open, the air belongs to the shape that the canopy really has.

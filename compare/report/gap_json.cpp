@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/report/attribution_json.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -91,6 +92,7 @@ std::string gap_json(const Comparison& comparison) {
     put(cost, "ratio", comparison.gap.cost_ratio);
     json["reference"] = side_json(comparison.reference, comparison.reference_title);
     json["candidate"] = side_json(comparison.candidate, comparison.candidate_title);
+    if (comparison.attribution) json["attribution"] = attribution_json(*comparison.attribution);
     json["provenance"] = provenance_json(comparison.reference.provenance);
     return json_text(json);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "compare/report/attribution_text.hpp"
 #include "compare/report/escape.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
@@ -104,6 +105,26 @@ std::string histories_section(const FidelityGap& gap) {
         "each over the\n"
         "reference's own in the same time. A tolerance is held against the L2 of inflation and descent.\n\n";
     return notes.empty() ? text : text + notes + "\n";
+}
+
+std::string attribution_section(const Comparison& comparison) {
+    if (!comparison.attribution) return {};
+    const Attribution& attribution = *comparison.attribution;
+    std::string text = "## Why\n\n";
+    for (const MetricAttribution& metric : attribution.metrics)
+        text += fmt::format("- {}\n", markdown_text(attribution_sentence(metric, comparison)));
+    if (!attribution.metrics.empty()) {
+        const Table table = attribution_table(comparison);
+        text += "\n" + header(table.header, "l" + std::string(table.header.size() - 1, 'r'));
+        for (const std::vector<std::string>& cells : table.rows)
+            text += row(cells);
+        text += fmt::format("\n{}\n\n", markdown_text(attribution_legend(comparison)));
+        for (const std::string& detail : attribution_details(attribution))
+            text += fmt::format("- {}\n", markdown_text(detail));
+    }
+    for (const std::string& note : attribution.notes)
+        text += fmt::format("- {}\n", markdown_text(note));
+    return text + "\n";
 }
 
 std::string cost_section(const Comparison& comparison, const Sides& sides) {
@@ -253,7 +274,7 @@ std::string report_markdown(const Comparison& comparison) {
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
-    text += "\n" + metrics_section(comparison) + "\n";
+    text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text += histories_section(comparison.gap) + cost_section(comparison, sides) + "\n";
     text += events_section(sides) + energy_section(sides) + notes_section(sides);

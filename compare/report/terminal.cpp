@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "compare/report/attribution_text.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 
@@ -94,6 +95,24 @@ std::string histories_text(const Comparison& comparison, const Style& style) {
                        comparison.reference.fidelity);
 }
 
+std::string attribution_part(const Comparison& comparison, const Style& style) {
+    if (!comparison.attribution) return {};
+    const Attribution& attribution = *comparison.attribution;
+    std::string text;
+    if (!attribution.metrics.empty()) {
+        Table table = attribution_table(comparison);
+        for (std::vector<std::string>& cells : table.rows)
+            std::ranges::transform(cells, cells.begin(),
+                                   [](const std::string& cell) { return printable(cell); });
+        text += aligned(table, style) + "\n";
+    }
+    for (const MetricAttribution& metric : attribution.metrics)
+        text += fmt::format("why       {}\n", printable(attribution_sentence(metric, comparison)));
+    for (const std::string& note : attribution.notes)
+        text += fmt::format("why       {}\n", printable(note));
+    return text + "\n";
+}
+
 std::string side_notes(const RunRecord& record, const Style& style) {
     std::string text;
     for (const LeftOut& row : record.left_out) {
@@ -116,6 +135,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
     }
     text += "\n";
     text += gap_table(comparison, style) + "\n" + histories_text(comparison, style);
+    text += attribution_part(comparison, style);
     text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));
     text += fmt::format("cost      {}\n", cost_line(comparison));
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})

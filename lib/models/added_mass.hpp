@@ -25,10 +25,17 @@ enum class AddedMassMomentum {
     accreting      ///< air at rest is brought to the canopy's speed: (dM_a/dt) v while M_a grows
 };
 
+/// Whose radius the added mass has once the canopy is open. While it fills, it follows the drag area.
+enum class AddedMassRadius {
+    shape_once_open,  ///< the paper: that of the canopy's own shape, in a model that has one
+    drag_area         ///< the steady radius R_0 that the drag area stands for
+};
+
 /// A choice of row with its parameters.
 struct AddedMassSpec {
     const AddedMassModel* model = nullptr;
     AddedMassMomentum momentum = AddedMassMomentum::inertia_only;
+    AddedMassRadius open_radius = AddedMassRadius::shape_once_open;
     double depth_ratio = 0.41;  ///< h_p/D_p [-], for "half-ellipsoid" (Ewing, quoted in the paper, 5.2)
 
     ValueAndRate mass(double rho, ValueAndRate radius, ValueAndRate ramp) const {

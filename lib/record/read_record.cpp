@@ -25,8 +25,20 @@ void require_size(std::string_view text, std::size_t largest, const std::string&
                       "is it a file of a record?");
 }
 
-/// Only regular files: a pipe would be waited for, a device has no end.
-std::string content(const fs::path& file, std::size_t largest) {
+std::string message(const RecordPlace& place, const std::string& problem, const std::string& why,
+                    const std::string& suggestion) {
+    std::string text = place.file;
+    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
+    if (!text.empty()) text += ": ";
+    text += problem;
+    if (!why.empty()) text += " (" + why + ")";
+    if (!suggestion.empty()) text += ", " + suggestion;
+    return text;
+}
+
+}  // namespace
+
+std::string bounded_file_text(const fs::path& file, std::size_t largest) {
     const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
         return RecordError({file.string()}, problem, why, hint);
     };
@@ -47,16 +59,7 @@ std::string content(const fs::path& file, std::size_t largest) {
     return text;
 }
 
-std::string message(const RecordPlace& place, const std::string& problem, const std::string& why,
-                    const std::string& suggestion) {
-    std::string text = place.file;
-    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
-    if (!text.empty()) text += ": ";
-    text += problem;
-    if (!why.empty()) text += " (" + why + ")";
-    if (!suggestion.empty()) text += ", " + suggestion;
-    return text;
-}
+namespace {
 
 struct Texts {
     std::string_view summary, history, events;
@@ -92,15 +95,15 @@ RunRecord read_record(const fs::path& directory) {
     if (!fs::exists(fs::status(directory / "summary.json", ignored)))
         throw RecordError({directory.string()}, "is not a record", "there is no summary.json in it",
                           "name a directory that twinchute wrote");
-    const std::string summary = content(directory / "summary.json", largest_summary),
-                      history = content(directory / "history.csv", largest_history),
-                      events = content(directory / "events.csv", largest_events);
+    const std::string summary = bounded_file_text(directory / "summary.json", largest_summary),
+                      history = bounded_file_text(directory / "history.csv", largest_history),
+                      events = bounded_file_text(directory / "events.csv", largest_events);
     FileSums sums;
     RunRecord record = read_parts({summary, history, events}, directory, sums);
     for (const auto& [name, sum] : sums) {
         if (name == "history.csv" || name == "events.csv") continue;  // read_parts has seen to them
         const fs::path file = directory / name;
-        require_sum(sums, name, content(file, largest_other), file.string());
+        require_sum(sums, name, bounded_file_text(file, largest_other), file.string());
     }
     return record;
 }

@@ -1,6 +1,8 @@
 // What read_record puts together.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +12,10 @@
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
+
+/// The bytes of a file that belongs to a record. Only regular files are read, a pipe would be waited for, and
+/// none beyond `largest` [bytes]. Throws RecordError.
+std::string bounded_file_text(const std::filesystem::path& file, std::size_t largest);
 
 /// Everything but channels and events. `file` stands for it in messages. `sums` gets what it says of the
 /// files beside it, by plain names. Throws RecordError.

@@ -213,6 +213,8 @@ Aerodynamics aerodynamics(const Values& v) {
         spec.model = find_added_mass(v.word("aerodynamics.added_mass.model"));
         if (v.word("aerodynamics.added_mass.momentum") == "accreting")
             spec.momentum = AddedMassMomentum::accreting;
+        if (v.word("aerodynamics.added_mass.radius") == "drag-area")
+            spec.open_radius = AddedMassRadius::drag_area;
         if (v.is_effective("aerodynamics.added_mass.depth_ratio"))
             spec.depth_ratio = v.number("aerodynamics.added_mass.depth_ratio");
     }

@@ -59,6 +59,9 @@ Words added_masses() {
 Words momentums() {
     return {"inertia-only", "accreting"};
 }
+Words radii() {
+    return {"shape-once-open", "drag-area"};
+}
 Words line_drags() {
     return {"cylinder"};
 }
@@ -233,6 +236,8 @@ constexpr Key scene_rows[] = {
      .meaning = "volume of that air", .source = "paper Eqs 16 and 18"},
     {.path = "aerodynamics.added_mass.momentum", .kind = word, .need = defaulted, .fallback = "inertia-only", .choices = momentums,
      .meaning = "what becomes of the momentum of air that joins", .source = "paper 3.3"},
+    {.path = "aerodynamics.added_mass.radius", .kind = word, .need = defaulted, .fallback = "shape-once-open", .choices = radii,
+     .user = full, .meaning = "of the open canopy: of its own shape, or R_0 = D_p/2 as in the reduced-order model", .source = "paper 3.3"},
     {.path = "aerodynamics.added_mass.depth_ratio", .unit = "1", .need = defaulted, .fallback = "0.41", .range = above(0, 2),
      .only_with = "half-ellipsoid", .meaning = "depth of the canopy over its projected diameter, h_p/D_p",
      .source = "Ewing, quoted in the paper, 5.2 (its own simulation: 0.45)"},

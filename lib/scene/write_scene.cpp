@@ -132,6 +132,8 @@ void write_aerodynamics(Writer& w, const Aerodynamics& a) {
         w.words("added_mass.model", a.added_mass->model->name);
         const bool accreting = a.added_mass->momentum == AddedMassMomentum::accreting;
         w.words("added_mass.momentum", accreting ? "accreting" : "inertia-only");
+        const bool drag_area = a.added_mass->open_radius == AddedMassRadius::drag_area;
+        w.words("added_mass.radius", drag_area ? "drag-area" : "shape-once-open");
         if (a.added_mass->model->name == "half-ellipsoid")
             w.number("added_mass.depth_ratio", a.added_mass->depth_ratio);
     }

@@ -1,0 +1,25 @@
+// An attribution in words and as a table: what the terminal and Markdown have in common.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/gap.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+
+/// A sentence or two: how large the gap of a metric is, what makes most of it, and whether its terms may be
+/// read at all. Not escaped.
+std::string attribution_sentence(const MetricAttribution& metric, const Comparison& comparison);
+
+/// From the candidate's values down to the reference's, a row a piece and a column a metric. Not escaped.
+Table attribution_table(const Comparison& comparison);
+
+/// How the table is to be read, and which seeds its scatter is of.
+std::string attribution_legend(const Comparison& comparison);
+
+/// What a term switches, for pieces whose title does not say it: "Line elasticity: off: ...". Each once.
+std::vector<std::string> attribution_details(const Attribution& attribution);
+
+}  // namespace twinchute::compare

@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Breaks a law of physics on purpose and looks who notices.
+
+Each mutation is made in a copy of the tree. Made in one fidelity alone, the gate of a shipped scene has to close
+(`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
+tolerance is exceeded. Made in lib, both fidelities agree on it, and the law's own tests have to fail.
+
+usage: study.py SOURCE BUILD [--only WORD] [--keep]
+
+SOURCE: the tree. BUILD: a folder for the copy and what is built of it; made when it is not there, used again when it is.
+Exits 1 where a mutation gets through. The table of what each gave goes to standard output.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Mutation:
+    name: str
+    where: str  # fullsim, rom or lib
+    file: str
+    old: str
+    new: str
+    # of one fidelity: the shipped scene whose gate has to close, and the piece that it has to be laid to
+    scene: str = ""
+    piece: str = ""
+    # of lib: the tests that have to fail
+    tests: list = field(default_factory=list)
+
+
+RADIUS = "added-mass radius x 1.5"
+WIND = "sign of the wind"
+PHASE = "t from t_s in Eq. 14"
+DEMO = "data/scenes/c9-inflation.toml"
+CROSSWIND = "data/scenes/c9-crosswind.toml"
+
+MUTATIONS = [
+    Mutation(RADIUS, "fullsim", "fullsim/simulation.cpp",
+             "steady_radius(scene_.parachutes.front()))", "1.5 * steady_radius(scene_.parachutes.front()))",
+             scene=DEMO, piece="added-mass"),
+    Mutation(RADIUS, "rom", "rom/flight.cpp",
+             "model.steady_radius = steady_radius(chute)", "model.steady_radius = 1.5 * steady_radius(chute)",
+             scene=DEMO, piece="added-mass"),
+    Mutation(RADIUS, "lib", "lib/models/added_mass.cpp",
+             "return filled((2.0 / 3.0) * pi, rho, radius, ramp);",
+             "return filled((2.0 / 3.0) * pi * 3.375, rho, radius, ramp);", tests=["AddedMass.*"]),
+    Mutation(WIND, "fullsim", "fullsim/step/aero_reference.cpp",
+             "air.wind = environment.wind->at(", "air.wind = -environment.wind->at(",
+             scene=CROSSWIND, piece="wind"),
+    Mutation(WIND, "rom", "rom/motion.hpp",
+             "return velocity - wind->at(altitude);", "return velocity + wind->at(altitude);",
+             scene=CROSSWIND, piece="wind"),
+    Mutation(WIND, "lib", "lib/models/wind.cpp",
+             "return {-speed * std::sin(from), -speed * std::cos(from), 0.0};",
+             "return {speed * std::sin(from), speed * std::cos(from), 0.0};", tests=["Wind.*"]),
+    Mutation(PHASE, "fullsim", "fullsim/simulation.cpp",
+             "inflation_.drag_area_ratio(s.phase, s.time).value",
+             "inflation_.drag_area_ratio(s.phase, s.time + (s.phase == Phase::filling ? "
+             "inflation_.initial_time : 0.0)).value",
+             scene=DEMO, piece="initial-phase"),
+    Mutation(PHASE, "rom", "rom/rigid_composite.hpp",
+             "inflation.drag_area_ratio(phase, t).value",
+             "inflation.drag_area_ratio(phase, t + (phase == Phase::filling ? inflation.initial_time : 0.0)).value",
+             scene=DEMO, piece="initial-phase"),
+    Mutation(PHASE, "lib", "lib/models/inflation.cpp",
+             "(time - snatch - initial_time) / duration", "(time - snatch) / duration",
+             tests=["Inflation.*"]),
+]
+
+
+class Tree:
+    """A copy of the sources, and a build of it."""
+
+    def __init__(self, source, build):
+        self.source = pathlib.Path(source).resolve()
+        self.top = pathlib.Path(build).resolve() / "tree"
+        self.built = pathlib.Path(build).resolve() / "build"
+        self.environment = dict(os.environ, CCACHE_BASEDIR=str(self.top), CCACHE_NOHASHDIR="1")
+
+    def begin(self):
+        self.top.mkdir(parents=True, exist_ok=True)
+        skipped = shutil.ignore_patterns("build", ".git", "out", "*.out")
+        for entry in sorted(self.source.iterdir()):
+            if entry.name in ("build", ".git"):
+                continue
+            target = self.top / entry.name
+            if entry.is_dir():
+                # Files that are the same keep their times, so that nothing of them is built again.
+                shutil.copytree(entry, target, dirs_exist_ok=True, ignore=skipped, copy_function=copy_if_changed)
+            else:
+                copy_if_changed(entry, target)
+        generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+        self.run(["cmake", "-S", self.top, "-B", self.built, "-DCMAKE_BUILD_TYPE=Release", "-DTWINCHUTE_TESTS=ON",
+                  *generator])
+        self.build("twinchute", "unit_tests")
+
+    def run(self, words):
+        done = subprocess.run([str(w) for w in words], env=self.environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, errors="replace")
+        if done.returncode != 0:
+            sys.exit(f"study.py: '{' '.join(map(str, words))}' failed\n" + done.stdout[-4000:])
+
+    def build(self, *targets):
+        self.run(["cmake", "--build", self.built, "--parallel", os.cpu_count() or 1, "--target", *targets])
+
+    def mutate(self, mutation):
+        file = self.top / mutation.file
+        text = file.read_text(encoding="utf-8")
+        if mutation.old not in text:
+            sys.exit(f"study.py: {mutation.file} no longer holds '{mutation.old}': mend the row of this mutation")
+        file.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
+        return text
+
+
+def copy_if_changed(source, target):
+    source, target = pathlib.Path(source), pathlib.Path(target)
+    if not target.exists() or source.read_bytes() != target.read_bytes():
+        shutil.copyfile(source, target)
+        shutil.copymode(source, target)
+    return target
+
+
+def compare(tree, scene):
+    """Exit code and gap of a shipped scene."""
+    out = tree.built / "study.out"
+    shutil.rmtree(out, ignore_errors=True)
+    done = subprocess.run([str(tree.built / "twinchute"), "compare", str(tree.top / scene), "--why", "--json", "--out",
+                           str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if done.returncode > 1:
+        return done.returncode, None, done.stderr.strip()
+    return done.returncode, json.loads(done.stdout), ""
+
+
+def largest_terms(gap):
+    """Of each exceeded metric: its name, piece and effect of the largest term, its gap."""
+    found = []
+    for key, metric in gap["metrics"].items():
+        attributed = gap["attribution"]["metrics"].get(key)
+        if metric["verdict"] != "exceeded" or attributed is None:
+            continue
+        term = max(attributed["terms"], key=lambda t: abs(t["effect"]))
+        found.append((metric["name"], term["piece"], term["effect"], -metric["difference"], metric.get("unit", "")))
+    return found
+
+
+def look_at_gate(tree, mutation):
+    tree.build("twinchute")
+    code, gap, error = compare(tree, mutation.scene)
+    scene = pathlib.Path(mutation.scene).name
+    if gap is None:
+        # A run that breaks off closes the gate, too, but lays it to nothing.
+        return False, f"{scene}: exit {code}, {error}"
+    terms = largest_terms(gap)
+    words = "; ".join(f"{name}: gap {gap_:+.4g} {unit}, largest term {piece} {effect:+.4g} {unit}".rstrip()
+                      for name, piece, effect, gap_, unit in terms)
+    caught = code == 1 and any(piece == mutation.piece for _, piece, _, _, _ in terms)
+    return caught, f"{scene}: exit {code}; {words or 'nothing exceeded'}"
+
+
+def look_at_tests(tree, mutation):
+    tree.build("unit_tests")
+    words, caught = [], True
+    for tests in mutation.tests:
+        done = subprocess.run([str(tree.built / "tests" / "unit_tests"), f"--gtest_filter={tests}", "--gtest_brief=1"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+        failed = sorted({line.split()[3].rstrip(",") for line in done.stdout.splitlines()
+                         if line.startswith("[  FAILED  ] ") and "." in line.split()[3]})
+        caught = caught and done.returncode == 1 and bool(failed)
+        words.append(f"{tests}: {', '.join(failed) or 'all pass'}")
+    return caught, "; ".join(words)
+
+
+def sound(tree, mutations):
+    """Without any mutation every gate is open: otherwise a closed one would say nothing."""
+    for scene in sorted({m.scene for m in mutations if m.scene}):
+        code, gap, error = compare(tree, scene)
+        if code != 0:
+            sys.exit(f"study.py: {scene} exits {code} without any mutation {error or gap['summary']}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="breaks laws of physics and looks who notices")
+    parser.add_argument("source")
+    parser.add_argument("build")
+    parser.add_argument("--only", default="", help="mutations whose name or place holds this word")
+    parser.add_argument("--keep", action="store_true", help="leave the copy and its build where they are")
+    options = parser.parse_args()
+    mutations = [m for m in MUTATIONS if options.only in m.name or options.only in m.where]
+    tree = Tree(options.source, options.build)
+    tree.begin()
+    sound(tree, mutations)
+    through = 0
+    print("| mutation | made in | caught | what was seen |\n| --- | --- | --- | --- |")
+    for mutation in mutations:
+        text = tree.mutate(mutation)
+        try:
+            caught, words = (look_at_tests if mutation.tests else look_at_gate)(tree, mutation)
+        finally:
+            (tree.top / mutation.file).write_text(text, encoding="utf-8")
+        through += not caught
+        print(f"| {mutation.name} | `{mutation.where}` | {'yes' if caught else '**no**'} | {words} |", flush=True)
+    if not options.keep:
+        shutil.rmtree(tree.top.parent)
+    sys.exit(1 if through else 0)
+
+
+if __name__ == "__main__":
+    main()
