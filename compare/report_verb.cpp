@@ -81,6 +81,8 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     comparison.candidate_title = candidate.title;
     comparison.candidate = record_of(place, candidate);
     comparison.reference = record_of(place, reference);
+    comparison.candidate_frames = read_frames(place / candidate.name);
+    comparison.reference_frames = read_frames(place / reference.name);
     require_same_scene(comparison, place);
     std::map<std::string, Tolerance> tolerances = asked;  // they win
     tolerances.merge(recorded_tolerances(comparison.reference, summary_of(place, reference)));
@@ -109,7 +111,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
             text += (text.empty() ? "" : ",\n") + gap_json(comparison);
         } else if (!arguments.has("quiet")) {
             text += (text.empty() ? "" : "\n") + terminal_text(comparison, output_style());
-            text += fmt::format("report    {}\n", printable((place / "report.md").string()));
+            text += fmt::format("report    {}\n", printable((place / "report.html").string()));
         }
     }
     batch.commit();

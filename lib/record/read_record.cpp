@@ -24,8 +24,21 @@ void require_size(std::string_view text, std::size_t largest, const std::string&
                       "is it a file of a record?");
 }
 
+std::string message(const RecordPlace& place, const std::string& problem, const std::string& why,
+                    const std::string& suggestion) {
+    std::string text = place.file;
+    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
+    if (!text.empty()) text += ": ";
+    text += problem;
+    if (!why.empty()) text += " (" + why + ")";
+    if (!suggestion.empty()) text += ", " + suggestion;
+    return text;
+}
+
+}  // namespace
+
 /// Only regular files: a pipe would be waited for, a device has no end.
-std::string content(const fs::path& file, std::size_t largest) {
+std::string read_record_file(const fs::path& file, std::size_t largest) {
     const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
         return RecordError({file.string()}, problem, why, hint);
     };
@@ -46,19 +59,6 @@ std::string content(const fs::path& file, std::size_t largest) {
     return text;
 }
 
-std::string message(const RecordPlace& place, const std::string& problem, const std::string& why,
-                    const std::string& suggestion) {
-    std::string text = place.file;
-    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
-    if (!text.empty()) text += ": ";
-    text += problem;
-    if (!why.empty()) text += " (" + why + ")";
-    if (!suggestion.empty()) text += ", " + suggestion;
-    return text;
-}
-
-}  // namespace
-
 RecordError::RecordError(RecordPlace place, const std::string& problem, const std::string& why,
                          const std::string& suggestion)
     : std::runtime_error(message(place, problem, why, suggestion)), place_(std::move(place)) {}
@@ -73,9 +73,9 @@ RunRecord read_record(const fs::path& directory) {
     if (!fs::exists(fs::status(directory / "summary.json", ignored)))
         throw RecordError({directory.string()}, "is not a record", "there is no summary.json in it",
                           "name a directory that twinchute wrote");
-    const std::string summary = content(directory / "summary.json", largest_summary),
-                      history = content(directory / "history.csv", largest_history),
-                      events = content(directory / "events.csv", largest_events);
+    const std::string summary = read_record_file(directory / "summary.json", largest_summary),
+                      history = read_record_file(directory / "history.csv", largest_history),
+                      events = read_record_file(directory / "events.csv", largest_events);
     return read_record_text(summary, history, events, directory);
 }
 

@@ -1,6 +1,8 @@
 // What read_record puts together.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +11,9 @@
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
+
+/// The content of a regular file of at most `largest` bytes. Throws RecordError.
+std::string read_record_file(const std::filesystem::path& file, std::size_t largest);
 
 /// Everything but channels and events. `file` stands for it in messages. Throws RecordError.
 RunRecord read_summary(std::string_view text, const std::string& file);

@@ -6,16 +6,22 @@
 
 namespace twinchute {
 
-void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory) {
+void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
+                const ShapeFrames& frames) {
     remove_old_fields(batch, directory);
     batch.add(directory / "history.csv", history_csv(record));
     batch.add(directory / "events.csv", events_csv(record));
+    if (frames.empty())
+        batch.remove(directory / "frames.bin");
+    else
+        batch.add(directory / "frames.bin", frames_bytes(frames));
     batch.add(directory / "summary.json", summary_json(record), FileBatch::Kind::marker);
 }
 
-void write_record(const RunRecord& record, const std::filesystem::path& directory) {
+void write_record(const RunRecord& record, const std::filesystem::path& directory,
+                  const ShapeFrames& frames) {
     FileBatch batch;
-    add_record(batch, record, directory);
+    add_record(batch, record, directory, frames);
     batch.commit();
 }
 
