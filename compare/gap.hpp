@@ -10,6 +10,7 @@
 #include "compare/histories.hpp"
 #include "compare/metrics.hpp"
 #include "lib/cli/exit_code.hpp"
+#include "lib/record/frames.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 
@@ -61,7 +62,8 @@ struct FidelityGap {
 /// The two records and what lies between them.
 struct Comparison {
     RunRecord reference, candidate;
-    std::string reference_title, candidate_title;  ///< e.g. "reduced-order model"
+    ShapeFrames reference_frames, candidate_frames;  ///< empty where a model has no shape
+    std::string reference_title, candidate_title;    ///< e.g. "reduced-order model"
     FidelityGap gap;
     std::optional<Attribution> attribution;  ///< where it was asked for
 };

@@ -75,7 +75,7 @@ std::optional<Attribution> attribution_in(const fs::path& place, const Compariso
     const fs::path file = place / "gap.json";
     std::error_code ignored;
     if (!fs::exists(file, ignored)) return {};
-    return read_attribution(bounded_file_text(file, largest_gap), file.string(), comparison);
+    return read_attribution(read_record_file(file, largest_gap), file.string(), comparison);
 }
 
 Comparison comparison_of(const fs::path& place, const Fidelity& reference, const Fidelity& candidate,
@@ -85,6 +85,8 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     comparison.candidate_title = candidate.title;
     comparison.candidate = record_of(place, candidate);
     comparison.reference = record_of(place, reference);
+    comparison.candidate_frames = read_frames(place / candidate.name);
+    comparison.reference_frames = read_frames(place / reference.name);
     require_same_scene(comparison, place);
     std::map<std::string, Tolerance> tolerances = asked;  // they win
     tolerances.merge(recorded_tolerances(comparison.reference, summary_of(place, reference)));
@@ -136,7 +138,7 @@ void tell(Told& told, const Comparison& comparison, const fs::path& place, bool 
         fmt::format("verdict   {}: {}\n", printable(place.string()), printable(verdict_line(comparison)));
     if (alone)
         told.last_text = terminal_text(comparison, output_style()) +
-                         fmt::format("report    {}\n", printable((place / "report.md").string()));
+                         fmt::format("report    {}\n", printable((place / "report.html").string()));
 }
 
 std::string joined(const std::vector<std::string>& texts) {

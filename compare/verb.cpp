@@ -94,10 +94,10 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         // The quick one first: it is there even when the long one is interrupted.
         FileBatch batch;
         FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
-        comparison.candidate =
-            as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads, &of_candidate));
-        comparison.reference =
-            as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference));
+        comparison.candidate = as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads,
+                                                      &of_candidate, &comparison.candidate_frames));
+        comparison.reference = as_written(run_watched(reference, scene, interrupt.token(), quiet, threads,
+                                                      &of_reference, &comparison.reference_frames));
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
         std::optional<Trend> trend;
         if (baseline.asked()) trend = baseline.trend_of(i, comparison);
@@ -113,7 +113,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         } else if (!quiet) {
             print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
             if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
-            print(fmt::format("report    {}\n", printable((place / "report.md").string())));
+            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
             print(fields_text(of_reference) + fields_text(of_candidate));
         }
         code = gravest(code, exit_code(comparison));

@@ -8,6 +8,7 @@
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/fields.hpp"
+#include "fullsim/frames.hpp"
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/plan.hpp"
@@ -29,6 +30,10 @@ constexpr double sound_area = 0.9;   // signed over positive area below which go
 constexpr double early_peak = 0.25;  // drag area over the steady one below which a peak is the snatch's
 constexpr double ringing = 1.02;     // raw over filtered peak force; a sound opening has 1.00 to 1.01
 constexpr double taut_hold = 2e-3;   // [s] that lines have to stay taut: flailing ones do not
+// Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
+constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
+constexpr std::size_t opening_frames = 48;
+constexpr double opening_and_breathing = 2.0;  // filling times, from snatch
 constexpr double never = std::numeric_limits<double>::infinity();
 
 class FullRun {
@@ -44,9 +49,16 @@ public:
               }),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
           fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
+          frames_(simulation_.mesh(), static_cast<bool>(run.frames)),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight) {
         if (packed()) observer_.count_peak_from(never);
+        if (packed())
+            frames_.begin(0.0, deployment_frames);
+        else if (inflated())
+            begin_descent_frames();
+        else
+            begin_opening_frames();
     }
 
     RunRecord fly() {
@@ -57,6 +69,7 @@ public:
             simulation_.evaluate_forces();
             observer_.observe(observer_.row_is_due(state().time) ? simulation_.seams() : state());
             fields_.observe(fields_.frame_is_due(state().time) ? simulation_.state() : state());
+            observe_frame();
             if (state().step % steps_between_checks == 0) check();
             if (!ended_) look_for_events();
             // An end between two checks must not hide what the next one would have found.
@@ -65,6 +78,8 @@ public:
         }
         observer_.finish();
         fields_.accept();
+        frames_.accept();
+        if (run_.frames) run_.frames(frames_.finish());
         const Layout& layout = simulation_.layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
         record_.provenance.threads = layout.threads();
@@ -117,11 +132,13 @@ private:
             observer_.forget();
             record_.events.resize(sound_events_);
             fields_.forget();
+            frames_.forget();
             return end(fault->code, fault->detail);
         }
         observer_.accept();
         sound_events_ = record_.events.size();
         fields_.accept();
+        frames_.accept();
         if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
             run_.progress({stage_name(), state().time, expected_share()});
@@ -132,9 +149,25 @@ private:
             observer_.forget();
             record_.events.resize(sound_events_);
             fields_.forget();
+            frames_.forget();
             landing_time_.reset();
             end(fault->code, fault->detail);
         }
+    }
+
+    void begin_opening_frames() {
+        const Inflation& inflation = simulation_.inflation();
+        const double lasts = opening_and_breathing * (inflation.end_of(Phase::filling) - inflation.snatch);
+        frames_.begin(state().time, {lasts / opening_frames, opening_frames});
+        descent_frames_from_ = state().time + lasts;
+    }
+    void begin_descent_frames() {
+        frames_.begin(state().time, descent_frames);
+        descent_frames_from_ = never;
+    }
+    void observe_frame() {
+        if (state().time >= descent_frames_from_) begin_descent_frames();
+        if (frames_.frame_is_due(state().time)) frames_.observe(simulation_.state());
     }
 
     std::string_view stage_name() const {
@@ -188,6 +221,7 @@ private:
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
         add_event("snatch");
+        begin_opening_frames();
         met(Trigger::Kind::line_stretch);
         observer_.count_peak_from(now + simulation_.inflation().initial_time);
     }
@@ -276,6 +310,8 @@ private:
     Simulation simulation_;
     Observer observer_;
     FieldRecorder fields_;
+    FrameRecorder frames_;
+    double descent_frames_from_ = never;  // [s]
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "compare/report/svg_plot.hpp"
@@ -85,6 +86,24 @@ std::string force_svg(const Comparison& comparison) {
     const bool kilo = largest(plot) >= 1e4;
     if (kilo) scale(plot, 1e-3);
     plot.y_label = kilo ? "opening force [kN]" : "opening force [N]";
+    return svg_plot(plot);
+}
+
+std::string history_svg(const Comparison& comparison, std::string_view channel) {
+    if (channel == "force") return force_svg(comparison);
+    Plot plot = channel_plot(comparison, channel);
+    std::string name(channel), unit;
+    std::ranges::replace(name, '_', ' ');
+    double last = 0;
+    for (const auto& [record, role] : sides(comparison)) {
+        if (const Channel* values = record->find_channel(channel)) unit = values->unit;
+        for (const char* event : {"canopy-filled", "full-open", "peak-force"})
+            if (const Event* happened = record->find_event(event)) last = std::max(last, happened->time);
+    }
+    if (last > 0) plot.x_end = 2 * last;
+    plot.y_label = fmt::format("{} [{}]", name, unit);
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+    plot.title = name;
     return svg_plot(plot);
 }
 

@@ -1,7 +1,8 @@
-// The two pictures of a report.
+// The pictures of a report.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "compare/gap.hpp"
 
@@ -12,5 +13,8 @@ std::string force_svg(const Comparison& comparison);
 
 /// Speed of the payload against time, over the whole run.
 std::string speed_svg(const Comparison& comparison);
+
+/// A channel of both sides against time since release, over the opening as force_svg.
+std::string history_svg(const Comparison& comparison, std::string_view channel);
 
 }  // namespace twinchute::compare

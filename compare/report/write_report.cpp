@@ -1,6 +1,7 @@
 #include "compare/report/write_report.hpp"
 
 #include "compare/report/gap_json.hpp"
+#include "compare/report/html.hpp"
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
@@ -12,14 +13,16 @@ void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::fi
     batch.add(directory / "force.svg", force_svg(comparison));
     batch.add(directory / "speed.svg", speed_svg(comparison));
     batch.add(directory / "report.md", report_markdown(comparison));
+    batch.add(directory / "report.html", report_html(comparison));
     batch.add(directory / "junit.xml", junit_xml(comparison));
     batch.add(directory / "gap.json", gap_json(comparison), FileBatch::Kind::marker);
 }
 
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
-    for (const RunRecord* side : {&comparison.candidate, &comparison.reference}) {
-        add_record(batch, *side, directory / side->fidelity);
-    }
+    add_record(batch, comparison.candidate, directory / comparison.candidate.fidelity,
+               comparison.candidate_frames);
+    add_record(batch, comparison.reference, directory / comparison.reference.fidelity,
+               comparison.reference_frames);
     add_gap_files(batch, comparison, directory);
 }
 

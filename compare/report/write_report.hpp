@@ -8,9 +8,9 @@
 
 namespace twinchute::compare {
 
-/// Writes both records (each in the directory of its fidelity's name), report.md with force.svg and
-/// speed.svg, junit.xml and, last, gap.json. Throws WriteError; then nothing that stood there before
-/// has changed.
+/// Writes both records (each in the directory of its fidelity's name), report.html, report.md with
+/// force.svg and speed.svg, junit.xml and, last, gap.json. Throws WriteError; then nothing that stood there
+/// before has changed.
 void write_report(const Comparison& comparison, const std::filesystem::path& directory);
 
 /// The same as part of a larger batch.

@@ -115,11 +115,12 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
 }
 
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      int threads, FieldFiles* fields) {
+                      int threads, FieldFiles* fields, ShapeFrames* frames) {
     ProgressLine line(fidelity.name, !quiet && progress_is_seen());
     Run run{std::move(stop), line.reporter()};
     run.threads = threads;
     if (fields) run.fields = [fields](const VtuGrid& frame) { fields->add(frame); };
+    if (frames) run.frames = [frames](ShapeFrames shape) { *frames = std::move(shape); };
     RunRecord record = fidelity.run(scene, run);
     if (fields) fields->finish();
     return record;

@@ -51,9 +51,10 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments);
 
 /// Runs one fidelity with a progress line where one can be seen. Fields that the scene asks for go into
-/// `fields` where there is one. Throws WriteError where they do not fit.
+/// `fields` where there is one, the shapes for a report into `frames`. Throws WriteError where fields do not
+/// fit.
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      int threads, FieldFiles* fields = nullptr);
+                      int threads, FieldFiles* fields = nullptr, ShapeFrames* frames = nullptr);
 
 /// For reading: where the fields are, or nothing where there are none.
 std::string fields_text(const FieldFiles& fields);

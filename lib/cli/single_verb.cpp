@@ -35,10 +35,12 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
         const std::filesystem::path place = directory_of(scene, directory.value_or(""));
         FileBatch batch;
         FieldFiles fields(batch, place);
-        const RunRecord record = run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"),
-                                             threads, directory ? &fields : nullptr);
+        ShapeFrames frames;
+        const RunRecord record =
+            run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"), threads,
+                        directory ? &fields : nullptr, directory ? &frames : nullptr);
         if (directory && record.status.code != StatusCode::refused) {
-            add_record(batch, record, place);
+            add_record(batch, record, place, frames);
             batch.commit();
         }
         if (arguments.has("json")) {

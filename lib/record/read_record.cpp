@@ -38,7 +38,7 @@ std::string message(const RecordPlace& place, const std::string& problem, const 
 
 }  // namespace
 
-std::string bounded_file_text(const fs::path& file, std::size_t largest) {
+std::string read_record_file(const fs::path& file, std::size_t largest) {
     const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
         return RecordError({file.string()}, problem, why, hint);
     };
@@ -95,15 +95,15 @@ RunRecord read_record(const fs::path& directory) {
     if (!fs::exists(fs::status(directory / "summary.json", ignored)))
         throw RecordError({directory.string()}, "is not a record", "there is no summary.json in it",
                           "name a directory that twinchute wrote");
-    const std::string summary = bounded_file_text(directory / "summary.json", largest_summary),
-                      history = bounded_file_text(directory / "history.csv", largest_history),
-                      events = bounded_file_text(directory / "events.csv", largest_events);
+    const std::string summary = read_record_file(directory / "summary.json", largest_summary),
+                      history = read_record_file(directory / "history.csv", largest_history),
+                      events = read_record_file(directory / "events.csv", largest_events);
     FileSums sums;
     RunRecord record = read_parts({summary, history, events}, directory, sums);
     for (const auto& [name, sum] : sums) {
         if (name == "history.csv" || name == "events.csv") continue;  // read_parts has seen to them
         const fs::path file = directory / name;
-        require_sum(sums, name, bounded_file_text(file, largest_other), file.string());
+        require_sum(sums, name, read_record_file(file, largest_other), file.string());
     }
     return record;
 }

@@ -15,7 +15,7 @@ namespace twinchute {
 
 /// The bytes of a file that belongs to a record. Only regular files are read, a pipe would be waited for, and
 /// none beyond `largest` [bytes]. Throws RecordError.
-std::string bounded_file_text(const std::filesystem::path& file, std::size_t largest);
+std::string read_record_file(const std::filesystem::path& file, std::size_t largest);
 
 /// Everything but channels and events. `file` stands for it in messages. `sums` gets what it says of the
 /// files beside it, by plain names. Throws RecordError.

@@ -8,21 +8,26 @@
 namespace twinchute {
 
 void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
-                const FileSums& others) {
+                const ShapeFrames& frames) {
     remove_old_fields(batch, directory);
-    FileSums sums = others;
+    FileSums sums;
     const auto add = [&](const char* name, const std::string& text) {
         batch.add(directory / name, text);
         sums[name] = sha256_hex(text);
     };
     add("history.csv", history_csv(record));
     add("events.csv", events_csv(record));
+    if (frames.empty())
+        batch.remove(directory / "frames.bin");
+    else
+        add("frames.bin", frames_bytes(frames));
     batch.add(directory / "summary.json", summary_json(record, sums), FileBatch::Kind::marker);
 }
 
-void write_record(const RunRecord& record, const std::filesystem::path& directory) {
+void write_record(const RunRecord& record, const std::filesystem::path& directory,
+                  const ShapeFrames& frames) {
     FileBatch batch;
-    add_record(batch, record, directory);
+    add_record(batch, record, directory, frames);
     batch.commit();
 }
 

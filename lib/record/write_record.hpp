@@ -4,19 +4,19 @@
 #include <filesystem>
 
 #include "lib/record/file_batch.hpp"
-#include "lib/record/file_sums.hpp"
+#include "lib/record/frames.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
 
-/// Writes history.csv, events.csv and, last, summary.json into `directory`, which is made when it is
-/// not there; fields of an earlier record go. Throws WriteError; then nothing that stood there before has
-/// changed.
-void write_record(const RunRecord& record, const std::filesystem::path& directory);
+/// Writes history.csv, events.csv, frames.bin where there are frames and, last, summary.json into
+/// `directory`, which is made when it is not there; fields and frames of an earlier record go. Throws
+/// WriteError; then nothing that stood there before has changed.
+void write_record(const RunRecord& record, const std::filesystem::path& directory,
+                  const ShapeFrames& frames = {});
 
-/// The same as part of a larger batch. `others`: further files of the record that the caller adds, which the
-/// summary vouches for as well.
+/// The same as part of a larger batch.
 void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
-                const FileSums& others = {});
+                const ShapeFrames& frames = {});
 
 }  // namespace twinchute

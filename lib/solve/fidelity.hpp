@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lib/record/frames.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/record/vtu.hpp"
 #include "lib/scene/scene.hpp"
@@ -28,6 +29,8 @@ struct Run {
     /// May be empty; takes the frames of a scene that asks for them, in the order of their times. What it
     /// throws ends the run.
     std::function<void(const VtuGrid&)> fields = {};
+    /// May be empty; takes the shapes for the report, once, at the end of a run that has some.
+    std::function<void(ShapeFrames)> frames = {};
     int threads = 1;  ///< at most; the answer is the same for any number
 };
 

@@ -94,9 +94,9 @@ TEST_F(SystemCli, FullWritesItsRecordBesideTheSceneName) {
 
 TEST_F(SystemCli, CompareWritesTheWholeReport) {
     const Ended ended = run_quick({"compare", scene, "--out", "out"});
-    for (const char* file :
-         {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg", "rom/summary.json",
-          "rom/history.csv", "rom/events.csv", "full/summary.json", "full/history.csv", "full/events.csv"}) {
+    for (const char* file : {"gap.json", "report.html", "report.md", "junit.xml", "force.svg", "speed.svg",
+                             "rom/summary.json", "rom/history.csv", "rom/events.csv", "full/summary.json",
+                             "full/history.csv", "full/events.csv", "full/frames.bin"}) {
         EXPECT_TRUE(std::filesystem::is_regular_file(here_ / ("out/" + std::string(file))))
             << file << ended.err;
     }

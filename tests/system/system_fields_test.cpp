@@ -178,10 +178,10 @@ TEST_F(SystemFields, ArraysHaveTheirNamesUnitsAndRanges) {
 
 TEST_F(SystemFields, TheRunItselfIsTheSameWithThem) {
     ASSERT_EQ(run(Words{"full", scene, "--out", "plain"} + quick).code, 0);
-    EXPECT_EQ(names("plain"), (Names{"summary.json", "history.csv", "events.csv"}));
+    EXPECT_EQ(names("plain"), (Names{"summary.json", "history.csv", "events.csv", "frames.bin"}));
     ASSERT_EQ(run(Words{"full", scene, "--out", "seen", "--fields", "50"} + quick).code, 0);
     EXPECT_EQ(content_of(here_ / "plain/history.csv"), content_of(here_ / "seen/history.csv"));
-    EXPECT_EQ(names("seen").size(), 3u + 2u + 26u);
+    EXPECT_EQ(names("seen").size(), 4u + 2u + 26u);
 
     const std::string first = content_of(here_ / "seen/fields/frame-000007.vtu");
     ASSERT_EQ(run(Words{"full", scene, "--out", "seen", "--fields", "50"} + quick).code, 0);

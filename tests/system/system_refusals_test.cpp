@@ -332,7 +332,8 @@ TEST_P(Interrupted, AFullRunLeavesTheRecordSoFar) {
     const json summary = read("out/summary.json");
     EXPECT_EQ(summary["status"]["code"], "interrupted");
     EXPECT_GT(summary["cost"]["steps"], 0);
-    EXPECT_EQ(tree_of(here_ / "out"), (std::set<std::string>{"summary.json", "history.csv", "events.csv"}));
+    EXPECT_EQ(tree_of(here_ / "out"),
+              (std::set<std::string>{"summary.json", "history.csv", "events.csv", "frames.bin"}));
     EXPECT_GT(content_of(here_ / "out/history.csv").size(), 200u);
     EXPECT_TRUE(is_our_output(here_ / "out"));
 }

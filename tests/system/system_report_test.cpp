@@ -46,7 +46,8 @@ protected:
     }
     /// All but the records.
     void remove_report(const std::string& directory) const {
-        for (const char* name : {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg"})
+        for (const char* name :
+             {"gap.json", "report.html", "report.md", "junit.xml", "force.svg", "speed.svg"})
             std::filesystem::remove(here_ / (directory + "/" + name));
     }
 
@@ -58,7 +59,7 @@ TEST_F(SystemReport, IsTheOneThatCompareWroteByteForByte) {
         run({"compare", "scene.toml", "--json", "--out", "out", "--tolerance", "max_force=0%"});
     EXPECT_EQ(compared.code, 1) << compared.err;
     const auto before = files("out");
-    ASSERT_EQ(before.size(), 11u);
+    ASSERT_EQ(before.size(), 13u);
     remove_report("out");
     const Ended again = run({"report", "out", "--json"});
     EXPECT_EQ(again.code, 1) << again.err;
@@ -212,7 +213,7 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
     }
     const Ended again = run({"report", "out", "--quiet"});
     EXPECT_EQ(again.err, "");
-    for (const char* name : {"gap.json", "report.md", "junit.xml", "force.svg", "speed.svg"})
+    for (const char* name : {"gap.json", "report.html", "report.md", "junit.xml", "force.svg", "speed.svg"})
         EXPECT_EQ(content_of(here_ / ("out/" + std::string(name))), before.at(name)) << name;
 }
 

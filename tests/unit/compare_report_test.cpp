@@ -224,8 +224,8 @@ TEST(CompareReport, TheTerminalTableSaysEverythingOfAMetric) {
 TEST(CompareReport, WritesTheFilesOfTheContract) {
     const ScratchDir scratch;
     write_report(made_up_comparison(), scratch / "out");
-    std::set<std::string> expected{"force.svg", "speed.svg", "report.md", "junit.xml",
-                                   "gap.json",  "rom",       "full"};
+    std::set<std::string> expected{"force.svg", "speed.svg", "report.html", "report.md",
+                                   "junit.xml", "gap.json",  "rom",         "full"};
     for (const std::string side : {"rom", "full"}) {
         for (const std::string file : {"/history.csv", "/events.csv", "/summary.json"})
             expected.insert(side + file);

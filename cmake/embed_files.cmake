@@ -1,0 +1,42 @@
+# Run by the build: writes OUTPUT, a C++ file, with the bytes of FILES.
+
+set(text "// Written by cmake/embed_files.cmake at build time.
+#include \"compare/report/page_files.hpp\"
+
+namespace twinchute::compare {
+namespace {
+")
+set(rows "")
+set(number 0)
+foreach(file IN LISTS FILES)
+  file(READ ${file} content)
+  string(TOLOWER "${content}" lower)
+  string(FIND "${lower}" "</script" at)  # where a page ends a script, wherever it stands
+  if(NOT at EQUAL -1)
+    message(FATAL_ERROR "${file} holds a closing script tag and cannot stand in a page")
+  endif()
+  file(READ ${file} hex HEX)
+  # Points to a file that nobody has beside the page; it stands in the last line.
+  string(FIND "${content}" "//# sourceMappingURL" at REVERSE)
+  if(NOT at EQUAL -1)
+    math(EXPR at "2 * ${at}")
+    string(SUBSTRING "${hex}" 0 ${at} hex)
+  endif()
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
+  get_filename_component(name ${file} NAME)
+  string(APPEND text "const unsigned char file_${number}[] = {${bytes}};\n")
+  string(APPEND rows "        {\"${name}\", {reinterpret_cast<const char*>(file_${number}), sizeof file_${number}}},\n")
+  math(EXPR number "${number} + 1")
+endforeach()
+string(APPEND text "
+}  // namespace
+
+std::span<const PageFile> page_files() {
+    static const PageFile rows[] = {
+${rows}    };
+    return rows;
+}
+
+}  // namespace twinchute::compare
+")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,112 @@
+#include "compare/report/aligned.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lib/math/interpolation.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+// What a screen can show, and what a page has room for.
+constexpr std::size_t fine_points = 900, coarse_points = 400;
+
+constexpr std::array histories{
+    HistoryRowOfPage{"force", "Opening force"},
+    HistoryRowOfPage{"speed", "Speed of the payload"},
+    HistoryRowOfPage{"projected_area", "Projected area"},
+    HistoryRowOfPage{"drag_area", "Drag area"},
+};
+
+/// The rows of a channel with finite times that rise, in the page's clock.
+struct Rows {
+    std::vector<double> time, value;
+};
+
+Rows rows_of(const RunRecord& record, std::string_view channel, double zero) {
+    Rows rows;
+    const Channel* time = record.find_channel("time");
+    const Channel* values = record.find_channel(channel);
+    if (time == nullptr || values == nullptr) return rows;
+    for (std::size_t i = 0; i < std::min(time->values.size(), values->values.size()); ++i) {
+        const double t = time->values[i] - zero;
+        if (!std::isfinite(t) || (!rows.time.empty() && !(t > rows.time.back()))) continue;
+        rows.time.push_back(t);
+        rows.value.push_back(values->values[i]);
+    }
+    if (rows.time.size() < 2) return {};
+    return rows;
+}
+
+double opening_end(const Comparison& comparison, const PageClock& clock) {
+    double last = 0.0;
+    const auto sides = page_sides(comparison);
+    for (std::size_t s = 0; s < 2; ++s)
+        for (const char* name : {"full-open", "canopy-filled", "peak-force"})
+            if (const Event* event = sides[s].record->find_event(name); event && std::isfinite(event->time))
+                last = std::max(last, event->time - clock.zero[s]);
+    return 2.0 * last;
+}
+
+void add_evenly(std::vector<double>& clock, double from, double to, std::size_t points) {
+    for (std::size_t i = 0; i <= points; ++i)
+        clock.push_back(from + (to - from) * static_cast<double>(i) / static_cast<double>(points));
+}
+
+std::vector<double> resampled(const Rows& rows, const std::vector<double>& clock) {
+    std::vector<double> values;
+    values.reserve(clock.size());
+    for (const double t : clock)
+        values.push_back(t < rows.time.front() || t > rows.time.back()
+                             ? std::numeric_limits<double>::quiet_NaN()
+                             : Between(rows.time, t).linear(rows.value));
+    return values;
+}
+
+}  // namespace
+
+std::span<const HistoryRowOfPage> page_histories() {
+    return histories;
+}
+
+AlignedHistories aligned_histories(const Comparison& comparison) {
+    AlignedHistories aligned;
+    const PageClock clock = page_clock(comparison);
+    const auto sides = page_sides(comparison);
+    std::vector<std::array<Rows, 2>> rows;
+    double first = std::numeric_limits<double>::infinity(), last = -first;
+    std::vector<double> peaks;
+    for (const HistoryRowOfPage& row : histories) {
+        std::array<Rows, 2> both;
+        AlignedChannel channel{row.channel, row.title, {}, {}, {}};
+        for (std::size_t s = 0; s < 2; ++s) {
+            both[s] = rows_of(*sides[s].record, row.channel, clock.zero[s]);
+            if (both[s].time.empty()) continue;
+            channel.there[s] = true;
+            channel.unit = sides[s].record->find_channel(row.channel)->unit;
+            first = std::min(first, both[s].time.front());
+            last = std::max(last, both[s].time.back());
+            const auto at = std::ranges::max_element(both[s].value) - both[s].value.begin();
+            peaks.push_back(both[s].time[static_cast<std::size_t>(at)]);
+        }
+        if (!channel.there[0] && !channel.there[1]) continue;
+        aligned.channels.push_back(std::move(channel));
+        rows.push_back(std::move(both));
+    }
+    if (aligned.channels.empty()) return aligned;
+    const double end = opening_end(comparison, clock);
+    aligned.opening_end = end > first && end < last ? end : last;
+    aligned.clock = std::move(peaks);
+    add_evenly(aligned.clock, first, aligned.opening_end, fine_points);
+    if (aligned.opening_end < last) add_evenly(aligned.clock, aligned.opening_end, last, coarse_points);
+    std::ranges::sort(aligned.clock);
+    aligned.clock.erase(std::unique(aligned.clock.begin(), aligned.clock.end()), aligned.clock.end());
+    for (std::size_t c = 0; c < rows.size(); ++c)
+        for (std::size_t s = 0; s < 2; ++s)
+            if (aligned.channels[c].there[s])
+                aligned.channels[c].value[s] = resampled(rows[c][s], aligned.clock);
+    return aligned;
+}
+
+}  // namespace twinchute::compare

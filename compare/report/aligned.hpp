@@ -1,0 +1,37 @@
+// Histories of both sides over one clock, for curves above each other and the difference between them.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "compare/report/html_parts.hpp"
+
+namespace twinchute::compare {
+
+/// A channel that a report draws.
+struct HistoryRowOfPage {
+    std::string_view channel;  ///< in both records
+    std::string_view title;
+};
+std::span<const HistoryRowOfPage> page_histories();
+
+struct AlignedChannel {
+    std::string_view channel, title;
+    std::string unit;
+    /// By side, one value an instant; NaN where the side has none: before its first row, after its last.
+    std::array<std::vector<double>, 2> value;
+    std::array<bool, 2> there{};
+};
+
+struct AlignedHistories {
+    std::vector<double> clock;             ///< [s] as PageClock says, rising
+    double opening_end = 0.0;              ///< [s] on it: by then the opening is over on both sides
+    std::vector<AlignedChannel> channels;  ///< those that at least one side has
+};
+
+/// Linear between the rows of a record. The clock is fine until opening_end and coarse after it, and has the
+/// instant at which each channel of each side is largest, so that no peak is cut.
+AlignedHistories aligned_histories(const Comparison& comparison);
+
+}  // namespace twinchute::compare

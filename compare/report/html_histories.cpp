@@ -1,0 +1,70 @@
+// Curves over one clock. Scripts draw them; without a script, and on paper, the same curves stand there as
+// SVG.
+#include <fmt/format.h>
+
+#include "compare/report/aligned.hpp"
+#include "compare/report/escape.hpp"
+#include "compare/report/plots.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+std::string note_of(const AlignedChannel& channel, const Comparison& comparison) {
+    for (std::size_t s = 0; s < 2; ++s)
+        if (!channel.there[s])
+            return fmt::format("{} has none: there is no difference to draw.",
+                               xml_text(page_sides(comparison)[s].record->fidelity));
+    return {};
+}
+
+std::string figure(const AlignedChannel& channel, const Comparison& comparison) {
+    const std::string id = xml_text(channel.channel);
+    const bool both = channel.there[0] && channel.there[1];
+    std::string text = fmt::format(
+        "<figure class=\"history\" data-channel=\"{0}\">\n<figcaption><strong>{1} [{2}]</strong>"
+        "<output class=\"readout\" id=\"readout-{0}\"></output></figcaption>\n"
+        "<div class=\"live\" role=\"img\" aria-label=\"Curves: {1} of both models against time; the time "
+        "cursor "
+        "above reads them off\"><div class=\"curve\"></div>",
+        id, xml_text(channel.title), xml_text(unit_for_reading(channel.unit)));
+    if (both) text += "<div class=\"difference\"></div>";
+    text += "</div>\n";
+    if (const std::string note = note_of(channel, comparison); !note.empty())
+        text += fmt::format("<p class=\"quiet\">{}</p>\n", note);
+    return text + fmt::format("<div class=\"still\">{}</div>\n</figure>\n",
+                              history_svg(comparison, channel.channel));
+}
+
+}  // namespace
+
+std::string histories_section(const Comparison& comparison) {
+    const AlignedHistories aligned = aligned_histories(comparison);
+    if (aligned.channels.empty()) return {};
+    const auto sides = page_sides(comparison);
+    std::string text = fmt::format(
+        "<section id=\"histories\"><h2>Histories</h2>\n<p>{0} dashed, {1} in full; below each pair their "
+        "difference, {0} minus {1}. "
+        "{2}</p>\n",
+        side_name(sides[0]), side_name(sides[1]),
+        page_clock(comparison).from_snatch ? "Time counts from the snatch (or line stretch) of each, so that "
+                                             "the openings lie above each other."
+                                           : "Time counts from release.");
+    text +=
+        "<div class=\"controls\">\n"
+        "<div class=\"choice\" role=\"group\" aria-label=\"Time shown\"><button type=\"button\" "
+        "data-window=\"opening\" "
+        "aria-pressed=\"true\">Opening</button><button type=\"button\" data-window=\"all\" "
+        "aria-pressed=\"false\">Whole "
+        "run</button></div>\n"
+        "<label class=\"cursor\">Time cursor <input type=\"range\" id=\"cursor\" min=\"0\" max=\"1\" "
+        "step=\"1\" "
+        "value=\"0\"></label> <output id=\"cursor-time\" for=\"cursor\"></output>\n"
+        "<p class=\"quiet hint\">Point at a curve, or move the cursor with the arrow keys. Drag to zoom, "
+        "double click to "
+        "go back. Dotted lines are events, named below.</p></div>\n<div class=\"histories\">\n";
+    for (const AlignedChannel& channel : aligned.channels)
+        text += figure(channel, comparison);
+    return text + "</div></section>\n";
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,238 @@
+// The first screen: what came out, in words and in numbers.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/report/escape.hpp"
+#include "compare/report/html_parts.hpp"
+#include "compare/report/words.hpp"
+#include "lib/cli/record_text.hpp"
+#include "lib/cli/text.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+struct Mark {
+    std::string_view style, sign;  // a sign as well: colour alone tells too few
+};
+
+Mark mark_of(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::within:
+            return {"within", "\u2713"};
+        case Verdict::exceeded:
+            return {"exceeded", "\u2717"};
+        case Verdict::missing:
+            return {"exceeded", "?"};
+        case Verdict::not_judged:
+            break;
+    }
+    return {"unjudged", "\u2013"};
+}
+
+std::string chip(Verdict verdict) {
+    if (verdict == Verdict::not_judged) return "<span class=\"quiet\">\u2013</span>";
+    const Mark mark = mark_of(verdict);
+    return fmt::format(R"(<span class="chip {}"><span aria-hidden="true">{}</span> {}</span>)", mark.style,
+                       mark.sign, verdict_name(verdict));
+}
+
+/// "rom says 4.9 % more than full": what a difference means.
+std::string difference_words(const MetricGap& metric, const Comparison& comparison) {
+    const std::string& candidate = comparison.candidate.fidelity;
+    const std::string& reference = comparison.reference.fidelity;
+    if (!metric.difference) return metric.note;
+    if (*metric.difference == 0) return fmt::format("{} and {} say the same", candidate, reference);
+    const std::string_view more = *metric.difference > 0 ? "more" : "less";
+    if (!metric.relative) return fmt::format("{} says {} than {}", candidate, more, reference);
+    return fmt::format("{} says {:.1f} % {} than {}", candidate, 100 * std::abs(*metric.relative), more,
+                       reference);
+}
+
+/// Where the difference lies between the ends of the tolerance, which take the middle half of the track.
+std::string gauge(const MetricGap& metric) {
+    if (!metric.difference || !metric.tolerance) return {};
+    const double allowed = metric.tolerance->relative
+                               ? metric.tolerance->value * std::abs(metric.reference->value)
+                               : metric.tolerance->value;
+    if (!(allowed > 0) || !std::isfinite(*metric.difference)) return {};
+    const double at = std::clamp(50 + 25 * *metric.difference / allowed, 1.0, 99.0);
+    return fmt::format(
+        "<div class=\"gauge\" aria-hidden=\"true\"><span class=\"band\"></span><span class=\"zero\"></span>"
+        "<span class=\"needle {}\" style=\"left:{:.2f}%\"></span></div>",
+        mark_of(metric.verdict).style, at);
+}
+
+std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
+    const auto sides = page_sides(comparison);
+    std::string text = fmt::format("<li class=\"card\"><h3>{} {}</h3>\n<dl>\n", xml_text(metric.row->title),
+                                   chip(metric.verdict));
+    const std::array values{&metric.candidate, &metric.reference};
+    for (std::size_t i = 0; i < 2; ++i)
+        text += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", side_name(sides[i]),
+                            xml_text(value_text(*values[i], metric.row->unit)));
+    text += fmt::format("</dl>\n{}<p>{}</p><p class=\"quiet\">tolerance {}</p></li>\n", gauge(metric),
+                        xml_text(difference_words(metric, comparison)),
+                        metric.tolerance->value == 0
+                            ? "0: any difference counts"
+                            : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)));
+    return text;
+}
+
+std::string cost_card(const Comparison& comparison) {
+    std::string text = "<li class=\"card\"><h3>Cost</h3>\n<dl>\n";
+    for (const PageSide& side : page_sides(comparison))
+        text += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", side_name(side),
+                            xml_text(time_text(side.record->cost.wall_s)));
+    text += "</dl>\n";
+    if (comparison.gap.cost_ratio)
+        text += fmt::format("<p class=\"ratio\"><strong>{}\u00d7</strong> as long for {}</p>",
+                            ratio_text(*comparison.gap.cost_ratio), xml_text(comparison.reference.fidelity));
+    return text + "<p class=\"quiet\">wall time, on the machine named below</p></li>\n";
+}
+
+std::string key_figures(const Comparison& comparison) {
+    std::string text = "<ul class=\"cards\">\n";
+    for (const MetricGap& metric : comparison.gap.metrics)
+        if (metric.tolerance) text += key_figure(metric, comparison);
+    return text + cost_card(comparison) + "</ul>\n";
+}
+
+/// What has to be known about a row; what both sides say is said once.
+std::string metric_notes(const Comparison& comparison) {
+    const auto sides = page_sides(comparison);
+    std::string text;
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const std::array notes{metric.candidate ? metric.candidate->note : "",
+                               metric.reference ? metric.reference->note : ""};
+        std::string says = metric.note.empty() ? "" : fmt::format("<dd>{}</dd>\n", xml_text(metric.note));
+        for (std::size_t s = 0; s < 2; ++s) {
+            if (notes[s].empty() || (s == 1 && notes[0] == notes[1])) continue;
+            says += fmt::format("<dd>{}{}</dd>\n", notes[0] == notes[1] ? "" : side_name(sides[s]) + ": ",
+                                xml_text(notes[s]));
+        }
+        if (!says.empty()) text += fmt::format("<dt>{}</dt>{}", xml_text(metric.row->title), says);
+    }
+    if (text.empty()) return {};
+    return "<details><summary>Notes on the metrics: which part is input, how a result is "
+           "taken</summary>\n<dl "
+           "class=\"facts\">\n" +
+           text + "</dl></details>\n";
+}
+
+std::string standing_cell(const std::optional<SideValue>& side) {
+    return side ? standing_text(side) : "\u2013";
+}
+
+bool repeats_inputs(const MetricGap& metric) {
+    return metric.candidate && metric.reference && metric.candidate->standing == Standing::input &&
+           metric.reference->standing == Standing::input;
+}
+
+std::string metrics_table(const Comparison& comparison) {
+    const std::string& candidate = comparison.candidate.fidelity;
+    const std::string& reference = comparison.reference.fidelity;
+    std::string text = fmt::format(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"metrics-caption\">\n"
+        "<table class=\"metrics\"><caption id=\"metrics-caption\"><strong>All metrics.</strong> Differences "
+        "are {0} minus "
+        "{1}, relative ones shares of {1}. An <em>input</em> repeats what the scene says; a <em>result</em> "
+        "comes "
+        "out of the model: only results compare models.</caption>\n",
+        xml_text(candidate), xml_text(reference));
+    text += table_head({"metric", candidate, reference, "difference", "tolerance", "verdict",
+                        candidate + " is", reference + " is"},
+                       "lrrrrlll");
+    text += "<tbody>\n";
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const std::string_view unit = metric.row->unit;
+        text += fmt::format("<tr{}><th scope=\"row\">{}</th>",
+                            metric.verdict != Verdict::not_judged ? " class=\"judged\""
+                            : repeats_inputs(metric)              ? " class=\"repeated\""
+                                                                  : "",
+                            xml_text(metric.row->title));
+        for (const std::string& cell :
+             {value_text(metric.candidate, unit), value_text(metric.reference, unit), difference_text(metric),
+              metric.tolerance ? tolerance_text(*metric.tolerance, unit) : std::string("-")})
+            text += fmt::format("<td class=\"number\">{}</td>", cell == "-" ? "\u2013" : xml_text(cell));
+        text += fmt::format("<td>{}</td><td>{}</td><td>{}</td></tr>\n", chip(metric.verdict),
+                            standing_cell(metric.candidate), standing_cell(metric.reference));
+    }
+    return text + "</tbody></table></div>\n" + metric_notes(comparison);
+}
+
+/// Where the judged metrics are furthest apart, in words.
+std::string largest_gap(const Comparison& comparison) {
+    const MetricGap* largest = nullptr;
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        if (!metric.tolerance || !metric.relative) continue;
+        if (largest == nullptr || std::abs(*metric.relative) > std::abs(*largest->relative))
+            largest = &metric;
+    }
+    if (largest == nullptr) return {};
+    return fmt::format("The largest gap among them: {}, where {}.", largest->row->title,
+                       difference_words(*largest, comparison));
+}
+
+std::string verdict_words(const Comparison& comparison, Verdict verdict) {
+    if (verdict != Verdict::within || exit_code(comparison) != ExitCode::done)
+        return verdict_line(comparison);
+    const auto judged = std::ranges::count(comparison.gap.metrics, Verdict::within, &MetricGap::verdict);
+    return fmt::format("{0} of {0} judged metrics. {1}", judged, largest_gap(comparison));
+}
+
+std::string verdict_banner(const Comparison& comparison) {
+    const ExitCode code = exit_code(comparison);
+    const Verdict verdict = overall_verdict(comparison.gap);
+    std::string_view style = "exceeded", sign = "\u2717", word = "Outside tolerance";
+    if (code == ExitCode::interrupted || code == ExitCode::numerical || code == ExitCode::usage)
+        style = "broken", sign = "!", word = "No verdict";
+    else if (verdict == Verdict::within)
+        style = "within", sign = "\u2713", word = "Within tolerance";
+    else if (verdict == Verdict::not_judged)
+        style = "unjudged", sign = "\u2013", word = "Nothing judged";
+    return fmt::format(
+        "<div class=\"verdict {}\"><span class=\"sign\" aria-hidden=\"true\">{}</span>"
+        "<p><strong>{}</strong><span>{}</span></p></div>\n",
+        style, sign, word, xml_text(verdict_words(comparison, verdict)));
+}
+
+std::string status_lines(const Comparison& comparison) {
+    std::string text;
+    for (const PageSide& side : page_sides(comparison)) {
+        const RunStatus& status = side.record->status;
+        if (status.code == StatusCode::completed) continue;
+        text += fmt::format("<p class=\"alert\">{} ended as <strong>{}</strong>{}{}</p>\n", side_name(side),
+                            xml_text(status_name(status.code)), status.detail.empty() ? "" : ": ",
+                            xml_text(status.detail));
+    }
+    std::size_t warnings = 0;
+    for (const PageSide& side : page_sides(comparison))
+        warnings += side.record->warnings.size();
+    if (warnings > 0)
+        text += fmt::format(
+            "<p class=\"alert\"><a href=\"#warnings\">{} warning{}</a> from the runs, below.</p>\n", warnings,
+            warnings == 1 ? "" : "s");
+    return text;
+}
+
+}  // namespace
+
+std::string summary_section(const Comparison& comparison) {
+    const auto sides = page_sides(comparison);
+    std::string text = fmt::format(
+        "<header><p class=\"brand\">twinchute <span>one parachute scene at two fidelities</span></p>\n"
+        "<h1>{}</h1>\n<p class=\"lead\">{} is the {}, quick; {} is the {}, slow, and the one that counts. "
+        "Both flew "
+        "the same scene.",
+        xml_text(comparison.reference.scene.name), side_name(sides[0]), xml_text(comparison.candidate_title),
+        side_name(sides[1]), xml_text(comparison.reference_title));
+    if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty())
+        text += fmt::format(" Both were told the {}.", xml_text(fill));
+    text += "</p></header>\n<section id=\"summary\" tabindex=\"-1\"><h2>Verdict</h2>\n";
+    return text + verdict_banner(comparison) + status_lines(comparison) + key_figures(comparison) +
+           metrics_table(comparison) + "</section>\n";
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,162 @@
+// Curves of both models over one clock, the difference below, a cursor through all of them.
+"use strict";
+(function () {
+    const data = report.data, clock = data.clock, style = ["candidate", "reference"];
+    if (!clock.length) return;
+    const graphs = [];
+    const opening = [clock[0], data.openingEnd], whole = [clock[0], clock[clock.length - 1]];
+    let shown = opening, drawing = false;
+
+    function tick(value, granularity, options, graph) {
+        return String(Number(value.toPrecision(5))).replace("-", "\u2212");
+    }
+
+    // Zero, and the largest round number on either side of it that has room.
+    function aroundZero(low, high) {
+        const most = 0.9 * Math.max(Math.abs(low), Math.abs(high));
+        if (!(most > 0)) return [{v: 0, label: "0"}];
+        const unit = Math.pow(10, Math.floor(Math.log10(most)));
+        const step = unit * (most >= 5 * unit ? 5 : most >= 2 * unit ? 2 : 1);
+        return [-step, 0, step].filter((v) => v >= low && v <= high).map((v) => ({v: v, label: tick(v)}));
+    }
+
+    // Thin lines where something happened, in the colour of the side where it did.
+    function drawEvents(context, area, graph) {
+        context.save();
+        context.setLineDash([2, 3]);
+        for (const event of data.events) {
+            const x = graph.toDomXCoord(event.time);
+            if (x < area.x || x > area.x + area.w) continue;
+            context.strokeStyle = report.colour(style[event.side]);
+            context.globalAlpha = 0.55;
+            context.beginPath();
+            context.moveTo(x, area.y);
+            context.lineTo(x, area.y + area.h);
+            context.stroke();
+        }
+        context.restore();
+    }
+
+    // The cursor is a line through plot and difference alike.
+    function drawCursor(graph) {
+        const context = graph.canvas_ctx_, area = graph.getArea();
+        if (report.row === undefined) return;
+        const x = graph.toDomXCoord(clock[report.row]);
+        if (x < area.x - 1 || x > area.x + area.w + 1) return;
+        context.save();
+        context.strokeStyle = report.colour("ink");
+        context.beginPath();
+        context.moveTo(x, area.y);
+        context.lineTo(x, area.y + area.h);
+        context.stroke();
+        context.restore();
+    }
+
+    function select(row) {
+        report.row = row;
+        for (const graph of graphs) {
+            graph.setSelection(row);
+            if (graph.getSelection() < 0) graph.canvas_ctx_.clearRect(0, 0, graph.width_, graph.height_);
+            drawCursor(graph);
+        }
+        const cursor = document.getElementById("cursor"), words = clock[row].toFixed(3).replace("-", "\u2212") + " s";
+        cursor.value = row;
+        cursor.setAttribute("aria-valuetext", words);
+        document.getElementById("cursor-time").textContent = words;
+        for (const channel of data.channels) {
+            const readout = document.getElementById("readout-" + channel.id), values = channel.values;
+            const say = (kind, name, value) => {
+                const item = document.createElement("span"), label = document.createElement("span");
+                label.className = kind;
+                label.textContent = name + " ";
+                item.append(label, report.readable(value, channel.unit));
+                readout.append(item);
+            };
+            readout.textContent = "";
+            for (const side of [0, 1]) if (values[side]) say("side " + style[side], data.sides[side], values[side][row]);
+            if (!values[0] || !values[1]) continue;
+            const gap = values[0][row] === null || values[1][row] === null ? null : values[0][row] - values[1][row];
+            say("", "difference", gap);
+        }
+    }
+
+    function point(row, source) {
+        select(row);
+        report.setTime(clock[row], source || "charts");
+    }
+
+    function show(window) {
+        shown = window;
+        drawing = true;
+        for (const graph of graphs) graph.updateOptions({dateWindow: window.slice()});
+        drawing = false;
+        for (const button of document.querySelectorAll("[data-window]")) {
+            const its = button.dataset.window === "all" ? whole : opening;
+            button.setAttribute("aria-pressed", String(its[0] === window[0] && its[1] === window[1]));
+        }
+        if (report.row !== undefined) for (const graph of graphs) drawCursor(graph);
+    }
+
+    function draw(element, rows, options) {
+        const graph = new Dygraph(element, rows, Object.assign({
+            dateWindow: shown.slice(), legend: "never", labelsKMB: false, xRangePad: 0, yRangePad: 6,
+            axisLabelFontSize: 12, strokeWidth: 1.8, highlightCircleSize: 3.5, rollPeriod: 1,
+            connectSeparatedPoints: false, animatedZooms: false, showRangeSelector: false,
+            highlightCallback: (event, x, points, row) => point(row),
+            underlayCallback: drawEvents,
+            drawCallback: (drawn, first) => {
+                if (first || drawing) return;
+                const range = drawn.xAxisRange();
+                show([Math.max(range[0], whole[0]), Math.min(range[1], whole[1])]);
+            },
+            axes: {x: {axisLabelFormatter: tick, pixelsPerLabel: 60},
+                   y: {axisLabelFormatter: tick, axisLabelWidth: 52, pixelsPerLabel: 34}},
+        }, options));
+        // Back to the opening, not to the extremes of the data.
+        graph.resetZoom = () => show(opening);
+        graphs.push(graph);
+        return graph;
+    }
+
+    function paint(graph, colours) {
+        graph.updateOptions({
+            colors: colours.map(report.colour), gridLineColor: report.colour("grid"), axisLineColor: report.colour("rule"),
+        });
+    }
+
+    for (const channel of data.channels) {
+        const figure = document.querySelector('[data-channel="' + CSS.escape(channel.id) + '"]');
+        const there = [0, 1].filter((side) => channel.values[side]);
+        const rows = clock.map((t, row) => [t].concat(there.map((side) => channel.values[side][row])));
+        const series = {};
+        // The dashed one is drawn last: it lies on the other where they agree, and both are seen.
+        const order = there.slice().reverse();
+        for (const side of there) series[data.sides[side]] = side === 0 ? {strokePattern: [7, 4]} : {};
+        const ordered = clock.map((t, row) => [t].concat(order.map((side) => channel.values[side][row])));
+        const graph = draw(figure.querySelector(".curve"), ordered, {
+            labels: ["time"].concat(order.map((side) => data.sides[side])), series: series, includeZero: true,
+            xlabel: there.length === 1 ? data.clockLabel : "",
+        });
+        report.onScheme(() => paint(graph, order.map((side) => style[side])));
+        if (there.length < 2) continue;
+        const gaps = rows.map((row) => [row[0], row[1] === null || row[2] === null ? null : row[1] - row[2]]);
+        const below = draw(figure.querySelector(".difference"), gaps, {
+            labels: ["time", "difference"], fillGraph: true, fillAlpha: 0.12, strokeWidth: 1.4, includeZero: true,
+            xlabel: data.clockLabel, yRangePad: 2, axes: {
+                x: {axisLabelFormatter: tick, pixelsPerLabel: 60}, y: {ticker: aroundZero, axisLabelWidth: 52}},
+        });
+        report.onScheme(() => paint(below, ["dim"]));
+    }
+
+    for (const button of document.querySelectorAll("[data-window]"))
+        button.addEventListener("click", () => show(button.dataset.window === "all" ? whole : opening));
+    const cursor = document.getElementById("cursor");
+    cursor.max = clock.length - 1;
+    cursor.addEventListener("input", () => point(Number(cursor.value)));
+    report.onTime((time, source) => { if (source !== "charts") select(report.placeOf(clock, time)); });
+    report.graphs = graphs;
+
+    // First at the reference's peak force: what everybody looks for.
+    const peak = data.events.filter((event) => event.name === "peak-force").sort((a, b) => b.side - a.side)[0];
+    point(peak ? report.placeOf(clock, peak.time) : 0);
+})();

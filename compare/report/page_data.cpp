@@ -1,0 +1,85 @@
+// What the scripts of the page draw.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "compare/report/aligned.hpp"
+#include "compare/report/escape.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+// [bytes] of frames: with everything else, a page that a mailbox takes.
+constexpr std::size_t most_frame_bytes = 1'050'000;
+
+/// Five digits: a curve shows no more. What is not finite is a gap.
+std::string numbers(const std::vector<double>& values) {
+    std::string text = "[";
+    for (const double value : values)
+        text += std::isfinite(value) ? fmt::format("{:.5g},", value) : "null,";
+    if (text.size() > 1) text.pop_back();
+    return text + "]";
+}
+
+/// A string of JSON in which no tag of HTML can begin or end.
+std::string word(std::string_view text) {
+    std::string json = nlohmann::json(clean_text(text)).dump(-1, ' ', true);
+    std::string safe;
+    for (const char c : json)
+        safe += c == '<' || c == '>' || c == '&' ? fmt::format("\\u{:04x}", static_cast<int>(c))
+                                                 : std::string(1, c);
+    return safe;
+}
+
+/// Strictly rising, whatever the rounding did: two instants that look alike are told apart.
+std::string clock_numbers(const std::vector<double>& clock) {
+    std::string text = "[";
+    for (const double t : clock)
+        text += fmt::format("{:.8g},", t);
+    if (text.size() > 1) text.pop_back();
+    return text + "]";
+}
+
+std::string events_json(const Comparison& comparison, const PageClock& clock) {
+    std::string text = "[";
+    const auto sides = page_sides(comparison);
+    for (std::size_t s = 0; s < 2; ++s)
+        for (const Event& event : sides[s].record->events)
+            if (std::isfinite(event.time))
+                text += fmt::format("{{\"side\":{},\"name\":{},\"time\":{:.8g}}},", s, word(event.name),
+                                    event.time - clock.zero[s]);
+    if (text.size() > 1) text.pop_back();
+    return text + "]";
+}
+
+}  // namespace
+
+ShapeFrames page_frames(const ShapeFrames& shape) {
+    return thinned(shape, most_frame_bytes);
+}
+
+std::string page_data(const Comparison& comparison) {
+    const AlignedHistories aligned = aligned_histories(comparison);
+    const PageClock clock = page_clock(comparison);
+    const auto sides = page_sides(comparison);
+    const std::size_t shaped = sides[1].frames->empty() ? 0 : 1;
+    std::string text = fmt::format(
+        "{{\"sides\":[{},{}],\"clockLabel\":{},\"openingEnd\":{:.8g},\"frameZero\":{:.8g},\n\"clock\":{},"
+        "\n\"events\":{},\n"
+        "\"channels\":[",
+        word(sides[0].record->fidelity), word(sides[1].record->fidelity), word(clock.label()),
+        aligned.opening_end, clock.zero[shaped], clock_numbers(aligned.clock),
+        events_json(comparison, clock));
+    for (const AlignedChannel& channel : aligned.channels) {
+        text += fmt::format("\n{{\"id\":{},\"title\":{},\"unit\":{},\"values\":[", word(channel.channel),
+                            word(channel.title), word(unit_for_reading(channel.unit)));
+        for (std::size_t s = 0; s < 2; ++s)
+            text += (s == 0 ? "" : ",") + (channel.there[s] ? numbers(channel.value[s]) : "null");
+        text += "]},";
+    }
+    if (!aligned.channels.empty()) text.pop_back();
+    return text + "]}";
+}
+
+}  // namespace twinchute::compare

@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""A report as a reader meets it: opens the page of a comparison in headless Chromium and uses it.
+
+usage: report_in_browser.py TWINCHUTE SCENE WORK
+Exit code 77 where there is no Chromium.
+"""
+
+import os
+import pathlib
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from chromium import Chromium, program
+
+failures = []
+
+
+def expect(right, what):
+    if not right:
+        failures.append(what)
+        print("not so:", what)
+
+
+def centre(page, selector):
+    return page.ask(f"(() => {{ const e = document.querySelector('{selector}'); e.scrollIntoView({{block: 'center', behavior: "
+                    "'instant'}); const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; })()")
+
+
+def readouts(page):
+    return page.ask("[...document.querySelectorAll('.readout')].map(e => e.textContent)")
+
+
+# The share of pixels that differ from the corner, drawn and read in one go: a canvas forgets.
+PIXELS = """(() => { report.canopy.draw(); const c = report.canopy.canvas, t = document.createElement('canvas');
+t.width = c.width; t.height = c.height; const x = t.getContext('2d'); x.drawImage(c, 0, 0);
+const d = x.getImageData(0, 0, c.width, c.height).data; let other = 0; const colours = new Set();
+for (let i = 0; i < d.length; i += 4) if (d[i] !== d[0] || d[i + 1] !== d[1] || d[i + 2] !== d[2] || d[i + 3] !== d[3]) {
+  ++other; colours.add((d[i] >> 4) * 256 + (d[i + 1] >> 4) * 16 + (d[i + 2] >> 4)); }
+return {share: 4 * other / d.length, colours: colours.size}; })()"""
+
+
+def cursor_is_linked(page):
+    before = readouts(page)
+    x, y = centre(page, "[data-channel=force] .curve")
+    page.move_mouse(x - 60, y)
+    after = readouts(page)
+    expect(len(before) >= 3, "force, speed and drag area have read-outs")
+    expect(all(a != b for a, b in zip(before, after)), f"pointing at one curve moves every read-out: {before} {after}")
+    rows = page.ask("report.graphs.map(g => g.getSelection())")
+    expect(len(set(rows)) == 1 and rows[0] > 0, f"all curves show one instant: {rows}")
+    value = page.ask("(() => { const c = report.data.channels[0]; return report.readable(c.values[1][report.row], c.unit); })()")
+    expect(value in after[0], f"the read-out is the value there: {value} in {after[0]}")
+    page.ask("document.getElementById('cursor').focus()")
+    page.press("ArrowRight", 39)
+    expect(page.ask("report.row") == rows[0] + 1, "an arrow key moves the cursor by one")
+
+
+def curves_zoom_together(page):
+    opening = page.ask("report.graphs.map(g => g.xAxisRange().join())")
+    page.ask("document.querySelector('[data-window=all]').click()")
+    whole = page.ask("report.graphs.map(g => g.xAxisRange().join())")
+    expect(len(set(opening)) == 1 and len(set(whole)) == 1 and opening[0] != whole[0], f"one window for all: {opening} {whole}")
+
+
+def canopy_plays(page):
+    expect(not page.ask("document.getElementById('stage').hidden"), "the canopy's stage is shown")
+    centre(page, "#canopy")
+    page.ask("report.canopy.setTime(report.canopy.first)")
+    first = page.ask(PIXELS)
+    page.ask("report.canopy.setTime(report.canopy.last)")
+    last = page.ask(PIXELS)
+    for when, seen in (("first", first), ("last", last)):
+        expect(0.002 < seen["share"] < 0.9 and seen["colours"] > 20, f"the {when} frame is drawn: {seen}")
+    expect(last["share"] > 1.3 * first["share"], f"an open canopy covers more than a closed one: {first} {last}")
+    page.ask("document.getElementById('colour').value = 'folds'; document.getElementById('colour').dispatchEvent(new Event('change'))")
+    expect(page.ask(PIXELS)["colours"] != last["colours"], "wrinkling is coloured otherwise than stress")
+    page.ask("report.canopy.setTime(report.canopy.first); document.getElementById('play').click()")
+    expect(page.ask("document.getElementById('play').getAttribute('aria-pressed')") == "true", "playing is announced")
+    page.ask("new Promise(done => setTimeout(done, 600))")
+    expect(page.ask("report.time > report.canopy.first"), "playing moves the page's time")
+    page.ask("document.getElementById('play').click()")
+    stopped = page.ask("report.time")
+    page.ask("new Promise(done => setTimeout(done, 150))")
+    expect(page.ask("report.time") == stopped, "pause stops it")
+    page.ask("document.getElementById('canopy').focus()")
+    before = page.ask("(report.canopy.draw(), report.canopy.canvas.toDataURL())")
+    page.press("ArrowLeft", 37)
+    expect(page.ask("(report.canopy.draw(), report.canopy.canvas.toDataURL())") != before, "an arrow key turns the canopy")
+
+
+def is_accessible(page):
+    nameless = page.ask("""[...document.querySelectorAll('button, input, select, canvas, a, [role=img], [role=region]')].filter(e =>
+        !e.parentElement.closest('[role=img]') && !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || (e.labels && e.labels.length) || e.textContent.trim()))
+        .map(e => e.outerHTML.slice(0, 80))""")
+    expect(nameless == [], f"everything that can be used has a name: {nameless}")
+    levels = page.ask("[...document.querySelectorAll('h1, h2, h3')].map(e => +e.tagName[1])")
+    expect(levels[0] == 1 and all(b <= a + 1 for a, b in zip(levels, levels[1:])), f"no level of heading is skipped: {levels}")
+    doubled = page.ask("(() => { const ids = [...document.querySelectorAll('[id]')].map(e => e.id); return ids.filter((x, i) => ids.indexOf(x) !== i); })()")
+    expect(doubled == [], f"every id is there once: {doubled}")
+    expect(page.ask("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out to the right")
+    page.press("Tab", 9)
+    expect("skip" in (page.ask("document.activeElement.className") or ""), "the first stop of the keyboard skips the navigation")
+
+
+def main():
+    twinchute, scene, work = sys.argv[1:]
+    if not program():
+        print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the HTML report")
+        return 77
+    done = subprocess.run([twinchute, "compare", scene, "--quiet", "--out", work, "--set", "full.mesh.gore_columns=1", "--set",
+                           "full.mesh.gore_rows=6"], check=False)
+    expect(done.returncode in (0, 1), f"compare ended with {done.returncode}")
+    url = (pathlib.Path(work) / "report.html").resolve().as_uri()
+    with Chromium(110) as page:
+        page.open(url, width=1000, height=800)
+        is_accessible(page)
+        cursor_is_linked(page)
+        curves_zoom_together(page)
+        canopy_plays(page)
+        page.open(url, width=360, height=700, scheme="dark")
+        expect(page.ask("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out of a telephone")
+        light = page.ask("getComputedStyle(document.body).backgroundColor")
+        expect(light != "rgb(255, 255, 255)", f"dark is dark: {light}")
+        expect(page.log == [], f"the page logs no error and no warning: {page.log}")
+        expect(set(page.requests) == {url}, f"nothing is fetched: {page.requests}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

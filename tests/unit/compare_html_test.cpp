@@ -1,0 +1,254 @@
+// The page that a comparison makes: what is in it, and what cannot break out of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "compare/report/aligned.hpp"
+#include "compare/report/html.hpp"
+#include "compare/report/page_files.hpp"
+#include "tests/support/compare_records.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+using nlohmann::json;
+
+/// A tetrahedron of two frames that hangs on one line.
+ShapeFrames small_shape() {
+    ShapeFrames shape{5, 4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}, {{{0, 4}, ShapeCableKind::line}}, {}};
+    for (const double time : {0.0, 1.5}) {
+        const std::vector<double> place{0, 0, 9, 2 + time, 0, 7, -1, 2, 7, -1, -2, 7, 0, 0, 0};
+        shape.frames.push_back(
+            quantised(time, place, std::vector{10.0, 20.0, 30.0},
+                      std::vector{FabricFolds::taut, FabricFolds::taut, FabricFolds::slack}));
+    }
+    return shape;
+}
+
+Comparison whole_comparison() {
+    Comparison comparison = made_up_comparison();
+    comparison.reference_frames = small_shape();
+    comparison.attribution =
+        Attribution{{{"peak_force",
+                      4800,
+                      5000,
+                      {{"added-mass", "Added mass", 250, ""}, {"shape", "Shape", -80, "its own"}},
+                      30,
+                      12.0}},
+                    {1, 2, 3},
+                    {"wind: the scene has none"}};
+    return comparison;
+}
+
+/// The page without its scripts and style: what a reader sees.
+std::string text_of(const std::string& page) {
+    std::string text;
+    std::size_t at = 0;
+    for (;;) {
+        const std::size_t script = page.find("<script", at), style = page.find("<style", at);
+        const std::size_t begin = std::min(script, style);
+        text += page.substr(at, begin - at);
+        if (begin == page.npos) return text;
+        const char* end = begin == script ? "</script>" : "</style>";
+        at = page.find(end, begin) + std::char_traits<char>::length(end);
+    }
+}
+
+std::size_t count(std::string_view text, std::string_view what) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size())
+        ++found;
+    return found;
+}
+
+json data_of(const std::string& page) {
+    const std::string before = "id=\"report-data\">";
+    const std::size_t begin = page.find(before) + before.size();
+    return json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+TEST(CompareHtml, HasAllPartsOnceEachInItsOrder) {
+    const std::string text = text_of(report_html(whole_comparison()));
+    std::size_t at = 0;
+    for (const char* id : {"summary", "histories", "events", "why", "energy", "canopy-section", "left-out",
+                           "warnings", "provenance"}) {
+        const std::string section = std::string("<section id=\"") + id + "\"";
+        EXPECT_EQ(count(text, section), 1u) << id;
+        EXPECT_EQ(count(text, std::string("href=\"#") + id + "\""),
+                  id == std::string("warnings") || id == std::string("summary") ? 2u : 1u)
+            << id;
+        EXPECT_GT(text.find(section), at) << id;
+        at = text.find(section);
+    }
+    EXPECT_EQ(count(text, "<h1>"), 1u);
+    EXPECT_EQ(count(text, "<h2>"), 9u);
+    EXPECT_EQ(count(text, "<main>"), 1u);
+    // Every table says what it is, and every heading of a table of what.
+    EXPECT_EQ(count(text, "<table"), count(text, "<caption"));
+    EXPECT_EQ(count(text, "<th"), count(text, "<th scope=") + count(text, "<thead"));
+    EXPECT_EQ(count(text, "<section"), count(text, "</section>"));
+    EXPECT_EQ(count(text, "<div"), count(text, "</div>"));
+}
+
+TEST(CompareHtml, LeavesOutWhatIsNotThere) {
+    Comparison comparison = made_up_comparison();
+    comparison.reference.warnings.clear();
+    comparison.reference.energy.reset();
+    comparison.candidate.energy.reset();
+    const std::string page = report_html(comparison);
+    for (const char* id : {"why", "energy", "canopy-section", "warnings"})
+        EXPECT_EQ(page.find(std::string("id=\"") + id + "\""), page.npos) << id;
+    EXPECT_EQ(page.find(page_file("three.min.js").substr(0, 200)), page.npos);  // no shape, no weight
+    EXPECT_NE(page.find(page_file("dygraph.min.js").substr(0, 200)), page.npos);
+}
+
+TEST(CompareHtml, SaysTheVerdictInWords) {
+    const std::string within = text_of(report_html(made_up_comparison()));
+    EXPECT_NE(within.find("<strong>Within tolerance</strong>"), within.npos);
+    // 4800 N over 5000 N is 4 % less; filling is 1.55 s over 1.6 s, 3.1 % less.
+    EXPECT_NE(
+        within.find("The largest gap among them: Peak opening force, where rom says 4.0 % less than full."),
+        within.npos);
+    const std::string outside = text_of(report_html(made_up_comparison({{"peak_force", {150, false}}})));
+    EXPECT_NE(outside.find("<strong>Outside tolerance</strong>"), outside.npos);
+    EXPECT_NE(outside.find("1 exceeded (peak_force)"), outside.npos);
+    Comparison broken = made_up_comparison();
+    broken.reference.status = {StatusCode::not_finite, "node 7"};
+    const std::string none = text_of(report_html(broken));
+    EXPECT_NE(none.find("<strong>No verdict</strong>"), none.npos);
+    EXPECT_NE(none.find("ended as <strong>not_finite</strong>: node 7"), none.npos);
+}
+
+TEST(CompareHtml, TheWayFromOneSideToTheOtherEndsThere) {
+    const std::string text = text_of(report_html(whole_comparison()));
+    for (const char* piece : {"+250.0 N", "\u221280.00 N", "+30.00 N", ">4800 N", ">5000 N", "its own",
+                              "Scatter over seeds: 12.00 N", "wind: the scene has none"})
+        EXPECT_NE(text.find(piece), text.npos) << piece;
+    EXPECT_EQ(text.find("interaction is larger"), text.npos);
+    Comparison tangled = whole_comparison();
+    tangled.attribution->metrics[0].interaction = -300;
+    EXPECT_NE(text_of(report_html(tangled)).find("interaction is larger"), text.npos);
+}
+
+TEST(CompareHtml, ForeignTextStaysText) {
+    // What ends a script, a comment, a tag, an attribute; controls; bytes that are not UTF-8; and much of it.
+    const std::string hostile =
+        "</script><script>alert(1)</script><!--\"'><img src=x onerror=alert(2)>&\u2028\x01\xff" +
+        std::string(100'000, 'x');
+    Comparison comparison = whole_comparison();
+    for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        side->fidelity = side->scene.name = side->scene.file = side->scene.sha256 = hostile;
+        side->status = {StatusCode::interrupted, hostile};
+        side->events.push_back({hostile, 2, 0, 0});
+        side->left_out.push_back({hostile, hostile});
+        side->warnings.push_back({hostile, hostile, hostile});
+        side->inputs.push_back({hostile, hostile, hostile, InputOrigin::given, hostile});
+        side->inputs[1].source = hostile;
+        side->cost.blocks.push_back({hostile, 1});
+        Provenance& made = side->provenance;
+        for (std::string* text : {&made.version, &made.commit, &made.compiler, &made.flags,
+                                  &made.instruction_set, &made.host_cpu, &made.date})
+            *text = hostile;
+        for (Channel& channel : side->channels)
+            if (channel.name != "time") channel.unit = hostile;
+        for (Metric& metric : side->metrics)
+            metric.note = hostile;
+    }
+    MetricAttribution& way = comparison.attribution->metrics[0];
+    way.metric = way.terms[0].piece = way.terms[0].title = way.terms[0].detail = hostile;
+    comparison.attribution->notes = {hostile};
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, {});
+    const std::string page = report_html(comparison), harmless = report_html(whole_comparison());
+    for (const char* tag :
+         {"<script", "</script", "<style", "</style", "<!--", "<img", "onerror=alert(2)>&\u2028"})
+        EXPECT_EQ(count(page, tag), count(harmless, tag)) << tag;
+    EXPECT_EQ(page.find('\x01'), page.npos);
+    EXPECT_EQ(page.find('\xff'), page.npos);
+    const json data = data_of(page);
+    EXPECT_TRUE(data["sides"][0].get<std::string>().starts_with("</script><script>alert(1)"));
+    EXPECT_LT(data["events"].back()["name"].get<std::string>().size(), 100'200u);
+}
+
+TEST(CompareHtml, AsksForNothingFromOutside) {
+    const std::string page = report_html(whole_comparison());
+    EXPECT_NE(page.find("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';"),
+              page.npos);
+    const std::string text = text_of(page);
+    EXPECT_EQ(text.find("src="), text.npos);
+    EXPECT_EQ(text.find("<link"), text.npos);
+    const std::regex reference("href=\"([^\"]*)\"");
+    for (std::sregex_iterator it(text.begin(), text.end(), reference), end; it != end; ++it)
+        EXPECT_TRUE((*it)[1].str().starts_with("#")) << (*it)[1];
+    // Addresses stand in the libraries as names of namespaces and of authors; here none fetches.
+    for (const char* own : {"report.css", "clock.js", "charts.js", "frames.js", "canopy.js"})
+        for (const char* way : {"http:", "https:", "url(", "@import", "fetch(", "XMLHttpRequest", "import("})
+            EXPECT_EQ(page_file(own).find(way), std::string_view::npos) << own << " " << way;
+    EXPECT_EQ(page.find("sourceMappingURL"), page.npos);
+}
+
+TEST(CompareHtml, TheSameComparisonIsTheSamePage) {
+    EXPECT_EQ(report_html(whole_comparison()), report_html(whole_comparison()));
+}
+
+TEST(CompareHtml, ManyFramesAreThinnedToWhatAMailboxTakes) {
+    Comparison comparison = made_up_comparison();
+    ShapeFrames& shape = comparison.reference_frames;
+    shape = {2000, 0, std::vector<std::array<std::uint32_t, 3>>(4000, {0, 1, 2}), {}, {}};
+    const std::vector<double> place(6000, 1.0), stress(4000, 1.0);
+    for (int i = 0; i < 200; ++i)
+        shape.frames.push_back(quantised(i, place, stress, std::vector(4000, FabricFolds::taut)));
+    const ShapeFrames shown = page_frames(shape);
+    EXPECT_GT(shown.frames.size(), 60u);
+    EXPECT_TRUE(shown.frames.back() == shape.frames.back());
+    // 3 MB is what the page of the demo may weigh.
+    EXPECT_LT(report_html(comparison).size(), 3'000'000u);
+}
+
+TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
+    // Two ramps, 1 + t and 1 + 2 t from their own snatch on, one of them 0.5 s later than the other.
+    Comparison comparison = made_up_comparison();
+    for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        const bool reference = side == &comparison.reference;
+        const double snatch = reference ? 0.5 : 0.0, slope = reference ? 2.0 : 1.0;
+        side->events = {{"snatch", snatch, 0, 0}, {"full-open", snatch + 1, 0, 0}};
+        side->channels = {{"time", "s", {}}, {"force", "N", {}}};
+        for (int i = 0; i <= 400; ++i) {
+            side->channels[0].values.push_back(0.01 * i + snatch);
+            side->channels[1].values.push_back(1 + slope * 0.01 * i);
+        }
+    }
+    comparison.candidate.channels[0].values.resize(301);  // ends at 3 s
+    comparison.candidate.channels[1].values.resize(301);
+    const AlignedHistories aligned = aligned_histories(comparison);
+    ASSERT_EQ(aligned.channels.size(), 1u);
+    EXPECT_NEAR(aligned.opening_end, 2.0, 1e-12);  // twice the time of full open
+    EXPECT_NEAR(aligned.clock.front(), 0, 1e-12);
+    EXPECT_NEAR(aligned.clock.back(), 4, 1e-12);
+    for (std::size_t i = 0; i < aligned.clock.size(); ++i) {
+        const double t = aligned.clock[i];
+        if (i > 0) {
+            EXPECT_GT(t, aligned.clock[i - 1]);
+        }
+        EXPECT_NEAR(aligned.channels[0].value[1][i], 1 + 2 * t, 1e-9);
+        if (t <= 3)
+            EXPECT_NEAR(aligned.channels[0].value[0][i], 1 + t, 1e-9);
+        else
+            EXPECT_TRUE(std::isnan(aligned.channels[0].value[0][i])) << t;
+    }
+}
+
+TEST(CompareHtml, NoPeakIsCut) {
+    // A spike of a single row, far narrower than the coarse clock.
+    Comparison comparison = made_up_comparison();
+    comparison.reference.channels[1].values[5555] = 1e5;
+    const json data = data_of(report_html(comparison));
+    double most = 0;
+    for (const json& value : data["channels"][0]["values"][1])
+        if (value.is_number()) most = std::max(most, value.get<double>());
+    EXPECT_EQ(most, 1e5);
+}
+
+}  // namespace
+}  // namespace twinchute::compare
