@@ -354,7 +354,7 @@ ValidationCase read_case(Reader& reader) {
         reader.refuse("base", "is missing", "which scene is it?", "add base, scene, or missing = [...]");
     if (found.rows.empty() && runs)
         reader.refuse("row", "is missing", "nothing to compare with", "add [[case.row]]");
-    if (found.fit && found.rows.front().column.size() + found.table.size() > 0)
+    if (found.fit && !found.table.empty())
         reader.refuse("fit", "does not go with a table", "", "give the row its expected value");
     return found;
 }
