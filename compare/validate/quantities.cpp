@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "compare/metrics.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/math/vec.hpp"
 #include "lib/scene/keys.hpp"
-#include "lib/solve/opening.hpp"
 
 namespace twinchute::compare {
 namespace {

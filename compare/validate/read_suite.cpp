@@ -5,16 +5,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <set>
 #include <sstream>
+#include <type_traits>
 
 #include "compare/metrics.hpp"
 #include "compare/validate/suite.hpp"
+#include "compare/validate/suite_table.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
-#include "lib/scene/units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -22,142 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array evidences{Evidence::exact, Evidence::printed, Evidence::measured, Evidence::made_up};
-
-/// A table of the file whose keys are asked for by name; the rest is refused at the end.
-class Reader {
-public:
-    Reader(const toml::table& table, std::string file, std::string path)
-        : table_(table), file_(std::move(file)), path_(std::move(path)) {}
-
-    [[noreturn]] void refuse(std::string_view key, std::string problem, std::string why,
-                             std::string hint) const {
-        throw SceneError(place(key), path_of(key), std::move(problem), std::move(why), std::move(hint));
-    }
-    SourcePlace place(std::string_view key = {}) const {
-        const toml::node* node = key.empty() ? nullptr : table_.get(key);
-        const auto& begin = (node ? node->source() : table_.source()).begin;
-        return {file_, static_cast<int>(begin.line), static_cast<int>(begin.column)};
-    }
-    const std::string& file() const { return file_; }
-    std::string path_of(std::string_view key) const {
-        return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
-    }
-
-    const toml::node* find(std::string_view key) {
-        asked_.emplace(key);
-        return table_.get(key);
-    }
-    const toml::node& need(std::string_view key, std::string_view why) {
-        const toml::node* node = find(key);
-        if (!node) refuse(key, "is missing", std::string(why), fmt::format("add {} = ...", key));
-        return *node;
-    }
-    std::string text(std::string_view key) {
-        const toml::node* node = find(key);
-        if (!node) return {};
-        const auto value = node->value_exact<std::string>();
-        if (!value || value->empty()) refuse(key, "text in quotes belongs here", "", "write it in quotes");
-        return *value;
-    }
-    std::string needed_text(std::string_view key, std::string_view why) {
-        need(key, why);
-        return text(key);
-    }
-    std::vector<std::string> texts(std::string_view key) {
-        const toml::node* node = find(key);
-        if (!node) return {};
-        std::vector<std::string> found;
-        const toml::array* array = node->as_array();
-        if (!array) refuse(key, "a list of texts belongs here", "", fmt::format("write {} = [\"...\"]", key));
-        for (const toml::node& item : *array) {
-            const auto value = item.value_exact<std::string>();
-            if (!value)
-                refuse(key, "a list of texts belongs here", "", fmt::format("write {} = [\"...\"]", key));
-            found.push_back(*value);
-        }
-        return found;
-    }
-    bool flag(std::string_view key, bool fallback) {
-        const toml::node* node = find(key);
-        if (!node) return fallback;
-        const auto value = node->value_exact<bool>();
-        if (!value) refuse(key, "true or false belongs here", "", "write it without quotes");
-        return *value;
-    }
-    /// In SI; a plain number is taken as that.
-    std::optional<double> amount(std::string_view key, std::string_view unit) {
-        const toml::node* node = find(key);
-        if (!node) return {};
-        double value = 0.0;
-        if (const auto number = node->value<double>(); number && !node->is_string() && !node->is_boolean()) {
-            value = *number;
-        } else if (const auto words = node->value_exact<std::string>()) {
-            try {
-                value = to_si(*words, unit);
-            } catch (const UnitError& error) {
-                refuse(key, error.problem(), error.why(), error.suggestion());
-            }
-        } else {
-            refuse(key, "a number or a string with a unit belongs here", "", fmt::format("in {}", unit));
-        }
-        if (!std::isfinite(value)) refuse(key, "is not finite", "", "give a number");
-        return value;
-    }
-    /// "5 %" of what it belongs to, or an amount; not negative.
-    std::optional<Tolerance> tolerance(std::string_view key, std::string_view unit) {
-        const toml::node* node = find(key);
-        if (!node) return {};
-        const auto words = node->value_exact<std::string>();
-        const bool relative = words && words->ends_with('%');
-        const Tolerance found{*amount(key, relative ? "1" : unit), relative};
-        if (found.value < 0.0) refuse(key, "is negative", "", "give its size");
-        return found;
-    }
-    int count(std::string_view key, int fallback, int most) {
-        const toml::node* node = find(key);
-        if (!node) return fallback;
-        const auto value = node->value_exact<std::int64_t>();
-        if (!value || *value < 1 || *value > most)
-            refuse(key, fmt::format("a whole number from 1 to {} belongs here", most), "", "");
-        return static_cast<int>(*value);
-    }
-    /// The table under a key, or null.
-    const toml::table* table(std::string_view key) {
-        const toml::node* node = find(key);
-        if (!node) return nullptr;
-        if (!node->is_table())
-            refuse(key, "a table belongs here", "", fmt::format("write {} = {{ ... }}", key));
-        return node->as_table();
-    }
-    /// The tables of a list: [[key]] or [{...}].
-    std::vector<Reader> list(std::string_view key) {
-        const toml::node* node = find(key);
-        if (!node) return {};
-        const toml::array* array = node->as_array();
-        if (!array || array->empty())
-            refuse(key, "a list of tables belongs here", "", fmt::format("write [[{}]] or [{{ ... }}]", key));
-        std::vector<Reader> found;
-        for (const toml::node& item : *array) {
-            if (!item.is_table()) refuse(key, "a list of tables belongs here", "", "write { ... }");
-            found.emplace_back(*item.as_table(), file_, path_of(key));
-        }
-        return found;
-    }
-    void end() const {
-        for (const auto& [key, node] : table_) {
-            if (asked_.contains(std::string(key.str()))) continue;
-            const auto& begin = key.source().begin;
-            throw SceneError({file_, static_cast<int>(begin.line), static_cast<int>(begin.column)},
-                             path_of(key.str()), "unknown key", "",
-                             suggest(key.str(), {asked_.begin(), asked_.end()}));
-        }
-    }
-
-private:
-    const toml::table& table_;
-    std::string file_, path_;
-    std::set<std::string, std::less<>> asked_;
-};
 
 std::string toml_text(const toml::node& node) {
     std::ostringstream text;
@@ -177,7 +40,7 @@ std::string toml_text(const toml::node& node) {
 }
 
 /// What the scene is made from: its own text, or the file it starts from.
-std::string scene_text(Reader& reader) {
+std::string scene_text(SuiteTable& reader) {
     const std::string base = reader.text("base");
     const toml::table* inlined = reader.table("scene");
     if (inlined && !base.empty())
@@ -186,7 +49,7 @@ std::string scene_text(Reader& reader) {
     return base.empty() ? "" : "base = " + toml_text(toml::value<std::string>(base)) + "\n";
 }
 
-std::vector<std::string> overrides(Reader& reader) {
+std::vector<std::string> overrides(SuiteTable& reader) {
     std::vector<std::string> found;
     const toml::table* set = reader.table("set");
     if (!set) return found;
@@ -199,7 +62,7 @@ std::vector<std::string> overrides(Reader& reader) {
     return found;
 }
 
-const Key& number_key(const Reader& reader, std::string_view owner, std::string_view path) {
+const Key& number_key(const SuiteTable& reader, std::string_view owner, std::string_view path) {
     const Key* key = find_key(scene_keys(), path);
     if (!key || (key->kind != KeyKind::quantity && key->kind != KeyKind::quantity_or_word &&
                  key->kind != KeyKind::integer))
@@ -208,7 +71,7 @@ const Key& number_key(const Reader& reader, std::string_view owner, std::string_
     return *key;
 }
 
-ExpectedRow read_row(Reader& reader, const ValidationCase& owner) {
+ExpectedRow read_row(SuiteTable& reader, const ValidationCase& owner) {
     ExpectedRow row;
     row.place = reader.place();
     row.quantity = reader.needed_text("quantity", "what is compared");
@@ -269,15 +132,15 @@ ExpectedRow read_row(Reader& reader, const ValidationCase& owner) {
     return row;
 }
 
-std::vector<GivenColumn> read_given(Reader& reader) {
+std::vector<GivenColumn> read_given(SuiteTable& reader) {
     std::vector<GivenColumn> found;
     const toml::table* given = reader.table("given");
     if (!given) return found;
-    Reader columns(*given, reader.file(), reader.path_of("given"));
+    SuiteTable columns(*given, reader.file(), reader.path_of("given"));
     for (const auto& [name, node] : *given) {
         const std::string column(name.str());
         const toml::table* table = columns.table(column);
-        Reader one(*table, reader.file(), columns.path_of(column));
+        SuiteTable one(*table, reader.file(), columns.path_of(column));
         GivenColumn entry{column, one.needed_text("key", "which key of the scene it gives")};
         number_key(one, "key", entry.key);
         if (const auto factor = one.amount("factor", "1")) entry.factor = *factor;
@@ -288,16 +151,16 @@ std::vector<GivenColumn> read_given(Reader& reader) {
     return found;
 }
 
-void read_uncertainties(Reader& reader, ValidationCase& found) {
+void read_uncertainties(SuiteTable& reader, ValidationCase& found) {
     if (const toml::table* uncertain = reader.table("uncertain")) {
-        Reader keys(*uncertain, reader.file(), reader.path_of("uncertain"));
+        SuiteTable keys(*uncertain, reader.file(), reader.path_of("uncertain"));
         for (const auto& [name, node] : *uncertain) {
             const std::string key(name.str());
             found.uncertain.emplace_back(key, *keys.tolerance(key, number_key(keys, key, key).unit));
         }
     }
     if (const toml::table* bracket = reader.table("bracket")) {
-        Reader keys(*bracket, reader.file(), reader.path_of("bracket"));
+        SuiteTable keys(*bracket, reader.file(), reader.path_of("bracket"));
         if (bracket->size() != 1) reader.refuse("bracket", "one key belongs here", "", "give one");
         const std::string key(bracket->begin()->first.str());
         number_key(keys, key, key);
@@ -307,7 +170,7 @@ void read_uncertainties(Reader& reader, ValidationCase& found) {
         found.bracket.emplace(key, share.value);
     }
     if (const toml::table* fit = reader.table("fit")) {
-        Reader keys(*fit, reader.file(), reader.path_of("fit"));
+        SuiteTable keys(*fit, reader.file(), reader.path_of("fit"));
         const std::string key = keys.needed_text("key", "what is adjusted");
         const std::string_view unit = number_key(keys, "key", key).unit;
         keys.need("low", "where to look"), keys.need("high", "where to look");
@@ -318,7 +181,7 @@ void read_uncertainties(Reader& reader, ValidationCase& found) {
     }
 }
 
-ValidationCase read_case(Reader& reader) {
+ValidationCase read_case(SuiteTable& reader) {
     ValidationCase found;
     found.place = reader.place();
     found.name = reader.needed_text("name", "results are listed by it");
@@ -338,7 +201,7 @@ ValidationCase read_case(Reader& reader) {
     read_uncertainties(reader, found);
     const std::string source = reader.text("source"), grade = reader.text("grade"),
                       where = reader.text("where");
-    for (Reader& row : reader.list("row"))
+    for (SuiteTable& row : reader.list("row"))
         found.rows.push_back(read_row(row, found));
     reader.end();
     for (ExpectedRow& row : found.rows) {
@@ -354,40 +217,12 @@ ValidationCase read_case(Reader& reader) {
         reader.refuse("base", "is missing", "which scene is it?", "add base, scene, or missing = [...]");
     if (found.rows.empty() && runs)
         reader.refuse("row", "is missing", "nothing to compare with", "add [[case.row]]");
-    if (found.fit && found.rows.front().column.size() + found.table.size() > 0)
+    if (found.fit && !found.table.empty())
         reader.refuse("fit", "does not go with a table", "", "give the row its expected value");
     return found;
 }
 
 }  // namespace
-
-std::string_view evidence_name(Evidence evidence) {
-    switch (evidence) {
-        case Evidence::exact:
-            return "exact";
-        case Evidence::printed:
-            return "printed";
-        case Evidence::measured:
-            return "measured";
-        case Evidence::made_up:
-            return "made-up";
-    }
-    return "unknown";
-}
-
-std::string_view agreement_word(Evidence evidence) {
-    switch (evidence) {
-        case Evidence::exact:
-            return "verified";
-        case Evidence::printed:
-            return "reproduced";
-        case Evidence::measured:
-            return "validated";
-        case Evidence::made_up:
-            return "met";
-    }
-    return "unknown";
-}
 
 ValidationSuite read_suite_text(std::string_view text, const fs::path& file) {
     toml::table root;
@@ -400,7 +235,7 @@ ValidationSuite read_suite_text(std::string_view text, const fs::path& file) {
     }
     ValidationSuite suite;
     suite.file = file;
-    Reader reader(root, file.string(), "");
+    SuiteTable reader(root, file.string(), "");
     if (reader.count("schema", 0, 1) != 1) reader.need("schema", "version of this format");
     suite.name = reader.needed_text("name", "suites are chosen by it");
     if (file_stem_of(suite.name) != suite.name)
@@ -419,7 +254,7 @@ ValidationSuite read_suite_text(std::string_view text, const fs::path& file) {
     }
     suite.evidence = *found;
     reader.need("case", "a suite has cases");
-    for (Reader& one : reader.list("case"))
+    for (SuiteTable& one : reader.list("case"))
         suite.cases.push_back(read_case(one));
     reader.end();
     return suite;
@@ -427,19 +262,6 @@ ValidationSuite read_suite_text(std::string_view text, const fs::path& file) {
 
 ValidationSuite read_suite(const fs::path& file) {
     return read_suite_text(read_text_file(file), file);
-}
-
-std::vector<std::string> suite_names() {
-    std::vector<std::string> names = data_names("validation");
-    std::erase_if(names, [](const std::string& name) { return name.find('/') != std::string::npos; });
-    return names;
-}
-
-fs::path suite_file(const std::string& name) {
-    if (const auto file = find_data_file("validation", name, {})) return *file;
-    const std::vector<std::string> names = suite_names();
-    throw SceneError({}, "--suite", fmt::format("there is no suite '{}'", name), "",
-                     suggest(name, {names.begin(), names.end()}));
 }
 
 }  // namespace twinchute::compare

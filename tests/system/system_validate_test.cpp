@@ -93,6 +93,30 @@ TEST_F(SystemValidate, ATestOfOnesOwnIsASuite) {
     EXPECT_EQ(ended.out.find("validated"), std::string::npos) << ended.out;
 }
 
+TEST_F(SystemValidate, TheAnswerIsTheSameOnAnyNumberOfThreads) {
+    // Six full runs of a coarse mesh, at once and one after the other: the same bits.
+    here_.write("s.toml", R"(schema = 1
+name = "seeds"
+title = "Seeds"
+evidence = "made-up"
+[[case]]
+name = "coarse"
+base = "c9-inflation.toml"
+set = { "full.mesh.gore_rows" = 5, "full.mesh.line_elements" = 4, "full.noise.amplitude" = 1e-3, "stop.time" = 0.3 }
+fidelities = ["full"]
+seeds = 6
+source = "none"
+row = [{ quantity = "largest_force", expected = 1, tolerance = 1 }]
+)");
+    const auto text = [&](const char* threads) {
+        EXPECT_EQ(run({"s.toml", "--threads", threads, "--quiet"}).code, 1);
+        return content_of(here_ / "validate.out/validate.csv");
+    };
+    const std::string one = text("1");
+    EXPECT_NE(one.find("largest force"), std::string::npos);
+    EXPECT_EQ(one, text("4"));
+}
+
 TEST_F(SystemValidate, ABadSuiteWritesNothing) {
     write_suite("bad.toml", "\"2 m\"");
     const Ended unit = run({"bad.toml"});
