@@ -44,7 +44,7 @@ Curve combined(const Curve& a, const Curve* b, double from, double to) {
     add_times(times, a, from, to);
     if (b) add_times(times, *b, from, to);
     std::ranges::sort(times);
-    times.erase(std::ranges::unique(times).begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
     Curve result;
     for (std::size_t k = 0; k + 1 < times.size(); ++k) {
         // Of a jump the value after it begins a piece and the value before it ends one.

@@ -22,10 +22,10 @@ namespace {
 constexpr int steps_between_checks = 50;
 constexpr int steps_between_reports = 500;
 constexpr double shape_average = 2.0;  // [s]: the shape settles later than the speed
-constexpr double filled_share =
-    0.98;  // of the steady projected area: a filled canopy, see docs/theory/filling-time.md
-constexpr double nearly_filled =
-    0.95;  // where that has to follow soon, or it hangs on how the last of it settles
+// Of the steady projected area: a filled canopy (docs/theory/filling-time.md), and what has to come soon
+// before it, or the filling time hangs on how the last of the area settles.
+constexpr double filled_share = 0.98;
+constexpr double nearly_filled = 0.95;
 constexpr double sound_area = 0.9;   // signed over positive area below which gores lie inside out
 constexpr double early_peak = 0.25;  // drag area over the steady one below which a peak is the snatch's
 constexpr double ringing = 1.02;     // raw over filtered peak force; a sound opening has 1.00 to 1.01

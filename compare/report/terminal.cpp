@@ -91,7 +91,7 @@ std::string histories_text(const Comparison& comparison, const Style& style) {
     }
     if (table.rows.empty()) return {};
     return painted(aligned(table, style), verdicts, style) +
-           fmt::format("L2 norm of the difference since snatch, over that of {}\n\n",
+           fmt::format("L2 norm of the difference over that of {}; both clocks begin at snatch\n\n",
                        comparison.reference.fidelity);
 }
 

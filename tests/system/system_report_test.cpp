@@ -198,7 +198,7 @@ TEST_F(SystemReport, BadRecordsAreExitTwoAndChangeNothing) {
     breaking("is not a tolerance", both("-1 %"));
     EXPECT_EQ(run({"report", "nowhere"}).code, 2);
     EXPECT_EQ(run({"report"}).code, 2);
-    EXPECT_EQ(run({"report", "good", "--out", "x"}).code, 2);
+    EXPECT_EQ(run({"report", "good", "--check"}).code, 2);
     EXPECT_EQ(run({"report", "good", "--quiet"}).code, 1);
 }
 

@@ -35,6 +35,36 @@ TEST(Loads, TheImpulseIsTheMomentumThatThePayloadGivesUp) {
                   "of the opening force, from snatch until the drag area is full");
 }
 
+/// First time at which the projected area is at `share` of its mean over the last 2 s, from the history's
+/// rows.
+double filled_at(const RunRecord& record, double share) {
+    const std::vector<double>&time = record.find_channel("time")->values,
+          &area = record.find_channel("projected_area")->values;
+    double sum = 0, span = 0;
+    for (std::size_t i = time.size() - 1; time[i - 1] >= time.back() - 2.0 - 1e-9; --i) {
+        sum += 0.5 * (time[i] - time[i - 1]) * (area[i] + area[i - 1]);
+        span += time[i] - time[i - 1];
+    }
+    const double level = share * sum / span;
+    std::size_t i = 0;
+    while (area[i] < level)
+        ++i;
+    return time[i - 1] + (time[i] - time[i - 1]) * (level - area[i - 1]) / (area[i] - area[i - 1]);
+}
+
+TEST(Loads, ACanopyIsFullAt98PercentOfItsSteadyArea) {
+    Scene scene = opening();
+    scene.stop.value = 4.0;
+    for (const bool added_mass : {true, false}) {
+        if (!added_mass) scene.aerodynamics.added_mass.reset();
+        const RunRecord record = test::run_full(scene);
+        EXPECT_NEAR(*record.metric("filling_time_s"), filled_at(record, 0.98), 1e-12) << added_mass;
+        EXPECT_EQ(record.find_event("canopy-filled")->time, *record.metric("filling_time_s"));
+        // docs/theory/filling-time.md: near the prescribed 1.625 s, with and without overshoot.
+        EXPECT_NEAR(*record.metric("filling_time_s"), 1.625, 0.1 * 1.625) << added_mass;
+    }
+}
+
 TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
     Scene scene = opening();
     scene.stop.value = 0.3;  // any loads will do

@@ -1,0 +1,45 @@
+// A directory with a scene whose runs take a moment, and the program in it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute::test {
+
+class ShortScene : public testing::Test {
+protected:
+    ShortScene() { here_.write("scene.toml", scene("")); }
+
+    /// A quarter of a second on a coarse mesh; `more` stands at the top.
+    static std::string scene(const std::string& more) {
+        return "base = \"c9-inflation.toml\"\n" + more +
+               "full.mesh = { gore_columns = 1, gore_rows = 4, line_elements = 4 }\nstop.time = 0.25\n"
+               "compare.tolerance.peak_force = \"1000 %\"\ncompare.tolerance.descent_rate = \"1 m/s\"\n"
+               "compare.tolerance.filling_time = \"1 s\"\n";
+    }
+    Ended run(std::vector<std::string> words) {
+        words.insert(words.begin(), TWINCHUTE_PROGRAM);
+        return Process(words, here_.path()).wait();
+    }
+    std::string text(const std::string& file) const { return content_of(here_ / file); }
+    nlohmann::json json(const std::string& file) const { return nlohmann::json::parse(text(file)); }
+
+    /// Every file below a directory, by name.
+    std::map<std::string, std::string> files(const std::string& directory) const {
+        std::map<std::string, std::string> contents;
+        for (const std::string& name : tree_of(here_ / directory)) {
+            const auto file = here_ / (directory + "/" + name);
+            if (std::filesystem::is_regular_file(file)) contents[name] = content_of(file);
+        }
+        return contents;
+    }
+
+    ScratchDir here_;
+};
+
+}  // namespace twinchute::test

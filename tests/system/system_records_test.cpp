@@ -1,0 +1,269 @@
+// Many records in one table; names that mean something to a format; the files that describe and publish
+// results.
+#include <chrono>
+#include <regex>
+#include <sstream>
+
+#include "tests/support/python.hpp"
+#include "tests/support/short_scene.hpp"
+
+namespace twinchute {
+namespace {
+
+using test::Ended;
+
+class SystemRecords : public test::ShortScene {
+protected:
+    static std::size_t lines(const std::string& text) {
+        return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+    }
+};
+
+TEST_F(SystemRecords, ManyAreARowEach) {
+    run({"compare", "scene.toml", "--quiet", "--out", "a"});
+    run({"compare", "scene.toml", "--quiet", "--out", "b", "--set", "payload.mass=160 kg"});
+    run({"rom", "scene.toml", "--quiet", "--out", "one"});
+    const auto before = files(".");
+    const Ended table = run({"report", "a", "b", "one", "--out", "table"});
+    EXPECT_EQ(table.err, "");
+    EXPECT_EQ(table.code, 1);  // of the comparisons
+    const auto all = json("table/records.json");
+    ASSERT_EQ(all["records"].size(), 5u);
+    EXPECT_EQ(all["records"][0]["record"], "a");
+    EXPECT_EQ(all["records"][0]["fidelity"], "rom");
+    EXPECT_EQ(all["records"][1]["fidelity"], "full");
+    EXPECT_EQ(all["records"][4]["record"], "one");
+    EXPECT_EQ(all["records"][3]["metrics"], json("b/full/summary.json")["metrics"]);
+
+    const std::string csv = text("table/records.csv");
+    EXPECT_EQ(lines(csv), 7u);  // names, units, rows
+    EXPECT_TRUE(csv.starts_with("record,scene,fidelity,status,")) << csv;
+    const std::string names = csv.substr(0, csv.find('\n'));
+    const auto commas =
+        [](std::string line) {  // that divide fields: the name of the scene has one of its own
+            line = std::regex_replace(line, std::regex("\"[^\"]*\""), "");
+            return std::count(line.begin(), line.end(), ',');
+        };
+    std::istringstream rows(csv);
+    for (std::string row; std::getline(rows, row);)
+        EXPECT_EQ(commas(row), commas(names)) << row;
+    EXPECT_NE(names.find(",peak_force,"), std::string::npos);
+
+    const std::string report = text("table/report.md");
+    EXPECT_NE(report.find("peak force \\[N\\]"), std::string::npos) << report;
+    EXPECT_NE(table.out.find("peak force [N]"), std::string::npos) << table.out;
+    EXPECT_EQ(table.out.find('\x1b'), std::string::npos);  // no colour where nobody sees it
+    EXPECT_NE(table.out.find("verdict   a: "), std::string::npos);
+    for (const auto& [name, content] : before)
+        EXPECT_EQ(text(name), content) << name;  // with --out nothing else is written
+
+    const Ended again = run({"report", "a", "b", "one", "--quiet", "--out", "table"});  // over its own
+    EXPECT_EQ(again.code, 1) << again.err;
+    EXPECT_EQ(run({"report", "a", "b", "one", "--out", "table", "--json"}).code, 1);
+    here_.write("foreign/file", "");
+    EXPECT_EQ(run({"report", "a", "--out", "foreign"}).code, 2);
+}
+
+TEST_F(SystemRecords, AHundredTakeNoLongerThanPromised) {
+    run({"compare", "scene.toml", "--quiet", "--out", "r/0"});
+    for (int i = 1; i < 100; ++i)
+        std::filesystem::copy(here_ / "r/0", here_ / ("r/" + std::to_string(i)),
+                              std::filesystem::copy_options::recursive);
+    // A hundred reports in 20 s is the promise. Small records: a gate against what grows with their number
+    // squared.
+    const auto start = std::chrono::steady_clock::now();
+    const Ended all = run({"report", "r"});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    EXPECT_EQ(all.err, "");
+    EXPECT_EQ(lines(all.out), 1 + 200 + 1 + 100u) << all.out.substr(0, 2000);
+}
+
+TEST_F(SystemRecords, HostileNamesOfScenesAreEscapedInEveryFile) {
+    const std::string name =
+        "</script><script>alert(1)</script>\\\"'&]]>|`a`[x](y)*_#<!--\\u001b[31m\\u202e\xF0\x9F\xAA\x82";
+    here_.write("a&b<c>'|`.toml", scene("name = \"" + name + "\"\n"));
+    const Ended ended = run({"compare", "a&b<c>'|`.toml", "--out", "out"});
+    EXPECT_EQ(ended.err, "");
+    EXPECT_EQ(ended.out.find('\x1b'), std::string::npos);
+    run({"compare", "a&b<c>'|`.toml", "--quiet", "--out", "out", "--baseline", "out"});
+    run({"report", "out", "--quiet", "--out", "table"});
+    for (const char* file : {"out/report.md", "out/trend.md", "out/junit.xml", "out/force.svg",
+                             "out/speed.svg", "table/report.md"}) {
+        const std::string content = text(file);
+        EXPECT_EQ(content.find("<script"), std::string::npos) << file;
+        EXPECT_EQ(content.find("<!--\x1b"), std::string::npos) << file;
+        const bool is_markdown = std::string(file).ends_with(".md");
+        EXPECT_EQ(is_markdown && content.find("[x](y)") != std::string::npos, false) << file;
+        EXPECT_EQ(content.find('\x1b'), std::string::npos) << file;
+        EXPECT_NE(content.find("alert(1)"), std::string::npos) << file;  // escaped and not lost
+    }
+    // As it was given, in the formats that carry any text.
+    EXPECT_EQ(json("out/gap.json")["scene"]["name"], json("table/records.json")["records"][0]["scene"]);
+    EXPECT_TRUE(json("out/gap.json")["scene"]["name"].get<std::string>().starts_with("</script><script>"));
+    EXPECT_EQ(json("out/gap.json")["scene"]["file"], "a&b<c>'|`.toml");
+}
+
+TEST_F(SystemRecords, NamesThatLookLikePathsLeadNowhere) {
+    const auto before = tree_of(here_.path());
+    for (const char* name : {"../../escape", "/tmp/twinchute-escape", "a/../../b", "..", "~"}) {
+        here_.write("scene.toml", scene(std::string("name = \"") + name + "\"\n"));
+        EXPECT_EQ(run({"compare", "scene.toml", "--quiet"}).err, "") << name;
+        std::set<std::string> outside;
+        for (const std::string& file : tree_of(here_.path()))
+            if (!file.starts_with("scene.out") && !before.contains(file)) outside.insert(file);
+        EXPECT_EQ(outside, std::set<std::string>{}) << name;
+        EXPECT_EQ(json("scene.out/gap.json")["scene"]["name"], name);
+    }
+    EXPECT_FALSE(std::filesystem::exists("/tmp/twinchute-escape"));
+    for (const char* name : {"../x", "a/b", "..", "", "/tmp/twinchute-escape", ".hidden"}) {
+        here_.write("series.toml",
+                    "base = \"scene.toml\"\n[[case]]\nname = \"" + std::string(name) + "\"\nset = {}\n");
+        EXPECT_EQ(run({"compare", "series.toml", "--out", "s"}).code, 2) << name;
+        EXPECT_FALSE(std::filesystem::exists(here_ / "s")) << name;
+    }
+}
+
+TEST_F(SystemRecords, NamesThatAreNoTextAreRefusedAndLongOnesAreKept) {
+    for (const std::string bytes : {"\xff", "\xc0\xaf", "\xed\xa0\x80",
+                                    "a\x01"
+                                    "b"}) {
+        here_.write("bad.toml", scene("name = \"x" + bytes + "\"\n"));
+        const Ended ended = run({"compare", "bad.toml", "--out", "bad"});
+        EXPECT_EQ(ended.code, 2) << ended.out;
+        EXPECT_NE(ended.err.find("bad.toml:2:"), std::string::npos) << ended.err;
+        EXPECT_FALSE(std::filesystem::exists(here_ / "bad"));
+    }
+    const std::string longest(100'000, 'n');
+    here_.write("long.toml", scene("name = \"" + longest + "\"\n"));
+    run({"compare", "long.toml", "--quiet", "--out", "long"});
+    EXPECT_EQ(json("long/gap.json")["scene"]["name"], longest);
+    EXPECT_EQ(run({"report", "long", "--quiet"}).err, "");
+}
+
+TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
+    run({"compare", "scene.toml", "--quiet", "--out", "good"});
+    const auto refused = [&](const std::string& file, const std::string& content) {
+        std::filesystem::remove_all(here_ / "bad");
+        std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
+        here_.write("bad/" + file, content);
+        const Ended ended = run({"report", "bad"});
+        EXPECT_EQ(ended.code, 2) << file;
+        EXPECT_NE(ended.err.find("bad/" + file), std::string::npos) << ended.err;
+        return ended.err;
+    };
+    for (const std::string file :
+         {"rom/history.csv", "full/history.csv", "rom/events.csv", "full/events.csv"}) {
+        const std::string whole = text("good/" + file);
+        const std::string last_line = whole.substr(whole.rfind('\n', whole.size() - 2) + 1);
+        // Still a table, one row shorter: only the sum tells.
+        EXPECT_NE(refused(file, whole.substr(0, whole.size() - last_line.size()))
+                      .find("it was edited or cut short"),
+                  std::string::npos);
+        EXPECT_NE(refused(file, whole + last_line).find(file), std::string::npos);
+    }
+    const std::string summary = text("good/rom/summary.json");
+    refused("rom/summary.json", summary.substr(0, summary.size() / 2));
+    // A record of an earlier version vouches for nothing and is read.
+    auto old = nlohmann::ordered_json::parse(summary);
+    old.erase("files");
+    std::filesystem::remove_all(here_ / "bad");
+    std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
+    here_.write("bad/rom/summary.json", old.dump());
+    EXPECT_EQ(run({"report", "bad", "--quiet"}).err, "");
+}
+
+TEST_F(SystemRecords, AreWhatTheSchemasSay) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=5%"});
+    run({"compare", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml", "--quiet", "--out", "whole",
+         "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4"});
+    here_.write("trend.json", run({"compare", "scene.toml", "--json", "--out", "out", "--set",
+                                   "payload.mass=160 kg", "--baseline", "out"})
+                                  .out);
+    run({"compare", "scene.toml", "--quiet", "--out", "broken", "--set", "full.strain_limit=1e-6"});
+    here_.write("printed.json", run({"full", "scene.toml", "--json", "--out", "f"}).out);
+    const auto check = [&](const char* schema, std::vector<std::string> names) {
+        names.insert(names.begin(), std::string(TWINCHUTE_SOURCE_DIR "/docs/schema/") + schema);
+        return test::run_script("tests/support/check_schema.py", names, here_.path());
+    };
+    const Ended gaps =
+        check("gap.schema.json", {"out/gap.json", "whole/gap.json", "broken/gap.json", "trend.json"});
+    if (test::lacks_python(gaps)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+    EXPECT_EQ(gaps.code, 0) << gaps.out << gaps.err;
+    const Ended summaries = check("summary.schema.json",
+                                  {"out/rom/summary.json", "out/full/summary.json", "whole/rom/summary.json",
+                                   "whole/full/summary.json", "broken/full/summary.json", "printed.json"});
+    EXPECT_EQ(summaries.code, 0) << summaries.out << summaries.err;
+    // The check itself finds what is wrong.
+    auto gap = json("out/gap.json");
+    gap["metrics"]["peak_force_N"]["verdict"] = "splendid";
+    here_.write("wrong.json", gap.dump());
+    EXPECT_EQ(check("gap.schema.json", {"wrong.json"}).code, 1);
+    auto summary = json("out/rom/summary.json");
+    summary["unheard_of"] = 1;
+    here_.write("wrong.json", summary.dump());
+    EXPECT_EQ(check("summary.schema.json", {"wrong.json"}).code, 1);
+}
+
+class SystemCi : public test::ShortScene {
+protected:
+    const std::string ci_ = TWINCHUTE_SOURCE_DIR "/docs/guide/ci/";
+    Ended gate(std::vector<std::string> words) {
+        words.insert(words.begin(),
+                     {"/usr/bin/env", "TWINCHUTE=" TWINCHUTE_PROGRAM, "bash", ci_ + "compare-scenes"});
+        return test::Process(words, here_.path()).wait();
+    }
+};
+
+TEST_F(SystemCi, ShippedFilesAreWhatTheirServicesAskFor) {
+    for (const std::string kind : {"github", "gitlab"}) {
+        const auto check = [&](const std::string& file) {
+            return test::run_script("tests/support/check_ci.py", {kind, file}, here_.path());
+        };
+        const std::string good = content_of(ci_ + kind + ".yml");
+        const Ended ended = check(ci_ + kind + ".yml");
+        if (test::lacks_python(ended)) GTEST_SKIP() << "no Python with yaml (Debian: python3-yaml)";
+        EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+        // The check itself finds what is wrong.
+        const auto broken = [&](const std::string& from, const std::string& to) {
+            std::string text = good;
+            const auto at = text.find(from);
+            ASSERT_NE(at, std::string::npos) << kind << ": " << from;
+            here_.write("broken.yml", text.replace(at, from.size(), to));
+            EXPECT_EQ(check("broken.yml").code, 1) << kind << ": " << from << " -> " << to;
+        };
+        broken("compare-scenes \"$SCENES\"", "compare-scenes \"$SCENES");
+        broken("results \"$BASELINES\"", "results \"$BASELINES\" || true");
+        broken(kind == "github" ? "if: always()" : "when: always", "  : [");
+        broken(kind == "github" ? "actions/upload-artifact@v4" : "results/*/junit.xml",
+               kind == "github" ? "actions/upload-artifact" : "results/*/gap.json");
+    }
+}
+
+TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
+    const std::string top = scene("").substr(0, scene("").find("compare."));
+    here_.write("scenes/good.toml", top + "compare.tolerance.peak_force = \"1000 %\"\n");
+    const Ended green = gate({"scenes", "results", "baselines"});  // no such baselines yet
+    EXPECT_EQ(green.code, 0) << green.out << green.err;
+    EXPECT_NE(text("results/summary.md").find("**within tolerance: 1 of 1 judged metrics**"),
+              std::string::npos);
+    EXPECT_EQ(text("results/summary.md").find("!["), std::string::npos);  // pictures would be broken there
+    EXPECT_TRUE(std::filesystem::exists(here_ / "results/good/junit.xml"));
+
+    std::filesystem::rename(here_ / "results", here_ / "baselines");
+    here_.write("scenes/tight.toml", top + "compare.tolerance.peak_force = \"0 %\"\n");
+    const Ended red = gate({"scenes", "results", "baselines"});
+    EXPECT_EQ(red.code, 1) << red.out << red.err;
+    const std::string summary = text("results/summary.md");
+    EXPECT_NE(summary.find("tolerance not met"), std::string::npos) << summary;
+    EXPECT_NE(summary.find("against a baseline"), std::string::npos) << summary;  // of the one that has one
+
+    here_.write("scenes/broken.toml", "schema = 1\n");
+    EXPECT_EQ(gate({"scenes", "results"}).code, 2);
+    EXPECT_NE(text("results/summary.md").find("No report, exit code 2"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(here_ / "results/tight/junit.xml"));  // the others run all the same
+    EXPECT_EQ(gate({"nowhere", "results"}).code, 2);  // a gate without scenes would pass for ever
+    EXPECT_EQ(gate({}).code, 2);
+}
+
+}  // namespace
+}  // namespace twinchute

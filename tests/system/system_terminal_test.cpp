@@ -1,0 +1,84 @@
+// Colour on a terminal, and only there.
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <regex>
+#include <sstream>
+#include <thread>
+
+#include "lib/cli/text.hpp"
+#include "tests/support/short_scene.hpp"
+
+namespace twinchute {
+namespace {
+
+class SystemTerminal : public test::ShortScene {
+protected:
+    /// What the program writes to a terminal. The other end is read meanwhile: a terminal holds some kB.
+    std::string on_terminal(const std::vector<std::string>& environment,
+                            const std::vector<std::string>& words) {
+        const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+        if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) return "no terminal";
+        const std::string device = ::ptsname(master);
+        const int held =
+            ::open(device.c_str(), O_RDWR | O_NOCTTY);  // so that the end of the program is no hang-up
+        std::vector<std::string> all{"/usr/bin/env", "-u", "NO_COLOR", "TERM=xterm"};
+        all.insert(all.end(), environment.begin(), environment.end());
+        all.push_back(TWINCHUTE_PROGRAM);
+        all.insert(all.end(), words.begin(), words.end());
+        std::string text;
+        std::thread reader([&] {
+            char buffer[4096];
+            while (text.find("<end>") == std::string::npos) {
+                const ssize_t count = ::read(master, buffer, sizeof buffer);
+                if (count <= 0) break;
+                text.append(buffer, static_cast<std::size_t>(count));
+            }
+        });
+        test::Process(all, here_.path(), device).wait();
+        EXPECT_EQ(::write(held, "<end>", 5), 5);
+        reader.join();
+        ::close(held);
+        ::close(master);
+        text.resize(text.find("<end>"));
+        return std::regex_replace(text, std::regex("\r\n"), "\n");
+    }
+    static bool has_colour(const std::string& text) { return text.find('\x1b') != std::string::npos; }
+};
+
+TEST_F(SystemTerminal, ColourOnlyOnATerminalThatWantsIt) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=1%"});
+    const std::vector<std::string> report{"report", "out"};
+    const std::string piped = run(report).out, painted = on_terminal({}, report);
+    EXPECT_FALSE(has_colour(piped));
+    ASSERT_TRUE(has_colour(painted));
+    // Colour takes no columns: without its codes it is the same text.
+    EXPECT_EQ(std::regex_replace(painted, std::regex("\x1b\\[[0-9;]*m"), ""), piped);
+    EXPECT_NE(painted.find("\x1b[32mwithin"), std::string::npos) << painted;
+    EXPECT_NE(painted.find("\x1b[31mmissing"), std::string::npos) << painted;
+    for (const char* environment : {"NO_COLOR=1", "TERM=dumb"})
+        EXPECT_EQ(on_terminal({environment}, report), piped) << environment;
+    EXPECT_TRUE(has_colour(on_terminal({"NO_COLOR="}, report)));  // no-color.org: when not empty
+}
+
+TEST_F(SystemTerminal, ColumnsAreAligned) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out"});
+    std::istringstream text(run({"report", "out"}).out);
+    std::string line;
+    while (std::getline(text, line) && !line.starts_with("metric")) {
+    }
+    // The difference column is aligned right: its last character stands under that of its head, in every row.
+    const std::size_t end = line.find("difference") + std::string("difference").size();
+    int rows = 0;
+    while (std::getline(text, line) && !line.empty()) {
+        ASSERT_GT(columns_of(line), end) << line;
+        EXPECT_NE(line[end - 1], ' ') << line;
+        EXPECT_EQ(line[end], ' ') << line;
+        ++rows;
+    }
+    EXPECT_GT(rows, 10);
+}
+
+}  // namespace
+}  // namespace twinchute

@@ -1,0 +1,185 @@
+// `twinchute compare --baseline`: this run against an earlier one.
+#include "tests/support/short_scene.hpp"
+
+namespace twinchute {
+namespace {
+
+using test::Ended;
+
+class SystemTrend : public test::ShortScene {
+protected:
+    SystemTrend() { run({"compare", "scene.toml", "--quiet", "--out", "old"}); }
+
+    /// The exit code of the comparison alone: a quarter of a second has no descent rate, whose tolerance is
+    /// then missing.
+    static constexpr int comparison_code = 1;
+    nlohmann::json trend(const std::vector<std::string>& more) {
+        std::vector<std::string> words{"compare", "scene.toml", "--quiet", "--out",
+                                       "new",     "--baseline", "old"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Ended ended = run(words);
+        EXPECT_EQ(ended.err, "");
+        return json("new/trend.json");
+    }
+    static const nlohmann::json* find(const nlohmann::json& trend, const std::string& fidelity,
+                                      const std::string& key) {
+        for (const auto& change : trend["changes"])
+            if (change["fidelity"] == fidelity && change["metric"] == key) return &change;
+        return nullptr;
+    }
+};
+
+TEST_F(SystemTrend, TheSameSceneAndProgramHaveNotMoved) {
+    const auto same = trend({});
+    EXPECT_EQ(same["verdict"], "within") << same.dump(1);
+    EXPECT_EQ(same["changes"].size(), 0u) << same["changes"].dump(1);
+    EXPECT_EQ(same["judged"], 2);  // the peak force of both
+    EXPECT_GT(same["compared"], 20);
+    for (const char* what : {"inputs", "model", "machine"})
+        EXPECT_EQ(same[what].size(), 0u) << same.dump(1);
+}
+
+TEST_F(SystemTrend, AChangedInputIsNamedAndItsEffectJudged) {
+    // Peak force in a quarter of a second is q (C_D S)_i at release: 4 % more of the ratio are about 4 % more
+    // force.
+    const auto moved = trend({"--set", "parachute.initial_drag_area_ratio=0.0416"});
+    ASSERT_EQ(moved["inputs"].size(), 1u) << moved["inputs"].dump(1);
+    EXPECT_EQ(moved["inputs"][0]["what"], "parachute.initial_drag_area_ratio");
+    EXPECT_EQ(moved["inputs"][0]["baseline"], "0.04");
+    EXPECT_EQ(moved["inputs"][0]["now"], "0.0416");
+    EXPECT_EQ(moved["verdict"], "exceeded");
+    for (const char* fidelity : {"rom", "full"}) {
+        const nlohmann::json* peak = find(moved, fidelity, "peak_force_N");
+        ASSERT_NE(peak, nullptr) << fidelity;
+        const std::string before = std::string("old/") + fidelity + "/summary.json",
+                          now = std::string("new/") + fidelity + "/summary.json";
+        const double was = json(before)["metrics"]["peak_force_N"], is = json(now)["metrics"]["peak_force_N"];
+        EXPECT_EQ((*peak)["difference"], is - was);
+        EXPECT_EQ((*peak)["relative"], (is - was) / was);
+        EXPECT_GT((is - was) / was, 0.01) << fidelity;
+        EXPECT_EQ((*peak)["verdict"], "exceeded");
+        EXPECT_EQ((*peak)["tolerance"]["value"], 1e-3);
+    }
+    double before = std::numeric_limits<double>::infinity();  // most changed first
+    for (const auto& change : moved["changes"]) {
+        const double size = change.contains("relative") ? std::abs(change["relative"].get<double>()) : before;
+        EXPECT_LE(size, before);
+        before = size;
+    }
+    const std::string report = text("new/trend.md");
+    EXPECT_NE(report.find("- input: parachute.initial\\_drag\\_area\\_ratio: 0.04 -&gt; 0.0416"),
+              std::string::npos)
+        << report;
+    EXPECT_NE(report.find("**moved too far from the baseline: "), std::string::npos) << report;
+}
+
+TEST_F(SystemTrend, ATrendAloneMakesTheGateRed) {
+    here_.write("gate.toml", scene("").substr(0, scene("").find("compare.")) +
+                                 "compare.tolerance.peak_force = \"1000 %\"\n");
+    EXPECT_EQ(run({"compare", "gate.toml", "--quiet", "--out", "a"}).code, 0);
+    const std::vector<std::string> heavier{"compare", "gate.toml",           "--out",      "b",
+                                           "--set",   "payload.mass=150 kg", "--baseline", "a"};
+    const auto with = [&](const std::string& tolerance) {
+        std::vector<std::string> words = heavier;
+        words.push_back("--baseline-tolerance");
+        words.push_back(tolerance);
+        return run(words);
+    };
+    const Ended red = run(heavier);
+    EXPECT_EQ(red.code, 1) << red.out;
+    EXPECT_NE(red.out.find("within tolerance: 1 of 1"), std::string::npos) << red.out;  // of the gap
+    EXPECT_NE(red.out.find("input     payload.mass: 152.4 kg -> 150 kg\n"), std::string::npos) << red.out;
+    EXPECT_NE(red.out.find("trend     moved too far from the baseline: "), std::string::npos) << red.out;
+    const Ended green = with("peak_force=5%");
+    EXPECT_EQ(green.code, 0) << green.out;
+    EXPECT_NE(green.out.find("trend     no judged metric moved beyond its tolerance (2 judged"),
+              std::string::npos)
+        << green.out;
+    EXPECT_EQ(with("mass_ratio=1%").code, 1);  // judged because it is asked for
+    EXPECT_EQ(run({"compare", "gate.toml", "--json", "--out", "b", "--baseline", "a"}).code, 0);
+}
+
+TEST_F(SystemTrend, OfAnotherProgramOnAnotherMachineSaysSo) {
+    for (const char* side : {"rom", "full"}) {
+        const std::string file = std::string("old/") + side + "/summary.json";
+        auto summary = nlohmann::ordered_json::parse(text(file));
+        summary["provenance"]["commit"] = "0123456789ab";
+        summary["provenance"]["host_cpu"] = "another | processor";
+        summary["metrics"].erase("load_factor");
+        summary["metrics"]["gone_m"] = 1.0;
+        summary["standing"]["gone_m"] = {{"input_or_result", "result"}};
+        here_.write(file, summary.dump());
+    }
+    const auto other = trend({});
+    EXPECT_EQ(other["model"][0]["what"], "commit");
+    EXPECT_EQ(other["model"][0]["baseline"], "0123456789ab");
+    EXPECT_EQ(other["machine"][0]["what"], "processor");
+    EXPECT_EQ(other["verdict"], "within");  // neither metric that came and went is judged
+    ASSERT_NE(find(other, "full", "gone_m"), nullptr);
+    EXPECT_FALSE(find(other, "full", "gone_m")->contains("now"));
+    ASSERT_NE(find(other, "rom", "load_factor"), nullptr);
+    EXPECT_NE(text("new/trend.md").find("another \\| processor"), std::string::npos);
+    // A judged metric that was there and is gone is as bad as one that moved.
+    const Ended gone = run({"compare", "scene.toml", "--json", "--out", "new", "--baseline", "old",
+                            "--tolerance", "load_factor=500%", "--baseline-tolerance", "load_factor=1%"});
+    EXPECT_EQ(nlohmann::json::parse(gone.out)["trend"]["verdict"], "within") << gone.out;  // it came: no past
+    for (const char* side : {"rom", "full"}) {
+        const std::string file = std::string("old/") + side + "/summary.json";
+        auto summary = nlohmann::ordered_json::parse(text(file));
+        summary["metrics"]["descent_rate_m_s"] = 7.0;
+        summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
+        here_.write(file, summary.dump());
+    }
+    EXPECT_EQ(trend({})["verdict"], "exceeded");
+}
+
+TEST_F(SystemTrend, WhatCannotBeHeldAgainstIsRefusedBeforeAnythingRuns) {
+    const auto refused = [&](std::vector<std::string> more, const std::string& why) {
+        std::vector<std::string> words{"compare", "scene.toml", "--out", "fresh"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Ended ended = run(words);
+        EXPECT_EQ(ended.code, 2) << why;
+        EXPECT_NE(ended.err.find(why), std::string::npos) << ended.err;
+        EXPECT_EQ(ended.out, "");
+        EXPECT_FALSE(std::filesystem::exists(here_ / "fresh")) << why;
+    };
+    refused({"--baseline", "nowhere"}, "nowhere/rom: no such directory");
+    refused({"--baseline-tolerance", "peak_force=1%"}, "--baseline-tolerance without --baseline");
+    refused({"--baseline", "old", "--baseline-tolerance", "peak_force"},
+            "'--baseline-tolerance peak_force' is not");
+    refused({"--baseline", "old", "--baseline-tolerance", "peak=1%"}, "peak");
+    here_.write("old/full/history.csv", text("old/full/history.csv") + "\n");
+    refused({"--baseline", "old"}, "old/full/history.csv");
+}
+
+TEST_F(SystemTrend, OfAnEarlierRunGoesWithIt) {
+    trend({});
+    EXPECT_TRUE(std::filesystem::exists(here_ / "new/trend.md"));
+    const auto gap = text("new/gap.json");
+    EXPECT_EQ(gap.find("trend"), std::string::npos);  // a report is made of records alone
+    EXPECT_EQ(run({"report", "new", "--quiet"}).code, comparison_code);
+    EXPECT_EQ(text("new/gap.json"), gap);
+    EXPECT_TRUE(std::filesystem::exists(here_ / "new/trend.md"));  // its records are the same
+    run({"compare", "scene.toml", "--quiet", "--out", "new"});
+    for (const char* file : {"new/trend.md", "new/trend.json"})
+        EXPECT_FALSE(std::filesystem::exists(here_ / file)) << file;
+    // A baseline may be what is replaced.
+    EXPECT_EQ(run({"compare", "scene.toml", "--quiet", "--out", "old", "--baseline", "old"}).code,
+              comparison_code);
+    EXPECT_EQ(json("old/trend.json")["changes"].size(), 0u);
+}
+
+TEST_F(SystemTrend, OfASeriesIsThatOfEachCase) {
+    here_.write("series.toml",
+                "base = \"scene.toml\"\n[[case]]\nname = \"a\"\nset = {}\n[[case]]\nname = \"b\"\n"
+                "set = { \"payload.mass\" = \"160 kg\" }\n");
+    run({"compare", "series.toml", "--quiet", "--out", "s"});
+    run({"compare", "series.toml", "--quiet", "--out", "t", "--baseline", "s"});
+    for (const char* file : {"t/a/trend.json", "t/b/trend.json"})
+        EXPECT_EQ(json(file)["changes"].size(), 0u) << file;
+    std::filesystem::remove_all(here_ / "s/b");
+    EXPECT_EQ(run({"compare", "series.toml", "--out", "t", "--baseline", "s"}).code, 2);
+}
+
+}  // namespace
+}  // namespace twinchute

@@ -1,0 +1,117 @@
+// A comparison against an earlier one. Expected values are the arithmetic of the definition: now minus
+// before, over |before|.
+#include "compare/trend.hpp"
+
+#include <gtest/gtest.h>
+
+#include "compare/report/trend_text.hpp"
+#include "tests/support/compare_records.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+/// The full model's peak force was 5000 N.
+Trend with_peak(double now, const std::map<std::string, Tolerance>& asked = {}) {
+    Comparison today = made_up_comparison();
+    today.reference.add_metric("peak_force_N", now);
+    return measure_trend(made_up_comparison(), today, asked);
+}
+
+TEST(CompareTrend, NothingMovedIsWithin) {
+    const Trend trend = with_peak(5000);
+    EXPECT_TRUE(trend.changes.empty());
+    EXPECT_EQ(trend.compared, 10u);  // five metrics of each
+    EXPECT_EQ(trend.judged, 6u);     // three of each have a tolerance
+    EXPECT_EQ(overall_verdict(trend), Verdict::within);
+}
+
+TEST(CompareTrend, MovedIsWhatMovedByMoreThanAMillionth) {
+    EXPECT_TRUE(with_peak(5000 * (1 + 0.9e-6)).changes.empty());
+    const Trend trend = with_peak(5000 * (1 + 1.1e-6));
+    ASSERT_EQ(trend.changes.size(), 1u);
+    EXPECT_EQ(trend.changes[0].key, "peak_force_N");
+    EXPECT_EQ(trend.changes[0].fidelity, "full");
+    EXPECT_NEAR(*trend.changes[0].relative, 1.1e-6, 1e-12);  // of a double of 5000
+    EXPECT_EQ(trend.changes[0].verdict, Verdict::within);
+}
+
+TEST(CompareTrend, AJudgedMetricMayMoveByAThousandthUnlessSomebodySaysOtherwise) {
+    EXPECT_EQ(overall_verdict(with_peak(5005)), Verdict::within);  // exactly at it
+    EXPECT_EQ(overall_verdict(with_peak(4994.9)), Verdict::exceeded);
+    EXPECT_EQ(overall_verdict(with_peak(4900, {{"peak_force", {0.02, true}}})), Verdict::within);
+    EXPECT_EQ(overall_verdict(with_peak(4899, {{"peak_force", {100, false}}})), Verdict::exceeded);
+    EXPECT_EQ(overall_verdict(with_peak(5001, {{"peak_force", {0, true}}})), Verdict::exceeded);
+    EXPECT_NE(verdict_line(with_peak(6000))
+                  .find("moved too far from the baseline: full peak_force (6 judged, 1 of 10"),
+              std::string::npos);
+}
+
+TEST(CompareTrend, MostChangedComesFirstAndWhatCameOrWentBeforeAll) {
+    Comparison before = made_up_comparison(), now = made_up_comparison();
+    now.candidate.add_metric("peak_force_N", 4800 * 1.01);
+    now.reference.add_metric("descent_rate_m_s", 7.7 * 0.5);
+    now.reference.add_metric("load_factor", 3);
+    before.candidate.add_metric("impulse_N_s", 3000);
+    before.reference.add_metric("landing_east_m", 0);  // of zero there is no share
+    now.reference.add_metric("landing_east_m", 0.5);
+    const Trend trend = measure_trend(before, now, {{"landing_east", {1, false}}});
+    std::vector<std::string> order;
+    for (const MetricChange& change : trend.changes)
+        order.push_back(change.key);
+    EXPECT_EQ(order, (std::vector<std::string>{"impulse_N_s", "load_factor", "landing_east_m",
+                                               "descent_rate_m_s", "peak_force_N"}));
+    EXPECT_EQ(trend.changes[0].now, std::nullopt);
+    EXPECT_EQ(trend.changes[1].before, std::nullopt);
+    EXPECT_EQ(trend.changes[2].relative, std::nullopt);
+    EXPECT_EQ(trend.changes[2].verdict, Verdict::within);
+}
+
+TEST(CompareTrend, AJudgedMetricThatIsGoneIsMissingAndANewOneHasNoPast) {
+    Comparison before = made_up_comparison();
+    before.candidate.add_metric("snatch_force_N", 800);
+    const Trend gone = measure_trend(before, made_up_comparison(), {{"snatch_force", {0.1, true}}});
+    EXPECT_EQ(gone.changes[0].verdict, Verdict::missing);
+    EXPECT_EQ(overall_verdict(gone), Verdict::exceeded);
+    EXPECT_NE(verdict_line(gone).find("rom snatch_force (gone)"), std::string::npos);
+    const Trend came = measure_trend(made_up_comparison(), before, {{"snatch_force", {0.1, true}}});
+    EXPECT_EQ(overall_verdict(came), Verdict::within);
+}
+
+TEST(CompareTrend, ARunThatBrokeOffIsNotJudged) {
+    Comparison broken = made_up_comparison();
+    broken.reference.status = {StatusCode::energy_grew, "at 1 s"};
+    broken.reference.add_metric("peak_force_N", 9000);
+    const Trend trend = measure_trend(broken, made_up_comparison(), {});
+    EXPECT_EQ(trend.judged, 3u);  // those of the other fidelity
+    EXPECT_EQ(overall_verdict(trend), Verdict::within);
+    EXPECT_EQ(trend.note, "full of the baseline ended as energy_grew");
+    EXPECT_NE(verdict_line(trend).find(trend.note), std::string::npos);
+}
+
+TEST(CompareTrend, NamesInputsProgramAndMachineThatDiffer) {
+    Comparison now = made_up_comparison();
+    now.reference.inputs[0].value = 160.0;
+    now.reference.inputs.push_back(
+        {"compare.tolerance.peak_force", std::string("5 %"), "", InputOrigin::given, ""});
+    now.reference.inputs.erase(now.reference.inputs.begin() + 2);
+    now.reference.provenance.compiler = "GNU 13";
+    now.reference.provenance.host_cpu = "B <CPU>";
+    const Trend trend = measure_trend(made_up_comparison(), now, {});
+    ASSERT_EQ(trend.inputs.size(), 2u);  // a tolerance is no input of a run
+    EXPECT_EQ(trend.inputs[0].what, "payload.mass");
+    EXPECT_EQ(trend.inputs[0].before, "152.4 kg");
+    EXPECT_EQ(trend.inputs[0].now, "160 kg");
+    EXPECT_EQ(trend.inputs[1].now, "");
+    ASSERT_EQ(trend.model.size(), 1u);
+    EXPECT_EQ(trend.model[0].now, "GNU 13");
+    ASSERT_EQ(trend.machine.size(), 1u);
+    const std::string text = trend_markdown(trend, "a|b", "<name>");
+    EXPECT_NE(text.find("B &lt;CPU&gt;"), std::string::npos) << text;
+    EXPECT_NE(text.find("- baseline: a\\|b\n"), std::string::npos) << text;
+    EXPECT_TRUE(text.starts_with("# &lt;name&gt;, against a baseline\n\n**")) << text;
+    EXPECT_NE(trend_terminal(trend, "old", {}).find("input     parachute.drag_area_law: ludtke -> absent\n"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace twinchute::compare
