@@ -57,14 +57,15 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 7);
-        rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, 1);
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes);
+        rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
         clear_forces(state);
         nodes_->load(state);
-        for (double* array : {nodes_->frame.x, nodes_->frame.v})
-            kernels_.show_neighbours(nodes_->frame, gores_.neighbour, array);
         step_ = {};
+        inertia_with_ = -1.0;
         line_damping_ = 0.0;
+        lines_row_ = nullptr;
+        has_ = {};
         structure_.clear();
         loads_.clear();
         tapes_.clear();
@@ -172,13 +173,13 @@ public:
         if (weights_.renew(state)) weigh_rows(state);
         const GoreFrame& sums = rows_->frame;
         for (LocalNode n = 0; n < sums.nodes; ++n)
-            set_rows(n, slow_rows_[n]);
+            set_rows(n, slow_rows_[n < sums.own ? n : n - sums.own + gores_.own]);
         fabric_.weight = state.fe_weight;
         for_parts([&](const GoreFrame& part) {
             if (has_.membrane) kernels_.membrane_rows(part, fabric_, triangle_rows_, sums);
             if (has_.springs || has_.folds) kernels_.spring_rows(part, edges(), spring_columns_, sums);
         });
-        kernels_.give_back(sums, gores_.neighbour, sums.x);
+        kernels_.give_back(sums, gores_.neighbour);
         const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
                                 (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
         find_inverse_inertia(state);
@@ -203,13 +204,14 @@ public:
     void advance(State& state, double dt, int substeps, double next_added_mass) override {
         const GoreFrame& frame = nodes_->frame;
         const bool together = substeps == 1;
-        nodes_->send_guests(frame.force, state.force);
-        nodes_->send_guests(frame.aero, state.aero);
         if (together)
             state.damping_power += line_damping_;
         else
-            trunk_nodes_.take_others(state);
-        nodes_->send_guests(frame.pull, state.force);
+            trunk_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
+        nodes_->send_guests(frame.force, state.force);
+        nodes_->send_guests(frame.aero, state.aero);
+        for (double* array : seen_)
+            nodes_->carry_over(array);
         NodeMover mover(state, constants_, dt);
         find_inverse_inertia(state);
         step_.nodes = node_;
@@ -223,11 +225,10 @@ public:
         step_.together = together;
         step_.first_kick = substep(state, dt, substeps, 0).kick;
         step_.gravity = constants_.gravity;
-        for_parts([&](const GoreFrame& part) {
-            for (double* array : seen_)
-                kernels_.give_back(part, gores_.neighbour, array);
-            step_sums_[part.first] = kernels_.advance(part, step_);
-        });
+        step_.image = nodes_->image();
+        step_.image_push = has_.pressure;
+        step_.image_aero = has_.cloth_drag;
+        for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.advance(part, step_); });
 
         StepSums sums;
         for (const GoreSums& g : step_sums_) {
@@ -239,23 +240,18 @@ public:
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;
         }
-        for (std::size_t k = 0; k < gores_.trunk.size(); ++k) {
-            const NodeIndex i = gores_.trunk[k];
-            if (together)
-                mover.move_other(i, constants_.mass[i], sums);
-            else
+        if (together)
+            mover.move_others(gores_.trunk, constants_, sums);
+        else
+            for (std::size_t k = 0; k < gores_.trunk.size(); ++k) {
+                const NodeIndex i = gores_.trunk[k];
                 mover.kick_alone(i, trunk_nodes_.others(k), constants_.mass[i], constants_.mass[i],
                                  step_.first_kick, sums);
-        }
+            }
         mover.move_static_line(constants_, sums);
         if (!together) take_substeps(state, mover, dt, substeps, sums);
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
-        for_parts([&](const GoreFrame& part) {
-            for (double* array : {frame.x, frame.v})
-                kernels_.show_neighbours(part, gores_.neighbour, array);
-            for (double* array : seen_)
-                kernels_.clear_images(part, gores_.neighbour, array);
-        });
+        nodes_->show_first_gores();
         nodes_->receive_guests(state);
     }
 
@@ -273,7 +269,7 @@ private:
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
-        bool breathing = false, accretion = false, mass_damping = false;
+        bool breathing = false, accretion = false, mass_damping = false, line_drag = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -320,6 +316,8 @@ private:
     }
 
     void find_inverse_inertia(const State& state) {
+        if (state.added_mass == inertia_with_) return;
+        inertia_with_ = state.added_mass;
         for (std::size_t n = 0; n < node_.size(); ++n)
             inverse_inertia_[n] = 1.0 / (node_[n].mass + node_[n].share * state.added_mass);
     }
@@ -334,22 +332,24 @@ private:
 
     /// Skirt, lines, links, risers and payload, which have had the impulse of everything else.
     void take_substeps(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
-        std::vector<FabricSums>& of_lines = sums_[lines_row_ - rows.data()];
         for (int k = 0; k < count; ++k) {
             const bool last = k + 1 == count;
-            const GoreSubstep move{node_, inverse_inertia_, gores_.inner, substep(state, dt, count, k),
+            const GoreSubstep move{node_,
+                                   inverse_inertia_,
+                                   lines_,
+                                   k == 0,
+                                   nodes_->image()[gores_.inner],
+                                   substep(state, dt, count, k),
                                    last ? 0.5 * dt : 0.0};
-            for_parts([&](const GoreFrame& part) {
-                if (k > 0) of_lines[part.first] = stretch_lines(part);
-                step_sums_[part.first] = kernels_.substep(part, move);
-            });
+            for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.substep(part, move); });
             if (k > 0) {
-                FabricSums all;
-                for (const FabricSums& of_part : of_lines)
-                    all += of_part;
-                state.largest.add_tension(all.largest_load);
-                stretch_risers(state, all.dissipated);
-                nodes_->send_guests(nodes_->frame.pull, state.force);
+                double dissipated = 0.0;
+                for (const GoreSums& of_part : step_sums_) {
+                    dissipated += of_part.dissipated;
+                    state.largest.add_tension(of_part.largest_tension);
+                }
+                stretch_risers(state, dissipated);
+                nodes_->send_guests(nodes_->frame.force, state.force);
             }
             sums.line_damping += move.step.kick * line_damping_;
             for (const NodeIndex i : gores_.trunk)
@@ -572,25 +572,31 @@ private:
     ElementLevels tape_levels(const State&) const {
         return kernels_.cable_levels(nodes_->frame, tapes_);
     }
-    /// The air needs them, too.
-    void prepare_line_drag(const ForceModel&) {
+    void collect_lines() {
         lines_.clear();
         for (const GoreCable& c : gores_.cables)
             if (!is_tape(c.kind)) lines_.push_back(cable(c));
     }
-    void prepare_lines(const ForceModel& block) {
-        prepare_line_drag(block);
+    /// The air needs them, too.
+    void prepare_line_drag(const ForceModel&) {
+        has_.line_drag = true;
+        collect_lines();
+    }
+    void prepare_lines(const ForceModel&) {
+        collect_lines();
         trunk_.push_back(
             make_cables(mesh_, gores_.trunk_cables, "risers", scene_.full.bulk_viscosity, scene_.full.beta));
         risers_ = trunk_.back().get();
         lines_row_ = &*std::ranges::find(rows, "lines", &Row::block);
         trunk_nodes_ = SubstepNodes(gores_.trunk);
     }
-    /// Forces of lines on `pull`.
+    /// Lines take their drag along: both need the same nodes.
     FabricSums stretch_lines(const GoreFrame& part) const {
-        GoreFrame pulled = part;
-        pulled.force = pulled.pull;
-        return kernels_.cables(pulled, lines_);
+        const bool drags = has_.line_drag && density_ > 0.0;  // no Reynolds number without air
+        return (drags ? kernels_.lines_with_drag : kernels_.lines)(part, lines_, line_air());
+    }
+    LineAir line_air() const {
+        return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, density_, viscosity_, wind_};
     }
     /// Of risers on the state's forces.
     void finish_lines(State& state, const FabricSums& all) {
@@ -627,10 +633,7 @@ private:
         return with(kernels_.cable_levels(nodes_->frame, cords_), *static_line_, state);
     }
     FabricSums drag_lines(const GoreFrame& part) const {
-        if (density_ > 0.0)  // no Reynolds number without air
-            kernels_.line_drag(part, lines_, drag_coefficient_, mesh_.cord(CableKind::line).diameter,
-                               density_, viscosity_, wind_);
-        return {};
+        return lines_row_ || !(density_ > 0.0) ? FabricSums{} : kernels_.line_drag(part, lines_, line_air());
     }
     void finished(State&, const FabricSums&) {}
 
@@ -707,6 +710,7 @@ private:
     CylinderDragTable drag_coefficient_;
     std::vector<GoreNode> node_;
     std::vector<double> inverse_inertia_, node_damping_;
+    double inertia_with_ = -1.0;                   // [kg] of added mass
     std::vector<NodeRows> slow_rows_, line_rows_;  // of each local node: tapes and cords, lines
     double line_step_ = 0.0,
            static_line_step_ = 0.0;  // [s] bounds of line, link and riser nodes; of its nodes

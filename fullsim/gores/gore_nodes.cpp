@@ -4,28 +4,60 @@
 
 namespace twinchute::fullsim {
 
-GoreNodes::GoreNodes(const Gores& gores, int lanes, int arrays) : gores_(gores) {
-    frame.arrays = arrays;
+GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
+    const bool everything = what == What::everything;
+    frame.components = everything ? 18 : 2;
     frame.lanes = lanes;
     frame.blocks = frame.last = (gores.count + lanes - 1) / lanes;
-    frame.nodes = gores.local_nodes();
-    frame.own = gores.own;
+    frame.own = everything ? gores.own : gores.canopy;
+    frame.nodes = gores.local_nodes() - gores.own + frame.own;
+    if (!everything) frame.nodes -= static_cast<int>(gores.guest.size());
     frame.canopy = gores.canopy;
     frame.gores = gores.count;
-    // A row more at either end: neighbours are read a lane beside their place.
     const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
-    const std::size_t all = nodes + frame.blocks * row + 2 * row;
+    const std::size_t all = nodes + 4 * frame.blocks * row;
     memory_.assign(all / Line{}.size() + 1, Line{});
     double* const begin = memory_.front().data();
-    double* next = begin + row;
+    double* next = begin;
     // What a triangle reads and writes comes first.
-    double** const all_arrays[] = {&frame.x,      &frame.v,    &frame.force, &frame.push,
-                                   &frame.v_half, &frame.aero, &frame.pull};
-    for (int k = 0; k < arrays; ++k, next += 3 * row)
+    double** const all_arrays[] = {&frame.x, &frame.v, &frame.force, &frame.push, &frame.v_half, &frame.aero};
+    for (int k = 0; 3 * k < frame.components; ++k, next += 3 * row)
         *all_arrays[k] = next;
-    next = begin + row + nodes;
+    next = begin + nodes;
     std::fill_n(next, gores.count, 1.0);
     frame.live = next;
+    frame.pull = next + frame.blocks * row;
+    for (int gore = 0; gore < frame.blocks * lanes; ++gore)
+        first_.push_back(frame.at(gore / lanes, 0) + static_cast<std::size_t>(gore % lanes));
+    image_.assign(gores.canopy, -1);
+    for (std::size_t k = 0; k < gores.neighbour.size(); ++k)
+        image_[gores.neighbour[k]] = gores.own + static_cast<std::int32_t>(k);
+}
+
+void GoreNodes::carry_over(double* array) const {
+    for (int gore = 0; gore < gores_.count; gore += frame.lanes)
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+            for (int c = 0; c < 3; ++c)
+                at(array, gores_.neighbour[k], gore, c) +=
+                    at(array, gores_.own + static_cast<LocalNode>(k), before(gore), c);
+}
+
+void GoreNodes::show_first_gores() const {
+    for (int gore = 0; gore < gores_.count; gore += frame.lanes)
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+            show(static_cast<LocalNode>(k), before(gore), gore);
+}
+
+void GoreNodes::show_all() const {
+    for (int gore = 0; gore < gores_.count; ++gore)
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+            show(static_cast<LocalNode>(k), before(gore), gore);
+}
+
+void GoreNodes::show(LocalNode k, int to, int gore) const {
+    for (double* array : {frame.x, frame.v})
+        for (int c = 0; c < 3; ++c)
+            at(array, gores_.own + k, to, c) = at(array, gores_.neighbour[k], gore, c);
 }
 
 void GoreNodes::load(const State& state) const {
@@ -41,11 +73,13 @@ void GoreNodes::load(const State& state) const {
             }
         }
     receive_guests(state);
+    show_all();
 }
 
 void GoreNodes::store(State& state) const {
-    for (int gore = 0; gore < gores_.count; ++gore)
-        for (LocalNode n = 0; n < gores_.own; ++n) {
+    // Gore by gore within a node: its numbers lie side by side.
+    for (LocalNode n = 0; n < gores_.own; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
             const NodeIndex i = gores_.node[gore * gores_.own + n];
             for (int c = 0; c < 3; ++c) {
                 state.node[i].x[c] = at(frame.x, n, gore, c);

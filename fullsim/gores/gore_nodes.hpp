@@ -14,21 +14,34 @@ namespace twinchute::fullsim {
 /// Arrays of a frame and the traffic between them and the state's node records.
 class GoreNodes {
 public:
-    /// The first so many of the frame's arrays, x first; the others stay null. `gores` has to live as long.
-    GoreNodes(const Gores& gores, int lanes, int arrays);
+    enum class What { everything, row_sums };
+    /// All arrays of all nodes; or x alone, its first two components, of the canopy and its images. `gores`
+    /// has to live as long.
+    GoreNodes(const Gores& gores, int lanes, What what = What::everything);
 
     GoreFrame frame;
-    std::size_t bytes() const { return bytes_of(memory_); }
+    std::size_t bytes() const { return bytes_of(memory_) + bytes_of(first_) + bytes_of(image_); }
 
     /// A component of a node of a gore.
     double& at(double* array, LocalNode node, int gore, int component) const {
-        return array[frame.at(gore / frame.lanes, node) + static_cast<std::size_t>(component) * frame.lanes +
-                     gore % frame.lanes];
+        return array[first_[gore] + static_cast<std::size_t>(node) * frame.stride() +
+                     static_cast<std::size_t>(component) * frame.lanes];
     }
 
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;
+
+    // The next gore's seam as gores see it. Within a block the kernels see to it; between the last gore of
+    // one and the first of the next it is done here.
+    /// What the last gores have added to their images goes to the first ones' own nodes.
+    void carry_over(double* array) const;
+    /// Where the first gores' own nodes are now.
+    void show_first_gores() const;
+    /// All of them.
+    void show_all() const;
+    /// The image of each canopy node, or -1.
+    const std::vector<std::int32_t>& image() const { return image_; }
 
     /// Positions and velocities of nodes that gores share, which belong to the state.
     void receive_guests(const State& state) const;
@@ -36,12 +49,16 @@ public:
     void send_guests(double* array, std::vector<NodeVector>& forces) const;
 
 private:
+    int before(int gore) const { return gore > 0 ? gore - 1 : gores_.count - 1; }
+    void show(LocalNode k, int to, int gore) const;
     LocalNode first_guest() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
 
     struct alignas(64) Line : std::array<double, 8> {};  // of a cache
 
     const Gores& gores_;
     std::vector<Line> memory_;
+    std::vector<std::size_t> first_;  // where the first node of a gore is, by gore, and of lanes without one
+    std::vector<std::int32_t> image_;
 };
 
 }  // namespace twinchute::fullsim

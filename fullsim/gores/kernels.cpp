@@ -26,14 +26,16 @@ HWY_INLINE std::array<double, 3> sum3s(Vec3s a) {
 
 /// One block's nodes.
 struct Block {
-    double *x, *v, *v_half, *force, *aero, *push, *pull;
+    double *x, *v, *v_half, *force, *aero, *push;
+    double* pull;
     Vec live;
     std::size_t stride;
 
     HWY_INLINE Block(const GoreFrame& f, int block) {
         const std::size_t at = f.at(block, 0);
         x = f.x + at, v = f.v + at, v_half = f.v_half + at;
-        force = f.force + at, aero = f.aero + at, push = f.push + at, pull = f.pull + at;
+        force = f.force + at, aero = f.aero + at, push = f.push + at;
+        pull = f.pull + static_cast<std::size_t>(block) * 3 * f.lanes;
         live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
         stride = f.stride();
     }
@@ -132,9 +134,10 @@ ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) 
     return levels.of_all_lanes();
 }
 
-/// Adds stiffness and damping to a node's row sums.
-HWY_INLINE void add_rows(const GoreFrame& rows, int block, std::int32_t node, Vec stiffness, Vec damping) {
-    double* at = rows.x + rows.at(block, node);
+/// Adds stiffness and damping to the row sums of a node of the frame's.
+HWY_INLINE void add_rows(const GoreFrame& frame, const GoreFrame& rows, int block, std::int32_t node,
+                         Vec stiffness, Vec damping) {
+    double* at = rows.x + rows.at(block, node < rows.own ? node : node - frame.own + rows.own);
     store(load(at) + stiffness, at);
     store(load(at + rows.lanes) + damping, at + rows.lanes);
 }
@@ -151,7 +154,7 @@ void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<c
             const Vec stiffening = weight * (1.0 + 3.0 * stretch),
                       lengthening = weight * (1.0 + 2.0 * stretch);
             for (int k = 0; k < 3; ++k)
-                add_rows(rows, b, m.node[k], stiffening * all(unstrained[e].stiffness[k]),
+                add_rows(frame, rows, b, m.node[k], stiffening * all(unstrained[e].stiffness[k]),
                          lengthening * all(unstrained[e].damping[k]));
         }
     }
@@ -173,7 +176,7 @@ void spring_rows(const GoreFrame& frame, const SpringPass& pass,
             }
             if (pass.folds) damping += all(s.fold_force / pass.full_speed);
             for (int end = 0; end < 2; ++end)
-                add_rows(rows, b, s.node[end], all(columns[e][end]) * stiffness,
+                add_rows(frame, rows, b, s.node[end], all(columns[e][end]) * stiffness,
                          all(columns[e][end]) * damping);
         }
     }
@@ -353,21 +356,57 @@ double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, d
     return 0.5 * sum(twice);
 }
 
-void line_drag(const GoreFrame& frame, std::span<const CableElement> lines,
-               const CylinderDragTable& coefficient, double diameter, double density, double viscosity,
-               const std::array<double, 3>& wind) {
-    const CylinderDrag drag(coefficient, diameter, density, viscosity);
-    const Vec3s air = splat3(wind);
+/// What is known of a line's node while elements are gone through one after the other: an element finds one
+/// of its nodes in registers, and each node is written once.
+struct LineNode {
+    Vec3s x, v;
+    Vec3s pull, aero;  // by elements so far
+};
+
+HWY_INLINE LineNode line_node(const Block& block, std::int32_t node) {
+    const Vec3s none{all(0.0), all(0.0), all(0.0)};
+    return {block.position(node), block.velocity(node), none, none};
+}
+
+template <bool pulls, bool drags>
+FabricSums line_pass(const GoreFrame& frame, LineElements lines, const LineAir& air) {
+    const CylinderDrag drag(*air.coefficient, air.diameter, air.density, air.viscosity);
+    const Vec3s wind = splat3(air.wind);
     const Vec half = all(0.5);
+    Vec dissipated = all(0.0), largest = dissipated;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        for (const auto& [n, inverse_length, stiffness, dashpot] : lines) {
-            const Vec3s end = drag.on_end(block.position(n[1]) - block.position(n[0]),
-                                          air - half * (block.velocity(n[0]) + block.velocity(n[1])));
-            add3(end, block.aero + n[0] * block.stride);
-            add3(end, block.aero + n[1] * block.stride);
+        Vec block_dissipated = all(0.0), block_largest = block_dissipated;
+        double* pull_at = block.pull;  // the skirt's, then those of the line's own nodes
+        LineNode here = line_node(block, lines.front().node[0]);
+        for (const CableElement& c : lines) {
+            LineNode next = line_node(block, c.node[1]);
+            const Vec3s d = next.x - here.x;
+            if constexpr (pulls) {
+                const CablePull pull =
+                    cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot), d, next.v - here.v);
+                block_dissipated += pull.dissipated;
+                block_largest = larger(pull.spring, block_largest);
+                here.pull += pull.force;
+                next.pull = next.pull - pull.force;
+            }
+            if constexpr (drags) {
+                const Vec3s end = drag.on_end(d, wind - half * (here.v + next.v));
+                here.aero += end;
+                next.aero = end;
+            }
+            store3(here.pull, pull_at);
+            store3(here.aero, block.aero + c.node[0] * block.stride);
+            pull_at = block.force + c.node[1] * block.stride;
+            here = next;
         }
+        store3(here.pull, pull_at);
+        store3(here.aero, block.aero + lines.back().node[1] * block.stride);
+        dissipated += block.live * block_dissipated;
+        largest = larger(of_gores(block, block_largest), largest);
     }
+    const double lost = sum(dissipated);
+    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
 /// The last lane of a block that has a gore, and the block in which the next gore is.
@@ -376,45 +415,20 @@ HWY_INLINE int last_lane(const GoreFrame& frame, int block) {
     return (left < frame.lanes ? left : frame.lanes) - 1;
 }
 
-void show_neighbours(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
-    for (int b = frame.first; b < frame.last; ++b) {
-        const int last = last_lane(frame, b), next = b + 1 < frame.blocks ? b + 1 : 0;
+void give_back(const GoreFrame& rows, std::span<const std::int32_t> neighbour) {
+    for (int b = rows.first; b < rows.last; ++b) {
+        const int before = b > 0 ? b - 1 : rows.blocks - 1, last_before = last_lane(rows, before);
         for (std::size_t k = 0; k < neighbour.size(); ++k) {
-            const double* own = array + frame.at(b, neighbour[k]);
-            const double* own_of_next = array + frame.at(next, neighbour[k]);
-            double* image = array + frame.at(b, frame.own + static_cast<int>(k));
-            for (int c = 0; c < 3; ++c) {
-                const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * frame.lanes;
-                store(load_anywhere(own + at + 1), image + at);
-                image[at + last] = own_of_next[at];
+            double* own = rows.x + rows.at(b, neighbour[k]);
+            const int image_node = rows.own + static_cast<int>(k);
+            const double* image = rows.x + rows.at(b, image_node);
+            const double* image_before = rows.x + rows.at(before, image_node);
+            for (int c = 0; c < 2; ++c, own += rows.lanes, image += rows.lanes, image_before += rows.lanes) {
+                store(load(own) + one_up(load(image)), own);
+                own[0] += image_before[last_before];
             }
         }
     }
-}
-
-void give_back(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
-    for (int b = frame.first; b < frame.last; ++b) {
-        const int before = b > 0 ? b - 1 : frame.blocks - 1, last_before = last_lane(frame, before);
-        for (std::size_t k = 0; k < neighbour.size(); ++k) {
-            double* own = array + frame.at(b, neighbour[k]);
-            const int image_node = frame.own + static_cast<int>(k);
-            const double* image = array + frame.at(b, image_node);
-            const double* image_before = array + frame.at(before, image_node);
-            for (int c = 0; c < 3; ++c) {
-                const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * frame.lanes;
-                const double first = own[at] + image_before[at + last_before];
-                store(load(own + at) + load_anywhere(image + at - 1), own + at);
-                own[at] = first;
-            }
-        }
-    }
-}
-
-void clear_images(const GoreFrame& frame, std::span<const std::int32_t> neighbour, double* array) {
-    const Vec zero = all(0.0);
-    for (int b = frame.first; b < frame.last; ++b)
-        for (std::size_t k = 0; k < neighbour.size(); ++k)
-            store3({zero, zero, zero}, array + frame.at(b, frame.own + static_cast<int>(k)));
 }
 
 /// Sums of a step over nodes of a kind, lane by lane.
@@ -423,8 +437,22 @@ struct LaneSums {
     Vec drag_power, momentum, share_square, dissipated, accretion_power, external_power;
 };
 
-/// What pulled nodes do in a step: move with it, or take its impulse alone.
+/// What nodes on lines do in a step: move with it, or take its impulse alone.
 enum class Pulled { none, together, apart };
+
+/// What the gore before has added to the image of a node; leaves nothing there.
+HWY_INLINE Vec3s taken_from_image(double* image) {
+    const Vec3s added = one_up(load3(image));
+    store3({all(0.0), all(0.0), all(0.0)}, image);
+    return added;
+}
+
+/// A node as the gore before sees it.
+HWY_INLINE void show(const Block& block, std::int32_t image, Vec3s x, Vec3s v) {
+    const std::size_t there = image * block.stride;
+    store3(one_down(x), block.x + there);
+    store3(one_down(v), block.v + there);
+}
 
 /// Nodes from first to last of a block. Templates, so that what a stage has not costs nothing in the loop.
 template <bool canopy, bool with_aero, Pulled pulled>
@@ -439,15 +467,21 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         const GoreNode& node = step.nodes[n];
         const std::size_t at = n * block.stride;
         const Vec mass = all(node.mass) * live, share = all(node.share) * live;
+        constexpr bool on_line = !canopy;  // what acts there is set, not added to
         Vec3s aero = none, force = load3(block.force + at);
-        store3(none, block.force + at);
-        if constexpr (with_aero) {
-            aero = load3(block.aero + at);
-            store3(none, block.aero + at);
-        }
+        if constexpr (with_aero) aero = load3(block.aero + at);
         if constexpr (canopy) {
-            aero += pressure * load3(block.push + at) + share * flag;
+            store3(none, block.force + at);
+            if constexpr (with_aero) store3(none, block.aero + at);
+            Vec3s push = load3(block.push + at);
             store3(none, block.push + at);
+            if (const std::int32_t image = step.image[n]; image >= 0) {
+                const std::size_t there = image * block.stride;
+                force += taken_from_image(block.force + there);
+                if (step.image_push) push += taken_from_image(block.push + there);
+                if (with_aero && step.image_aero) aero += taken_from_image(block.aero + there);
+            }
+            aero += pressure * push + share * flag;
             if (step.breathing > 0.0) {
                 const Vec3s relative = load3(block.v + at) - splat3(step.breathing_mean);
                 const Vec3s resistance = (share * all(step.breathing)) * relative;
@@ -456,9 +490,9 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
             }
             if (step.accretion > 0.0) {
                 const Vec3s v = load3(block.v + at);
-                const Vec3s push = (share * all(step.accretion)) * (splat3(step.wind) - v);
-                force += push;
-                sums.accretion_power += dot(push, v);
+                const Vec3s joining = (share * all(step.accretion)) * (splat3(step.wind) - v);
+                force += joining;
+                sums.accretion_power += dot(joining, v);
             }
             if (node.extraction > 0.0) {
                 const Vec3s pull = (live * all(node.extraction)) * splat3(step.extraction);
@@ -466,10 +500,10 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
                 sums.external_power += dot(pull, load3(block.v + at));
             }
         }
-        if constexpr (pulled == Pulled::together) {
-            force += load3(block.pull + at);
-            store3(none, block.pull + at);
-        }
+        Vec3s pull = none;
+        if constexpr (pulled != Pulled::none) pull = on_line ? force : load3(block.pull);
+        if constexpr (pulled == Pulled::together && !on_line) force += pull;
+        if constexpr (pulled == Pulled::apart && on_line) force = none;
         if (step.alpha > 0.0) {
             const Vec3s relative = load3(block.v + at) - splat3(step.mean);
             const Vec3s resistance = (all(step.alpha) * mass) * relative;
@@ -483,7 +517,7 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         const Vec3s after = before + kick * acceleration;
         Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
         if constexpr (pulled == Pulled::apart)
-            middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * load3(block.pull + at);
+            middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * pull;
         sums.momentum += mass * middle.z;
         store3(after, block.v_half + at);
         if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
@@ -496,6 +530,8 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         const Vec3s now = after + half_dt * acceleration;
         store3(x, block.x + at);
         store3(now, block.v + at);
+        if constexpr (canopy)
+            if (const std::int32_t image = step.image[n]; image >= 0) show(block, image, x, now);
         sums.position += mass * x;
         sums.velocity += mass * now;
         if constexpr (canopy) sums.area_velocity += share * now;
@@ -534,31 +570,65 @@ GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
     return sums;
 }
 
+/// A node under its line alone. `x`: where it is.
 template <bool canopy, bool last_of_step>
-HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, int first, int last,
-                            LaneSums& sums) {
-    const Vec zero = all(0.0);
+HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, std::int32_t n, Vec3s x,
+                            Vec3s pull, LaneSums& sums) {
     const Vec kick = all(substep.step.kick) * block.live, dt = all(substep.step.dt) * block.live;
-    const Vec half_dt = 0.5 * dt, half_step = all(substep.half_step) * block.live;
-    for (int n = first; n < last; ++n) {
-        const std::size_t at = n * block.stride;
-        const Vec3s acceleration = all(substep.inverse_inertia[n]) * load3(block.pull + at);
-        const Vec3s after = load3(block.v_half + at) + kick * acceleration;
-        const Vec3s x = load3(block.x + at) + dt * after;
-        Vec3s now = after + half_dt * acceleration;
-        store3({zero, zero, zero}, block.pull + at);
-        store3(after, block.v_half + at);
-        store3(x, block.x + at);
-        if constexpr (last_of_step) {
-            now += half_step * load3(block.aero + at);
-            store3({zero, zero, zero}, block.aero + at);
-            const Vec mass = all(substep.nodes[n].mass) * block.live;
-            sums.position += mass * x;
-            sums.velocity += mass * now;
-            if constexpr (canopy) sums.area_velocity += all(substep.nodes[n].share) * block.live * now;
+    const std::size_t at = n * block.stride;
+    const Vec3s acceleration = all(substep.inverse_inertia[n]) * pull;
+    const Vec3s after = load3(block.v_half + at) + kick * acceleration;
+    x += dt * after;
+    Vec3s now = after + (0.5 * dt) * acceleration;
+    store3(after, block.v_half + at);
+    store3(x, block.x + at);
+    if constexpr (last_of_step) {
+        now += (all(substep.half_step) * block.live) * load3(block.aero + at);
+        const Vec mass = all(substep.nodes[n].mass) * block.live;
+        sums.position += mass * x;
+        sums.velocity += mass * now;
+        if constexpr (canopy) {
+            sums.area_velocity += all(substep.nodes[n].share) * block.live * now;
+            show(block, substep.skirt_image, x, now);
         }
-        store3(now, block.v + at);
     }
+    store3(now, block.v + at);
+}
+
+template <bool last_of_step>
+HWY_INLINE void move_lines(const Block& block, const GoreSubstep& substep, LaneSums& canopy, LaneSums& line) {
+    const std::int32_t skirt = substep.lines.front().node[0], first = substep.lines.front().node[1];
+    move_pulled<true, last_of_step>(block, substep, skirt, block.position(skirt), load3(block.pull), canopy);
+    for (std::int32_t n = first; n < static_cast<std::int32_t>(substep.nodes.size()); ++n)
+        move_pulled<false, last_of_step>(block, substep, n, block.position(n),
+                                         load3(block.force + n * block.stride), line);
+}
+
+/// Lines and, one element behind, the nodes that they pull on.
+template <bool last_of_step>
+HWY_INLINE void pull_and_move_lines(const Block& block, const GoreSubstep& substep, LaneSums& canopy,
+                                    LaneSums& line, Vec& largest) {
+    LineNode here = line_node(block, substep.lines.front().node[0]);
+    bool on_skirt = true;
+    Vec block_dissipated = all(0.0), block_largest = block_dissipated;
+    for (const CableElement& c : substep.lines) {
+        LineNode next = line_node(block, c.node[1]);
+        const CablePull pull = cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot),
+                                          next.x - here.x, next.v - here.v);
+        block_dissipated += pull.dissipated;
+        block_largest = larger(pull.spring, block_largest);
+        next.pull = next.pull - pull.force;
+        here.pull += pull.force;
+        if (on_skirt)
+            move_pulled<true, last_of_step>(block, substep, c.node[0], here.x, here.pull, canopy);
+        else
+            move_pulled<false, last_of_step>(block, substep, c.node[0], here.x, here.pull, line);
+        on_skirt = false;
+        here = next;
+    }
+    store3(here.pull, block.force + substep.lines.back().node[1] * block.stride);
+    line.dissipated += block.live * block_dissipated;
+    largest = larger(of_gores(block, block_largest), largest);
 }
 
 template <bool last_of_step>
@@ -566,12 +636,17 @@ GoreSums substep_pass(const GoreFrame& frame, const GoreSubstep& substep) {
     const Vec zero = all(0.0);
     const Vec3s none{zero, zero, zero};
     LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
+    Vec largest = zero;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
-        move_pulled<true, last_of_step>(block, substep, substep.first_pulled, frame.canopy, canopy);
-        move_pulled<false, last_of_step>(block, substep, frame.canopy, frame.own, line);
+        if (substep.pulled)
+            move_lines<last_of_step>(block, substep, canopy, line);
+        else
+            pull_and_move_lines<last_of_step>(block, substep, canopy, line, largest);
     }
     GoreSums sums;
+    sums.dissipated = sum(line.dissipated);
+    sums.largest_tension = greatest_or_none(largest, sums.dissipated);
     if constexpr (last_of_step) {
         sums.canopy_position = sum3s(canopy.position);
         sums.canopy_velocity = sum3s(canopy.velocity);
@@ -601,15 +676,15 @@ GoreKernels gore_kernels_here() {
             cloth_drag,
             springs,
             cables,
-            line_drag,
+            line_pass<true, false>,
+            line_pass<false, true>,
+            line_pass<true, true>,
             membrane_rows,
             spring_rows,
             stable_step,
             advance,
             substep,
-            show_neighbours,
-            give_back,
-            clear_images};
+            give_back};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

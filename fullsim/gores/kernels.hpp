@@ -26,13 +26,13 @@ struct GoreFrame {
     double *x = nullptr, *v = nullptr;         ///< [m], [m/s] at the same time, as NodeRecord
     double* v_half = nullptr;                  ///< [m/s] half a step before
     double *force = nullptr, *aero = nullptr;  ///< [N] as State
-    double* push = nullptr;        ///< [m^2] area over which pressure acts on a node; nothing on lines
-    double* pull = nullptr;        ///< [N] of lines, apart from `force`
+    double* push = nullptr;  ///< [m^2] area over which pressure acts on a node; nothing on lines
+    double* pull = nullptr;  ///< [block][x, y, z][lane] [N] of the line on the skirt, apart from `force`
     const double* live = nullptr;  ///< [block][lane]
 
-    int arrays = 7;
+    int components = 18;  ///< of a node: of six arrays, or the two that row sums are
     /// From a node to the next.
-    std::size_t stride() const { return static_cast<std::size_t>(arrays) * 3 * lanes; }
+    std::size_t stride() const { return static_cast<std::size_t>(components) * lanes; }
     /// Of a node's first lane in an array.
     std::size_t at(int block, int node) const {
         return (static_cast<std::size_t>(block) * nodes + node) * stride();
@@ -91,6 +91,16 @@ struct MembranePass {
     double weight = 1.0;                ///< share of their stiffness that membranes have
 };
 
+/// A gore's line, element by element from the skirt to the link: each begins where the one before ends.
+using LineElements = std::span<const CableElement>;
+
+/// What the air does to it.
+struct LineAir {
+    const CylinderDragTable* coefficient = nullptr;
+    double diameter = 0.0, density = 0.0, viscosity = 0.0;  ///< [m], [kg/m^3], [Pa s]
+    std::array<double, 3> wind{};                           ///< [m/s]
+};
+
 struct SpringPass {
     std::span<const SpringElement> elements;
     double repulsion = 0.0;   ///< of folded cloth over its stiffness in tension [-]
@@ -110,8 +120,10 @@ struct GoreNode {
 struct GoreAdvance {
     std::span<const GoreNode> nodes;
     std::span<const double> inverse_inertia;  ///< [1/kg] of each node
-    int first_aero = 0;                       ///< nodes before it have nothing in `aero`
-    int first_pulled = 0;                     ///< nodes before it have nothing in `pull`
+    std::span<const std::int32_t> image;      ///< of each canopy node: what the gore before sees of it; or -1
+    bool image_push = false, image_aero = false;  ///< whether images have anything in these
+    int first_aero = 0;                           ///< nodes before it have nothing in `aero`
+    int first_pulled = 0;                         ///< the skirt; after it come nodes of lines
     /// Whether the pulled nodes move as the others do. Otherwise they get the impulse of everything but
     /// lines, and keep its acceleration in `aero` for their substeps.
     bool together = true;
@@ -137,6 +149,7 @@ struct GoreSums {
     double momentum = 0.0;                                                 // [kg m/s] upwards
     double share_square = 0.0;                                             // sum of share times v^2 [m^2/s^2]
     double dissipated = 0.0, accretion_power = 0.0, external_power = 0.0;  // [W]
+    double largest_tension = 0.0;                                          // [N] as FabricSums::largest_load
 };
 
 /// Of all elements of a kind.
@@ -145,11 +158,14 @@ struct ElementLevels {
     double strain = 0.0;  ///< [-] largest tensile strain
 };
 
-/// A substep of pulled nodes under `pull` alone.
+/// A substep of the skirt and the nodes of lines under lines alone.
 struct GoreSubstep {
     std::span<const GoreNode> nodes;
     std::span<const double> inverse_inertia;  ///< [1/kg] of each node
-    int first_pulled = 0;
+    LineElements lines;
+    /// Whether what lines do is known: in the first substep.
+    bool pulled = false;
+    std::int32_t skirt_image = -1;
     Substep step;
     double half_step = 0.0;  ///< [s] of the whole step, in its last substep; 0 in others
 };
@@ -174,11 +190,14 @@ struct GoreKernels {
                              const std::array<double, 3>& wind);
     double (*springs)(const GoreFrame&, const SpringPass&);                 ///< [W] dissipated
     FabricSums (*cables)(const GoreFrame&, std::span<const CableElement>);  ///< no areas
-    /// diameter [m], density [kg/m^3], viscosity [Pa s].
-    void (*line_drag)(const GoreFrame&, std::span<const CableElement>, const CylinderDragTable&,
-                      double diameter, double density, double viscosity, const std::array<double, 3>& wind);
-    /// Row sums of stiffness and damping for the stable step are added to `rows`, a frame of one array: x is
-    /// the stiffness [N/m], y the damping [N s/m] of a node.
+    /// Lines alone, the air on them alone, or both. They *set* what acts on their nodes: `pull` of the skirt,
+    /// `force` of all others, `aero` of all, zero without air; nothing else but cloth drag on the skirt acts
+    /// there, and comes later.
+    FabricSums (*lines)(const GoreFrame&, LineElements, const LineAir&);
+    FabricSums (*line_drag)(const GoreFrame&, LineElements, const LineAir&);
+    FabricSums (*lines_with_drag)(const GoreFrame&, LineElements, const LineAir&);
+    /// Row sums of stiffness and damping for the stable step are added to `rows`, a frame of the canopy and
+    /// its images alone: x is the stiffness [N/m], y the damping [N s/m] of a node, z is not there.
     void (*membrane_rows)(const GoreFrame&, const MembranePass&, std::span<const WeighedRows>,
                           const GoreFrame& rows);
     /// columns: 1 and the weight of the other end over its own, by end of each spring.
@@ -188,14 +207,13 @@ struct GoreKernels {
     /// loads on it.
     double (*stable_step)(const GoreFrame& rows, std::span<const double> inverse_inertia,
                           std::span<const double> node_damping, int first, int last);
+    /// Takes what gores have added to images, and renews these, but for the lanes at which a block's first
+    /// gore is the neighbour of another one's last: see GoreNodes.
     GoreSums (*advance)(const GoreFrame&, const GoreAdvance&);
-    /// Sums of positions and velocities in the last, nothing in others.
+    /// Sums of positions and velocities in the last, of what lines do where that was not known.
     GoreSums (*substep)(const GoreFrame&, const GoreSubstep&);
-    /// What own nodes hold in an array of the frame becomes visible to the gore before.
-    void (*show_neighbours)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
-    /// And what a gore has added to the image goes to the node itself.
-    void (*give_back)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
-    void (*clear_images)(const GoreFrame&, std::span<const std::int32_t> neighbour, double* array);
+    /// Row sums of images go to those of the nodes themselves.
+    void (*give_back)(const GoreFrame& rows, std::span<const std::int32_t> neighbour);
 };
 
 /// Those of the best instruction set that this machine has.

@@ -7,6 +7,8 @@
 #define TWINCHUTE_LANES_VEC
 #endif
 
+#include <cstdint>
+
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -153,6 +155,37 @@ HWY_INLINE double greatest_or_none(Vec most, double witness) {
     return greatest(most) + 0.0 * witness;
 }
 
+/// Each lane gets the next one's number, the last 0.
+HWY_INLINE Vec one_down(Vec a) {
+    constexpr int last = lanes_of_register - 1;
+    alignas(64) std::int64_t from[lanes_of_register];
+    for (int i = 0; i <= last; ++i)
+        from[i] = i < last ? i + 1 : 0;
+    const auto order = hn::SetTableIndices(tag, from);
+    Vec turned, result;
+    for (int k = 0; k < ways; ++k)
+        turned.raw[k] = hn::TableLookupLanes(a.raw[k], order);
+    for (int k = 0; k < ways; ++k)
+        result.raw[k] = hn::IfThenElse(hn::FirstN(tag, last), turned.raw[k],
+                                       k + 1 < ways ? turned.raw[(k + 1) % ways] : hn::Zero(tag));
+    return result;
+}
+/// Each lane gets the number of the one before, the first 0.
+HWY_INLINE Vec one_up(Vec a) {
+    constexpr int last = lanes_of_register - 1;
+    alignas(64) std::int64_t from[lanes_of_register];
+    for (int i = 0; i <= last; ++i)
+        from[i] = i > 0 ? i - 1 : last;
+    const auto order = hn::SetTableIndices(tag, from);
+    Vec turned, result;
+    for (int k = 0; k < ways; ++k)
+        turned.raw[k] = hn::TableLookupLanes(a.raw[k], order);
+    for (int k = 0; k < ways; ++k)
+        result.raw[k] = hn::IfThenElse(
+            hn::FirstN(tag, 1), k > 0 ? turned.raw[(k + ways - 1) % ways] : hn::Zero(tag), turned.raw[k]);
+    return result;
+}
+
 struct Vec3s {
     Vec x, y, z;
 };
@@ -167,6 +200,12 @@ HWY_INLINE Vec3s operator*(Vec s, Vec3s a) {
 }
 HWY_INLINE Vec3s operator*(double s, Vec3s a) {
     return all(s) * a;
+}
+HWY_INLINE Vec3s one_down(Vec3s a) {
+    return {one_down(a.x), one_down(a.y), one_down(a.z)};
+}
+HWY_INLINE Vec3s one_up(Vec3s a) {
+    return {one_up(a.x), one_up(a.y), one_up(a.z)};
 }
 HWY_INLINE Vec dot(Vec3s a, Vec3s b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;

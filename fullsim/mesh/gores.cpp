@@ -46,6 +46,7 @@ public:
             });
         for (const CableKind kind : {CableKind::radial, CableKind::skirt, CableKind::vent, CableKind::line})
             std::ranges::copy(cables(of_kind(mesh_.cables, kind)), std::back_inserter(gores_.cables));
+        require_one_line();
         number_static_line();
         number_edges();
         return std::move(gores_);
@@ -142,6 +143,20 @@ private:
             require(static_cast<int>(nodes.size()) == gores_.own, "lines of different nodes");
             gores_.node.insert(gores_.node.end(), nodes.begin(), nodes.end());
         }
+    }
+
+    /// From the skirt through all of the gore's nodes that are not of the canopy, in their order.
+    void require_one_line() const {
+        const auto first_guest = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
+        LocalNode here = gores_.inner;
+        for (const GoreCable& c : gores_.cables) {
+            if (is_tape(c.kind)) continue;
+            require(c.node[0] == here && here < gores_.own, "lines that do not run from the skirt down");
+            here = c.node[1];
+            require((here == c.node[0] + 1 && here < gores_.own) || here >= first_guest,
+                    "lines that do not run from node to node");
+        }
+        require(here >= first_guest, "lines that do not end at a link");
     }
 
     void collect_trunk() {

@@ -45,7 +45,7 @@ struct Gores {
         guest;  ///< [k][gore]: the shared node that is local own + neighbours + k
 
     std::vector<GoreTriangle> triangles;
-    std::vector<GoreCable> cables;       ///< tapes and lines
+    std::vector<GoreCable> cables;       ///< tapes, then the line from the skirt to a guest, node after node
     std::vector<GoreCable> static_line;  ///< cords from the vent to a static line
     std::vector<GoreEdge> edges;         ///< of the fabric
 

@@ -40,11 +40,23 @@ void update_sums(State& state, const NodeConstants& c) {
     store_sums(state, c, sums);
 }
 
-void NodeMover::move_static_line(const NodeConstants& c, StepSums& sums) {
+TWINCHUTE_FOR_EACH_CPU void NodeMover::move_others(const std::vector<NodeIndex>& nodes,
+                                                   const NodeConstants& c, StepSums& sums) {
+    NodeMover mover = *this;  // a copy, which no store to a node can change
+    StepSums of_these = sums;
+    for (const NodeIndex i : nodes)
+        mover.move_other(i, c.mass[i], of_these);
+    sums = of_these;
+}
+
+TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, StepSums& sums) {
     if (c.static_line_mass.empty()) return;
     const std::size_t first = c.mass.size() + 1, last = first + c.static_line_mass.size() - 1;
+    NodeMover mover = *this;  // as above
+    StepSums of_these = sums;
     for (std::size_t i = first; i < last; ++i)
-        move(i, c.static_line_mass[i - first], c.static_line_mass[i - first], sums);
+        mover.move(i, c.static_line_mass[i - first], c.static_line_mass[i - first], of_these);
+    sums = of_these;
     NodeRecord& far_end = state_.node[last];
     state_.external_power -= sum3(state_.force[last].value * far_end.v);
     far_end.x += dt_ * far_end.v;

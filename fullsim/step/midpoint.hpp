@@ -106,6 +106,8 @@ public:
         sums.canopy_velocity += c.mass[i] * state_.node[i].v;
         sums.area_velocity += c.share[i] * state_.node[i].v;
     }
+    /// Some nodes that are not of the canopy.
+    void move_others(const std::vector<NodeIndex>& nodes, const NodeConstants& c, StepSums& sums);
     /// Falls with the rest, but is not of the system; what its far end pulls is work from outside.
     void move_static_line(const NodeConstants& c, StepSums& sums);
 
