@@ -1,6 +1,7 @@
 // A scene without a single optional piece of physics, with force blocks chosen from all rows of the registry
 // or from those alone that the scene has: left_out.py counts the instructions of either.
 //   left_out all|own line-stretch|packed
+#include <algorithm>
 #include <cstdio>
 #include <string_view>
 #include <vector>
@@ -10,7 +11,8 @@
 
 namespace twinchute::bench {
 
-/// No step is a round number of checks apart from the last: as a run of the same length, without its output.
+/// Builds and flies so many steps; [N] the riser force, so that both registries can be seen to give one
+/// answer.
 [[gnu::noinline]] double fly(const Scene& scene, std::span<const fullsim::ForceBlock> blocks, int steps) {
     fullsim::Simulation simulation(scene, fullsim::Simulation::layout_of_one_thread, blocks);
     for (int i = 0; i < steps; ++i) {
@@ -18,6 +20,13 @@ namespace twinchute::bench {
         simulation.step_to(1.0);
     }
     return simulation.state().riser_force.norm();
+}
+
+/// By name, and not by what the rows say of themselves: one that is always needed would stand in both
+/// registries.
+std::vector<std::string_view> of_a_bare_scene(bool packed) {
+    if (packed) return {"fabric springs", "membrane", "tapes", "lines", "static line", "canopy pressure"};
+    return {"membrane", "tapes", "lines", "canopy pressure"};
 }
 
 Scene bare(bool packed) {
@@ -42,10 +51,11 @@ int main(int argc, char** argv) {
     using namespace twinchute;
     if (argc != 3) return 2;
     const bool all = std::string_view(argv[1]) == "all";
-    const Scene scene = bench::bare(std::string_view(argv[2]) == "packed");
+    const bool packed = std::string_view(argv[2]) == "packed";
+    const Scene scene = bench::bare(packed);
     std::vector<fullsim::ForceBlock> own;
     for (const fullsim::ForceBlock& block : fullsim::force_blocks())
-        if (all || !fullsim::stages_with(block, scene).empty()) own.push_back(block);
+        if (all || std::ranges::count(bench::of_a_bare_scene(packed), block.name) > 0) own.push_back(block);
     constexpr int steps = 200;
     std::printf("%zu rows, %.17g N\n", own.size(), bench::fly(scene, own, steps));
     return 0;
