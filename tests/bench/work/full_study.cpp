@@ -74,8 +74,8 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
                       [&] { return test::by_sundials(interval.scene, method, {rtol}, interval.end); });
         study.curves.push_back(std::move(curve));
     }
-    // Even steps, in those of the model's own step at its largest: found by trial, 1.2 times as long is
-    // unstable.
+    // Even steps, in those that the model's own step takes at its largest; how long they may be at most is
+    // what control by tolerance finds out.
     Scene scene = interval.scene;
     scene.full.line_substeps = 1;
     const auto steps = static_cast<double>(test::by_own_steps(scene, interval.end).evaluations);
