@@ -162,6 +162,7 @@ Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, co
     ladder.provenance = current_provenance();
     ladder.threads = options.threads;
     ladder.quick = options.quick;
+    ladder.test = options.test;
     for (const Fidelity* fidelity : fidelities)
         ladder.fidelities.push_back(fidelity->name);
 

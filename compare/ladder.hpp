@@ -13,6 +13,7 @@
 
 #include "compare/metrics.hpp"
 #include "compare/rungs.hpp"
+#include "compare/test_reference.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/solve/fidelity.hpp"
@@ -40,6 +41,8 @@ struct RungMetric {
     /// Of a piece that is left out: relative difference from the scene as it is, on the same mesh, so that
     /// what both have of numerical error cancels.
     std::optional<double> effect;
+    /// From what a test measured, where there is one: relative. Neither an error nor a gap.
+    std::optional<double> to_test;
 };
 
 /// The largest of something over the metrics that a rung is judged by.
@@ -60,7 +63,7 @@ struct RungResult {
     std::vector<RungMetric> metrics;
     std::optional<Worst> error, estimate;
     std::vector<std::pair<std::string_view, Worst>> gaps;  ///< by fidelity
-    std::optional<Worst> effect;
+    std::optional<Worst> effect, to_test;
     bool on_front = false;      ///< of its fidelity: nothing is cheaper and as good
     bool is_reference = false;  ///< of its fidelity, in at least one judged metric
 
@@ -91,12 +94,14 @@ struct Ladder {
     std::vector<RungResult> rungs;         ///< in the order of ladder_rungs
     std::vector<LadderReference> references;
     std::optional<Worst> gap;  ///< between the references of the first two fidelities
+    std::optional<TestReference> test = {};
 };
 
 struct LadderOptions {
     int seeds = 3;  ///< of scenes that start packed and have noise
     bool quick = false;
     int threads = 1;
+    std::optional<TestReference> test = {};
 };
 
 /// Runs one scene; how is the caller's business (progress line, stop token).

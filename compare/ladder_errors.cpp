@@ -116,6 +116,18 @@ void add_effects(const Ladder& ladder, RungResult& result) {
             metric.effect = relative(metric.value, complete->value);
 }
 
+/// Closed forms and rungs without a piece as well: a test knows of no model.
+void add_distances_to_test(const Ladder& ladder, RungResult& result) {
+    if (!ladder.test) return;
+    for (RungMetric& metric : result.metrics) {
+        const auto measured = std::ranges::find(ladder.test->values, metric.row, &TestValue::row);
+        if (measured == ladder.test->values.end()) continue;
+        metric.to_test = relative(metric.value, measured->value);
+        if (metric.to_test && (!result.to_test || *metric.to_test > result.to_test->value))
+            result.to_test = Worst{*metric.to_test, metric.row->name};
+    }
+}
+
 void add_estimates(Ladder& ladder, const MetricRow& row) {
     for (const std::string_view fidelity : ladder.fidelities) {
         for (const std::string_view sequence : {"tolerance", "mesh", "time step"}) {
@@ -207,6 +219,7 @@ void evaluate(Ladder& ladder, const Scene& scene) {
         add_errors(ladder, result);
         add_gaps(ladder, result);
         add_effects(ladder, result);
+        add_distances_to_test(ladder, result);
         sum_up(ladder, result);
     }
     mark_fronts(ladder);

@@ -11,6 +11,7 @@
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/scene/data_files.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -21,6 +22,8 @@ ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Argume
     options.seeds = whole_number(arguments, "seeds", options.seeds, 1000, 3);
     options.quick = arguments.has("quick");
     options.threads = threads_of(arguments);
+    if (const auto file = arguments.value("reference"))
+        options.test = read_test_reference(read_text_file(*file), std::string(*file));
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : fidelities)
             require_physics(scene, *fidelity, fidelities);
@@ -72,6 +75,8 @@ Verb ladder_verb(std::vector<const Fidelity*> fidelities) {
     std::vector<Option> own{
         {"quick", "",
          fmt::format("leave out what costs more than {:g} runs of the scene as it is", quick_cost)},
+        {"reference", "FILE.csv",
+         "what a test measured: how far each rung is from it, beside errors and gaps"},
         {"seeds", "N", "runs with noise of a packed start: medians over N seeds, 3 unless given"}};
     if (std::ranges::any_of(fidelities, &Fidelity::has_threads)) own.push_back(threads_option());
     verb.options.insert(at, own.begin(), own.end());

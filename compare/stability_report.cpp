@@ -96,7 +96,7 @@ Errors and limits are shares of the expected value.
 **Stops**: a run looks for faults every 50 steps and drops what came after its last sound look. The first sign of a step
 that is too long is an opening force more than 1 % of the peak away from that of a run in sound steps.
 
-A step "times its bound" counts from the bound that a run takes its steps from, which is 0.5 to 1 of the true limit.
+A step "times its bound" counts from the bound that a run takes its steps from, which is never above the true limit of that state.
 Steps at multiples of the true limit, from the eigenvalues of the tangent, are held by
 `tests/verification/structural_time_step_test.cpp`, with the number of steps until an instability is found.
 )";

@@ -97,8 +97,9 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, const LayoutMaker& layout)
+Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<const ForceBlock> blocks)
     : scene_(scene),
+      blocks_(blocks),
       inflation_(first_inflation(scene)),
       mesh_(make_mesh(scene, inflation_, mass_scaling_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
@@ -137,8 +138,8 @@ const State& Simulation::seams() const {
 }
 
 void Simulation::build_blocks() {
-    structure_ = make_structure(scene_, mesh_, state_.stage);
-    loads_ = make_loads(scene_, mesh_, state_.stage);
+    structure_ = make_structure(scene_, mesh_, state_.stage, blocks_);
+    loads_ = make_loads(scene_, mesh_, state_.stage, blocks_);
     std::vector<std::string> names;
     for (const ForceModels* models : {&structure_, &loads_})
         for (const auto& model : *models)

@@ -27,8 +27,10 @@ public:
         return make_layout(scene, mesh, constants);
     }
 
-    /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open.
-    explicit Simulation(const Scene& scene, const LayoutMaker& layout = layout_of_one_thread);
+    /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open. `blocks`: the rows
+    /// that its force blocks are chosen from.
+    explicit Simulation(const Scene& scene, const LayoutMaker& layout = layout_of_one_thread,
+                        std::span<const ForceBlock> blocks = force_blocks());
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
 
@@ -136,6 +138,7 @@ private:
     State& whole() const;
 
     const Scene& scene_;
+    std::span<const ForceBlock> blocks_;
     Inflation inflation_;
     MassScaling mass_scaling_;
     Mesh mesh_;

@@ -49,6 +49,7 @@ Json metric_json(const RungMetric& metric) {
     for (const LadderGap& gap : metric.gaps)
         json["gap"][std::string(gap.to)] = gap.value;
     if (metric.effect) json["effect"] = *metric.effect;
+    if (metric.to_test) json["distance_to_test"] = *metric.to_test;
     return json;
 }
 
@@ -76,6 +77,7 @@ Json rung_json(const RungResult& result) {
     for (const auto& [to, worst] : result.gaps)
         json["gap"][std::string(to)] = worst_json(worst);
     if (result.effect) json["effect"] = worst_json(*result.effect);
+    if (result.to_test) json["distance_to_test"] = worst_json(*result.to_test);
     json["is_reference"] = result.is_reference;
     json["on_pareto_front"] = result.on_front;
     Json& metrics = json["metrics"] = Json::object();
@@ -95,7 +97,14 @@ std::string ladder_csv(const Ladder& ladder) {
         text += fmt::format(",gap_to_{}", fidelity);
         units += ",1";
     }
-    text += ",effect_of_leaving_out\n" + units + ",1\n";
+    text += ",effect_of_leaving_out";
+    units += ",1";
+    if (ladder.test) {
+        text += ",distance_to_test";
+        units += ",1";
+    }
+    text += '\n' + units + '\n';
+    const std::size_t empty_fields = 9 + ladder.fidelities.size() + (ladder.test ? 2 : 1);
     for (const RungResult& result : ladder.rungs) {
         const Rung& rung = result.rung;
         const bool run = result.was_run;
@@ -107,7 +116,7 @@ std::string ladder_csv(const Ladder& ladder) {
                                    result.rhs_calls)
                      : std::string(",,,,,");
         front += result.on_front ? ",yes" : ",no";
-        if (result.metrics.empty()) text += front + std::string(9 + ladder.fidelities.size() + 1, ',') + '\n';
+        if (result.metrics.empty()) text += front + std::string(empty_fields, ',') + '\n';
         for (const RungMetric& metric : result.metrics) {
             const LadderReference* reference = reference_for(ladder, result, metric.row);
             fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}", front, metric.row->name,
@@ -117,7 +126,7 @@ std::string ladder_csv(const Ladder& ladder) {
                            number(metric.estimate));
             for (const std::string_view fidelity : ladder.fidelities)
                 text += ',' + number(gap_to(metric, fidelity));
-            text += ',' + number(metric.effect) + '\n';
+            text += ',' + number(metric.effect) + (ladder.test ? ',' + number(metric.to_test) : "") + '\n';
         }
     }
     return text;
@@ -142,6 +151,12 @@ std::string ladder_json(const Ladder& ladder) {
         row["value"] = reference.value;
         row["how"] = reference.how;
         row["input_or_result"] = standing_name(reference.standing);
+    }
+    if (ladder.test) {
+        Json& test = json["test"];
+        test["file"] = ladder.test->file;
+        for (const TestValue& measured : ladder.test->values)
+            test["values"][std::string(measured.row->key)] = measured.value;
     }
     Json& rungs = json["rungs"] = Json::array();
     for (const RungResult& result : ladder.rungs)

@@ -50,6 +50,8 @@ std::optional<CostPoint> point_of(const RungResult& result, std::string& why_not
     point.x = result.wall_s;
     point.shape = look_of(result.rung.family).shape;
     point.rank = result.rung.given ? 0 : result.on_front ? 1 : 2;
+    // A cloud of two dozen: only those that matter have words, all have a title.
+    if (result.rung.family == "rom, other methods" && !result.on_front) point.label.clear();
     const auto at = [&](const Worst& worst, std::string_view what) {
         point.y = worst.value;
         point.title = fmt::format("{}: {} {:.2g} ({}), {}", result.rung.name, what, worst.value, worst.metric,

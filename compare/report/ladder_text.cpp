@@ -42,6 +42,10 @@ Cells cells_of(const Ladder& ladder) {
         cells.header.push_back(fmt::format("gap to {}", fidelity));
         cells.right.push_back(true);
     }
+    if (ladder.test) {
+        cells.header.emplace_back("to test");
+        cells.right.push_back(true);
+    }
     cells.header.insert(cells.header.end(), {"effect", "front", "status"});
     cells.right.insert(cells.right.end(), {true, false, false});
     for (const RungResult& result : ladder.rungs) {
@@ -55,6 +59,7 @@ Cells cells_of(const Ladder& ladder) {
                                      worst_text(result.estimate)};
         for (const std::string_view fidelity : ladder.fidelities)
             row.push_back(worst_text(result.gap_to(fidelity)));
+        if (ladder.test) row.push_back(worst_text(result.to_test));
         row.insert(row.end(), {worst_text(result.effect), result.on_front ? "*" : "", status_text(result)});
         cells.rows.push_back(std::move(row));
     }
@@ -125,6 +130,18 @@ std::string failures_of(const Ladder& ladder, const char* prefix) {
     return text;
 }
 
+std::string test_text(const Ladder& ladder) {
+    if (!ladder.test) return {};
+    std::string text = fmt::format("*To test* is the largest distance from what `{}` measured (",
+                                   clean_text(ladder.test->file));
+    for (const TestValue& measured : ladder.test->values)
+        text += fmt::format("{}{} {}", &measured == &ladder.test->values.front() ? "" : ", ",
+                            measured.row->title, with_unit(measured.value, measured.row->unit));
+    return text +
+           "). It holds errors of numbers, of the model and of\nthe test, and is kept apart from all of "
+           "them. ";
+}
+
 std::string seeds_text(const Ladder& ladder) {
     int seeds = 1;
     for (const RungResult& result : ladder.rungs)
@@ -155,7 +172,7 @@ std::string ladder_markdown(const Ladder& ladder) {
         "the "
         "least of several\nruns where they are short. A star marks what no cheaper rung of its model "
         "matches. ";
-    text += seeds_text(ladder) + "\n\n";
+    text += seeds_text(ladder) + test_text(ladder) + "\n\n";
     text += markdown_table(cells_of(ladder)) + "\n";
     if (const std::string failures = failures_of(ladder, "- "); !failures.empty())
         text += "Not answered:\n\n" + failures + "\n";

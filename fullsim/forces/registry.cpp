@@ -144,9 +144,10 @@ constexpr std::array<ForceBlock, 14> blocks{{
      [](const Scene& s, const Mesh& m) { return make_mass_damping(m, s.full.alpha); }},
 }};
 
-ForceModels make_blocks(const Scene& scene, const Mesh& mesh, Stage stage, bool structural) {
+ForceModels make_blocks(const Scene& scene, const Mesh& mesh, Stage stage, bool structural,
+                        std::span<const ForceBlock> from) {
     ForceModels models;
-    for (const ForceBlock& block : blocks)
+    for (const ForceBlock& block : from)
         if (block.structural == structural && block.needed(scene, stage))
             models.push_back(block.make(scene, mesh));
     return models;
@@ -174,12 +175,13 @@ std::vector<Stage> stages_with(const ForceBlock& block, const Scene& scene) {
     return stages;
 }
 
-ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage) {
-    return make_blocks(scene, mesh, stage, true);
+ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage,
+                           std::span<const ForceBlock> from) {
+    return make_blocks(scene, mesh, stage, true, from);
 }
 
-ForceModels make_loads(const Scene& scene, const Mesh& mesh, Stage stage) {
-    return make_blocks(scene, mesh, stage, false);
+ForceModels make_loads(const Scene& scene, const Mesh& mesh, Stage stage, std::span<const ForceBlock> from) {
+    return make_blocks(scene, mesh, stage, false, from);
 }
 
 }  // namespace twinchute::fullsim

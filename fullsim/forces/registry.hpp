@@ -71,9 +71,12 @@ std::vector<Stage> stages_of(const Scene& scene);
 std::vector<Stage> stages_with(const ForceBlock& block, const Scene& scene);
 
 /// The structural blocks of a scene in a stage of its run. They come first in every step, so that the riser
-/// force can be read before anything else acts on the payload.
-ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight);
+/// force can be read before anything else acts on the payload. Of `blocks`: all that there are, unless a test
+/// wants fewer.
+ForceModels make_structure(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight,
+                           std::span<const ForceBlock> blocks = force_blocks());
 /// The other blocks that the scene needs in that stage.
-ForceModels make_loads(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight);
+ForceModels make_loads(const Scene& scene, const Mesh& mesh, Stage stage = Stage::flight,
+                       std::span<const ForceBlock> blocks = force_blocks());
 
 }  // namespace twinchute::fullsim

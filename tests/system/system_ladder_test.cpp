@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -74,6 +75,16 @@ TEST_F(SystemLadder, LeavesTableAndPlot) {
     EXPECT_EQ(rung(ladder, "full, mesh x1.5")["setting"],
               "full.mesh.gore_columns=2 full.mesh.gore_rows=6 full.mesh.line_elements=6 "
               "full.mesh.riser_elements=8");
+}
+
+TEST_F(SystemLadder, AWrongTestTableIsRefusedBeforeAnythingRuns) {
+    for (const char* file : {"absent.csv", "wrong.csv"}) {
+        std::ofstream(here_ / "wrong.csv") << "peak_force\nm\n5000\n";
+        const Ended ended = run({scene, "--out", "out", "--reference", file});
+        EXPECT_EQ(ended.code, 2) << ended.err;
+        EXPECT_NE(ended.err.find(file), std::string::npos) << ended.err;
+        EXPECT_FALSE(std::filesystem::exists(here_ / "out"));
+    }
 }
 
 TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {

@@ -12,6 +12,7 @@
 
 #include "compare/ladder.hpp"
 #include "compare/report/ladder_files.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 
 namespace twinchute::compare {
@@ -196,6 +197,72 @@ RunRecord fragile(const Fidelity& fidelity, const Scene& scene) {
     if (fidelity.name == "full" && scene.full.mesh.gore_rows > 17)
         record.status = {StatusCode::energy_grew, "at \"0.5\" s, energy came from nowhere"};
     return record;
+}
+
+TEST(CompareLadder, TheDistanceToATestIsKeptApart) {
+    // 4500 N lies between the made-up limits, 5000 N and 4000 N: 1/9 above and below. Nothing else may move
+    // by it.
+    LadderOptions options;
+    options.test = TestReference{"drop-7.csv", {{find_metric_row("peak_force"), 4500.0}}};
+    const Ladder held = made_up_ladder(options), free = made_up_ladder();
+    EXPECT_NEAR(rung(held, "rom, rtol 1e-13").to_test->value, 500.0 / 4500.0, 1e-12);
+    EXPECT_NEAR(rung(held, "full, mesh x1").to_test->value, 1.0 - 4000.0 * 1.08 / 4500.0, 1e-12);
+    EXPECT_TRUE(rung(held, "full, no added mass").to_test);
+    for (std::size_t i = 0; i < held.rungs.size(); ++i) {
+        EXPECT_FALSE(free.rungs[i].to_test);
+        EXPECT_EQ(held.rungs[i].error.has_value(), free.rungs[i].error.has_value());
+        if (held.rungs[i].error) {
+            EXPECT_EQ(held.rungs[i].error->value, free.rungs[i].error->value);
+        }
+        for (const auto& [to, gap] : held.rungs[i].gaps)
+            EXPECT_EQ(gap.value, free.rungs[i].gap_to(to)->value);
+    }
+    EXPECT_NE(ladder_csv(held).find(",distance_to_test\n"), std::string::npos);
+    EXPECT_EQ(ladder_csv(free).find("distance_to_test"), std::string::npos);
+    std::istringstream lines(ladder_csv(held));
+    std::string first, line;
+    std::getline(lines, first);
+    while (std::getline(lines, line)) {
+        if (line.find('"') != std::string::npos) continue;  // commas of names
+        EXPECT_EQ(std::ranges::count(line, ','), std::ranges::count(first, ',')) << line;
+    }
+    EXPECT_NE(ladder_markdown(held).find("| to test |"), std::string::npos);
+    EXPECT_NE(ladder_json(held).find("\"distance_to_test\""), std::string::npos);
+}
+
+TEST(TestReferences, AreHistoriesOrMetrics) {
+    const TestReference history = read_test_reference("time,force\ns,kN\n0,1\n0.1,5.25\n0.2,4\n", "a.csv");
+    ASSERT_EQ(history.values.size(), 1u);
+    EXPECT_EQ(history.values[0].row->name, "peak_force");
+    EXPECT_DOUBLE_EQ(history.values[0].value, 5250.0);
+    const TestReference metrics = read_test_reference(
+        "descent_rate,max_deceleration,mass_ratio\r\nft/s,g,1\r\n25,3.5,0.2\r\n", "b.csv");
+    ASSERT_EQ(metrics.values.size(), 3u);
+    EXPECT_DOUBLE_EQ(metrics.values[0].value, 7.62);
+    EXPECT_DOUBLE_EQ(metrics.values[1].value, 3.5);
+    EXPECT_DOUBLE_EQ(metrics.values[2].value, 0.2);
+}
+
+TEST(TestReferences, SayWhatIsWrongAndWhere) {
+    const std::pair<const char*, const char*> wrong[] = {
+        {"", "empty"},
+        {"time\ns\n0\n1\n", "force"},
+        {"time,force\ns,N\n1,5\n0,4\n", "c.csv:4"},  // does not rise
+        {"peak_forse\nN\n5\n", "peak_forse"},
+        {"peak_force\nm\n5\n", "c.csv:3"},
+        {"peak_force\nN\nnan\n", "c.csv:3"},
+        {"peak_force\nN\n", "three lines"},
+        {"peak_force,descent_rate\nN,m/s\n5\n", "c.csv:3"},
+        {"peak_force,peak_force\nN,N\n5,5\n", "twice"},
+    };
+    for (const auto& [text, said] : wrong) {
+        try {
+            read_test_reference(text, "c.csv");
+            ADD_FAILURE() << text;
+        } catch (const SceneError& error) {
+            EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+        }
+    }
 }
 
 TEST(CompareLadder, AFailureIsARowWithoutAnswers) {

@@ -122,6 +122,68 @@ TEST(FullStops, ZeroStrengthPhysicsEqualsAbsentPhysics) {
     EXPECT_EQ(zero.left_out.size() + 2, absent.left_out.size());
 }
 
+/// A piece of physics so weak that it cannot change anything, and the scene without it. Line drag has no
+/// strength of its own: even without density, viscosity is left.
+struct Vanishing {
+    const char* name;
+    bool packed;
+    void (*weak)(Scene&);
+    void (*absent)(Scene&);
+};
+constexpr double weakest = 1e-300;  // zero itself is what a scene says to leave the piece out
+constexpr Vanishing vanishing[] = {
+    {"breathing damping", false, [](Scene& s) { s.aerodynamics.breathing_damping = 0.0; },
+     [](Scene& s) { s.aerodynamics.breathing_damping.reset(); }},
+    {"payload drag", false, [](Scene& s) { s.payload.drag_area = 0.0; },
+     [](Scene& s) { s.payload.drag_area.reset(); }},
+    {"mass damping", false, [](Scene& s) { s.full.alpha = weakest; }, [](Scene& s) { s.full.alpha = 0.0; }},
+    {"stiffness damping", false, [](Scene& s) { s.full.beta = weakest; },
+     [](Scene& s) { s.full.beta = 0.0; }},
+    {"bulk viscosity", false, [](Scene& s) { s.full.bulk_viscosity = weakest; },
+     [](Scene& s) { s.full.bulk_viscosity = 0.0; }},
+    {"noise", false,
+     [](Scene& s) {
+         s.full.noise = Noise{0.0, 1};
+     },
+     [](Scene& s) { s.full.noise.reset(); }},
+    {"accretion without air", false,
+     [](Scene& s) {
+         s.environment.atmosphere.constant_density = weakest;
+         s.aerodynamics.added_mass->momentum = AddedMassMomentum::accreting;
+     },
+     [](Scene& s) {
+         s.environment.atmosphere.constant_density = weakest;
+         s.aerodynamics.added_mass.reset();
+     }},
+    {"cloth drag", true, [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = weakest; },
+     [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = 0.0; }},
+    {"fold resistance", true, [](Scene& s) { s.parachutes.front().deploy.fold_resistance = weakest; },
+     [](Scene& s) { s.parachutes.front().deploy.fold_resistance = 0.0; }},
+};
+
+TEST(FullStops, EachPieceThatVanishesEqualsItsAbsence) {
+    for (const Vanishing& piece : vanishing) {
+        Scene with = piece.packed ? test::packed_c9(DeployBy::static_line) : coarse_scene();
+        // A pack without folds' resistance ends at 46 ms, by its ledger.
+        with.stop = {Trigger::Kind::time, piece.packed ? 0.02 : 0.1, 0.0};
+        Scene without = with;
+        piece.weak(with);
+        piece.absent(without);
+        const RunRecord weak = run_full(with), absent = run_full(without);
+        ASSERT_EQ(weak.status.code, StatusCode::completed) << piece.name << ": " << weak.status.detail;
+        // A block more may add its zeros in another order: round-off, and no more, in every channel.
+        for (const char* channel : {"force_raw", "altitude", "vertical_speed"}) {
+            const auto& a = weak.find_channel(channel)->values;
+            const auto& b = absent.find_channel(channel)->values;
+            ASSERT_EQ(a.size(), b.size()) << piece.name;
+            for (std::size_t i = 0; i < a.size(); ++i)
+                ASSERT_NEAR(a[i], b[i], 1e-9 * (1.0 + std::abs(b[i])))
+                    << piece.name << ' ' << channel << ' ' << i;
+        }
+        EXPECT_LE(weak.left_out.size(), absent.left_out.size()) << piece.name;
+    }
+}
+
 TEST(FullStops, ABadMassIsSaid) {
     Scene scene = coarse_scene();
     scene.stop = {Trigger::Kind::time, 0.01, 0.0};

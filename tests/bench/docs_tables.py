@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Remakes the tables of docs/ that a run makes, each between its markers, with commit, compiler and machine.
+
+    docs_tables.py make DOCS PROGRAM WORK TESTS [BLOCK ...]   all blocks, or those named; an idle machine, please
+    docs_tables.py short DOCS PROGRAM WORK TESTS              the quick ones on a coarse mesh, on a copy of DOCS; for a test
+    docs_tables.py check DOCS                                 whether every block has its markers and says where it is from
+
+PROGRAM, WORK and TESTS are twinchute, work_precision and verification_tests.
+"""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+TREE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+DEMO = os.path.join(TREE, "data", "scenes", "c9-inflation.toml")
+COARSE = ["--quick"] + [word for key in ("gore_columns=1", "gore_rows=4", "line_elements=4")
+                        for word in ("--set", "full.mesh." + key)] + ["--set", "stop.time=2"]
+WORK_ROM = {"crane-drop": "crane drop", "descent-100s": "100 s of descent", "elastic-snatch": "elastic snatch",
+            "two-stage-opening": "opening in two stages"}
+
+
+class Tools:
+    def __init__(self, docs, program, work, tests, short):
+        self.docs, self.program, self.work, self.tests, self.short = docs, program, work, tests, short
+
+    def run(self, words, good=(0,)):
+        ended = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        if ended.returncode not in good:
+            sys.exit(f"{' '.join(words)} ended with {ended.returncode}:\n{(ended.stderr or ended.stdout)[-2000:]}")
+        return ended.stdout
+
+    def made(self, command):
+        """The line that every block begins with."""
+        p = json.loads(self.run([self.program, "rom", DEMO, "--json"]))["provenance"]
+        return f"Made by `{command}`: commit {p['commit']}, {p['compiler']}, {p['host_cpu']}, {p['date'][:10]}.\n\n"
+
+
+def table(head, rows, left=1):
+    """Markdown; the first `left` columns to the left."""
+    rule = ["---" if k < left else "---:" for k in range(len(head))]
+    return "\n".join("| " + " | ".join(row) + " |" for row in [head, rule] + rows) + "\n"
+
+
+def share(value):
+    return f"{100 * value:.2g} %" if value >= 1e-4 else f"{value:.1e}"
+
+
+def duration(seconds):
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        if seconds >= size:
+            break
+    return f"{seconds / size:.3g} {unit}"
+
+
+def ladder(tools):
+    with tempfile.TemporaryDirectory() as directory:
+        words = [tools.program, "ladder", DEMO, "--out", directory, "--json"]
+        measured = json.loads(tools.run(words + (COARSE if tools.short else [])))
+    rows = []
+    for rung in measured["rungs"]:
+        if rung["family"] not in ("closed form", "rom", "full") or "wall_s" not in rung:
+            continue
+        error, estimate = rung.get("error"), rung.get("error_estimate")
+        name = rung["name"] + (", as given" if rung["as_given"] else "") + (": reference" if rung["is_reference"] else "")
+        text = share(error["value"]) if error else f"estimate {share(estimate['value'])}" if estimate else ""
+        rows.append([name, duration(rung["wall_s"]), text, (error or estimate or {"metric": ""})["metric"].replace("_", " ")])
+    return tools.made("twinchute ladder data/scenes/c9-inflation.toml") + table(["rung", "time", "error", "in"], rows)
+
+
+def stability(tools):
+    with tempfile.TemporaryDirectory() as directory:
+        # Ending with 1 means that a cell failed: the table says so.
+        tools.run([tools.program, "stability", "--quiet", "--out", directory] + (["--quick"] if tools.short else []), (0, 1))
+        with open(os.path.join(directory, "stability.md")) as file:
+            return file.read().removeprefix("# Stability\n\n")
+
+
+def work_curves(tools, model, name):
+    """{(method, family): [row]} of a study, whose files are made anew first."""
+    pictures = os.path.join(tools.docs, "pictures")
+    tools.run([tools.work, model, pictures] + (["--quick"] if tools.short else []))
+    curves = {}
+    for study in name if isinstance(name, list) else [name]:
+        with open(os.path.join(pictures, f"work-{study}.csv")) as file:
+            for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                curves.setdefault(row["method"], {}).setdefault(study, []).append(row)
+    return curves
+
+
+def work_rom(tools):
+    curves = work_curves(tools, "rom", list(WORK_ROM))
+    rows = []
+    for method, studies in curves.items():
+        cells = []
+        for study in WORK_ROM:
+            found = [r for r in studies.get(study, []) if r["setting"] == ("1e-5" if tools.short else "1e-8")]
+            cells.append(f"{found[0]['evaluations']} ({float(found[0]['error']):.0e})" if found else "")
+        rows.append([method] + cells)
+    return (tools.made("cmake --build --preset bench --target docs-tables")
+            + table(["evaluations (error) at 1e-8"] + list(WORK_ROM.values()), rows))
+
+
+def work_full(tools):
+    study = "full-quick" if tools.short else "full-beginning"
+    rows = [[method, r["setting"], r["evaluations"], f"{float(r['error']):.1e}", f"{float(r['other_error']):.1e}"]
+            for method, studies in work_curves(tools, "full", study).items() for r in studies[study]]
+    return (tools.made("cmake --build --preset bench --target docs-tables")
+            + table(["method", "at", "evaluations", "error of place, over D0", "of the opening force"], rows, left=2))
+
+
+def bound(tools):
+    said = tools.run([tools.tests, "--gtest_filter=StepBound.*"])
+    rows = [list(found) for found in re.findall(r"^bound over true limit, (.*): ([\d.]+ to [\d.]+)$", said, re.MULTILINE)]
+    return tools.made("verification_tests --gtest_filter=StepBound.*") + table(["state", "bound over true limit"], rows)
+
+
+def order(tools):
+    said = tools.run([tools.tests, "--gtest_filter=TimeIntegration.*"])
+    rows = [[name, "2", found] for name, found in re.findall(r"^(order of .*): ([-\d., ]+)$", said, re.MULTILINE)]
+    return tools.made("verification_tests --gtest_filter=TimeIntegration.*") + table(["quantity", "expected", "found"], rows)
+
+
+# Where a block stands, what makes it, and whether it is quick enough for a test.
+BLOCKS = {
+    "ladder": ("ladder.md", ladder, True),
+    "stability": ("stability.md", stability, False),
+    "work-rom": ("cost.md", work_rom, True),
+    "work-full": ("cost.md", work_full, True),
+    "step-bound": ("stability.md", bound, False),
+    "step-order": ("verification.md", order, True),
+}
+
+
+def markers(block):
+    return f"<!-- begin of what docs-tables makes: {block} -->\n", f"<!-- end of what docs-tables makes: {block} -->\n"
+
+
+def parts(docs, block):
+    """Path, and the text before, between and after its markers."""
+    path = os.path.join(docs, BLOCKS[block][0])
+    with open(path) as file:
+        text = file.read()
+    begin, end = markers(block)
+    if text.count(begin) != 1 or text.count(end) != 1 or text.index(begin) > text.index(end):
+        sys.exit(f"{path}: the block '{block}' has not one begin and one end, each on a line of its own")
+    head, rest = text.split(begin)
+    body, tail = rest.split(end)
+    return path, head + begin, body, end + tail
+
+
+def make(tools, blocks):
+    for block in blocks:
+        path, before, _, after = parts(tools.docs, block)
+        body = BLOCKS[block][1](tools)
+        with open(path, "w") as file:
+            file.write(before + body + after)
+        print(f"{path}: {block}", flush=True)
+    return 0
+
+
+def check(docs):
+    bad = 0
+    for block in BLOCKS:
+        path, _, body, _ = parts(docs, block)
+        if not re.search(r"^Made by `.*`:.* commit [0-9a-f]{7,}", body, re.MULTILINE) or body.count("\n|") < 4:
+            print(f"{path}: the block '{block}' does not say what made it, of which commit, or has no table")
+            bad += 1
+    return 1 if bad else 0
+
+
+def main(arguments):
+    if len(arguments) == 2 and arguments[0] == "check":
+        return check(arguments[1])
+    if len(arguments) >= 5 and arguments[0] == "make":
+        return make(Tools(*arguments[1:5], short=False), arguments[5:] or BLOCKS)
+    if len(arguments) == 5 and arguments[0] == "short":
+        with tempfile.TemporaryDirectory() as directory:
+            docs = shutil.copytree(arguments[1], os.path.join(directory, "docs"))
+            code = make(Tools(docs, *arguments[2:], short=True), [b for b in BLOCKS if BLOCKS[b][2]])
+            return code or check(docs)
+    print(__doc__)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
