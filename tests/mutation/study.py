@@ -5,7 +5,7 @@ Each mutation is made in a copy of the tree. Made in one fidelity alone, the gat
 (`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
 tolerance is exceeded. Made in lib, both fidelities agree on it, and the law's own tests have to fail.
 
-usage: study.py SOURCE BUILD [--only WORD] [--keep]
+usage: study.py SOURCE BUILD [--only WORDS] [--keep]
 
 SOURCE: the tree. BUILD: a folder for the copy and what is built of it; made when it is not there, used again when it is.
 Exits 1 where a mutation gets through. The table of what each gave goes to standard output.
@@ -187,15 +187,15 @@ def main():
     parser = argparse.ArgumentParser(description="breaks laws of physics and looks who notices")
     parser.add_argument("source")
     parser.add_argument("build")
-    parser.add_argument("--only", default="", help="mutations whose name or place holds this word")
+    parser.add_argument("--only", default="", help="mutations with this in 'name, place', e.g. 'wind, rom'")
     parser.add_argument("--keep", action="store_true", help="leave the copy and its build where they are")
     options = parser.parse_args()
-    mutations = [m for m in MUTATIONS if options.only in m.name or options.only in m.where]
+    mutations = [m for m in MUTATIONS if options.only in f"{m.name}, {m.where}"]
     tree = Tree(options.source, options.build)
     tree.begin("twinchute", *(["unit_tests"] if any(m.tests for m in mutations) else []))
     sound(tree, mutations)
     through = 0
-    print("| mutation | made in | caught | what was seen |\n| --- | --- | --- | --- |")
+    print("| mutation | made in | caught | what was seen |\n| --- | --- | --- | --- |", flush=True)
     for mutation in mutations:
         text = tree.mutate(mutation)
         try:
