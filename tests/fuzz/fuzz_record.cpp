@@ -1,8 +1,10 @@
-// Any bytes as a record, its three files one after the other with a NUL between them: a record that survives
-// being written and read again, of which every report can be made, or a RecordError with a place.
+// Any bytes as a record, its three files one after the other with a NUL between them, and after a fourth a
+// gap.json that may hold an attribution: a record that survives being written and read again, of which every
+// report can be made, or a RecordError with a place.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "compare/report/attribution_json.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
@@ -29,13 +31,18 @@ bool holds_null(const nlohmann::json& json) {
 }
 
 /// The record beside itself one metric further: differences and quotients of whatever it holds.
-void report(const RunRecord& record) {
+void report(const RunRecord& record, std::string_view foreign_gap) {
     compare::Comparison comparison;
     comparison.reference = comparison.candidate = record;
     std::vector<Metric>& metrics = comparison.candidate.metrics;
     for (std::size_t i = 0; i + 1 < metrics.size(); ++i)
         metrics[i].value = metrics[i + 1].value;
     comparison.gap = compare::measure_gap(comparison.reference, comparison.candidate, {});
+    if (!foreign_gap.empty()) try {
+            comparison.attribution = compare::read_attribution(foreign_gap, "d/gap.json", comparison);
+        } catch (const RecordError& error) {
+            fuzz::require(error.place().file == "d/gap.json", "an error has a place");
+        }
     const std::string gap = compare::gap_json(comparison);
     fuzz::require(!holds_null(nlohmann::json::parse(gap)), "what is absent has no key");
     fuzz::require(!compare::report_markdown(comparison).empty() && !compare::junit_xml(comparison).empty() &&
@@ -51,7 +58,8 @@ void report(const RunRecord& record) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     std::string_view text = fuzz::text_of(data, size);
-    const std::string_view summary = part_of(text), history = part_of(text), events = part_of(text);
+    const std::string_view summary = part_of(text), history = part_of(text), events = part_of(text),
+                           gap = part_of(text);
     RunRecord record;
     try {
         record = read_record_text(summary, history, events, "d");
@@ -71,6 +79,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                       events_csv(again) == written[2],
                   "a record is the same when it is read again");
     fuzz::require(summary_json(as_written(record)) == written[0], "a record that was read is as written");
-    report(record);
+    report(record, gap);
     return 0;
 }

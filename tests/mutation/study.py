@@ -5,7 +5,7 @@ Each mutation is made in a copy of the tree. Made in one fidelity alone, the gat
 (`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
 tolerance is exceeded. Made in lib, both fidelities agree on it, and the law's own tests have to fail.
 
-usage: study.py SOURCE BUILD [--only WORD] [--keep]
+usage: study.py SOURCE BUILD [--only WORDS] [--keep]
 
 SOURCE: the tree. BUILD: a folder for the copy and what is built of it; made when it is not there, used again when it is.
 Exits 1 where a mutation gets through. The table of what each gave goes to standard output.
@@ -80,29 +80,27 @@ class Tree:
 
     def __init__(self, source, build):
         self.source = pathlib.Path(source).resolve()
-        self.top = pathlib.Path(build).resolve() / "tree"
-        self.built = pathlib.Path(build).resolve() / "build"
-        self.environment = dict(os.environ, CCACHE_BASEDIR=str(self.top), CCACHE_NOHASHDIR="1")
+        self.top = pathlib.Path(build).resolve()
+        self.built = self.top / "build" / "mutation"
 
-    def begin(self):
+    def begin(self, *targets):
         self.top.mkdir(parents=True, exist_ok=True)
-        skipped = shutil.ignore_patterns("build", ".git", "out", "*.out")
         for entry in sorted(self.source.iterdir()):
-            if entry.name in ("build", ".git"):
+            if entry.name in ("build", ".git") or entry.name.endswith(".out"):
                 continue
             target = self.top / entry.name
             if entry.is_dir():
                 # Files that are the same keep their times, so that nothing of them is built again.
-                shutil.copytree(entry, target, dirs_exist_ok=True, ignore=skipped, copy_function=copy_if_changed)
+                shutil.copytree(entry, target, dirs_exist_ok=True, copy_function=copy_if_changed)
             else:
                 copy_if_changed(entry, target)
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         self.run(["cmake", "-S", self.top, "-B", self.built, "-DCMAKE_BUILD_TYPE=Release", "-DTWINCHUTE_TESTS=ON",
-                  *generator])
-        self.build("twinchute", "unit_tests")
+                  "-DTWINCHUTE_WERROR=ON", *generator])
+        self.build(*targets)
 
     def run(self, words):
-        done = subprocess.run([str(w) for w in words], env=self.environment, stdout=subprocess.PIPE,
+        done = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace")
         if done.returncode != 0:
             sys.exit(f"study.py: '{' '.join(map(str, words))}' failed\n" + done.stdout[-4000:])
@@ -189,15 +187,15 @@ def main():
     parser = argparse.ArgumentParser(description="breaks laws of physics and looks who notices")
     parser.add_argument("source")
     parser.add_argument("build")
-    parser.add_argument("--only", default="", help="mutations whose name or place holds this word")
+    parser.add_argument("--only", default="", help="mutations with this in 'name, place', e.g. 'wind, rom'")
     parser.add_argument("--keep", action="store_true", help="leave the copy and its build where they are")
     options = parser.parse_args()
-    mutations = [m for m in MUTATIONS if options.only in m.name or options.only in m.where]
+    mutations = [m for m in MUTATIONS if options.only in f"{m.name}, {m.where}"]
     tree = Tree(options.source, options.build)
-    tree.begin()
+    tree.begin("twinchute", *(["unit_tests"] if any(m.tests for m in mutations) else []))
     sound(tree, mutations)
     through = 0
-    print("| mutation | made in | caught | what was seen |\n| --- | --- | --- | --- |")
+    print("| mutation | made in | caught | what was seen |\n| --- | --- | --- | --- |", flush=True)
     for mutation in mutations:
         text = tree.mutate(mutation)
         try:
@@ -207,7 +205,7 @@ def main():
         through += not caught
         print(f"| {mutation.name} | `{mutation.where}` | {'yes' if caught else '**no**'} | {words} |", flush=True)
     if not options.keep:
-        shutil.rmtree(tree.top.parent)
+        shutil.rmtree(tree.top)
     sys.exit(1 if through else 0)
 
 

@@ -323,7 +323,8 @@ TEST(CompareAttribution, StillAirKeepsTheReleaseThroughTheAir) {
     // 21 m/s straight down over ground through that wind.
     EXPECT_NEAR(scene.release.speed, std::sqrt(21.0 * 21.0 + 20.0), 1e-12);
     EXPECT_NEAR(std::tan(scene.release.path_angle), 21.0 / std::sqrt(20.0), 1e-9);
-    EXPECT_NEAR(std::tan(scene.release.heading), -4.0 / 2.0, 1e-9);
+    EXPECT_NEAR(std::sin(scene.release.heading), -4.0 / std::sqrt(20.0), 1e-12);  // against the wind
+    EXPECT_NEAR(std::cos(scene.release.heading), 2.0 / std::sqrt(20.0), 1e-12);
 }
 
 }  // namespace
