@@ -63,8 +63,8 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
             gaps.push_back(gap_json(comparison));
         } else if (!quiet) {
             print((&scene == &scenes.front() ? "" : "\n") + terminal_text(comparison, output_style()));
-            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
             print(fields_text(of_reference) + fields_text(of_candidate));
+            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
         }
         code = gravest(code, exit_code(comparison));
         if (code == ExitCode::interrupted) break;
