@@ -113,8 +113,8 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         } else if (!quiet) {
             print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
             if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
-            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
             print(fields_text(of_reference) + fields_text(of_candidate));
+            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
         }
         code = gravest(code, exit_code(comparison));
         if (trend && overall_verdict(*trend) == Verdict::exceeded) code = gravest(code, ExitCode::verdict);

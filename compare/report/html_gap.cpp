@@ -30,6 +30,14 @@ std::vector<Step> steps_of(const MetricAttribution& metric) {
     return steps;
 }
 
+/// As many digits after the point as four of the metric itself have.
+std::string effect_text(double effect, const MetricAttribution& metric, const std::string& unit) {
+    const double larger = std::max(std::abs(metric.candidate), std::abs(metric.reference));
+    const int before =
+        larger > 0 && std::isfinite(larger) ? static_cast<int>(std::floor(std::log10(larger))) + 1 : 1;
+    return fmt::format("{:.{}f}{}", std::abs(effect), std::clamp(4 - before, 0, 12), unit);
+}
+
 struct Scale {
     double low, high;
     double at(double value) const { return high > low ? 4 + 92 * (value - low) / (high - low) : 50; }
@@ -74,8 +82,8 @@ std::string way(const MetricAttribution& metric, const Comparison& comparison) {
     for (const Step& step : steps) {
         const double from = scale.at(std::min(step.from, step.to)),
                      to = scale.at(std::max(step.from, step.to));
-        const std::string effect = fmt::format("{}{}{}", step.to < step.from ? "\u2212" : "+",
-                                               readable(std::abs(step.to - step.from)), unit);
+        const std::string effect =
+            (step.to < step.from ? "\u2212" : "+") + effect_text(step.to - step.from, metric, unit);
         text += row(xml_text(step.title), step.detail, effect,
                     fmt::format("<span class=\"step {}\" style=\"left:{:.2f}%;width:{:.2f}%\"></span>",
                                 step.style, from, to - from));
@@ -92,8 +100,8 @@ std::string way(const MetricAttribution& metric, const Comparison& comparison) {
             "on their "
             "own.</p>\n";
     if (metric.scatter)
-        text += fmt::format("<p class=\"quiet\">Scatter over seeds: {}{}.{}</p>\n", readable(*metric.scatter),
-                            xml_text(unit),
+        text += fmt::format("<p class=\"quiet\">Scatter over seeds: {}{}.{}</p>\n",
+                            effect_text(*metric.scatter, metric, ""), xml_text(unit),
                             std::abs(metric.candidate - metric.reference) <= *metric.scatter
                                 ? " The gap is no larger than that: chance alone makes as much."
                                 : "");
@@ -108,7 +116,7 @@ std::string attribution_section(const Comparison& comparison) {
     std::string text = fmt::format(
         "<section id=\"why\"><h2>Why they differ</h2>\n<p>Each bar is what one piece of physics does to the "
         "metric when it "
-        "alone is brought from {} to {}; orange raises it, blue lowers it.</p>\n<div class=\"ways\">\n",
+        "alone is brought from {} to {}; purple raises it, green lowers it.</p>\n<div class=\"ways\">\n",
         side_name(sides[0]), side_name(sides[1]));
     for (const MetricAttribution& metric : comparison.attribution->metrics)
         text += "<div>" + way(metric, comparison) + "</div>\n";

@@ -112,7 +112,7 @@ def main():
                            "full.mesh.gore_rows=6"], check=False)
     expect(done.returncode in (0, 1), f"compare ended with {done.returncode}")
     url = (pathlib.Path(work) / "report.html").resolve().as_uri()
-    with Chromium(110) as page:
+    with Chromium(240) as page:
         page.open(url, width=1000, height=800)
         is_accessible(page)
         cursor_is_linked(page)

@@ -1,11 +1,12 @@
-// Any bytes as a record, its three files one after the other with a NUL between them, and after a fourth a
-// gap.json that may hold an attribution: a record that survives being written and read again, of which every
-// report can be made, or a RecordError with a place.
+// Any bytes as a record, its three files one after the other with a NUL between them, after a fourth a
+// gap.json that may hold an attribution, and what is left as its frames: a record that survives being written
+// and read again, of which every report can be made, or a RecordError with a place.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "compare/report/attribution_json.hpp"
 #include "compare/report/gap_json.hpp"
+#include "compare/report/html.hpp"
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
@@ -31,8 +32,9 @@ bool holds_null(const nlohmann::json& json) {
 }
 
 /// The record beside itself one metric further: differences and quotients of whatever it holds.
-void report(const RunRecord& record, std::string_view foreign_gap) {
+void report(const RunRecord& record, std::string_view foreign_gap, const ShapeFrames& frames) {
     compare::Comparison comparison;
+    comparison.reference_frames = frames;
     comparison.reference = comparison.candidate = record;
     std::vector<Metric>& metrics = comparison.candidate.metrics;
     for (std::size_t i = 0; i + 1 < metrics.size(); ++i)
@@ -48,10 +50,25 @@ void report(const RunRecord& record, std::string_view foreign_gap) {
     fuzz::require(!compare::report_markdown(comparison).empty() && !compare::junit_xml(comparison).empty() &&
                       !compare::terminal_text(comparison, {}).empty(),
                   "a report says something");
+    constexpr std::size_t largest_page = 4 << 20;
+    fuzz::require(compare::report_html(comparison).size() < largest_page, "a page is of the size of a page");
     constexpr std::size_t largest_plot = 1 << 20;
     fuzz::require(compare::force_svg(comparison).size() < largest_plot &&
                       compare::speed_svg(comparison).size() < largest_plot,
                   "a plot is of the size of a plot");
+}
+
+/// What the bytes say, or nothing when they are refused; whatever is read is written as it was.
+ShapeFrames frames_of(std::string_view bytes) {
+    if (bytes.empty()) return {};
+    try {
+        ShapeFrames shape = read_frames_bytes(bytes, "d/frames.bin");
+        fuzz::require(frames_bytes(shape) == bytes, "frames are written as they were read");
+        return shape;
+    } catch (const RecordError& error) {
+        fuzz::require(error.place().file == "d/frames.bin", "an error has a place");
+        return {};
+    }
 }
 
 }  // namespace
@@ -60,6 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::string_view text = fuzz::text_of(data, size);
     const std::string_view summary = part_of(text), history = part_of(text), events = part_of(text),
                            gap = part_of(text);
+    const ShapeFrames frames = frames_of(text);
     RunRecord record;
     try {
         record = read_record_text(summary, history, events, "d");
@@ -79,6 +97,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                       events_csv(again) == written[2],
                   "a record is the same when it is read again");
     fuzz::require(summary_json(as_written(record)) == written[0], "a record that was read is as written");
-    report(record, gap);
+    report(record, gap, frames);
     return 0;
 }

@@ -44,7 +44,7 @@ inline const std::string& why_no_mounts() {
 /// tmpfs too small to be missed: the ballast below fills it just as well.
 class SmallDisk {
 public:
-    explicit SmallDisk(const std::string& options = "size=512k") {
+    explicit SmallDisk(const std::string& options = "size=8m") {
         path_ = place_.path();
         if (!why_no_mounts().empty()) {
             why_ = why_no_mounts();

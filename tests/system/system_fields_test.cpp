@@ -192,7 +192,7 @@ TEST_F(SystemFields, ThoseOfAnEarlierRunDoNotSurvive) {
     ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "50"} + quick).code, 0);
     ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "4"} + quick).code, 0);
     EXPECT_EQ(names("o"),
-              (Names{"summary.json", "history.csv", "events.csv", "fields.pvd", "fields",
+              (Names{"summary.json", "history.csv", "events.csv", "frames.bin", "fields.pvd", "fields",
                      "fields/frame-000000.vtu", "fields/frame-000001.vtu", "fields/frame-000002.vtu"}));
     ASSERT_EQ(run({"rom", scene, "--out", "o", "--quiet"}).code, 0);
     EXPECT_EQ(names("o"), (Names{"summary.json", "history.csv", "events.csv"}));

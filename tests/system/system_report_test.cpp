@@ -80,6 +80,23 @@ TEST_F(SystemReport, PrintsWhatComparePrints) {
     EXPECT_EQ(again.code, compared.code);
 }
 
+TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
+    ASSERT_LT(run({"compare", "scene.toml", "--quiet", "--out", "out"}).code, 2);
+    const auto before = files("out");
+    const std::string frames = before.at("full/frames.bin");
+    here_.write("out/full/frames.bin", frames.substr(0, frames.size() - 1));
+    const Ended cut = run({"report", "out"});
+    EXPECT_EQ(cut.code, 2);
+    EXPECT_EQ(cut.err,
+              "twinchute: out/full/frames.bin: ends too early (was it cut off?), run the scene again\n");
+    EXPECT_EQ(content_of(here_ / "out/report.html"), before.at("report.html"));  // nothing was written
+    std::filesystem::remove(here_ / "out/full/frames.bin");  // a record of a version that had none
+    EXPECT_LT(run({"report", "out", "--quiet"}).code, 2);
+    const std::string page = content_of(here_ / "out/report.html");
+    EXPECT_EQ(page.find("id=\"canopy-section\""), page.npos);
+    EXPECT_NE(page.find("id=\"histories\""), page.npos);
+}
+
 TEST_F(SystemReport, AWholeOpeningIsRemadeAsItWas) {
     const Ended compared =
         run({"compare", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml", "--quiet", "--set",
