@@ -23,7 +23,10 @@ constexpr std::int64_t most_steps = 2'000'000'000;
 constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
 constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
 constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
-constexpr double substep_cost = 0.15;    // of a substep of lines over a step of everything
+constexpr double substep_cost = 0.12;    // of a substep of lines over a step of everything
+/// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
+/// the energy grows with the step. Ahead of its lines cloth goes no further than this share of its own bound.
+constexpr double share_while_slapping = 0.5;
 constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
@@ -287,18 +290,17 @@ Simulation::Step Simulation::choose_step(const State& state) {
     const StableSteps stable = layout_->stable_steps(state);
     int substeps = 1;
     double step = stable.all, dearness = 1.0 / step;
-    // Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds
-    // to the energy grows with the step, so that longer ones are not for them.
-    const int most = state.stage == Stage::flight ? scene_.full.line_substeps : 1;
-    for (int count = 2; count <= most; ++count) {
-        const double longer = std::min(stable.canopy, count * stable.lines);
+    const double factor = scene_.full.time_step_factor;
+    const double share = state.stage == Stage::flight ? 1.0 : std::min(1.0, share_while_slapping / factor);
+    for (int count = 2; count <= scene_.full.line_substeps; ++count) {
+        const double longer = std::min(share * stable.canopy, count * stable.lines);
         const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
         substeps = count;
         step = longer;
         dearness = dearness_of_count;
     }
-    return {scene_.full.time_step_factor * step, substeps};
+    return {factor * step, substeps};
 }
 
 void Simulation::refresh_step() {

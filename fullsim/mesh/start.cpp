@@ -42,14 +42,18 @@ Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double l
                           load);
 }
 
-/// As strong as one of four risers would be, and in elements as long as the lines': from the vent's seams by
-/// one cord each to the apex, from there to the far end. `axis`: from payload to apex.
+/// Static line elements over those of suspension lines, in length: on light vent nodes, and held by many legs
+/// at one end, they would set the step of the whole parachute where lines take substeps.
+constexpr double coarser_than_lines = 4.0;
+
+/// As strong as one of four risers would be: by one leg from each of the vent's seams, together as strong, to
+/// the apex, from there to the far end. `axis`: from payload to apex.
 StaticLine rig_static_line(const Mesh& mesh, const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     const double strands = std::max(1.0, 0.25 * chute.gores);
     const double length = chute.deploy.static_line_length;
-    const int elements = std::max(
-        1, static_cast<int>(std::lround(length / (chute.line_length / scene.full.mesh.line_elements))));
+    const double element = coarser_than_lines * chute.line_length / scene.full.mesh.line_elements;
+    const int elements = std::max(1, static_cast<int>(std::lround(length / element)));
     const double linear = chute.line.linear_density();
     const auto& vent = mesh.seam_rings.front();
     const double leg = gore_pattern(chute).vent_radius;
@@ -65,8 +69,9 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene) {
         line.mass.push_back(0.0);
     }
     for (const NodeIndex i : vent)
-        line.cables.push_back({{i, first}, leg, 1.0, CableKind::static_line});
-    line.mass[0] += linear * leg * static_cast<double>(vent.size());
+        line.cables.push_back(
+            {{i, first}, leg, strands / static_cast<double>(vent.size()), CableKind::static_line});
+    line.mass[0] += linear * leg * strands;
     for (int k = 0; k < elements; ++k) {
         const double l0 = length / elements;
         line.cables.push_back({{first + k, first + k + 1}, l0, strands, CableKind::static_line});
