@@ -24,7 +24,8 @@ protected:
                     "full.noise = { amplitude = \"0.1 mm\", seed = 5 }\n"
                     "stop.time = 0.25\n"
                     "[compare.tolerance]\n"
-                    "peak_force = \"1000 %\"\n");  // of a moment on a coarse mesh
+                    "peak_force = \"1000 %\"\n"  // of a moment on a coarse mesh
+                    "time_to_peak_force = \"1000 %\"\n");
     }
     Ended run(Words words) {
         words.insert(words.begin(), TWINCHUTE_PROGRAM);
