@@ -26,9 +26,7 @@ std::string toml_text(const toml::node& node) {
     std::ostringstream text;
     node.visit([&](const auto& value) {
         using Value = std::remove_cvref_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, toml::table>) {
-            text << toml::toml_formatter(value);
-        } else if constexpr (std::is_same_v<Value, toml::array>) {
+        if constexpr (std::is_same_v<Value, toml::table> || std::is_same_v<Value, toml::array>) {
             text << toml::toml_formatter(value);
         } else {
             text << toml::toml_formatter(toml::table{{"v", value}});
