@@ -103,8 +103,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.example = "twinchute compare data/scenes/c9-inflation.toml";
     verb.options = scene_options("write records and report there instead of ./<scene file>.out");
     verb.options.insert(verb.options.begin() + 1, tolerance_option(reference.name));
-    for (Option& option : baseline_options())
-        verb.options.insert(verb.options.begin() + 2, std::move(option));
+    const std::vector<Option> of_baseline = baseline_options();
+    verb.options.insert(verb.options.begin() + 2, of_baseline.begin(), of_baseline.end());
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
     if (reference.has_threads || candidate.has_threads)
