@@ -141,7 +141,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
         {"seeds", "N",
          fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
                      AttributionOptions{}.seeds)}};
-    std::ranges::copy(baseline_options(), std::back_inserter(own));
+    const std::vector<Option> of_baseline = baseline_options();
+    own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());

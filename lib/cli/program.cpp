@@ -51,7 +51,8 @@ void option_lines(std::string& text, const std::vector<Option>& options) {
     for (const Option& option : options) {
         const std::string left =
             option.name == "help" ? "-h, --help" : "--" + option.name + " " + option.value;
-        text += fmt::format("  {:<27} {}{}\n", left, option.meaning,
+        const std::string gap = left.size() > 27 ? fmt::format("\n{:30}", "") : " ";
+        text += fmt::format("  {:<27}{}{}{}\n", left, gap, option.meaning,
                             option.repeatable ? " (may be repeated)" : "");
     }
 }
