@@ -33,7 +33,7 @@ struct Cord {
 };
 
 /// What design practice takes off a material's strength: the seams hold less than the material does, and
-/// loads are multiplied before they are held against it (Knacke, NWC TP 6575, chapter 6).
+/// loads are multiplied before they are held against it.
 struct StrengthFactors {
     double joint_efficiency = 1.0;  ///< strength of seams and joints over the material's [-]
     double design_factor = 1.0;     ///< safety, uneven load, wear, moisture, fatigue, all in one [-]
