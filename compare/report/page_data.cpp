@@ -11,7 +11,7 @@ namespace twinchute::compare {
 namespace {
 
 // [bytes] of frames: with everything else, a page that a mailbox takes.
-constexpr std::size_t most_frame_bytes = 1'050'000;
+constexpr std::size_t most_frame_bytes = 1'000'000;
 
 /// Five digits: a curve shows no more. What is not finite is a gap.
 std::string numbers(const std::vector<double>& values) {
