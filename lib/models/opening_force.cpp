@@ -136,7 +136,7 @@ double drag_only_peak(const DragAreaLaw& law, double eta, double ballistic) {
         const double slowed = 1.0 + law.integral(tau, eta) / ballistic;
         return law.at(tau, eta).value / (slowed * slowed);
     };
-    return maximum_on(ratio, 0.0, 1.0, 256).value;
+    return maximum_on(ratio, 0.0, 1.0, 64).value;
 }
 
 double force_reduction_by_loading(double loading) {

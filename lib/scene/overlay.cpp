@@ -29,7 +29,7 @@ void imply_models(Document& document) {
         if (before != implied.end() && place(before->second) <= place(entry)) continue;
         Entry& added = implied[model] = entry;
         added.key = find_key(scene_keys(), model);
-        added.value = std::string(entry.key->only_with);
+        added.value = std::string(words_of(entry.key->only_with).front());  // the first of several that fit
         added.source.clear();
     }
     document.entries.merge(implied);

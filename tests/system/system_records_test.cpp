@@ -241,10 +241,12 @@ TEST_F(SystemCi, ShippedFilesAreWhatTheirServicesAskFor) {
 
 TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
     const std::string top = scene("").substr(0, scene("").find("compare."));
-    here_.write("scenes/good.toml", top + "compare.tolerance.peak_force = \"1000 %\"\n");
+    here_.write("scenes/good.toml", top +
+                                        "compare.tolerance.peak_force = \"1000 %\"\n"
+                                        "compare.tolerance.time_to_peak_force = \"1000 %\"\n");
     const Ended green = gate({"scenes", "results", "baselines"});  // no such baselines yet
     EXPECT_EQ(green.code, 0) << green.out << green.err;
-    EXPECT_NE(text("results/summary.md").find("**within tolerance: 1 of 1 judged metrics**"),
+    EXPECT_NE(text("results/summary.md").find("**within tolerance: 2 of 2 judged metrics**"),
               std::string::npos);
     EXPECT_EQ(text("results/summary.md").find("!["), std::string::npos);  // pictures would be broken there
     EXPECT_TRUE(std::filesystem::exists(here_ / "results/good/junit.xml"));

@@ -87,10 +87,17 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
     here_.write("out/full/frames.bin", frames.substr(0, frames.size() - 1));
     const Ended cut = run({"report", "out"});
     EXPECT_EQ(cut.code, 2);
-    EXPECT_EQ(cut.err,
-              "twinchute: out/full/frames.bin: ends too early (was it cut off?), run the scene again\n");
+    EXPECT_EQ(
+        cut.err,
+        "twinchute: out/full/frames.bin: is not the file that this record was written with (its SHA-256 is "
+        "not the one in summary.json: it was edited or cut short), run the scene again\n");
     EXPECT_EQ(content_of(here_ / "out/report.html"), before.at("report.html"));  // nothing was written
-    std::filesystem::remove(here_ / "out/full/frames.bin");  // a record of a version that had none
+    std::filesystem::remove(here_ / "out/full/frames.bin");
+    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 2);  // the summary vouches for it
+    // A record of a version that had none says nothing of it.
+    auto summary = nlohmann::json::parse(before.at("full/summary.json"));
+    summary["files"].erase("frames.bin");
+    here_.write("out/full/summary.json", summary.dump());
     EXPECT_LT(run({"report", "out", "--quiet"}).code, 2);
     const std::string page = content_of(here_ / "out/report.html");
     EXPECT_EQ(page.find("id=\"canopy-section\""), page.npos);

@@ -51,8 +51,8 @@ TEST_F(SystemSeries, EveryCaseHasItsDirectory) {
 }
 
 TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
-    const Ended ended =
-        run({"compare", "series.toml", "--json", "--out", "c", "--tolerance", "max_force=1000%"});
+    const Ended ended = run({"compare", "series.toml", "--json", "--out", "c", "--tolerance",
+                             "max_force=1000%", "--tolerance", "time_to_peak_force=1000%"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     const json gaps = json::parse(ended.out);
     ASSERT_TRUE(gaps.is_array());
@@ -61,7 +61,8 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
     EXPECT_EQ(read("c/heavy/gap.json"), gaps[1]);
 
     here_.write("one-fails.toml",
-                "base = \"series.toml\"\n[[case]]\nname = \"wide\"\nset = { compare.tolerance.max_force = "
+                "base = \"series.toml\"\ncompare.tolerance.time_to_peak_force = \"1000 %\"\n"
+                "[[case]]\nname = \"wide\"\nset = { compare.tolerance.max_force = "
                 "\"1000 %\" }\n"
                 "[[case]]\nname = \"narrow\"\nset = { compare.tolerance.max_force = \"0 %\" }\n"
                 "[[case]]\nname = \"last\"\nset = { compare.tolerance.max_force = \"1000 %\" }\n");

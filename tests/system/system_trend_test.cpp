@@ -33,7 +33,7 @@ TEST_F(SystemTrend, TheSameSceneAndProgramHaveNotMoved) {
     const auto same = trend({});
     EXPECT_EQ(same["verdict"], "within") << same.dump(1);
     EXPECT_EQ(same["changes"].size(), 0u) << same["changes"].dump(1);
-    EXPECT_EQ(same["judged"], 2);  // the peak force of both
+    EXPECT_EQ(same["judged"], 4);  // the peak force and its time, of both
     EXPECT_GT(same["compared"], 20);
     for (const char* what : {"inputs", "model", "machine"})
         EXPECT_EQ(same[what].size(), 0u) << same.dump(1);
@@ -75,24 +75,27 @@ TEST_F(SystemTrend, AChangedInputIsNamedAndItsEffectJudged) {
 
 TEST_F(SystemTrend, ATrendAloneMakesTheGateRed) {
     here_.write("gate.toml", scene("").substr(0, scene("").find("compare.")) +
-                                 "compare.tolerance.peak_force = \"1000 %\"\n");
+                                 "compare.tolerance.peak_force = \"1000 %\"\n"
+                                 "compare.tolerance.time_to_peak_force = \"1000 %\"\n");
     EXPECT_EQ(run({"compare", "gate.toml", "--quiet", "--out", "a"}).code, 0);
     const std::vector<std::string> heavier{"compare", "gate.toml",           "--out",      "b",
                                            "--set",   "payload.mass=150 kg", "--baseline", "a"};
     const auto with = [&](const std::string& tolerance) {
         std::vector<std::string> words = heavier;
-        words.push_back("--baseline-tolerance");
-        words.push_back(tolerance);
+        for (const std::string& each : {tolerance, std::string("time_to_peak_force=100%")}) {
+            words.push_back("--baseline-tolerance");
+            words.push_back(each);
+        }
         return run(words);
     };
     const Ended red = run(heavier);
     EXPECT_EQ(red.code, 1) << red.out;
-    EXPECT_NE(red.out.find("within tolerance: 1 of 1"), std::string::npos) << red.out;  // of the gap
+    EXPECT_NE(red.out.find("within tolerance: 2 of 2"), std::string::npos) << red.out;  // of the gap
     EXPECT_NE(red.out.find("input     payload.mass: 152.4 kg -> 150 kg\n"), std::string::npos) << red.out;
     EXPECT_NE(red.out.find("trend     moved too far from the baseline: "), std::string::npos) << red.out;
     const Ended green = with("peak_force=5%");
     EXPECT_EQ(green.code, 0) << green.out;
-    EXPECT_NE(green.out.find("trend     no judged metric moved beyond its tolerance (2 judged"),
+    EXPECT_NE(green.out.find("trend     no judged metric moved beyond its tolerance (4 judged"),
               std::string::npos)
         << green.out;
     EXPECT_EQ(with("mass_ratio=1%").code, 1);  // judged because it is asked for
