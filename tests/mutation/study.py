@@ -3,7 +3,8 @@
 
 Each mutation is made in a copy of the tree. Made in one fidelity alone, the gate of a shipped scene has to close
 (`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
-tolerance is exceeded. Made in lib, both fidelities agree on it, and the law's own tests have to fail.
+tolerance is exceeded. Made in lib, both fidelities agree on it: the law's own tests have to fail, and
+`twinchute compare --baseline` has to find that the scene has moved from what the sound program made of it.
 
 usage: study.py SOURCE BUILD [--only WORDS] [--keep]
 
@@ -28,7 +29,7 @@ class Mutation:
     file: str
     old: str
     new: str
-    # of one fidelity: the shipped scene whose gate has to close, and the piece that it has to be laid to
+    # the shipped scene whose gate has to close; of one fidelity: the piece that it has to be laid to
     scene: str = ""
     piece: str = ""
     # of lib: the tests that have to fail
@@ -50,7 +51,7 @@ MUTATIONS = [
              scene=DEMO, piece="added-mass"),
     Mutation(RADIUS, "lib", "lib/models/added_mass.cpp",
              "return filled((2.0 / 3.0) * pi, rho, radius, ramp);",
-             "return filled((2.0 / 3.0) * pi * 3.375, rho, radius, ramp);", tests=["AddedMass.*"]),
+             "return filled((2.0 / 3.0) * pi * 3.375, rho, radius, ramp);", scene=DEMO, tests=["AddedMass.*"]),
     Mutation(WIND, "fullsim", "fullsim/step/aero_reference.cpp",
              "air.wind = environment.wind->at(", "air.wind = -environment.wind->at(",
              scene=CROSSWIND, piece="wind"),
@@ -59,7 +60,7 @@ MUTATIONS = [
              scene=CROSSWIND, piece="wind"),
     Mutation(WIND, "lib", "lib/models/wind.cpp",
              "return {-speed * std::sin(from), -speed * std::cos(from), 0.0};",
-             "return {speed * std::sin(from), speed * std::cos(from), 0.0};", tests=["Wind.*"]),
+             "return {speed * std::sin(from), speed * std::cos(from), 0.0};", scene=CROSSWIND, tests=["Wind.*"]),
     Mutation(PHASE, "fullsim", "fullsim/simulation.cpp",
              "inflation_.drag_area_ratio(s.phase, s.time).value",
              "inflation_.drag_area_ratio(s.phase, s.time + (s.phase == Phase::filling ? "
@@ -71,7 +72,7 @@ MUTATIONS = [
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "lib", "lib/models/inflation.cpp",
              "(time - snatch - initial_time) / duration", "(time - snatch) / duration",
-             tests=["Inflation.*"]),
+             scene=DEMO, tests=["Inflation.*"]),
 ]
 
 
@@ -125,12 +126,17 @@ def copy_if_changed(source, target):
     return target
 
 
-def compare(tree, scene):
+def baseline_of(tree, scene):
+    """Where the comparison by the sound program is kept."""
+    return tree.built / "baselines" / pathlib.Path(scene).stem
+
+
+def compare(tree, scene, *options, out=None):
     """Exit code and gap of a shipped scene."""
-    out = tree.built / "study.out"
+    out = out or tree.built / "study.out"
     shutil.rmtree(out, ignore_errors=True)
-    done = subprocess.run([str(tree.built / "twinchute"), "compare", str(tree.top / scene), "--why", "--json", "--out",
-                           str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([str(tree.built / "twinchute"), "compare", str(tree.top / scene), *map(str, options), "--json",
+                           "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode > 1:
         return done.returncode, None, done.stderr.strip()
     return done.returncode, json.loads(done.stdout), ""
@@ -150,7 +156,7 @@ def largest_terms(gap):
 
 def look_at_gate(tree, mutation):
     tree.build("twinchute")
-    code, gap, error = compare(tree, mutation.scene)
+    code, gap, error = compare(tree, mutation.scene, "--why")
     scene = pathlib.Path(mutation.scene).name
     if gap is None:
         # A run that breaks off closes the gate, too, but lays it to nothing.
@@ -162,9 +168,22 @@ def look_at_gate(tree, mutation):
     return caught, f"{scene}: exit {code}; {words or 'nothing exceeded'}"
 
 
+def look_at_trend(tree, mutation):
+    """Whether --baseline catches it, and the metric that has moved most."""
+    scene = pathlib.Path(mutation.scene).name
+    code, gap, error = compare(tree, mutation.scene, "--baseline", baseline_of(tree, mutation.scene))
+    if gap is None:
+        return False, f"{scene} --baseline: exit {code}, {error}"
+    trend = gap["trend"]
+    beyond = [change for change in trend["changes"] if change["verdict"] == "exceeded"]
+    words = ", ".join(f"{c['fidelity']} {c['metric']} {100 * c['relative']:+.3g} %" for c in beyond[:1] if "relative" in c)
+    return code == 1 and bool(beyond), f"{scene} --baseline: exit {code}; {len(beyond)} moved too far, most {words or '-'}"
+
+
 def look_at_tests(tree, mutation):
-    tree.build("unit_tests")
-    words, caught = [], True
+    tree.build("twinchute", "unit_tests")
+    caught, words = look_at_trend(tree, mutation)
+    words = [words]
     for tests in mutation.tests:
         done = subprocess.run([str(tree.built / "tests" / "unit_tests"), f"--gtest_filter={tests}", "--gtest_brief=1"],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
@@ -178,7 +197,7 @@ def look_at_tests(tree, mutation):
 def sound(tree, mutations):
     """Without any mutation every gate is open: otherwise a closed one would say nothing."""
     for scene in sorted({m.scene for m in mutations if m.scene}):
-        code, gap, error = compare(tree, scene)
+        code, gap, error = compare(tree, scene, out=baseline_of(tree, scene))
         if code != 0:
             sys.exit(f"study.py: {scene} exits {code} without any mutation {error or gap['summary']}")
 

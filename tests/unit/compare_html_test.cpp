@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "compare/report/aligned.hpp"
 #include "compare/report/html.hpp"
@@ -183,9 +182,11 @@ TEST(CompareHtml, AsksForNothingFromOutside) {
     const std::string text = text_of(page);
     EXPECT_EQ(text.find("src="), text.npos);
     EXPECT_EQ(text.find("<link"), text.npos);
-    const std::regex reference("href=\"([^\"]*)\"");
-    for (std::sregex_iterator it(text.begin(), text.end(), reference), end; it != end; ++it)
-        EXPECT_TRUE((*it)[1].str().starts_with("#")) << (*it)[1];
+    constexpr std::string_view reference = "href=\"";
+    int references = 0;
+    for (auto at = text.find(reference); at != text.npos; at = text.find(reference, at + 1), ++references)
+        EXPECT_EQ(text[at + reference.size()], '#') << text.substr(at, 80);
+    EXPECT_GT(references, 0);
     // Addresses stand in the libraries as names of namespaces and of authors; here none fetches.
     for (const char* own : {"report.css", "clock.js", "charts.js", "frames.js", "canopy.js"})
         for (const char* way : {"http:", "https:", "url(", "@import", "fetch(", "XMLHttpRequest", "import("})
