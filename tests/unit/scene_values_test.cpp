@@ -103,7 +103,7 @@ TEST(SceneValues, EveryShippedDesignValueNamesItsSource) {
 }
 
 TEST(SceneValues, StrengthsComeWithMaterialsAndFactorsWithTheParachute) {
-    const Parachute& c9 = read_text(good_scene).parachutes.front();
+    const Parachute c9 = read_text(good_scene).parachutes.front();
     ASSERT_TRUE(c9.line.strength && c9.fabric.strength);
     EXPECT_DOUBLE_EQ(*c9.line.strength, 400 * 4.4482216152605);  // lbf, NIST SP 811
     EXPECT_DOUBLE_EQ(*c9.fabric.strength, 7355);                 // 750 kgf/m
