@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "compare/histories.hpp"
 #include "compare/pieces.hpp"
 #include "compare/runs_at_once.hpp"
 #include "compare/snatch_state.hpp"
@@ -48,10 +49,8 @@ struct Pair {
 
 std::optional<double> prescribed_filling_time(const RunRecord& record) {
     const Event* open = record.find_event("full-open");
-    const Event* snatch = record.find_event("snatch");
-    if (snatch == nullptr) snatch = record.find_event("line-stretch");
-    if (open == nullptr || snatch == nullptr) return {};
-    return open->time - snatch->time;
+    if (open == nullptr) return {};
+    return open->time - snatch_of(record);
 }
 
 std::optional<double> value_of(const Answer& answer, const MetricRow& row) {
@@ -210,12 +209,11 @@ private:
         return {state.time, state.place - Vec3(0.0, 0.0, scene_.release.altitude)};
     }
 
-    Answer answer(std::size_t errand, const SnatchState& start, bool own_shape) {
-        const Answer found{&agenda_.record(errand), before(start), own_shape};
-        return found;
+    Answer answer(std::size_t errand, const SnatchState& start, bool own_shape) const {
+        return {&agenda_.record(errand), before(start), own_shape};
     }
 
-    Pair pair(const PairOfErrands& errands, bool own_shape) {
+    Pair pair(const PairOfErrands& errands, bool own_shape) const {
         return {answer(errands.reference, reference_snatch_, own_shape),
                 answer(errands.candidate, reference_snatch_, own_shape)};
     }

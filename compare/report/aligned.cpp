@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/histories.hpp"
 #include "lib/math/interpolation.hpp"
 
 namespace twinchute::compare {
@@ -11,13 +12,6 @@ namespace {
 
 // What a screen can show, and what a page has room for.
 constexpr std::size_t fine_points = 900, coarse_points = 400;
-
-constexpr std::array histories{
-    HistoryRowOfPage{"force", "Opening force"},
-    HistoryRowOfPage{"speed", "Speed of the payload"},
-    HistoryRowOfPage{"projected_area", "Projected area"},
-    HistoryRowOfPage{"drag_area", "Drag area"},
-};
 
 /// The rows of a channel with finite times that rise, in the page's clock.
 struct Rows {
@@ -66,10 +60,6 @@ std::vector<double> resampled(const Rows& rows, const std::vector<double>& clock
 
 }  // namespace
 
-std::span<const HistoryRowOfPage> page_histories() {
-    return histories;
-}
-
 AlignedHistories aligned_histories(const Comparison& comparison) {
     AlignedHistories aligned;
     const PageClock clock = page_clock(comparison);
@@ -77,7 +67,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     std::vector<std::array<Rows, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;
     std::vector<double> peaks;
-    for (const HistoryRowOfPage& row : histories) {
+    for (const HistoryRow& row : history_rows()) {
         std::array<Rows, 2> both;
         AlignedChannel channel{row.channel, row.title, {}, {}, {}};
         for (std::size_t s = 0; s < 2; ++s) {

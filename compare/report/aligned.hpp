@@ -9,13 +9,6 @@
 
 namespace twinchute::compare {
 
-/// A channel that a report draws.
-struct HistoryRowOfPage {
-    std::string_view channel;  ///< in both records
-    std::string_view title;
-};
-std::span<const HistoryRowOfPage> page_histories();
-
 struct AlignedChannel {
     std::string_view channel, title;
     std::string unit;
@@ -30,8 +23,9 @@ struct AlignedHistories {
     std::vector<AlignedChannel> channels;  ///< those that at least one side has
 };
 
-/// Linear between the rows of a record. The clock is fine until opening_end and coarse after it, and has the
-/// instant at which each channel of each side is largest, so that no peak is cut.
+/// The channels of history_rows(), linear between the rows of a record. The clock is fine until opening_end
+/// and coarse after it, and has the instant at which each channel of each side is largest, so that no peak is
+/// cut.
 AlignedHistories aligned_histories(const Comparison& comparison);
 
 }  // namespace twinchute::compare

@@ -249,11 +249,7 @@ std::string cost_svg(const CostPlot& plot) {
         draw_points(canvas, plot, x, y, labels);
     }
     const double page = std::max(height, draw_legend(canvas, plot));  // failures may be many
-    return fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" )"
-        R"(font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="13">)"
-        "\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" rx=\"6\" fill=\"#ffffff\"/>\n{3}</svg>\n",
-        width, page, xml_text(plot.title + ": " + plot.subtitle), canvas.text());
+    return canvas.sheet(width, page, plot.title + ": " + plot.subtitle);
 }
 
 }  // namespace twinchute::compare

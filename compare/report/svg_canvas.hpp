@@ -30,7 +30,15 @@ public:
         add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}"{}>{}</text>)", x, y, anchor, fill, more,
             xml_text(text));
     }
-    const std::string& text() const { return text_; }
+    /// The file: a white sheet with what was drawn. It reads the same on a dark page and on paper.
+    std::string sheet(double width, double height, std::string_view title) const {
+        return fmt::format(
+            R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" )"
+            R"(font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="13">)"
+            "\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" rx=\"6\" "
+            "fill=\"#ffffff\"/>\n{3}</svg>\n",
+            width, height, xml_text(title), text_);
+    }
 
 private:
     std::string text_;

@@ -230,12 +230,7 @@ std::string svg_plot(const Plot& plot) {
         for (const Series& series : plot.series)
             draw_series(canvas, series, x, y);
     }
-    // The white sheet is part of the picture: it reads the same on a dark page and on paper.
-    return fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" )"
-        R"(font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="13">)"
-        "\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" rx=\"6\" fill=\"#ffffff\"/>\n{3}</svg>\n",
-        width, height, xml_text(plot.title + ": " + plot.subtitle), canvas.text());
+    return canvas.sheet(width, height, plot.title + ": " + plot.subtitle);
 }
 
 }  // namespace twinchute::compare

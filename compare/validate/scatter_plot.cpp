@@ -149,11 +149,7 @@ std::string scatter_svg(const SuiteResult& suite, const GroupResult& group) {
         draw_legend(canvas, group);
     }
     const double page = std::max(height, top + 150 + 17.0 * static_cast<double>(rows.size() + 1));
-    return fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" )"
-        R"(font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="13">)"
-        "\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" rx=\"6\" fill=\"#ffffff\"/>\n{3}</svg>\n",
-        width, page, xml_text(suite.title + ": " + group.name), canvas.text());
+    return canvas.sheet(width, page, suite.title + ": " + group.name);
 }
 
 }  // namespace twinchute::compare

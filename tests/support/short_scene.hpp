@@ -27,7 +27,7 @@ protected:
         return Process(words, here_.path()).wait();
     }
     std::string text(const std::string& file) const { return content_of(here_ / file); }
-    nlohmann::json json(const std::string& file) const { return nlohmann::json::parse(text(file)); }
+    nlohmann::json read(const std::string& file) const { return nlohmann::json::parse(text(file)); }
 
     /// Every file below a directory, by name.
     std::map<std::string, std::string> files(const std::string& directory) const {

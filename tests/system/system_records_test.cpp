@@ -27,13 +27,13 @@ TEST_F(SystemRecords, ManyAreARowEach) {
     const Ended table = run({"report", "a", "b", "one", "--out", "table"});
     EXPECT_EQ(table.err, "");
     EXPECT_EQ(table.code, 1);  // of the comparisons
-    const auto all = json("table/records.json");
+    const auto all = read("table/records.json");
     ASSERT_EQ(all["records"].size(), 5u);
     EXPECT_EQ(all["records"][0]["record"], "a");
     EXPECT_EQ(all["records"][0]["fidelity"], "rom");
     EXPECT_EQ(all["records"][1]["fidelity"], "full");
     EXPECT_EQ(all["records"][4]["record"], "one");
-    EXPECT_EQ(all["records"][3]["metrics"], json("b/full/summary.json")["metrics"]);
+    EXPECT_EQ(all["records"][3]["metrics"], read("b/full/summary.json")["metrics"]);
 
     const std::string csv = text("table/records.csv");
     EXPECT_EQ(lines(csv), 7u);  // names, units, rows
@@ -98,9 +98,9 @@ TEST_F(SystemRecords, HostileNamesOfScenesAreEscapedInEveryFile) {
         EXPECT_NE(content.find("alert(1)"), std::string::npos) << file;  // escaped and not lost
     }
     // As it was given, in the formats that carry any text.
-    EXPECT_EQ(json("out/gap.json")["scene"]["name"], json("table/records.json")["records"][0]["scene"]);
-    EXPECT_TRUE(json("out/gap.json")["scene"]["name"].get<std::string>().starts_with("</script><script>"));
-    EXPECT_EQ(json("out/gap.json")["scene"]["file"], "a&b<c>'|`.toml");
+    EXPECT_EQ(read("out/gap.json")["scene"]["name"], read("table/records.json")["records"][0]["scene"]);
+    EXPECT_TRUE(read("out/gap.json")["scene"]["name"].get<std::string>().starts_with("</script><script>"));
+    EXPECT_EQ(read("out/gap.json")["scene"]["file"], "a&b<c>'|`.toml");
 }
 
 TEST_F(SystemRecords, NamesThatLookLikePathsLeadNowhere) {
@@ -112,7 +112,7 @@ TEST_F(SystemRecords, NamesThatLookLikePathsLeadNowhere) {
         for (const std::string& file : tree_of(here_.path()))
             if (!file.starts_with("scene.out") && !before.contains(file)) outside.insert(file);
         EXPECT_EQ(outside, std::set<std::string>{}) << name;
-        EXPECT_EQ(json("scene.out/gap.json")["scene"]["name"], name);
+        EXPECT_EQ(read("scene.out/gap.json")["scene"]["name"], name);
     }
     EXPECT_FALSE(std::filesystem::exists("/tmp/twinchute-escape"));
     for (const char* name : {"../x", "a/b", "..", "", "/tmp/twinchute-escape", ".hidden"}) {
@@ -136,7 +136,7 @@ TEST_F(SystemRecords, NamesThatAreNoTextAreRefusedAndLongOnesAreKept) {
     const std::string longest(100'000, 'n');
     here_.write("long.toml", scene("name = \"" + longest + "\"\n"));
     run({"compare", "long.toml", "--quiet", "--out", "long"});
-    EXPECT_EQ(json("long/gap.json")["scene"]["name"], longest);
+    EXPECT_EQ(read("long/gap.json")["scene"]["name"], longest);
     EXPECT_EQ(run({"report", "long", "--quiet"}).err, "");
 }
 
@@ -194,11 +194,11 @@ TEST_F(SystemRecords, AreWhatTheSchemasSay) {
                                    "whole/full/summary.json", "broken/full/summary.json", "printed.json"});
     EXPECT_EQ(summaries.code, 0) << summaries.out << summaries.err;
     // The check itself finds what is wrong.
-    auto gap = json("out/gap.json");
+    auto gap = read("out/gap.json");
     gap["metrics"]["peak_force_N"]["verdict"] = "splendid";
     here_.write("wrong.json", gap.dump());
     EXPECT_EQ(check("gap.schema.json", {"wrong.json"}).code, 1);
-    auto summary = json("out/rom/summary.json");
+    auto summary = read("out/rom/summary.json");
     summary["unheard_of"] = 1;
     here_.write("wrong.json", summary.dump());
     EXPECT_EQ(check("summary.schema.json", {"wrong.json"}).code, 1);

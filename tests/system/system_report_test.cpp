@@ -4,18 +4,16 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/short_scene.hpp"
 
 namespace twinchute {
 namespace {
 
 using nlohmann::json;
 using test::Ended;
-using test::Process;
 using Words = std::vector<std::string>;
 
-class SystemReport : public testing::Test {
+class SystemReport : public test::ShortScene {
 protected:
     SystemReport() {
         here_.write("scene.toml",
@@ -28,30 +26,14 @@ protected:
                     "max_line_tension = \"3 kN\"\n"  // which one side lacks
                     "projected_diameter_ratio = \"0.5\"\n");
     }
-    Ended run(Words words) {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        return Process(words, here_.path()).wait();
-    }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
     void write(const std::string& file, const json& content) { here_.write(file, content.dump()); }
 
-    /// Every file below a directory, by name.
-    std::map<std::string, std::string> files(const std::string& directory) const {
-        std::map<std::string, std::string> contents;
-        for (const std::string& name : tree_of(here_ / directory)) {
-            const auto file = here_ / (directory + "/" + name);
-            if (std::filesystem::is_regular_file(file)) contents[name] = content_of(file);
-        }
-        return contents;
-    }
     /// All but the records.
     void remove_report(const std::string& directory) const {
         for (const char* name :
              {"gap.json", "report.html", "report.md", "junit.xml", "force.svg", "speed.svg"})
             std::filesystem::remove(here_ / (directory + "/" + name));
     }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemReport, IsTheOneThatCompareWroteByteForByte) {

@@ -19,7 +19,7 @@ protected:
         words.insert(words.end(), more.begin(), more.end());
         const Ended ended = run(words);
         EXPECT_EQ(ended.err, "");
-        return json("new/trend.json");
+        return read("new/trend.json");
     }
     static const nlohmann::json* find(const nlohmann::json& trend, const std::string& fidelity,
                                       const std::string& key) {
@@ -53,7 +53,7 @@ TEST_F(SystemTrend, AChangedInputIsNamedAndItsEffectJudged) {
         ASSERT_NE(peak, nullptr) << fidelity;
         const std::string before = std::string("old/") + fidelity + "/summary.json",
                           now = std::string("new/") + fidelity + "/summary.json";
-        const double was = json(before)["metrics"]["peak_force_N"], is = json(now)["metrics"]["peak_force_N"];
+        const double was = read(before)["metrics"]["peak_force_N"], is = read(now)["metrics"]["peak_force_N"];
         EXPECT_EQ((*peak)["difference"], is - was);
         EXPECT_EQ((*peak)["relative"], (is - was) / was);
         EXPECT_GT((is - was) / was, 0.01) << fidelity;
@@ -169,7 +169,7 @@ TEST_F(SystemTrend, OfAnEarlierRunGoesWithIt) {
     // A baseline may be what is replaced.
     EXPECT_EQ(run({"compare", "scene.toml", "--quiet", "--out", "old", "--baseline", "old"}).code,
               comparison_code);
-    EXPECT_EQ(json("old/trend.json")["changes"].size(), 0u);
+    EXPECT_EQ(read("old/trend.json")["changes"].size(), 0u);
 }
 
 TEST_F(SystemTrend, OfASeriesIsThatOfEachCase) {
@@ -179,7 +179,7 @@ TEST_F(SystemTrend, OfASeriesIsThatOfEachCase) {
     run({"compare", "series.toml", "--quiet", "--out", "s"});
     run({"compare", "series.toml", "--quiet", "--out", "t", "--baseline", "s"});
     for (const char* file : {"t/a/trend.json", "t/b/trend.json"})
-        EXPECT_EQ(json(file)["changes"].size(), 0u) << file;
+        EXPECT_EQ(read(file)["changes"].size(), 0u) << file;
     std::filesystem::remove_all(here_ / "s/b");
     EXPECT_EQ(run({"compare", "series.toml", "--out", "t", "--baseline", "s"}).code, 2);
 }

@@ -4,18 +4,16 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/short_scene.hpp"
 
 namespace twinchute {
 namespace {
 
 using nlohmann::json;
 using test::Ended;
-using test::Process;
 using Words = std::vector<std::string>;
 
-class SystemWhy : public testing::Test {
+class SystemWhy : public test::ShortScene {
 protected:
     SystemWhy() {
         here_.write("scene.toml",
@@ -27,20 +25,6 @@ protected:
                     "peak_force = \"1000 %\"\n"  // of a moment on a coarse mesh
                     "time_to_peak_force = \"1000 %\"\n");
     }
-    Ended run(Words words) {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        return Process(words, here_.path()).wait();
-    }
-    std::map<std::string, std::string> files(const std::string& directory) const {
-        std::map<std::string, std::string> contents;
-        for (const std::string& name : tree_of(here_ / directory)) {
-            const auto file = here_ / (directory + "/" + name);
-            if (std::filesystem::is_regular_file(file)) contents[name] = content_of(file);
-        }
-        return contents;
-    }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemWhy, AddsUpInTheFilesAndIsMadeAgainFromThemByteForByte) {
