@@ -174,8 +174,9 @@ TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
 
 TEST_F(SystemRecords, AreWhatTheSchemasSay) {
     run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=5%"});
-    run({"compare", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml", "--quiet", "--out", "whole",
-         "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4"});
+    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    run({"compare", opening, "--quiet", "--out", "whole", "--set", "full.mesh.gore_columns=1", "--set",
+         "full.mesh.gore_rows=4"});
     here_.write("trend.json", run({"compare", "scene.toml", "--json", "--out", "out", "--set",
                                    "payload.mass=160 kg", "--baseline", "out"})
                                   .out);

@@ -87,9 +87,9 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
 }
 
 TEST_F(SystemReport, AWholeOpeningIsRemadeAsItWas) {
-    const Ended compared =
-        run({"compare", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml", "--quiet", "--set",
-             "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4", "--out", "out"});
+    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const Ended compared = run({"compare", opening, "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
+                                "full.mesh.gore_rows=4", "--out", "out"});
     const auto before = files("out");
     remove_report("out");
     EXPECT_EQ(run({"report", "out", "--quiet"}).code, compared.code);
