@@ -86,7 +86,7 @@ std::optional<std::string> refusal(const StabilityCase& row, const Scene& scene,
         }
         // What has to fit together is checked by the reader's own rules; the scene comes from no file.
         Scene copy = scene;
-        check_scene(copy, Values(Document{}, DocumentKind{}));
+        check_scene(copy, {Values(Document{}, DocumentKind{})});
     } catch (const SceneError& error) {
         return complaint(error);
     }

@@ -36,6 +36,13 @@ public:
     /// Largest forces from here on [s] are the opening's, those before the snatch's. At or after the time of
     /// the last observation; 0 at first.
     void count_peak_from(double time) { extremes_.peak_from = time; }
+    /// Another stage of the opening begins at `time` [s], that of the last observation: peak() is then its
+    /// own.
+    void begin_stage(double time) {
+        extremes_.earlier.push_back(extremes_.peak);
+        extremes_.peak = {};
+        extremes_.peak_from = time;
+    }
 
     /// Called once a step with the forces at state.time evaluated.
     /// Needs the nodes of the seams only where a row is due.
@@ -52,8 +59,9 @@ public:
         double value = 0.0, time = 0.0;
     };
     const std::vector<HistoryRow>& rows() const { return rows_; }
-    const Peak& peak() const { return extremes_.peak; }                ///< of the filtered force [N]
-    const Peak& raw_peak() const { return extremes_.raw_peak; }        ///< of the raw force [N]
+    const Peak& peak() const { return extremes_.peak; }  ///< of the filtered force [N], in this stage
+    const std::vector<Peak>& earlier_peaks() const { return extremes_.earlier; }  ///< of the stages before
+    const Peak& raw_peak() const { return extremes_.raw_peak; }                   ///< of the raw force [N]
     const Peak& snatch_peak() const { return extremes_.snatch_peak; }  ///< raw, before the peak counts [N]
     double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
@@ -84,6 +92,7 @@ private:
     MovingAverage force_, acceleration_;
     struct Extremes {
         Peak peak, raw_peak, snatch_peak;
+        std::vector<Peak> earlier;
         double peak_from = 0.0;
         double acceleration = 0.0;
     };

@@ -13,6 +13,7 @@
 #include "fullsim/parts.hpp"
 #include "fullsim/plan.hpp"
 #include "fullsim/simulation.hpp"
+#include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 
@@ -52,6 +53,10 @@ public:
           frames_(simulation_.mesh(), static_cast<bool>(run.frames)),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight) {
+        if (!scene.parachutes.front().reefing.empty()) {
+            canopies_.emplace(scene);
+            canopies_->release(situation());
+        }
         if (packed()) observer_.count_peak_from(never);
         if (packed())
             frames_.begin(0.0, deployment_frames);
@@ -94,7 +99,17 @@ private:
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
     bool packed() const { return deploy().starts_packed(); }
     bool inflated() const { return deploy().by == DeployBy::inflated; }
-    double full_open() const { return simulation_.inflation().end_of(Phase::filling); }
+    /// [s] of the open canopy; infinite as long as it is reefed.
+    double full_open() const { return reefed() ? never : simulation_.inflation().end_of(Phase::filling); }
+    /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
+    /// canopy from that.
+    double last_stage(double snatch) const { return std::max(snatch, stages_.back().begin); }
+    bool reefed() const { return simulation_.inflation().share < 1.0; }
+    Situation situation() const {
+        const NodeRecord& payload = state().node[simulation_.mesh().payload()];
+        return {state().time, payload.x[2], payload.v[2],
+                (state().sums.system_velocity - state().air.wind).norm(), state().air.density};
+    }
 
     void end(StatusCode code, std::string detail) {
         record_.status = {code, std::move(detail)};
@@ -115,7 +130,8 @@ private:
         const double deployed = state().stage == Stage::deployment
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
                                     : simulation_.inflation().end_of(state().phase);
-        return std::min({deployed, simulation_.ramp_end(), stop_time_, event_stop_});
+        const double cut = canopies_ ? canopies_->next_time() : never;
+        return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
     }
 
     /// The next time at which the extraction force is not smooth.
@@ -220,6 +236,7 @@ private:
         snatch_speed_ = (state().sums.system_velocity - state().air.wind).norm();
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
+        if (canopies_) canopies_->snatched(0, situation());
         add_event("snatch");
         begin_opening_frames();
         met(Trigger::Kind::line_stretch);
@@ -231,12 +248,14 @@ private:
         bool opens = false;
         if (now >= simulation_.inflation().end_of(state().phase)) {
             opens = state().phase == Phase::filling;
-            add_event(opens ? "full-open" : "end-of-initial-phase");
-            if (opens) met(Trigger::Kind::full_open);
+            if (opens && !stages_.empty() && !stages_.back().full) stages_.back().full = now;
+            add_event(!opens ? "end-of-initial-phase" : reefed() ? "reefed-open" : "full-open");
+            if (opens && !reefed()) met(Trigger::Kind::full_open);
             // Drag area and phi are continuous here, only their rates jump: the forces just
             // evaluated are those of the phase that begins, too.
             simulation_.begin(opens ? Phase::open : Phase::filling);
         }
+        if (canopies_) look_for_disreef();
         if (state().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
             switched_late_ = opens && !simulation_.mouth_is_open();
             simulation_.begin_ramp();
@@ -256,6 +275,26 @@ private:
         if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
             now > full_open() && observer_.filtered_force() < past_peak * observer_.peak().value)
             event_stop_ = now + scene_.stop.delay;
+    }
+
+    /// The canopies know when a line is cut; drag area and added mass go on from where they are.
+    void look_for_disreef() {
+        if (canopies_->waits_for_steady_descent() && state().step % steps_between_checks == 0 &&
+            state().phase == Phase::open &&
+            observer_.is_steady(simulation_.inflation().end_of(Phase::filling))) {
+            add_event("steady-descent");
+            canopies_->descends_steadily(situation());
+        }
+        for (const Occurrence& what : canopies_->advance(situation())) {
+            if (what.kind != Occurrence::Kind::disreef) continue;
+            const Canopy& canopy = canopies_->all().front();
+            add_event("disreef");
+            stages_.push_back({state().time});
+            observer_.begin_stage(state().time);
+            simulation_.disreef(canopy.inflation, canopy.stage);
+            if (canopy.phase == Phase::initial) simulation_.begin(Phase::initial);
+            begin_opening_frames();
+        }
     }
 
     /// What the scene may stop at happens now.
@@ -302,6 +341,8 @@ private:
     }
 
     void fill_results();
+    Observer::Peak largest_peak() const;
+    ParachuteResult opening_in_stages(double snatch) const;
     void add_warnings();
 
     const Scene& scene_;
@@ -321,7 +362,30 @@ private:
     std::optional<double> line_stretch_time_;
     double snatch_speed_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
+    std::optional<Canopies> canopies_;                   // of a reefed parachute
+    std::vector<ParachuteResult::Stage> stages_ = {{}};  // of its opening
 };
+
+Observer::Peak FullRun::largest_peak() const {
+    Observer::Peak largest = observer_.peak();
+    for (const Observer::Peak& peak : observer_.earlier_peaks())
+        if (peak.value > largest.value) largest = peak;
+    return largest;
+}
+
+ParachuteResult FullRun::opening_in_stages(double snatch) const {
+    ParachuteResult opening;
+    opening.snatch_time = snatch;
+    opening.stages = stages_;
+    opening.stages.front().begin = snatch;
+    for (std::size_t i = 0; i < opening.stages.size(); ++i) {
+        const auto& earlier = observer_.earlier_peaks();
+        const Observer::Peak& peak = i < earlier.size() ? earlier[i] : observer_.peak();
+        opening.stages[i].peak_force = peak.value;
+        opening.stages[i].peak_time = peak.time;
+    }
+    return opening;
+}
 
 void FullRun::fill_results() {
     const auto& rows = observer_.rows();
@@ -342,14 +406,17 @@ void FullRun::fill_results() {
     if (last.time >= filled + shape_average) {
         steady_area_ = observer_.mean(&HistoryRow::projected_area, shape_average);
         if (!inflated()) {
-            result.filling_time = observer_.first_time_of_area(filled_share * *steady_area_, snatch);
+            result.filling_time =
+                observer_.first_time_of_area(filled_share * *steady_area_, last_stage(snatch));
             if (result.filling_time) *result.filling_time -= snatch;
         }
     }
     if (packed()) result.snatch_force = observer_.snatch_peak().value;
-    if (observer_.peak().value > 0.0) result.peak_force = observer_.peak().value;
-    result.max_force = std::max(observer_.peak().value, observer_.snatch_peak().value);
-    result.peak_time = observer_.peak().time;
+    const Observer::Peak peak = largest_peak();
+    if (peak.value > 0.0) result.peak_force = peak.value;
+    result.max_force = std::max(peak.value, observer_.snatch_peak().value);
+    result.peak_time = peak.time;
+    if (canopies_ && result.snatched) result.parachutes.push_back(opening_in_stages(snatch));
     if (last.time >= filled && !inflated()) result.impulse = observer_.impulse(snatch, filled);
     result.max_deceleration = observer_.largest_acceleration();
     if (descent_altitude_) result.descent_rate = observer_.mean_descent_rate(1.0);
@@ -411,18 +478,18 @@ void FullRun::add_warnings() {
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
         record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
-    const bool opened = std::isfinite(full_open());
-    if (opened && !inflated())
-        add_opening_warnings(record_, scene_, simulation_.inflation(),
+    const bool opened = std::isfinite(simulation_.inflation().snatch);
+    if (opened && !inflated() && !canopies_)
+        add_opening_warnings(record_, scene_, scene_.parachutes.front(), simulation_.inflation(),
                              packed() ? snatch_speed_ : release_airspeed(scene_).norm(),
                              packed() ? snatch_density_ : observer_.rows().front().density);
     add_scene_warnings(record_, scene_);
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
              "give it line drag, a static line, an extraction force, or more height");
-    if (packed() && opened && record_.metric("peak_force_N")) {
+    if (packed() && opened && !canopies_ && record_.metric("peak_force_N")) {
         const Inflation& inflation = simulation_.inflation();
-        const double time = observer_.peak().time;
+        const double time = largest_peak().time;
         const Phase then = time < inflation.end_of(Phase::initial)   ? Phase::initial
                            : time < inflation.end_of(Phase::filling) ? Phase::filling
                                                                      : Phase::open;
@@ -434,7 +501,7 @@ void FullRun::add_warnings() {
                 "damps it",
                 "take it for a snatch force, or give full.alpha a value");
     }
-    if (const double filtered = observer_.peak().value, raw = observer_.raw_peak().value;
+    if (const double filtered = largest_peak().value, raw = observer_.raw_peak().value;
         filtered > 0.0 && raw > ringing * filtered && simulation_.most_substeps() > 1)
         warn(
             fmt::format("the raw peak force is {:.1f} % above the filtered one, lines took up to {} substeps",
@@ -458,7 +525,7 @@ void FullRun::add_warnings() {
              "look at the shape before trusting the loads");
     if (const auto filled = record_.metric("filling_time_s")) {
         const double snatch = simulation_.inflation().snatch;
-        const auto nearly = observer_.first_time_of_area(nearly_filled * *steady_area_, snatch);
+        const auto nearly = observer_.first_time_of_area(nearly_filled * *steady_area_, last_stage(snatch));
         if (nearly && *nearly - snatch < 0.9 * *filled)
             warn(
                 fmt::format("{:g} % of the steady area is reached at {:.3g} s, {:g} % at {:.3g} s",
@@ -483,6 +550,20 @@ void FullRun::add_warnings() {
              "set stop.time later, or stop.at = \"steady-descent\"");
 }
 
+/// What takes more than the one parachute that this model has, or another way out of its pack.
+std::vector<std::string> lacks(const Scene& scene) {
+    if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
+    const Parachute& chute = scene.parachutes.front();
+    std::vector<std::string> keys;
+    if (chute.count > 1) keys.emplace_back("parachute.count");
+    if (chute.cluster_drag_ratio != 1.0) keys.emplace_back("parachute.cluster_drag_ratio");
+    if (chute.deploy_when) keys.emplace_back("parachute.deploy.when");
+    if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
+        keys.emplace_back("parachute.deploy.by");
+    if (chute.cut) keys.emplace_back("parachute.cut");
+    return keys;
+}
+
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
@@ -490,9 +571,7 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 }
 
 const Fidelity& full_fidelity() {
-    static constexpr Fidelity row{"full",       "full aeroelastic model",
-                                  &run_fullsim, [](const Scene&) { return std::vector<std::string>{}; },
-                                  true,         true,
+    static constexpr Fidelity row{"full",    "full aeroelastic model", &run_fullsim, &lacks, true, true,
                                   &plan_full};
     return row;
 }

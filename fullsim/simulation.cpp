@@ -27,6 +27,7 @@ constexpr double substep_cost = 0.12;    // of a substep of lines over a step of
 /// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
 /// the energy grows with the step. Ahead of its lines cloth goes no further than this share of its own bound.
 constexpr double share_while_slapping = 0.5;
+constexpr double cut_line = 10.0;  // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
@@ -99,12 +100,13 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
 
 Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<const ForceBlock> blocks)
     : scene_(scene),
+      make_layout_(layout),
       blocks_(blocks),
       inflation_(first_inflation(scene)),
       mesh_(make_mesh(scene, inflation_, mass_scaling_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       state_(initial_state(scene, mesh_)),
-      layout_(layout(scene, mesh_, constants_)),
+      layout_(make_layout_(scene, mesh_, constants_)),
       dt_min_(never) {
     state_.phase = first_phase(scene, inflation_);
     if (scene.parachutes.front().deploy.starts_packed()) {
@@ -264,6 +266,26 @@ void Simulation::let_static_line_go() {
     state_.aero.resize(left);
 }
 
+/// The same round the mouth; a line that is cut is one that never comes taut.
+void Simulation::set_reefing_line(double length) {
+    for (const std::size_t c : mesh_.reefing_line)
+        mesh_.cables[c].rest_length = length / static_cast<double>(mesh_.reefing_line.size());
+}
+
+void Simulation::disreef(const Inflation& inflation, std::size_t stage) {
+    const Parachute& chute = scene_.parachutes.front();
+    const double before = elastic_energy(whole(), structure_);
+    const bool is_last = stage == chute.reefing.size();
+    set_reefing_line(is_last ? cut_line * pi * chute.nominal_diameter : reefing_line_length(chute, stage));
+    layout_ = make_layout_(scene_, mesh_, constants_);
+    build_blocks();
+    state_.energy.ramp += elastic_energy(state_, structure_) - before;
+    inflation_ = inflation;
+    state_.phase = Phase::filling;
+    refresh_step();
+    evaluate_forces();
+}
+
 bool Simulation::mouth_is_open() const {
     const double steady = 2.0 * steady_radius(scene_.parachutes.front());
     return state_.air.signed_area >= scene_.full.switch_area_ratio * 0.25 * pi * steady * steady;
@@ -312,7 +334,8 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     if (!scene_.aerodynamics.added_mass || state_.stage == Stage::deployment) return {};
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
     const double rho = state_.air.density;
-    if (state_.phase != Phase::open || spec.open_radius == AddedMassRadius::drag_area)
+    const bool reefed = inflation_.share < 1.0;
+    if (state_.phase != Phase::open || reefed || spec.open_radius == AddedMassRadius::drag_area)
         return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho,
                                      steady_radius(scene_.parachutes.front()));
     // Once open, the air belongs to the shape that the canopy really has.

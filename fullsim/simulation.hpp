@@ -72,6 +72,9 @@ public:
     /// Lines and canopy are drawn out: the static line lets go and the canopy begins to fill. Says why it
     /// cannot, if so.
     std::optional<RunStatus> snatch();
+    /// The reefing line of a stage is cut, the next one of the opening begins: its line, if it has one, holds
+    /// the mouth. `stage`: those of Parachute::reefing, then the open canopy.
+    void disreef(const Inflation& inflation, std::size_t stage);
     /// Finite elements begin to take over from springs, and have.
     void begin_ramp();
     void end_ramp();
@@ -124,6 +127,7 @@ private:
     void renew_air();
     void grow_ramp();
     void let_static_line_go();
+    void set_reefing_line(double length);
     Step choose_step(const State& state);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
@@ -138,6 +142,7 @@ private:
     State& whole() const;
 
     const Scene& scene_;
+    const LayoutMaker make_layout_;
     std::span<const ForceBlock> blocks_;
     Inflation inflation_;
     MassScaling mass_scaling_;

@@ -58,14 +58,22 @@ double Course::floor() const {
 }
 
 void Course::met(Trigger::Kind what, double time) {
-    if (scene_.stop.kind != what) return;
-    stop_time = std::min(stop_time, time + scene_.stop.delay);
+    if (scene_.stop.kind == what) end_at(time + scene_.stop.delay);
+}
+
+void Course::end_at(double time) {
+    stop_time = std::min(stop_time, time);
     stop_is_set_ = true;
 }
 
 void Course::add_event(const char* name) {
     const HistoryRow& r = observer.rows().back();
     record.events.push_back({name, r.time, r.altitude, r.speed});
+}
+
+void Course::add_event(std::size_t parachute, const char* name) {
+    if (scene_.parachutes.size() == 1) return add_event(name);
+    add_event((scene_.parachutes[parachute].name + "." + name).c_str());
 }
 
 void Course::count(const OdeSolver& solver) {

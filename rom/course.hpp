@@ -35,12 +35,15 @@ public:
     double floor() const;
     /// What the scene may stop at has happened at `time` [s].
     void met(Trigger::Kind what, double time);
+    /// The run is to end at `time` [s] at the latest, and is then complete.
+    void end_at(double time);
 
     /// Steps of `solver` to `end`; says why it stopped before, if it did.
     Leg integrate_to(OdeSolver& solver, double end);
 
-    /// At the last row.
+    /// At the last row. Of one of several parachutes it carries the name.
     void add_event(const char* name);
+    void add_event(std::size_t parachute, const char* name);
     /// What a solver that is done with has cost.
     void count(const OdeSolver& solver);
 

@@ -18,24 +18,26 @@ namespace {
 /// [m/s] of a release that is at rest in the air; what is left of equal velocities after rounding is less.
 constexpr double at_rest = 1e-6;
 
-/// [s] after release at which the extraction force bends or jumps, in rising order.
-std::vector<double> corners_of(const ForceHistory& force) {
+/// [s] since release at which the extraction force bends or jumps, in rising order. `begin` [s]: of the
+/// deployment, from which its history counts.
+std::vector<double> corners_of(const ForceHistory& force, double begin) {
     std::vector<double> corners;
     if (force.time.empty()) return corners;
     const double end = std::min(force.time.back(), force.duration);
     for (const double t : force.time)
-        if (t > 0.0 && t < end) corners.push_back(t);
-    corners.push_back(end);
+        if (t > 0.0 && t < end) corners.push_back(begin + t);
+    corners.push_back(begin + end);
     return corners;
 }
 
 /// The force from `begin` to the corner after it, by two points inside: at its ends the history is that of
 /// either side.
-ForcePiece piece_of(const ForceHistory& force, double begin, double end) {
+/// `zero` [s]: where its history counts from.
+ForcePiece piece_of(const ForceHistory& force, double zero, double begin, double end) {
     if (!std::isfinite(end)) return {};
     const double quarter = 0.25 * (end - begin), middle = begin + 2.0 * quarter;
-    const double value = force.at(middle);
-    return {value, (value - force.at(begin + quarter)) / quarter, middle};
+    const double value = force.at(middle - zero);
+    return {value, (value - force.at(begin + quarter - zero)) / quarter, middle};
 }
 
 template <int dimensions>
@@ -44,44 +46,61 @@ class DeploymentRun {
     using Model = TwoBodies<dimensions>;
 
 public:
-    DeploymentRun(const Scene& scene, Course& course)
+    DeploymentRun(const Scene& scene, Course& course, Canopies& canopies, Openings& openings, double time,
+                  const Motion<dimensions>& motion)
         : scene_(scene),
-          chute_(scene.parachutes.front()),
+          chute_(scene.parachutes[*canopies.leaves_pack()]),
           course_(course),
-          corners_(corners_of(chute_.deploy.extraction)),
-          model_(make_model()) {}
+          canopies_(canopies),
+          openings_(openings),
+          begin_(time),
+          corners_(corners_of(chute_.deploy.extraction, time)),
+          model_(make_model(motion)) {}
 
-    Deployed<dimensions> run() {
+    Deployed<dimensions> run(const Motion<dimensions>& motion) {
         Deployed<dimensions> result;
         std::vector<double> y(size, 0.0);
-        const auto start = released<dimensions>(scene_);
-        std::ranges::copy(start.position, y.begin());
-        std::ranges::copy(start.velocity, y.begin() + dimensions);
+        std::ranges::copy(motion.position, y.begin());
+        std::ranges::copy(motion.velocity, y.begin() + dimensions);
+        if (chute_.deploy.by == DeployBy::mortar) throw_out(y);
         course_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });
         if (pay_out(y, result)) stretch(y, result);
         return result;
     }
 
 private:
-    enum Root { payload_ground = Course::floor_root, parachute_ground, along_lines };
+    enum Root { payload_ground = Course::floor_root, parachute_ground, along_lines, first_trigger };
 
-    Model make_model() const {
+    Model make_model(const Motion<dimensions>& motion) const {
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
         if (scene_.environment.wind) model.wind = &*scene_.environment.wind;
         model.gravity = scene_.environment.gravity;
-        model.payload_mass = scene_.payload.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
-        model.parachute_mass = chute_.mass;
-        model.pack_drag_area = chute_.deploy.pack_drag_area;
+        model.parachute_mass = chute_.count * chute_.mass;
+        model.pack_drag_area = chute_.count * chute_.deploy.pack_drag_area;
         model.stiffness = line_stiffness(chute_);
         model.taut_distance = taut_distance(chute_);
-        const auto start = released<dimensions>(scene_);
+        model.canopies = &canopies_;
+        if (scene_.aerodynamics.added_mass && canopies_.out_mass() > 0.0)
+            model.added_mass = &*scene_.aerodynamics.added_mass;
         const Vec<dimensions> velocity =
-            airspeed_of<dimensions>(start.velocity, start.altitude(), model.wind);
+            airspeed_of<dimensions>(motion.velocity, motion.altitude(), model.wind);
         model.behind = Vec<dimensions>::Unit(dimensions - 1);
         if (velocity.norm() > at_rest) model.behind = -velocity.normalized();
         return model;
+    }
+
+    double carried_mass() const { return scene_.payload.mass + canopies_.packed_mass(); }
+
+    /// The gun gives the pack its speed, the payload recoils: momentum is conserved.
+    void throw_out(std::vector<double>& y) const {
+        const double pack = model_.parachute_mass, payload = carried_mass() + canopies_.out_mass();
+        const Vec<dimensions> speed = chute_.deploy.muzzle_speed * model_.behind;
+        for (int i = 0; i < dimensions; ++i) {
+            y[dimensions + i] -= pack / (pack + payload) * speed[i];
+            y[3 * dimensions + i] = speed[i];
+        }
     }
 
     /// Until the lines come taut.
@@ -91,8 +110,8 @@ private:
         if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
             for (int i = 0; i < dimensions; ++i)
                 y[3 * dimensions + i] = -y[dimensions + i];
-        OdeSolver solver(opening_method(scene_), rhs(), 0.0, y, scene_.rom.rtol, tolerances());
-        const Leg leg = integrate(solver, longest_deployment);
+        OdeSolver solver(opening_method(scene_), rhs(), begin_, y, scene_.rom.rtol, tolerances());
+        const Leg leg = integrate(solver, begin_ + longest_deployment);
         course_.count(solver);
         y.assign(solver.state().begin(), solver.state().end());
         if (leg != Leg::root || solver.root() != along_lines) {
@@ -101,7 +120,8 @@ private:
         }
         const auto separation = Model::separation_of(y);
         const auto motion = motion_of<dimensions>(y);
-        course_.add_event("line-stretch");
+        course_.add_event(*canopies_.leaves_pack(), "line-stretch");
+        openings_.lines_taut();
         result.line_stretch_time = start_ = solver.time();
         result.payload_speed =
             airspeed_of<dimensions>(motion.velocity, motion.altitude(), model_.wind).norm();
@@ -129,30 +149,47 @@ private:
         result.snatch_time = solver.time();
     }
 
-    /// Stops at each corner of the extraction force, where the right-hand side changes.
+    /// Stops where the right-hand side changes: at each corner of the extraction force, and where something
+    /// happens to a canopy that is out.
     Leg integrate(OdeSolver& solver, double limit) {
         const double end = std::min(course_.stop_time, limit);
         for (;;) {
-            const auto corner = std::ranges::upper_bound(corners_, solver.time());
-            const double next = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
-            model_.extraction = piece_of(chute_.deploy.extraction, solver.time(), next);
             const std::vector<double> y(solver.state().begin(), solver.state().end());
+            const auto done = canopies_.advance(now(solver));
+            openings_.before_stage(done, now(solver));
+            const auto corner = std::ranges::upper_bound(corners_, solver.time());
+            const double bend = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
+            const double next = std::min(bend, canopies_.next_time());
+            model_.payload_mass = carried_mass() + canopies_.out_mass();
+            model_.extraction = piece_of(chute_.deploy.extraction, begin_, solver.time(), bend);
             solver.restart(solver.time(), y);
             watch(solver);
             course_.observer.mark(solver.time(), y);
+            openings_.after_stage(done, solver.time());
             const Leg leg = course_.integrate_to(solver, std::min(next, end));
-            if (leg != Leg::reached_end || solver.time() >= end) return leg;
+            if (leg == Leg::root && solver.root() >= first_trigger)
+                canopies_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
+            else if (leg != Leg::reached_end || solver.time() >= end)
+                return leg;
         }
     }
 
+    Situation now(const OdeSolver& solver) const {
+        return situation_of<dimensions>(scene_, solver.time(), motion_of<dimensions>(solver.state()));
+    }
+
     void watch(OdeSolver& solver) const {
-        solver.watch(3, [this](double, std::span<const double> y, std::span<double> g) {
+        const auto count = first_trigger + static_cast<int>(canopies_.watch_count());
+        solver.watch(count, [this](double t, std::span<const double> y, std::span<double> g) {
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
             const double height = motion.altitude() - scene_.environment.ground;
             g[payload_ground] = motion.altitude() - course_.floor();
             g[parachute_ground] = height + s.distance[dimensions - 1];
             g[along_lines] = model_.bond == Bond::taut ? s.speed() : s.length() - model_.taut_distance;
+            if (g.size() > first_trigger)
+                std::ranges::copy(canopies_.watch(situation_of<dimensions>(scene_, t, motion)),
+                                  g.begin() + first_trigger);
         });
     }
 
@@ -160,7 +197,7 @@ private:
         return [this](double t, std::span<const double> y, std::span<double> dydt) {
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
-            const Vec<dimensions> a = model_.payload_acceleration(motion, s);
+            const Vec<dimensions> a = model_.payload_acceleration(t, motion, s);
             const Vec<dimensions> parting = model_.parachute_acceleration(t, motion, s) - a;
             std::ranges::copy(motion.velocity, dydt.begin());
             std::ranges::copy(a, dydt.begin() + dimensions);
@@ -183,11 +220,11 @@ private:
         r.speed = m.velocity.norm();
         if constexpr (dimensions >= 2) r.east = m.position[0];
         if constexpr (dimensions == 3) r.north = m.position[1];
-        r.force = model_.tension(s);
-        r.drag_area = model_.bond == Bond::held ? 0.0 : model_.pack_drag_area;
+        r.force = model_.riser_force(t, m, s, carried_mass(), model_.payload_drag_area);
+        r.drag_area = canopies_.drag_area(t) + (model_.bond == Bond::held ? 0.0 : model_.pack_drag_area);
         r.dynamic_pressure = 0.5 * model_.atmosphere.at(m.altitude()).density *
                              airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind).squaredNorm();
-        r.acceleration = model_.payload_acceleration(m, s).norm();
+        r.acceleration = model_.payload_acceleration(t, m, s).norm();
         r.separation = s.length();
         return r;
     }
@@ -218,6 +255,9 @@ private:
     const Scene& scene_;
     const Parachute& chute_;
     Course& course_;
+    Canopies& canopies_;
+    Openings& openings_;
+    const double begin_;  // [s]
     const std::vector<double> corners_;
     Model model_;
     double start_ = 0.0;  // [s] of the stage of taut lines
@@ -226,7 +266,8 @@ private:
 }  // namespace
 
 double line_stiffness(const Parachute& chute) {
-    return chute.gores * chute.line.axial_stiffness() / (chute.line_length + chute.riser_length);
+    return chute.count * chute.gores * chute.line.axial_stiffness() /
+           (chute.line_length + chute.riser_length);
 }
 
 double taut_distance(const Parachute& chute) {
@@ -249,15 +290,16 @@ Motion<dimensions> released(const Scene& scene) {
 }
 
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, Course& course) {
-    return DeploymentRun<dimensions>(scene, course).run();
+Deployed<dimensions> deploy(const Scene& scene, Course& course, Canopies& canopies, Openings& openings,
+                            double time, const Motion<dimensions>& motion) {
+    return DeploymentRun<dimensions>(scene, course, canopies, openings, time, motion).run(motion);
 }
 
 template Motion<1> released(const Scene&);
 template Motion<2> released(const Scene&);
 template Motion<3> released(const Scene&);
-template Deployed<1> deploy(const Scene&, Course&);
-template Deployed<2> deploy(const Scene&, Course&);
-template Deployed<3> deploy(const Scene&, Course&);
+template Deployed<1> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<1>&);
+template Deployed<2> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<2>&);
+template Deployed<3> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<3>&);
 
 }  // namespace twinchute::rom

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "rom/course.hpp"
 #include "rom/motion.hpp"
+#include "rom/openings.hpp"
 
 namespace twinchute::rom {
 
@@ -29,11 +29,13 @@ struct Deployed {
 template <int dimensions>
 Motion<dimensions> released(const Scene& scene);
 
-/// Runs the deployment of a scene that starts packed.
+/// Runs the deployment of the parachute that leaves its pack (Canopies::leaves_pack()), from the payload's
+/// motion at `time` [s]; others go on with what they do.
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, Course& course);
+Deployed<dimensions> deploy(const Scene& scene, Course& course, Canopies& canopies, Openings& openings,
+                            double time, const Motion<dimensions>& motion);
 
-/// [N/m] of lines and risers together: a riser has as many strands as it carries lines.
+/// [N/m] of lines and risers together, of the whole cluster: a riser has as many strands as it carries lines.
 double line_stiffness(const Parachute& chute);
 /// [m] between the payload and the parachute's place where the lines come taut: the far end of a static line,
 /// or the skirt, where a pack stays until then.

@@ -19,40 +19,42 @@ class Flight {
     using Model = RigidComposite<dimensions, air>;
 
 public:
-    Flight(const Scene& scene, Course& course, const Inflation& inflation, const Motion<dimensions>& start,
-           double separation, OpeningResult& result)
+    Flight(const Scene& scene, Course& course, Canopies& canopies, double time, Motion<dimensions>& motion,
+           double separation, Openings& openings)
         : scene_(scene),
           course_(course),
-          result_(result),
+          canopies_(canopies),
+          motion_(motion),
+          result_(openings.result),
+          openings_(openings),
           separation_(separation),
-          model_(make_model(inflation)),
-          solver_(make_solver(opening_method(scene), scene.rom.rtol, inflation.snatch, state_of(start))) {
+          model_(make_model()),
+          solver_(make_solver(opening_method(scene), scene.rom.rtol, time, state_of(motion))) {
         course_.observer.watch([this](double t, std::span<const double> y) { return row(t, y); });
     }
 
-    RunStatus fly(const char* event) {
-        const bool inflated = scene_.parachutes.front().deploy.by == DeployBy::inflated;
-        const Leg leg = inflated ? descend() : fill(event);
+    std::optional<RunStatus> fly() {
+        const std::optional<Leg> leg = follow();
         course_.count(*solver_);
-        if (leg != Leg::root) return course_.ending(leg, *solver_);
+        motion_ = here();
+        if (refusal_.code == StatusCode::refused) return refusal_;
+        if (!leg) return std::nullopt;
+        if (*leg != Leg::root) return course_.ending(*leg, *solver_);
         course_.add_event("ground");
         result_.landing_time = solver_->time();
         return course_.landed("");
     }
 
 private:
-    enum Root { ground_root = Course::floor_root, steady_root, peak_root };
+    enum class Root { ground, steady, peak, trigger };
 
-    Model make_model(const Inflation& inflation) const {
-        const Parachute& chute = scene_.parachutes.front();
+    Model make_model() const {
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
-        model.inflation = inflation;
+        model.canopies = &canopies_;
         model.gravity = scene_.environment.gravity;
         model.payload_mass = scene_.payload.mass;
-        model.parachute_mass = chute.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
-        model.steady_radius = steady_radius(chute);
         if (scene_.aerodynamics.added_mass) model.added_mass = &*scene_.aerodynamics.added_mass;
         if (scene_.environment.wind) model.wind = &*scene_.environment.wind;
         return model;
@@ -92,14 +94,12 @@ private:
         if constexpr (dimensions >= 2) r.east = m.position[0];
         if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.opening_force(t, m);
-        r.drag_area = model_.drag_area(t);
+        r.drag_area = canopies_.drag_area(t);
+        if (r.drag_area > 0.0) r.canopy_force = r.force * canopies_.largest_drag_area(t) / r.drag_area;
         r.dynamic_pressure = 0.5 * rho * model_.airspeed(m).squaredNorm();
         r.acceleration = model_.acceleration(t, m).norm();
         r.separation = separation_;
-        if (model_.added_mass)
-            r.added_mass =
-                model_.inflation.added_mass(*model_.added_mass, model_.phase, t, rho, model_.steady_radius)
-                    .value;
+        if (model_.added_mass) r.added_mass = canopies_.added_mass(*model_.added_mass, t, rho).value;
         return r;
     }
 
@@ -118,102 +118,121 @@ private:
             velocity.dot(rate) / velocity.squaredNorm() + 0.5 * relative_density_slope * climb;
         return std::abs(relative_rate) - steady_descent_change;
     }
-    double unsteadiness() const {
-        return unsteadiness(solver_->time(), motion_of<dimensions>(solver_->state()));
-    }
+    double unsteadiness() const { return unsteadiness(solver_->time(), here()); }
+
+    Motion<dimensions> here() const { return motion_of<dimensions>(solver_->state()); }
+    Situation now() const { return situation_of<dimensions>(scene_, solver_->time(), here()); }
 
     /// Negative once the force has fallen well below its peak.
     double above_past_peak(double t, const Motion<dimensions>& m) const {
         return model_.opening_force(t, m) - past_peak * course_.observer.peak().value;
     }
 
-    /// What a stage ends at besides its time.
-    enum class Search { ground, steady, steady_or_peak };
-
-    /// The right-hand side changes here: a new start from the state reached.
-    void begin_stage(Phase phase, Search search) {
+    /// The right-hand side changes here: a new start from the state reached. The stage ends at its time, at
+    /// the ground, at what triggers wait for, and at `sought`.
+    void begin_stage(const std::vector<Root>& sought) {
         const std::vector<double> y(solver_->state().begin(), solver_->state().end());
-        model_.phase = phase;
         solver_->restart(solver_->time(), y);
-        const int count = search == Search::ground ? 1 : search == Search::steady ? 2 : 3;
-        solver_->watch(count, [this](double t, std::span<const double> state, std::span<double> g) {
-            const auto motion = motion_of<dimensions>(state);
-            g[ground_root] = motion.altitude() - course_.floor();
-            if (g.size() > steady_root) g[steady_root] = unsteadiness(t, motion);
-            if (g.size() > peak_root) g[peak_root] = above_past_peak(t, motion);
-        });
+        roots_ = {Root::ground};
+        roots_.insert(roots_.end(), sought.begin(), sought.end());
+        roots_.resize(roots_.size() + canopies_.watch_count(), Root::trigger);
+        solver_->watch(static_cast<int>(roots_.size()),
+                       [this](double t, std::span<const double> state, std::span<double> g) {
+                           look(t, motion_of<dimensions>(state), g);
+                       });
         course_.observer.mark(solver_->time(), y);
     }
 
-    /// From snatch to full open, and on.
-    Leg fill(const char* event) {
-        const Inflation& inflation = model_.inflation;
-        const bool packed = scene_.parachutes.front().deploy.starts_packed();
-        Leg leg = Leg::reached_end;
-        const auto goes_on = [&] { return leg == Leg::reached_end && solver_->time() < course_.stop_time; };
-        const auto to_end_of = [&](Phase phase) {
-            return course_.integrate_to(*solver_, std::min(inflation.end_of(phase), course_.stop_time));
-        };
-        const auto begin_filling = [&] {
-            if (packed) {  // the snatch force is known, from here on the peak counts
-                result_.snatch_force = course_.observer.peak().value;
-                course_.observer.forget_peak();
-            }
-            begin_stage(Phase::filling, Search::ground);
-        };
-
-        if (inflation.initial_time > 0.0) {
-            begin_stage(Phase::initial, Search::ground);
-            course_.add_event(event);
-            course_.met(Trigger::Kind::line_stretch, solver_->time());
-            leg = to_end_of(Phase::initial);
-            if (goes_on()) {
-                course_.add_event("end-of-initial-phase");
-                begin_filling();
-            }
-        } else {
-            begin_filling();
-            course_.add_event(event);
-            course_.met(Trigger::Kind::line_stretch, solver_->time());
-        }
-        if (goes_on()) leg = to_end_of(Phase::filling);
-        if (leg != Leg::reached_end || solver_->time() < inflation.end_of(Phase::filling)) return leg;
-        result_.filling_time = inflation.filling_time;
-        course_.add_event("full-open");
-        course_.met(Trigger::Kind::full_open, solver_->time());
-        return descend();
+    void look(double t, const Motion<dimensions>& motion, std::span<double> g) const {
+        std::size_t i = 0;
+        for (; i < roots_.size() && roots_[i] != Root::trigger; ++i)
+            g[i] = roots_[i] == Root::ground   ? motion.altitude() - course_.floor()
+                   : roots_[i] == Root::steady ? unsteadiness(t, motion)
+                                               : above_past_peak(t, motion);
+        if (i == roots_.size()) return;
+        for (const double left : canopies_.watch(situation_of<dimensions>(scene_, t, motion)))
+            g[i++] = left;
     }
 
-    /// From full open to the end of the run.
-    Leg descend() {
-        const Trigger& stop = scene_.stop;
-        const bool to_peak = stop.kind == Trigger::Kind::peak_force;
+    /// From event to event, to the end of the run or to a pack that has to be left; the last leg, or nothing.
+    std::optional<Leg> follow() {
         for (;;) {
-            begin_stage(Phase::open, to_peak ? Search::steady_or_peak : Search::steady);
+            const std::vector<Occurrence> done = canopies_.advance(now());
+            openings_.before_stage(done, now());
+            refusal_ = openings_.check();
+            if (refusal_.code == StatusCode::refused) return Leg::reached_end;
+            if (!done.empty()) is_steady_ = false;
+            begin_stage(sought());
+            openings_.after_stage(done, solver_->time());
+            if (canopies_.leaves_pack()) return std::nullopt;
             if (solver_->time() >= course_.stop_time) return Leg::reached_end;
-            const auto here = motion_of<dimensions>(solver_->state());
-            if (to_peak && above_past_peak(solver_->time(), here) < 0.0) return end_after(stop.delay);
-            if (!(unsteadiness() < 0.0)) {
-                const Leg leg = course_.integrate_to(*solver_, course_.stop_time);
-                if (leg != Leg::root || solver_->root() == ground_root) return leg;
-                if (solver_->root() == peak_root) return end_after(stop.delay);
-            }
-            // Steady by its rate now; declared so after a second of it (see steady_descent_change).
-            const double steady_since = solver_->time() + 1.0;
-            begin_stage(Phase::open, Search::ground);
-            const Leg leg = course_.integrate_to(*solver_, std::min(steady_since, course_.stop_time));
-            if (leg != Leg::reached_end || solver_->time() < steady_since) return leg;
-            if (unsteadiness() >= 0.0) continue;  // a turning point of the speed, no steady descent
-            course_.add_event("steady-descent");
-            result_.descent_altitude = course_.observer.rows().back().altitude;
-            const bool ends_here = to_peak || stop.kind == Trigger::Kind::steady_descent;
-            const double end =
-                ends_here ? std::min(course_.stop_time, solver_->time() + stop.delay) : course_.stop_time;
-            if (solver_->time() >= end) return leg;
-            if (scene_.rom.method == automatic && is_long(end))
-                change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
-            return course_.integrate_to(*solver_, end);
+            if (const std::optional<Leg> last = fly_stage()) return last;
         }
+    }
+
+    std::vector<Root> sought() const {
+        const bool last = canopies_.is_settled();
+        if (is_steady_ || !canopies_.is_quiet() || !(last || canopies_.waits_for_steady_descent())) return {};
+        if (last && scene_.stop.kind == Trigger::Kind::peak_force) return {Root::steady, Root::peak};
+        return {Root::steady};
+    }
+
+    /// One stage; the leg that ends the run, or nothing.
+    std::optional<Leg> fly_stage() {
+        const bool seeks_steady = roots_.size() > 1 && roots_[1] == Root::steady;
+        const bool seeks_peak = roots_.size() > 2 && roots_[2] == Root::peak;
+        if (seeks_peak && above_past_peak(solver_->time(), here()) < 0.0) return end_after_peak();
+        if (!seeks_steady || !(unsteadiness() < 0.0)) {
+            const Leg leg =
+                course_.integrate_to(*solver_, std::min(canopies_.next_time(), course_.stop_time));
+            if (leg == Leg::reached_end && solver_->time() < course_.stop_time) return std::nullopt;
+            if (leg != Leg::root) return leg;
+            const auto root = static_cast<std::size_t>(solver_->root());
+            if (roots_[root] == Root::ground) return leg;
+            if (roots_[root] == Root::peak) return end_after_peak();
+            if (roots_[root] == Root::trigger) {
+                canopies_.met(root - (roots_.size() - canopies_.watch_count()), now());
+                return std::nullopt;
+            }
+        }
+        return verify_steady();
+    }
+
+    /// Steady by its rate now; declared so after a second of it (see steady_descent_change).
+    std::optional<Leg> verify_steady() {
+        const double steady_since = solver_->time() + 1.0;
+        begin_stage({});
+        const double end = std::min({steady_since, canopies_.next_time(), course_.stop_time});
+        const Leg leg = course_.integrate_to(*solver_, end);
+        if (leg == Leg::root && roots_[static_cast<std::size_t>(solver_->root())] == Root::trigger) {
+            canopies_.met(static_cast<std::size_t>(solver_->root()) - 1, now());
+            return std::nullopt;
+        }
+        if (leg != Leg::reached_end) return leg;
+        if (solver_->time() < steady_since)
+            return solver_->time() >= course_.stop_time ? std::optional(leg) : std::nullopt;
+        if (unsteadiness() >= 0.0) return std::nullopt;  // a turning point of the speed, no steady descent
+        is_steady_ = true;
+        const bool last = canopies_.is_settled();
+        course_.add_event("steady-descent");
+        canopies_.descends_steadily(now());
+        if (!last) return std::nullopt;
+        result_.descent_altitude = course_.observer.rows().back().altitude;
+        const Trigger& stop = scene_.stop;
+        if (stop.kind == Trigger::Kind::peak_force || stop.kind == Trigger::Kind::steady_descent)
+            course_.end_at(solver_->time() + stop.delay);
+        if (solver_->time() >= course_.stop_time) return leg;
+        if (scene_.rom.method == automatic && is_long(course_.stop_time))
+            change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
+        return course_.integrate_to(*solver_, course_.stop_time);
+    }
+
+    /// The force is well past its peak, the run goes on for the delay.
+    Leg end_after_peak() {
+        course_.end_at(solver_->time() + scene_.stop.delay);
+        begin_stage({});
+        return solver_->time() < course_.stop_time ? course_.integrate_to(*solver_, course_.stop_time)
+                                                   : Leg::reached_end;
     }
 
     /// Whether an explicit method would take many steps for its stability alone in a steady descent to `end`:
@@ -241,32 +260,30 @@ private:
         course_.count(*solver_);
         const std::vector<double> y(solver_->state().begin(), solver_->state().end());
         solver_ = make_solver(method, rtol, solver_->time(), y);
-        begin_stage(Phase::open, Search::ground);
-    }
-
-    /// The stop condition is met, the run goes on a while.
-    Leg end_after(double delay) {
-        const double end = std::min(course_.stop_time, solver_->time() + delay);
-        begin_stage(Phase::open, Search::ground);
-        return solver_->time() < end ? course_.integrate_to(*solver_, end) : Leg::reached_end;
+        begin_stage({});
     }
 
     const Scene& scene_;
     Course& course_;
+    Canopies& canopies_;
+    Motion<dimensions>& motion_;
     OpeningResult& result_;
+    Openings& openings_;
     const double separation_;  // [m] of payload and parachute, from lock-up on
     Model model_;
     std::unique_ptr<OdeSolver> solver_;
+    RunStatus refusal_;        // of an opening that cannot take place
+    std::vector<Root> roots_;  // of the stage, in the solver's order
+    bool is_steady_ = false;   // since the last event of a canopy
 };
 
 }  // namespace
 
 template <int dimensions>
-RunStatus fly_on(const Scene& scene, Course& course, const Inflation& inflation,
-                 const Motion<dimensions>& start, double separation, const char* event,
-                 OpeningResult& result) {
+std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& canopies, double time,
+                                Motion<dimensions>& motion, double separation, Openings& openings) {
     const auto fly = [&]<Air air>() {
-        return Flight<dimensions, air>(scene, course, inflation, start, separation, result).fly(event);
+        return Flight<dimensions, air>(scene, course, canopies, time, motion, separation, openings).fly();
     };
     if (!scene.aerodynamics.added_mass) return fly.template operator()<Air::none>();
     if (scene.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting)
@@ -274,11 +291,11 @@ RunStatus fly_on(const Scene& scene, Course& course, const Inflation& inflation,
     return fly.template operator()<Air::inertia_only>();
 }
 
-template RunStatus fly_on(const Scene&, Course&, const Inflation&, const Motion<1>&, double, const char*,
-                          OpeningResult&);
-template RunStatus fly_on(const Scene&, Course&, const Inflation&, const Motion<2>&, double, const char*,
-                          OpeningResult&);
-template RunStatus fly_on(const Scene&, Course&, const Inflation&, const Motion<3>&, double, const char*,
-                          OpeningResult&);
+template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<1>&, double,
+                                         Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<2>&, double,
+                                         Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<3>&, double,
+                                         Openings&);
 
 }  // namespace twinchute::rom

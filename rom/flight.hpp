@@ -1,19 +1,20 @@
-// From snatch, or from an inflated start, to the end of a run: payload and parachute as one rigid body.
+// From snatch, or from an inflated start, to the end of a run: payload and parachutes as one rigid body.
 #pragma once
 
-#include "lib/solve/opening.hpp"
-#include "rom/course.hpp"
+#include <optional>
+
 #include "rom/motion.hpp"
+#include "rom/openings.hpp"
 
 namespace twinchute::rom {
 
-/// Flies on from a state at the snatch time of `inflation`, in the phase that it begins with: initial phase,
-/// filling, descent, each its own stage that ends exactly at its time; steady descent and ground are roots.
-/// `event` names the start, unless it is null. Fills in what an opening is judged by and says how the run
-/// ended.
+/// Flies on from a state at `time` [s]: each phase of each canopy is its own stage that ends exactly at its
+/// time; conditions of triggers, steady descent and ground are roots. `separation` [m] of payload and
+/// parachute. Fills in what an opening is judged by and says how the run ended; without a status where a pack
+/// has to be left first (Canopies::leaves_pack()), `motion` is then that of the payload at
+/// Observer::rows().back().time.
 template <int dimensions>
-RunStatus fly_on(const Scene& scene, Course& course, const Inflation& inflation,
-                 const Motion<dimensions>& start, double separation, const char* event,
-                 OpeningResult& result);
+std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& canopies, double time,
+                                Motion<dimensions>& motion, double separation, Openings& openings);
 
 }  // namespace twinchute::rom

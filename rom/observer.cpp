@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace twinchute::rom {
 
@@ -42,9 +43,9 @@ bool Observer::is_finite() {
     return true;
 }
 
-void Observer::forget_peak() {
-    peak_ = {0.0, -1.0};
+Maximum Observer::take_peak() {
     peak_row_ = rows_.size();
+    return std::exchange(peak_, {0.0, -1.0});
 }
 
 const HistoryRow& Observer::row_near(double t) const {

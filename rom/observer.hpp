@@ -15,7 +15,8 @@ struct HistoryRow {
     double time, altitude, vertical_speed, speed;  // of the payload
     double east, north;                            // [m] from the release; downrange in a plane
     double force, drag_area, dynamic_pressure, added_mass, acceleration;
-    double separation;  // [m] of payload and parachute, packed starts only
+    double separation;    // [m] of payload and parachute, packed starts only
+    double canopy_force;  // [N] of the canopy that pulls most, by its share of the drag area
 };
 
 class Observer {
@@ -35,9 +36,9 @@ public:
     const std::vector<HistoryRow>& rows() const { return rows_; }
     double largest_deceleration() const { return deceleration_; }
 
-    /// The largest force since the run began, or since forget_peak().
+    /// The largest force since the run began, or since take_peak().
     const Maximum& peak() const { return peak_; }
-    void forget_peak();
+    Maximum take_peak();
 
     /// The row at or after a time inside the run.
     const HistoryRow& row_near(double t) const;

@@ -37,9 +37,11 @@ int dimensions_of(const Scene& scene) {
 
 std::vector<PlanPart> parts_of(const Scene& scene) {
     using enum PlanPart::Kind;
+    const auto any = [&](auto&& is) { return std::ranges::any_of(scene.parachutes, is); };
     const Deployment& deploy = scene.parachutes.front().deploy;
     const InitialPhase& initial = scene.parachutes.front().initial_phase;
-    const bool packed = deploy.starts_packed(), inflated = deploy.by == DeployBy::inflated;
+    const bool packed = any([](const Parachute& p) { return p.deploy.starts_packed(); });
+    const bool inflated = !any([](const Parachute& p) { return p.deploy.by != DeployBy::inflated; });
     const bool windy = scene.environment.wind.has_value();
     const int dimensions = dimensions_of(scene);
     const std::string start = packed     ? "the scene starts packed"
@@ -58,6 +60,11 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     parts.optional("wind", "the air moves", "environment.wind", windy);
     parts.add(physics, "second body", "payload and pack part until the lines are taut", packed, start);
     parts.add(physics, "filling", "the drag area grows", !inflated, start);
+    parts.optional("reefing", "stages with the mouth held together", "parachute.reefing",
+                   any([](const Parachute& p) { return !p.reefing.empty(); }));
+    const bool several = scene.parachutes.size() > 1 || any([](const Parachute& p) { return p.count > 1; });
+    parts.add(physics, "several parachutes", "one after the other, or in clusters", several,
+              several ? "the scene has them" : "the scene has one parachute");
     if (packed) {
         parts.add(physics, "drawing out of cloth and lines", "their motion until snatch", false,
                   "payload and parachute are two point masses until snatch");
@@ -108,7 +115,9 @@ Plan plan_rom(const Scene& scene, const PlanBasis& basis) {
     std::ranges::nth_element(seconds, middle);
 
     const Channel& time = *record.find_channel("time");
-    const std::size_t bodies = scene.parachutes.front().deploy.starts_packed() ? 2 : 1;
+    const bool packed =
+        std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.deploy.starts_packed(); });
+    const std::size_t bodies = packed ? 2 : 1;
     add_bytes(plan.arrays, "state",
               2 * bodies * static_cast<std::size_t>(dimensions_of(scene)) * sizeof(double));
     add_bytes(plan.arrays, "history", time.values.size() * sizeof(HistoryRow));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "lib/models/snatch.hpp"
 #include "lib/solve/opening.hpp"
 #include "rom/deployment.hpp"
@@ -41,23 +43,30 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
     channel("force", "N", [](const HistoryRow& r) { return r.force; });
     channel("drag_area", "m^2", [](const HistoryRow& r) { return r.drag_area; });
     channel("dynamic_pressure", "Pa", [](const HistoryRow& r) { return r.dynamic_pressure; });
+    if (std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.count > 1; }))
+        channel("canopy_force", "N", [](const HistoryRow& r) { return r.canopy_force; });
     if (scene.aerodynamics.added_mass)
         channel("added_mass", "kg", [](const HistoryRow& r) { return r.added_mass; });
-    if (scene.parachutes.front().deploy.starts_packed())
+    if (std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.deploy.starts_packed(); }))
         channel("separation", "m", [](const HistoryRow& r) { return r.separation; });
 }
 
-void add_snatch_forms(RunRecord& record, const Scene& scene, double parting_speed, double stretch) {
-    const Parachute& chute = scene.parachutes.front();
-    const std::string dv = fmt::format("at dv = {:.4g} m/s", parting_speed);
-    record.add_metric("snatch_force_mass_spring_N",
-                      snatch_force_mass_spring(parting_speed, line_stiffness(chute),
-                                               reduced_mass(scene.payload.mass, chute.mass)),
-                      Standing::result, "closed form dv sqrt(k m_red) " + dv);
-    record.add_metric("snatch_force_wave_N",
-                      snatch_force_wave(parting_speed, chute.gores * chute.line.axial_stiffness(),
-                                        chute.gores * chute.line.linear_density()),
-                      Standing::result, "closed form dv sqrt(EA mu), the first wave along the lines " + dv);
+void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double parting_speed,
+                      double stretch) {
+    if (scene.parachutes.size() == 1) {
+        const std::string dv = fmt::format("at dv = {:.4g} m/s", parting_speed);
+        const double strands = chute.count * chute.gores;
+        record.add_metric(
+            "snatch_force_mass_spring_N",
+            snatch_force_mass_spring(parting_speed, line_stiffness(chute),
+                                     reduced_mass(scene.payload.mass, chute.count * chute.mass)),
+            Standing::result, "closed form dv sqrt(k m_red) " + dv);
+        record.add_metric("snatch_force_wave_N",
+                          snatch_force_wave(parting_speed, strands * chute.line.axial_stiffness(),
+                                            strands * chute.line.linear_density()),
+                          Standing::result,
+                          "closed form dv sqrt(EA mu), the first wave along the lines " + dv);
+    }
     if (stretch > breaking_strain)
         record.warnings.push_back({fmt::format("the snatch stretches the lines by {:.0f} %", 100.0 * stretch),
                                    "nylon cord breaks at about 30 %; this model's lines do not break",

@@ -16,6 +16,7 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
 
 /// Both closed forms of the snatch force beside what was integrated, and a warning where the lines were
 /// stretched further than cord goes. parting_speed [m/s]: along the lines when they come taut; stretch [-].
-void add_snatch_forms(RunRecord& record, const Scene& scene, double parting_speed, double stretch);
+void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double parting_speed,
+                      double stretch);
 
 }  // namespace twinchute::rom

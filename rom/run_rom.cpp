@@ -17,70 +17,53 @@
 namespace twinchute::rom {
 namespace {
 
-/// Whether an opening takes place at all, whatever the speed at snatch turned out to be.
-RunStatus check_times(const Inflation& inflation) {
-    if (std::isfinite(inflation.filling_time) && inflation.initial_time < inflation.filling_time) return {};
-    return {
-        StatusCode::refused,
-        fmt::format("at snatch the initial phase is not shorter than the filling time (t_s = {:.4g} s, t_i = "
-                    "{:.4g} s, t_f = {:.4g} s), shorten parachute.initial_phase or lengthen fill_time",
-                    inflation.snatch, inflation.initial_time, inflation.filling_time)};
-}
-
-/// Runs a scene; what an opening is judged by goes to `result`.
+/// Runs a scene; what an opening is judged by goes to `openings.result`.
 template <int dimensions>
-void fly(const Scene& scene, Course& course, OpeningResult& result) {
-    const Parachute& chute = scene.parachutes.front();
-    RunRecord& record = course.record;
-    Motion<dimensions> start = released<dimensions>(scene);
-    double separation = 0.0;
-    const char* event = "line-stretch";
-    const Vec3 airspeed = release_airspeed(scene);
-    result.snatch_speed = result.payload_snatch_speed = airspeed.norm();
-    result.snatched = chute.deploy.by != DeployBy::inflated;
-
-    if (chute.deploy.starts_packed()) {
-        const Deployed<dimensions> deployed = deploy<dimensions>(scene, course);
-        result.line_stretch_time = deployed.line_stretch_time;
-        result.snatched = deployed.locked.has_value();
-        record.status = deployed.status;
-        if (deployed.payload_landed) result.landing_time = course.observer.rows().back().time;
-        if (deployed.line_stretch_time)
-            add_snatch_forms(record, scene, deployed.parting_speed, deployed.stretch);
-        if (!deployed.locked) return;
-        start = *deployed.locked;
-        separation = deployed.separation;
-        event = "snatch";
-        const Wind* wind = scene.environment.wind ? &*scene.environment.wind : nullptr;
-        result.snatch_time = deployed.snatch_time;
-        result.snatch_speed = airspeed_of<dimensions>(start.velocity, start.altitude(), wind).norm();
-        result.payload_snatch_speed = deployed.payload_speed;
+RunStatus fly(const Scene& scene, Course& course, Canopies& canopies, Openings& openings) {
+    OpeningResult& result = openings.result;
+    Motion<dimensions> motion = released<dimensions>(scene);
+    double time = 0.0, separation = 0.0;
+    result.snatch_speed = result.payload_snatch_speed = release_airspeed(scene).norm();
+    result.snatch_density = scene.environment.atmosphere.at(motion.altitude()).density;
+    result.snatched = false;
+    canopies.release(situation_of<dimensions>(scene, time, motion));
+    for (;;) {
+        if (const auto leaving = canopies.leaves_pack()) {
+            const Parachute& chute = scene.parachutes[*leaving];
+            const Deployed<dimensions> deployed =
+                deploy<dimensions>(scene, course, canopies, openings, time, motion);
+            result.line_stretch_time = deployed.line_stretch_time;
+            if (deployed.payload_landed) result.landing_time = course.observer.rows().back().time;
+            if (deployed.line_stretch_time)
+                add_snatch_forms(course.record, scene, chute, deployed.parting_speed, deployed.stretch);
+            if (!deployed.locked) return deployed.status;
+            motion = *deployed.locked;
+            time = deployed.snatch_time;
+            separation = deployed.separation;
+            result.payload_snatch_speed = deployed.payload_speed;
+            canopies.snatched(*leaving, situation_of<dimensions>(scene, time, motion));
+        }
+        const auto status = fly_on<dimensions>(scene, course, canopies, time, motion, separation, openings);
+        if (status) return *status;
+        time = course.observer.rows().back().time;
     }
-    result.snatch_density = scene.environment.atmosphere.at(start.altitude()).density;
-    const Inflation inflation = result.snatched ? make_inflation(chute, result.snatch_time,
-                                                                 result.snatch_speed, result.snatch_density)
-                                                : inflated(chute);
-    if (result.snatched) {
-        record.status = check_times(inflation);
-        if (record.status.code == StatusCode::refused) return;
-        add_opening_warnings(record, scene, inflation, result.snatch_speed, result.snatch_density);
-    }
-    record.status = fly_on<dimensions>(scene, course, inflation, start, separation, event, result);
 }
 
 /// What the observer knows of the whole run.
-void judge(const Scene& scene, int dimensions, Course& course, OpeningResult& result) {
+void judge(const Scene& scene, int dimensions, Course& course, Openings& openings) {
+    openings.close();
+    OpeningResult& result = openings.result;
     const Observer& observer = course.observer;
-    const bool packed = scene.parachutes.front().deploy.starts_packed();
     const HistoryRow& last = observer.rows().back();
     RunRecord& record = course.record;
-    if (packed && !result.snatch_force) {  // the run ended before the peak began to count
-        result.max_force = observer.peak().value;
-        if (result.snatched) result.snatch_force = result.max_force;
-    } else {
-        result.peak_force = observer.peak().value;
-        result.peak_time = observer.peak().at;
-        result.max_force = std::max(*result.peak_force, result.snatch_force.value_or(0.0));
+    for (const ParachuteResult& chute : result.parachutes)
+        for (const ParachuteResult::Stage& stage : chute.stages)
+            if (!result.peak_force || stage.peak_force > *result.peak_force) {
+                result.peak_force = stage.peak_force;
+                result.peak_time = stage.peak_time;
+            }
+    if (!result.parachutes.empty()) result.snatch_force = result.parachutes.front().snatch_force;
+    if (result.peak_force) {
         const HistoryRow& top = observer.row_near(result.peak_time);
         record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
         std::ranges::stable_sort(record.events, {}, &Event::time);
@@ -109,18 +92,26 @@ void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& res
                                    "set stop.time later, or stop.at = \"steady-descent\""});
 }
 
+/// What the formulas of openings are for: one canopy that opens at once.
+bool is_one_opening(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
+}
+
 template <int dimensions>
 RunRecord run_in(const Scene& scene, Run& run) {
     RunRecord record = begin_record(scene, "rom");
     const Stopwatch watch;
     Course course(scene, run, record);
     OpeningResult result;
-    fly<dimensions>(scene, course, result);
-    judge(scene, dimensions, course, result);
+    Canopies canopies(scene);
+    Openings openings(scene, course, canopies, result);
+    record.status = fly<dimensions>(scene, course, canopies, openings);
+    judge(scene, dimensions, course, openings);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
-    add_estimates(record, scene, result);
+    if (is_one_opening(scene)) add_estimates(record, scene, result);
     add_channels(record, course.observer.rows(), scene, dimensions);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
@@ -129,9 +120,9 @@ RunRecord run_in(const Scene& scene, Run& run) {
 
 /// A pack without drag falls beside its payload.
 std::vector<std::string> lacks(const Scene& scene) {
-    const Deployment& deploy = scene.parachutes.front().deploy;
-    if (deploy.by == DeployBy::free && !(deploy.pack_drag_area > 0.0))
-        return {"parachute.deploy.pack_drag_area"};
+    for (const Parachute& chute : scene.parachutes)
+        if (chute.deploy.by == DeployBy::free && !(chute.deploy.pack_drag_area > 0.0))
+            return {"parachute.deploy.pack_drag_area"};
     return {};
 }
 

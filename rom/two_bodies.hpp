@@ -4,6 +4,7 @@
 
 #include "lib/models/atmosphere.hpp"
 #include "lib/scene/deployment.hpp"
+#include "lib/solve/canopies.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
@@ -39,14 +40,16 @@ template <int dimensions>
 struct TwoBodies {
     Atmosphere atmosphere;
     const Wind* wind = nullptr;
-    double gravity = 0.0;            ///< [m/s^2]
-    double payload_mass = 0.0;       ///< [kg]
-    double payload_drag_area = 0.0;  ///< [m^2]
-    double parachute_mass = 0.0;     ///< [kg]
-    double pack_drag_area = 0.0;     ///< [m^2]
-    double stiffness = 0.0;          ///< [N/m] of all lines and risers
-    double taut_distance = 0.0;      ///< [m] between the two where the lines come taut
-    Vec<dimensions> behind;          ///< unit vector of the extraction force
+    double gravity = 0.0;                       ///< [m/s^2]
+    double payload_mass = 0.0;                  ///< [kg] with all that it carries and hangs under
+    double payload_drag_area = 0.0;             ///< [m^2]
+    double parachute_mass = 0.0;                ///< [kg]
+    double pack_drag_area = 0.0;                ///< [m^2]
+    double stiffness = 0.0;                     ///< [N/m] of all lines and risers
+    double taut_distance = 0.0;                 ///< [m] between the two where the lines come taut
+    Vec<dimensions> behind;                     ///< unit vector of the extraction force
+    const Canopies* canopies = nullptr;         ///< that the payload hangs under already
+    const AddedMassSpec* added_mass = nullptr;  ///< of theirs
 
     Bond bond = Bond::loose;  ///< set at each stage boundary, as is the force
     ForcePiece extraction;
@@ -60,14 +63,11 @@ struct TwoBodies {
         return bond == Bond::taut ? stiffness * (s.length() - taut_distance) : 0.0;
     }
 
-    /// Weight, drag and one more force [N] on a body over its mass.
-    Vec<dimensions> acceleration_of(double mass, double drag_area, double altitude,
-                                    const Vec<dimensions>& velocity, const Vec<dimensions>& force) const {
-        const double rho = atmosphere.at(altitude).density;
-        Vec<dimensions> a =
-            (force + drag_of<dimensions>(rho, drag_area, airspeed_of<dimensions>(velocity, altitude, wind))) /
-            mass;
-        a[dimensions - 1] -= gravity;
+    /// Weight, drag and one more force [N] on a body over its inertia; gravity weighs its mass.
+    Vec<dimensions> acceleration_of(double mass, double inertia, double drag_area, double rho,
+                                    const Vec<dimensions>& airspeed, const Vec<dimensions>& force) const {
+        Vec<dimensions> a = (force + drag_of<dimensions>(rho, drag_area, airspeed)) / inertia;
+        a[dimensions - 1] -= gravity * (mass / inertia);
         return a;
     }
 
@@ -76,17 +76,37 @@ struct TwoBodies {
         return tension(s) / s.length() * s.distance;
     }
 
-    /// m_l dv/dt = m_l g + D_l + T e
-    Vec<dimensions> payload_acceleration(const Motion<dimensions>& m, const Separation<dimensions>& s) const {
-        return acceleration_of(payload_mass, payload_drag_area, m.altitude(), m.velocity, pull(s));
+    /// (m_l + M_a) dv/dt = m_l g + D_l + T e, with the drag and added mass of canopies that are out.
+    Vec<dimensions> payload_acceleration(double t, const Motion<dimensions>& m,
+                                         const Separation<dimensions>& s) const {
+        const double rho = atmosphere.at(m.altitude()).density;
+        double inertia = payload_mass;
+        if (added_mass) inertia += canopies->added_mass(*added_mass, t, rho).value;
+        return acceleration_of(payload_mass, inertia, payload_drag_area + canopies->drag_area(t), rho,
+                               airspeed_of<dimensions>(m.velocity, m.altitude(), wind), pull(s));
     }
 
     /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while it is held.
     Vec<dimensions> parachute_acceleration(double t, const Motion<dimensions>& m,
                                            const Separation<dimensions>& s) const {
         if (bond == Bond::held) return Vec<dimensions>::Zero();
-        return acceleration_of(parachute_mass, pack_drag_area, m.altitude() + s.distance[dimensions - 1],
-                               m.velocity + s.velocity, extraction.at(t) * behind - pull(s));
+        const double altitude = m.altitude() + s.distance[dimensions - 1];
+        const Vec<dimensions> velocity = m.velocity + s.velocity;
+        return acceleration_of(
+            parachute_mass, parachute_mass, pack_drag_area, atmosphere.at(altitude).density,
+            airspeed_of<dimensions>(velocity, altitude, wind), extraction.at(t) * behind - pull(s));
+    }
+
+    /// [N] What all risers together pull on a payload of `mass` [kg] with `drag_area` [m^2] of its own.
+    double riser_force(double t, const Motion<dimensions>& m, const Separation<dimensions>& s, double mass,
+                       double drag_area) const {
+        if (canopies->out_mass() == 0.0) return tension(s);
+        Vec<dimensions> force = mass * payload_acceleration(t, m, s);
+        force[dimensions - 1] += mass * gravity;
+        const double rho = atmosphere.at(m.altitude()).density;
+        return (force -
+                drag_of<dimensions>(rho, drag_area, airspeed_of<dimensions>(m.velocity, m.altitude(), wind)))
+            .norm();
     }
 
     /// The common velocity [m/s] of both once the lines hold them together: momentum is conserved.

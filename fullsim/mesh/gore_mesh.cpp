@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/scene/line_stretch.hpp"
+
 namespace twinchute::fullsim {
 namespace {
 
@@ -279,11 +281,20 @@ private:
                 add_cable(canopy_node(gore, row, 0), canopy_node(gore, row + 1, 0),
                           rows_[row + 1].radius - rows_[row].radius, CableKind::radial);
         for (const auto& [row, kind] : {std::pair{rows, CableKind::skirt}, std::pair{0, CableKind::vent}}) {
-            for (int gore = 0; gore < chute_.gores; ++gore)
+            for (int gore = 0; gore < chute_.gores; ++gore) {
                 for (int column = 0; column < rows_[row].columns; ++column)
                     add_cable(canopy_node(gore, row, column), canopy_node(gore, row, column + 1),
                               (pattern_point(row, column + 1) - pattern_point(row, column)).norm(), kind);
+                if (kind == CableKind::skirt && !chute_.reefing.empty()) reef(gore);
+            }
         }
+    }
+
+    /// The reefing line runs through rings on the seams. It is of the skirt tape's material.
+    void reef(int gore) {
+        mesh_.reefing_line.push_back(mesh_.cables.size());
+        add_cable(canopy_node(gore, counts_.gore_rows, 0), canopy_node(gore + 1, counts_.gore_rows, 0),
+                  reefing_line_length(chute_, 0) / chute_.gores, CableKind::skirt);
     }
 
     /// A chain of equal cables along a straight line, from a node to the node `to` at `end`.

@@ -1,5 +1,6 @@
 #include "fullsim/mesh/mesh.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace twinchute::fullsim {
@@ -14,9 +15,15 @@ double Mesh::parachute_mass() const {
     double total = 0.0;
     for (const Triangle& t : triangles)
         total += fabric.density * fabric.thickness * t.area();
-    for (const Cable& c : cables)
-        total += cord(c.kind).linear_density() * c.strands * c.rest_length;
+    for (std::size_t i = 0; i < cables.size(); ++i)
+        total += cable_mass(i);
     return total;
+}
+
+double Mesh::cable_mass(std::size_t index) const {
+    if (std::ranges::binary_search(reefing_line, index)) return 0.0;
+    const Cable& c = cables[index];
+    return cord(c.kind).linear_density() * c.strands * c.rest_length;
 }
 
 double Mesh::fabric_area() const {
@@ -32,9 +39,9 @@ void lump_masses(Mesh& mesh, double payload_mass) {
             mesh.tributary_area[i] += t.area() / 3.0;
             mesh.mass[i] += mesh.fabric.density * mesh.fabric.thickness * t.area() / 3.0;
         }
-    for (const Cable& c : mesh.cables)
-        for (const NodeIndex i : c.node)
-            mesh.mass[i] += 0.5 * mesh.cord(c.kind).linear_density() * c.strands * c.rest_length;
+    for (std::size_t c = 0; c < mesh.cables.size(); ++c)
+        for (const NodeIndex i : mesh.cables[c].node)
+            mesh.mass[i] += 0.5 * mesh.cable_mass(c);
     mesh.mass[mesh.payload()] += payload_mass;
 }
 

@@ -59,6 +59,8 @@ public:
 
     /// Mass of fabric and cables [kg], without the payload.
     double parachute_mass() const;
+    /// Of one of the cables [kg]. A reefing line has none: it is light, and as long as its stage makes it.
+    double cable_mass(std::size_t index) const;
     /// Fabric area [m^2], the vent excluded.
     double fabric_area() const;
 
@@ -72,6 +74,9 @@ public:
     Fabric fabric;
     std::array<Cord, 6> cords;  ///< by CableKind
     StaticLine static_line;     ///< empty where there is none
+    /// Which of the cables are the reefing line, in rising order, from seam to seam around the mouth; empty
+    /// where there is none.
+    std::vector<std::size_t> reefing_line;
 
     /// Seam nodes, one ring of `gores` for each row from vent to skirt.
     std::vector<std::vector<NodeIndex>> seam_rings;

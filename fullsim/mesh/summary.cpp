@@ -25,10 +25,11 @@ MeshSummary summarise(const Mesh& mesh) {
     s.smallest_edge = std::numeric_limits<double>::infinity();
     for (const Triangle& t : mesh.triangles)
         s.smallest_edge = std::min({s.smallest_edge, t.a, std::hypot(t.b, t.c), std::hypot(t.b - t.a, t.c)});
-    for (const Cable& c : mesh.cables) {
+    for (std::size_t i = 0; i < mesh.cables.size(); ++i) {
+        const Cable& c = mesh.cables[i];
         const auto kind = static_cast<std::size_t>(c.kind);
         ++s.cables[kind];
-        s.cable_mass[kind] += mesh.cord(c.kind).linear_density() * c.strands * c.rest_length;
+        s.cable_mass[kind] += mesh.cable_mass(i);
         s.smallest_edge = std::min(s.smallest_edge, c.rest_length);
     }
     return s;

@@ -34,15 +34,16 @@ ValueAndRate Inflation::drag_area_ratio(Phase phase, double time) const {
 
 ValueAndRate Inflation::ramp(Phase phase, double time) const {
     if (phase == Phase::open) return {1.0, 0.0};
-    return {(time - snatch) / filling_time, 1.0 / filling_time};
+    const double rest = 1.0 - ramp_start;
+    return {ramp_start + rest * ((time - snatch) / filling_time), rest / filling_time};
 }
 
 ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
                                    double steady_radius) const {
     const ValueAndRate ratio = drag_area_ratio(phase, time);
-    const double root = std::sqrt(ratio.value);
+    const double root = std::sqrt(share * ratio.value);
     // Where the canopy starts from nothing no law gives its volume, R^3, a finite rate but zero.
-    const double root_rate = root > 0.0 ? 0.5 * ratio.rate / root : 0.0;
+    const double root_rate = root > 0.0 ? 0.5 * share * ratio.rate / root : 0.0;
     return spec.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
 }
 

@@ -24,6 +24,9 @@ struct Inflation {
     double steady_drag_area = 0.0;  ///< (C_D S)_0 [m^2]
     double eta = 0.0;               ///< sqrt((C_D S)_i/(C_D S)_0) [-] (paper, Eq. 15)
     const DragAreaLaw* law = nullptr;
+    // Of a stage of a reefed opening; what is above is then the stage's own.
+    double share = 1.0;       ///< drag area that it ends with over (C_D S)_0 of the open canopy [-]
+    double ramp_start = 0.0;  ///< phi' at its beginning [-]
 
     /// [s] since release at which a phase ends; infinite for Phase::open.
     double end_of(Phase phase) const;
@@ -31,10 +34,12 @@ struct Inflation {
     /// (C_D S)_t/(C_D S)_0 [-] and its rate [1/s] (paper, Eq. 14, on t - (t_s + t_i)).
     ValueAndRate drag_area_ratio(Phase phase, double time) const;
 
-    /// Linear from 0 at t_s to 1 at t_s + t_f: phi'(t), and phi(t)/phi(t_f) of Eq. 12.
+    /// Linear from 0, or from where the stage before has come to, at t_s to 1 at t_s + t_f: phi'(t), and
+    /// phi(t)/phi(t_f) of Eq. 12.
     ValueAndRate ramp(Phase phase, double time) const;
 
-    /// Added mass [kg] and rate [kg/s] at density rho, R_c = steady_radius sqrt(drag-area ratio).
+    /// Added mass [kg] and rate [kg/s] at density rho, R_c = steady_radius sqrt((C_D S)_t/(C_D S)_0) with the
+    /// radius and drag area of the open canopy.
     ValueAndRate added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
                             double steady_radius) const;
 };

@@ -125,17 +125,83 @@ Release release(const Values& v, const Environment& environment) {
     return r;
 }
 
-FillTime fill_time(const Values& v) {
+/// `table`: the keys stand below it.
+FillTime fill_time(const Values& v, const std::string& table) {
+    const auto key = [&](const char* name) { return table + "." + name; };
     FillTime f;
-    f.model = find_fill_time(v.word("parachute.fill_time.model"));
-    if (v.is_effective("parachute.fill_time.n")) {
-        f.n = v.number("parachute.fill_time.n");
-        f.density_exponent = v.number("parachute.fill_time.density_exponent");
+    f.model = find_fill_time(v.word(key("model")));
+    if (v.is_effective(key("n"))) {
+        f.n = v.number(key("n"));
+        f.density_exponent = v.number(key("density_exponent"));
     }
-    if (v.is_effective("parachute.fill_time.geometric_porosity"))
-        f.porosity = v.number("parachute.fill_time.geometric_porosity");
-    if (v.is_effective("parachute.fill_time.time")) f.given = v.number("parachute.fill_time.time");
+    if (v.is_effective(key("geometric_porosity"))) f.porosity = v.number(key("geometric_porosity"));
+    if (v.is_effective(key("time"))) f.given = v.number(key("time"));
     return f;
+}
+
+constexpr std::pair<std::string_view, Trigger::Kind> occurrences[] = {
+    {"steady-descent", Trigger::Kind::steady_descent},
+    {"peak-force", Trigger::Kind::peak_force},
+    {"full-open", Trigger::Kind::full_open},
+    {"line-stretch", Trigger::Kind::line_stretch},
+    {"ground", Trigger::Kind::ground},
+    {"release", Trigger::Kind::release},
+    {"apogee", Trigger::Kind::apogee},
+    {"cut", Trigger::Kind::cut}};
+
+Trigger::Kind occurrence(std::string_view word) {
+    return std::ranges::find(occurrences, word, [](const auto& k) { return k.first; })->second;
+}
+
+/// "drogue.full-open": what happens to another parachute.
+Trigger of_another(const Values& v, const std::string& key) {
+    const std::string& text = v.word(key);
+    const std::size_t dot = std::min(text.rfind('.'), text.size());
+    const std::string_view event = std::string_view(text).substr(std::min(dot + 1, text.size()));
+    if (dot == 0 || (event != "line-stretch" && event != "full-open" && event != "cut"))
+        throw SceneError(v.place(key), key, fmt::format("'{}' is not an event of a parachute", text),
+                         "its name, a dot and line-stretch, full-open or cut",
+                         "write e.g. \"drogue.full-open\"");
+    Trigger t;
+    t.kind = occurrence(event);
+    t.of = text.substr(0, dot);
+    return t;
+}
+
+/// `table`: the keys stand below it.
+Trigger trigger(const Values& v, const std::string& table, const Environment& environment) {
+    const auto key = [&](const char* name) { return table + "." + name; };
+    Trigger t;
+    if (v.given(key("time"))) {
+        t.kind = Trigger::Kind::time;
+        t.value = v.number(key("time"));
+    } else if (v.given(key("altitude")) || v.given(key("height"))) {
+        t.kind = Trigger::Kind::altitude;
+        t.value = v.given(key("altitude")) ? v.number(key("altitude"))
+                                           : environment.ground + v.number(key("height"));
+    } else if (v.given(key("dynamic_pressure"))) {
+        t.kind = Trigger::Kind::dynamic_pressure;
+        t.value = v.number(key("dynamic_pressure"));
+    } else if (v.given(key("after"))) {
+        t = of_another(v, key("after"));
+    } else {
+        t.kind = occurrence(v.word(key("at")));
+    }
+    t.delay = v.number(key("delay"));
+    return t;
+}
+
+std::vector<Reefing> reefing(const Values& v, const Environment& environment) {
+    std::vector<Reefing> stages;
+    for (int i = 1; i <= v.count("parachute.reefing"); ++i) {
+        const std::string table = fmt::format("parachute.reefing.{}", i);
+        Reefing& stage = stages.emplace_back();
+        stage.drag_area_ratio = v.number(table + ".drag_area_ratio");
+        stage.line_length = optional_number(v, table + ".line_length");
+        if (v.has_table(table + ".fill_time")) stage.fill_time = fill_time(v, table + ".fill_time");
+        stage.until = trigger(v, table + ".until", environment);
+    }
+    return stages;
 }
 
 ForceHistory extraction(const Values& v) {
@@ -167,13 +233,15 @@ Deployment deployment(const Values& v) {
     d.pitch = v.number(key("pitch"));
     d.pack_ratio = v.number(key("pack_ratio"));
     d.drag_coefficient = v.number(key("drag_coefficient"));
+    if (d.by == DeployBy::pilot) d.pack_drag_area = v.number(key("pilot_drag_area"));
+    if (d.by == DeployBy::mortar) d.muzzle_speed = v.number(key("muzzle_speed"));
     if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
     d.fold_repulsion = v.number(key("fold_repulsion"));
     d.fold_resistance = v.number(key("fold_resistance"));
     return d;
 }
 
-Parachute parachute(const Values& v, Materials& materials) {
+Parachute parachute(const Values& v, Materials& materials, const Environment& environment) {
     Parachute p;
     p.name = v.word("parachute.name");
     p.nominal_diameter = v.number("parachute.nominal_diameter");
@@ -198,7 +266,15 @@ Parachute parachute(const Values& v, Materials& materials) {
     p.strength = {v.number("parachute.joint_efficiency"), v.number("parachute.design_factor")};
 
     p.deploy = deployment(v);
-    p.fill_time = fill_time(v);
+    p.count = static_cast<int>(v.integer("parachute.count"));
+    for (int i = 1; i <= v.count("parachute.lag"); ++i)
+        p.lag.push_back(v.number(fmt::format("parachute.lag.{}", i)));
+    p.cluster_drag_ratio = v.number("parachute.cluster_drag_ratio");
+    if (v.has_table("parachute.deploy.when"))
+        p.deploy_when = trigger(v, "parachute.deploy.when", environment);
+    if (v.has_table("parachute.cut")) p.cut = trigger(v, "parachute.cut", environment);
+    p.reefing = reefing(v, environment);
+    p.fill_time = fill_time(v, "parachute.fill_time");
     p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
     p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
     p.initial_phase.transit = v.is_word("parachute.initial_phase");
@@ -223,28 +299,6 @@ Aerodynamics aerodynamics(const Values& v) {
         a.breathing_damping = v.number("aerodynamics.breathing_damping.k");
     a.radial_pressure = v.number("aerodynamics.radial_pressure");
     return a;
-}
-
-Trigger stop(const Values& v, const Environment& environment) {
-    Trigger t;
-    if (v.given("stop.time")) {
-        t.kind = Trigger::Kind::time;
-        t.value = v.number("stop.time");
-    } else if (v.given("stop.altitude") || v.given("stop.height")) {
-        t.kind = Trigger::Kind::altitude;
-        t.value = v.given("stop.altitude") ? v.number("stop.altitude")
-                                           : environment.ground + v.number("stop.height");
-    } else {
-        using enum Trigger::Kind;
-        constexpr std::pair<std::string_view, Trigger::Kind> kinds[] = {{"steady-descent", steady_descent},
-                                                                        {"peak-force", peak_force},
-                                                                        {"full-open", full_open},
-                                                                        {"line-stretch", line_stretch},
-                                                                        {"ground", ground}};
-        t.kind = std::ranges::find(kinds, v.word("stop.at"), [](const auto& k) { return k.first; })->second;
-    }
-    t.delay = v.number("stop.delay");
-    return t;
 }
 
 FullSettings full(const Values& v) {
@@ -294,13 +348,29 @@ Scene assemble_scene(const Values& v) {
     scene.payload.mass = v.number("payload.mass");
     if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
     scene.release = release(v, scene.environment);
-    scene.parachutes.push_back(parachute(v, materials));
+    scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scene.aerodynamics = aerodynamics(v);
-    scene.stop = stop(v, scene.environment);
+    scene.stop = trigger(v, "stop", scene.environment);
     scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
     scene.full = full(v);
     scene.tolerances = v.tolerances();
     return scene;
+}
+
+void add_parachute(Scene& scene, const Values& v) {
+    std::vector<Input> inputs;
+    for (Input& input : v.inputs())
+        if (input.key.starts_with("parachute.")) inputs.push_back(std::move(input));
+    Materials materials(v, inputs);
+    scene.parachutes.push_back(parachute(v, materials, scene.environment));
+    name_inputs(inputs, scene.parachutes.back().name);
+    scene.inputs.insert(scene.inputs.end(), inputs.begin(), inputs.end());
+}
+
+void name_inputs(std::vector<Input>& inputs, const std::string& name) {
+    constexpr std::string_view head = "parachute.";
+    for (Input& input : inputs)
+        if (input.key.starts_with(head)) input.key.insert(head.size(), name + ".");
 }
 
 std::filesystem::path data_file(std::string_view folder, const std::string& name, std::string_view key,

@@ -1,6 +1,7 @@
 // What has to fit together in a scene although every key is right on its own.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,7 +20,8 @@ class Complain {
 public:
     explicit Complain(const Values& values) : values_(values) {}
 
-    [[noreturn]] void about(const char* key, std::string problem, std::string why, std::string hint) const {
+    [[noreturn]] void about(const std::string& key, std::string problem, std::string why,
+                            std::string hint) const {
         throw SceneError(values_.place(key), key, std::move(problem), std::move(why), std::move(hint));
     }
 
@@ -104,8 +106,7 @@ void check_canopy(const Parachute& p, const Complain& complain) {
 
 /// A packed start finds its snatch speed while it runs; that a filling time of n diameters outlasts an
 /// initial phase of half a diameter holds at any speed, or at none.
-void check_packed_opening(const Scene& scene, const Complain& complain) {
-    const Parachute& p = scene.parachutes.front();
+void check_packed_opening(const Scene& scene, const Parachute& p, const Complain& complain) {
     const double speed = 1.0, density = scene.environment.atmosphere.at(scene.release.altitude).density;
     const double filling = p.fill_time.seconds({p.nominal_diameter, speed, density});
     const bool has_given = p.fill_time.given > 0.0, has_porosity = p.fill_time.porosity > 0.0;
@@ -126,8 +127,7 @@ void check_packed_opening(const Scene& scene, const Complain& complain) {
 }
 
 /// A line-stretch start snatches at once, so that its times are known before anything runs.
-void check_opening(const Scene& scene, const Values& values, const Complain& complain) {
-    const Parachute& p = scene.parachutes.front();
+void check_opening(const Scene& scene, const Parachute& p, const Values& values, const Complain& complain) {
     Vec3 velocity = velocity_over_ground(scene.release);
     if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
     const double speed = scene.environment.wind ? velocity.norm() : scene.release.speed;
@@ -172,22 +172,124 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
                "write path_angle = \"90 deg\"");
 }
 
+/// The stages of a reefed opening, each wider than the one before.
+void check_reefing(const Parachute& p, const Complain& complain) {
+    double before = p.initial_drag_area_ratio;
+    for (std::size_t i = 0; i < p.reefing.size(); ++i) {
+        const std::string key = fmt::format("parachute.reefing.{}.drag_area_ratio", i + 1);
+        if (p.reefing[i].drag_area_ratio <= before)
+            complain.about(key, fmt::format("{:g} does not rise", p.reefing[i].drag_area_ratio),
+                           i == 0
+                               ? fmt::format("the canopy begins with initial_drag_area_ratio = {:g}", before)
+                               : fmt::format("the stage before it has {:g}", before),
+                           "give stages in the order in which they open");
+        before = p.reefing[i].drag_area_ratio;
+    }
+    if (!p.reefing.empty() && p.deploy.by == DeployBy::inflated)
+        complain.about("parachute.reefing.1.drag_area_ratio", "a canopy that starts open has no reefed stage",
+                       "", "take out reefing, or deploy by line-stretch");
+}
+
+void check_cluster(const Parachute& p, const Complain& complain) {
+    if (!p.lag.empty() && static_cast<int>(p.lag.size()) != p.count)
+        complain.about("parachute.lag.1", fmt::format("{} times for {} parachutes", p.lag.size(), p.count),
+                       "each has its own", "give as many as parachute.count");
+    if (!p.lag.empty() && p.deploy.by == DeployBy::inflated)
+        complain.about("parachute.lag.1", "canopies that start open have no lag", "", "take it out");
+}
+
+/// The name of one of several parachutes is part of keys and metrics.
+void check_name(const std::string& name, const Complain& complain) {
+    const bool plain = std::ranges::all_of(name, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+               c == '_';
+    });
+    const std::string path = "parachute." + name;
+    const bool is_key = std::ranges::any_of(
+        scene_keys(), [&](const Key& row) { return row.path == path || row.path.starts_with(path + "."); });
+    const bool is_number = name.find_first_not_of("0123456789") == std::string::npos;
+    if (!plain || is_key || is_number)
+        complain.about("parachute.name", fmt::format("'{}' is not fit for one of several parachutes", name),
+                       is_key ? "it is the name of a key" : "letters, digits, '-' and '_', and not a number",
+                       "write e.g. \"drogue\"");
+}
+
+/// The key of a trigger: the first of its conditions that is given.
+std::string key_of(const Values& values, const std::string& table) {
+    for (const char* name : {"at", "time", "altitude", "height", "dynamic_pressure", "after"})
+        if (const std::string key = fmt::format("{}.{}", table, name); values.given(key)) return key;
+    return table + ".at";
+}
+
+/// Names are told apart, what parachutes wait for is there, and they do not wait for each other.
+void check_sequence(const Scene& scene, const std::vector<Values>& values) {
+    const auto find = [&](const std::string& name) {
+        return std::ranges::find(scene.parachutes, name, &Parachute::name);
+    };
+    const auto check = [&](std::size_t k, const Trigger& trigger, const std::string& table, bool may_be_own) {
+        const Complain complain(values[k]);
+        const std::string key = key_of(values[k], table);
+        const std::string& own = scene.parachutes[k].name;
+        if (!trigger.of.empty() && find(trigger.of) == scene.parachutes.end())
+            complain.about(key, fmt::format("there is no parachute '{}'", trigger.of), "",
+                           "write the name of one of [[parachute]]");
+        const bool its_own = trigger.of.empty() ? trigger.kind == Trigger::Kind::line_stretch ||
+                                                      trigger.kind == Trigger::Kind::full_open
+                                                : trigger.of == own;
+        if (its_own && !may_be_own)
+            complain.about(key, "a parachute cannot wait for its own opening", "",
+                           "name another one with after");
+    };
+    int at_release = 0;
+    for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
+        const Parachute& p = scene.parachutes[k];
+        const Complain complain(values[k]);
+        if (static_cast<std::size_t>(find(p.name) - scene.parachutes.begin()) != k)
+            complain.about("parachute.name", fmt::format("two parachutes are called '{}'", p.name),
+                           "keys and metrics carry the name", "give each a name of its own");
+        if (scene.parachutes.size() > 1) check_name(p.name, complain);
+        if (p.deploy_when) check(k, *p.deploy_when, "parachute.deploy.when", false);
+        if (p.cut) check(k, *p.cut, "parachute.cut", true);
+        for (std::size_t i = 0; i < p.reefing.size(); ++i)
+            check(k, p.reefing[i].until, fmt::format("parachute.reefing.{}.until", i + 1), true);
+        if (p.deploy.starts_packed() && !p.deploy_when && ++at_release > 1)
+            complain.about("parachute.deploy.by", "two parachutes leave their packs at release",
+                           "the lines of one are drawn out after the other",
+                           "add deploy.when to one of them");
+        if (p.deploy.by == DeployBy::static_line && p.deploy_when)
+            complain.about("parachute.deploy.by", "a static line has nothing to wait for",
+                           "it pays out from release on", "take out deploy.when");
+        std::size_t steps = 0;
+        for (auto it = find(p.name); it->deploy_when && !it->deploy_when->of.empty(); ++steps) {
+            it = find(it->deploy_when->of);
+            if (it == scene.parachutes.end() || steps > scene.parachutes.size()) break;
+        }
+        if (steps > scene.parachutes.size())
+            complain.about("parachute.deploy.when.after", "parachutes wait for each other", "none would open",
+                           "let one of them wait for a time, an altitude or nothing");
+    }
+}
+
+void check_parachute(const Scene& scene, const Parachute& p, const Values& values) {
+    const Complain complain(values);
+    check_canopy(p, complain);
+    check_reefing(p, complain);
+    check_cluster(p, complain);
+    if (p.deploy.starts_packed())
+        check_packed_opening(scene, p, complain);
+    else if (p.deploy.by == DeployBy::line_stretch && !p.deploy_when)
+        check_opening(scene, p, values, complain);
+}
+
 }  // namespace
 
-void check_scene(Scene& scene, const Values& values) {
-    const Complain complain(values);
-    check_release(scene, values, complain);
-    check_canopy(scene.parachutes.front(), complain);
-    switch (scene.parachutes.front().deploy.by) {
-        case DeployBy::line_stretch:
-            check_opening(scene, values, complain);
-            break;
-        case DeployBy::inflated:
-            break;
-        default:
-            check_packed_opening(scene, complain);
-    }
-    check_stop(scene, values, complain);
+void check_scene(Scene& scene, const std::vector<Values>& values) {
+    const Complain complain(values.front());
+    check_release(scene, values.front(), complain);
+    for (std::size_t k = 0; k < scene.parachutes.size(); ++k)
+        check_parachute(scene, scene.parachutes[k], values[k]);
+    check_sequence(scene, values);
+    check_stop(scene, values.front(), complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);
 }

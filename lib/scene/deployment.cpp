@@ -6,10 +6,12 @@
 namespace twinchute {
 namespace {
 
-constexpr std::array<DeploymentRow, 5> rows{{
+constexpr std::array<DeploymentRow, 7> rows{{
     {"static-line", DeployBy::static_line, "a static line from the apex pays out and lets go at snatch"},
     {"free", DeployBy::free, "drag and inertia alone draw it out"},
     {"extraction", DeployBy::extraction, "a prescribed force pulls it out"},
+    {"pilot", DeployBy::pilot, "a pilot chute draws it out"},
+    {"mortar", DeployBy::mortar, "a gun throws it out"},
     {"line-stretch", DeployBy::line_stretch, "the scene starts with lines and canopy drawn out"},
     {"inflated", DeployBy::inflated, "the scene starts with the canopy open"},
 }};

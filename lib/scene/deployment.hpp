@@ -12,6 +12,8 @@ enum class DeployBy {
     static_line,   ///< a line from the apex to a far end pays out, and lets go at snatch
     free,          ///< drag and inertia alone
     extraction,    ///< a prescribed force pulls the parachute out
+    pilot,         ///< the drag of a pilot chute draws the pack out
+    mortar,        ///< a gun throws the pack out, straight behind
     line_stretch,  ///< the scene starts with lines and canopy drawn out: snatch is at time 0
     inflated       ///< the scene starts with the canopy open
 };
@@ -50,7 +52,9 @@ struct Deployment {
     double pitch = 0.0;             ///< [rad] of the pack from the line straight behind the release, apex up
     double pack_ratio = 0.0;        ///< length of the pack over that of the parachute drawn out [-]
     double drag_coefficient = 0.0;  ///< of cloth until snatch, on its area across the air [-] (full)
-    double pack_drag_area = 0.0;    ///< C_D S of the pack [m^2] (rom); needed by a free deployment
+    double pack_drag_area = 0.0;    ///< C_D S of the pack [m^2] (rom); needed by a free deployment; of the
+                                    ///< pilot chute, where one draws it out
+    double muzzle_speed = 0.0;      ///< [m/s] of the pack relative to the payload (rom)
     double fold_repulsion = 0.0;    ///< stiffness of folded cloth over that in tension [-] (full)
     double fold_resistance = 0.0;   ///< [N/m] of folded cloth against being drawn out (full)
 

@@ -15,6 +15,8 @@ namespace {
 
 const std::string override_file = "--set";
 constexpr std::size_t most_cases = 1000;
+constexpr std::size_t most_members = 999;  // of a list: row_path() knows three digits
+constexpr std::size_t most_parachutes = 20;
 
 SourcePlace place_of(const std::string& file, const toml::source_region& region) {
     if (file == override_file) return {file, 0, 0};
@@ -103,7 +105,8 @@ private:
                          std::move(why), std::move(hint));
     }
 
-    bool is_branch(std::string_view path) const {
+    bool is_branch(std::string_view full_path) const {
+        const std::string path = row_path(kind_.keys, full_path);
         return std::ranges::any_of(kind_.keys, [&](const Key& row) {
             return row.path.size() > path.size() && row.path.starts_with(path) &&
                    row.path[path.size()] == '.';
@@ -111,8 +114,12 @@ private:
     }
 
     void visit(const toml::key& name, const toml::node& node, const std::string& path) {
+        visit(name, node, path, dots_are_paths_ && path == name.str());
+    }
+
+    /// is_path: the name is a whole path with its dots.
+    void visit(const toml::key& name, const toml::node& node, const std::string& path, bool is_path) {
         const SourcePlace place = place_of(document_.file, name.source());
-        const bool is_path = dots_are_paths_ && path == name.str();
         // A dot inside a quoted key would look like a path.
         const bool plain = (is_path || name.str().find('.') == std::string_view::npos) && !name.str().empty();
         const Key* key = plain ? find_key(kind_.keys, path) : nullptr;
@@ -128,10 +135,14 @@ private:
             cases(node, place);
         } else if (key && key->kind == KeyKind::tolerance) {
             tolerances(*key, node, path, place);
-        } else if (key && key->kind != KeyKind::table) {
+        } else if (key && key->is_list() && key->path == path) {
+            list(*key, node, path, place);
+        } else if (key && key->kind != KeyKind::table && key->kind != KeyKind::list) {
             document_.entries.insert_or_assign(path, leaf(*key, node, path, place));
         } else if (plain && (key || is_branch(path))) {
             branch(node, path, place);
+        } else if (plain && overriding_ && path.starts_with("parachute.")) {
+            parachute_by_name(name, node, path, is_path);
         } else {
             refuse(place, path, "unknown key", "", plain ? suggestion(path) : "write keys without quotes");
         }
@@ -155,17 +166,67 @@ private:
         table(*inner, path + ".");
     }
 
+    /// Its members as "path.1" and so on. One that is laid over a scene may name a single member instead.
+    void list(const Key& key, const toml::node& node, const std::string& path, const SourcePlace& place) {
+        const toml::array* array = node.as_array();
+        if (overriding_ && node.is_table()) return table(*node.as_table(), path + ".");
+        const bool of_tables = key.kind == KeyKind::list;
+        if (!array || array->empty())
+            refuse(place, path, fmt::format("{} where a list belongs", type_name(node)), "",
+                   of_tables ? fmt::format("write [[{}]] with two brackets", shown_path(path, kind_.prefix))
+                             : fmt::format("write {} = [\"0 {}\", ...]", last_of(path), key.unit));
+        if (array->size() > most_members)
+            refuse(place, path, fmt::format("more than {} members", most_members), "", "shorten the list");
+        document_.lists.insert(path);
+        for (std::size_t i = 0; i < array->size(); ++i) {
+            const toml::node& item = (*array)[i];
+            const std::string member = fmt::format("{}.{}", path, i + 1);
+            const SourcePlace where = place_of(document_.file, item.source());
+            if (!of_tables)
+                document_.entries.insert_or_assign(member, leaf(key, item, member, where));
+            else
+                branch(item, member, where);
+        }
+    }
+
     void parachutes(const toml::node& node, const SourcePlace& place) {
         const toml::array* array = node.as_array();
         if (!array || array->empty() || !array->front().is_table())
-            refuse(place, "parachute", "is not a list of tables", "a scene may have several kinds one day",
+            refuse(place, "parachute", "is not a list of tables", "a scene may have several",
                    "write [[parachute]] with two brackets");
-        if (array->size() > 1)
-            refuse(place_of(document_.file, (*array)[1].source()), "parachute", "a second parachute",
-                   "both models open a single parachute, clusters are not modelled",
-                   "keep one [[parachute]]");
-        document_.tables.insert_or_assign("parachute", place_of(document_.file, array->front().source()));
-        table(*array->front().as_table(), "parachute.");
+        if (array->size() > most_parachutes)
+            refuse(place_of(document_.file, (*array)[most_parachutes].source()), "parachute",
+                   fmt::format("more than {} parachutes", most_parachutes), "", "give alike ones a count");
+        for (const toml::node& item : *array) {
+            const SourcePlace where = place_of(document_.file, item.source());
+            const bool first = &item == &array->front();
+            if (!item.is_table())
+                refuse(where, "parachute", fmt::format("{} where a table belongs", type_name(item)), "",
+                       "write [[parachute]] with its keys below");
+            Document& to = first ? document_ : document_.parachutes.emplace_back();
+            to.file = document_.file;
+            to.tables.insert_or_assign("parachute", where);
+            Walk(to, kind_).table(*item.as_table(), "parachute.");
+        }
+    }
+
+    /// "parachute.drogue.mass": keys of one of several parachutes, by name or number.
+    void parachute_by_name(const toml::key& key, const toml::node& node, const std::string& path,
+                           bool is_path) {
+        constexpr std::string_view head = "parachute.";
+        const std::string_view below = std::string_view(path).substr(head.size());
+        const std::string_view name = below.substr(0, below.find('.'));
+        const SourcePlace place = place_of(document_.file, key.source());
+        if (name.size() == below.size() && !node.is_table())
+            refuse(place, path, "unknown key", "", suggestion(path));
+        Document& to = document_.named_parachutes[std::string(name)];
+        to.file = document_.file;
+        to.tables.insert_or_assign("parachute", place);
+        Walk walk(to, kind_, true);
+        if (name.size() == below.size())
+            walk.table(*node.as_table(), std::string(head));
+        else
+            walk.visit(key, node, std::string(head) + std::string(below.substr(name.size() + 1)), is_path);
     }
 
     void cases(const toml::node& node, const SourcePlace& place) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,7 +35,12 @@ struct Document {
     std::string file;                           ///< for messages about what is not there
     std::map<std::string, Entry> entries;       ///< by path, e.g. "parachute.fill_time.n"
     std::map<std::string, SourcePlace> tables;  ///< the tables that are present
-    std::vector<DocumentCase> cases;            ///< a series, see [[case]]
+    std::set<std::string> lists;                ///< given as a whole: they replace what lies below
+    /// [[parachute]] but the first, each with keys that begin with "parachute."; of what is laid over a
+    /// scene, keys of a parachute by its name or number.
+    std::vector<Document> parachutes;
+    std::map<std::string, Document> named_parachutes;
+    std::vector<DocumentCase> cases;  ///< a series, see [[case]]
 };
 
 /// One case of a series: keys to lay over the rest.

@@ -21,7 +21,7 @@ using enum KeyUser;
 using Words = std::vector<std::string_view>;
 
 /// Deployments that start from a pack, as `only_with` wants them.
-constexpr std::string_view packed = "static-line|free|extraction";
+constexpr std::string_view packed = "static-line|free|extraction|pilot|mortar";
 
 constexpr KeyRange above(double low, double high) {
     return {low, high, true, false};
@@ -76,6 +76,9 @@ Words extraction_loads() {
 }
 Words stops() {
     return {"steady-descent", "peak-force", "full-open", "line-stretch", "ground"};
+}
+Words occurrences() {
+    return {"release", "apogee", "line-stretch", "full-open", "steady-descent"};
 }
 Words gradings() {
     return {"graded", "uniform"};
@@ -155,10 +158,16 @@ constexpr Key scene_rows[] = {
     {.path = "release.heading", .unit = "rad", .need = defaulted, .fallback = "1.5707963267948966",
      .range = from(-2 * pi, 2 * pi), .meaning = "from north, clockwise; 90 deg is east"},
 
-    {.path = "parachute", .kind = table, .meaning = "[[parachute]], exactly one"},
+    {.path = "parachute", .kind = table, .meaning = "[[parachute]], one for each that opens by itself"},
     {.path = "parachute.design", .kind = data_file, .need = optional, .fallback = "all keys given here", .folder = "parachutes",
      .meaning = "a design file; keys given beside it override it"},
-    {.path = "parachute.name", .kind = text, .need = defaulted, .fallback = "main", .meaning = "what the parachute is called"},
+    {.path = "parachute.name", .kind = text, .need = defaulted, .fallback = "main", .meaning = "what the parachute is called; with several, keys and metrics carry it"},
+    {.path = "parachute.count", .kind = integer, .need = defaulted, .fallback = "1", .range = from(1, 100),
+     .meaning = "parachutes of this kind that open together, a cluster; all other keys are those of one"},
+    {.path = "parachute.lag", .kind = quantities, .unit = "s", .need = optional, .fallback = "none", .range = from(0, 1000), .user = rom,
+     .meaning = "of each in a cluster: by how much later its filling begins; as many as there are"},
+    {.path = "parachute.cluster_drag_ratio", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1.5), .user = rom,
+     .meaning = "drag coefficient of one in the cluster over that of one alone", .source = "nothing taken off: our assumption; spread canopies lose some drag"},
     {.path = "parachute.nominal_diameter", .unit = "m", .range = above(0, 200), .meaning = "D0"},
     {.path = "parachute.drag_area", .unit = "m^2", .range = above(0, 1e5), .instead_of = "parachute.drag_coefficient",
      .meaning = "(C_D S)_0 of the steady canopy"},
@@ -207,13 +216,32 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.deploy.drag_coefficient", .unit = "1", .need = defaulted, .fallback = "0.1", .range = from(0, 5),
      .only_with = packed, .user = full, .meaning = "of the canopy's cloth until snatch, on its area across the air",
      .source = "paper 3.2.1; flags and windsocks, assumption of this toolkit"},
-    {.path = "parachute.deploy.pack_drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .only_with = packed,
-     .user = rom, .meaning = "C_D S of the pack until line stretch"},
+    {.path = "parachute.deploy.pack_drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4),
+     .only_with = "static-line|free|extraction|mortar", .user = rom, .meaning = "C_D S of the pack until line stretch"},
     {.path = "parachute.deploy.fold_repulsion", .unit = "1", .need = defaulted, .fallback = "1e-5", .range = from(0, 1),
      .only_with = packed, .user = full, .meaning = "of folded cloth, over its stiffness in tension", .source = "paper 2.1"},
     {.path = "parachute.deploy.fold_resistance", .unit = "N/m", .need = defaulted, .fallback = "2", .range = from(0, 1e5),
      .only_with = packed, .user = full, .meaning = "of folded cloth against being drawn out, per width; lines come first",
      .source = "paper 5.2: a small force, value not printed; assumption of this toolkit"},
+    {.path = "parachute.deploy.pilot_drag_area", .unit = "m^2", .range = above(0, 1e4), .only_with = "pilot", .user = rom,
+     .meaning = "C_D S of the pilot chute that draws the pack out"},
+    {.path = "parachute.deploy.muzzle_speed", .unit = "m/s", .range = above(0, 200), .only_with = "mortar", .user = rom,
+     .meaning = "of the pack relative to the payload, straight behind it; the payload recoils"},
+    {.path = "parachute.deploy.when", .kind = table, .need = optional, .user = rom,
+     .meaning = "what deployment waits for; absent: it begins at release"},
+    {.path = "parachute.deploy.when.at", .kind = word, .choices = occurrences, .instead_of = "parachute.deploy.when.time|parachute.deploy.when.altitude|parachute.deploy.when.height|parachute.deploy.when.dynamic_pressure|parachute.deploy.when.after", .user = rom,
+     .meaning = "the event of this parachute, or of the flight"},
+    {.path = "parachute.deploy.when.time", .unit = "s", .need = optional, .fallback = "when.at", .range = from(0, 36000), .instead_of = "parachute.deploy.when.at|parachute.deploy.when.altitude|parachute.deploy.when.height|parachute.deploy.when.dynamic_pressure|parachute.deploy.when.after", .user = rom,
+     .meaning = "since release"},
+    {.path = "parachute.deploy.when.altitude", .unit = "m", .need = optional, .fallback = "when.at", .range = from(-5000, 86000), .instead_of = "parachute.deploy.when.at|parachute.deploy.when.time|parachute.deploy.when.height|parachute.deploy.when.dynamic_pressure|parachute.deploy.when.after", .user = rom,
+     .meaning = "above sea level that the payload falls to"},
+    {.path = "parachute.deploy.when.height", .unit = "m", .need = optional, .fallback = "when.at", .range = from(0, 86000), .instead_of = "parachute.deploy.when.at|parachute.deploy.when.time|parachute.deploy.when.altitude|parachute.deploy.when.dynamic_pressure|parachute.deploy.when.after", .user = rom,
+     .meaning = "above ground that the payload falls to"},
+    {.path = "parachute.deploy.when.dynamic_pressure", .unit = "Pa", .need = optional, .fallback = "when.at", .range = above(0, 1e6), .instead_of = "parachute.deploy.when.at|parachute.deploy.when.time|parachute.deploy.when.altitude|parachute.deploy.when.height|parachute.deploy.when.after", .user = rom,
+     .meaning = "that it falls to"},
+    {.path = "parachute.deploy.when.after", .kind = text, .need = optional, .fallback = "when.at", .instead_of = "parachute.deploy.when.at|parachute.deploy.when.time|parachute.deploy.when.altitude|parachute.deploy.when.height|parachute.deploy.when.dynamic_pressure", .user = rom,
+     .meaning = "an event of another parachute: \"drogue.full-open\", line-stretch or cut"},
+    {.path = "parachute.deploy.when.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .user = rom, .meaning = "after that"},
     {.path = "parachute.fill_time.model", .kind = word, .need = defaulted, .fallback = "fill-constant", .choices = fill_times,
      .meaning = "time from snatch to full drag area", .source = "paper Eq. 13"},
     {.path = "parachute.fill_time.n", .unit = "1", .range = above(0, 200), .only_with = "fill-constant|knacke-0.85",
@@ -230,6 +258,51 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.initial_phase", .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
      .range = from(0, 1000), .choices = phases, .meaning = "t_i from snatch to the rise of the drag area; transit: 0.5 D0/v_s",
      .source = "paper 3.2.2"},
+    {.path = "parachute.reefing", .kind = list, .need = optional,
+     .meaning = "[[parachute.reefing]], stages with the mouth held together, from the first on; absent: none"},
+    {.path = "parachute.reefing.drag_area_ratio", .unit = "1", .range = {0, 1, true, true},
+     .meaning = "(C_D S) of the reefed canopy over (C_D S)_0; rises from stage to stage"},
+    {.path = "parachute.reefing.line_length", .unit = "m", .need = optional, .fallback = "pi D_p sqrt(drag_area_ratio)",
+     .range = above(0, 1000), .user = full, .meaning = "of the reefing line, once around the mouth"},
+    {.path = "parachute.reefing.fill_time", .kind = table, .need = optional,
+     .meaning = "time of the filling to this stage; absent: as parachute.fill_time"},
+    {.path = "parachute.reefing.fill_time.model", .kind = word, .need = defaulted, .fallback = "fill-constant", .choices = fill_times,
+     .meaning = "as parachute.fill_time.model; given: the time of this stage itself"},
+    {.path = "parachute.reefing.fill_time.n", .unit = "1", .range = above(0, 200), .only_with = "fill-constant|knacke-0.85",
+     .meaning = "fill constant of the stage"},
+    {.path = "parachute.reefing.fill_time.density_exponent", .unit = "1", .need = defaulted, .fallback = "0", .range = from(-5, 5),
+     .only_with = "fill-constant|knacke-0.85", .meaning = "k of the altitude correction (rho/rho_0)^k"},
+    {.path = "parachute.reefing.fill_time.time", .unit = "s", .range = above(0, 1000), .only_with = "given", .meaning = "the time itself"},
+    {.path = "parachute.reefing.fill_time.geometric_porosity", .unit = "1", .range = above(0, 1), .only_with = "ribbon",
+     .meaning = "lambda_g, open over total area of the canopy"},
+    {.path = "parachute.reefing.until.at", .kind = word, .choices = occurrences, .instead_of = "parachute.reefing.until.time|parachute.reefing.until.altitude|parachute.reefing.until.height|parachute.reefing.until.dynamic_pressure|parachute.reefing.until.after",
+     .meaning = "the event of this parachute, or of the flight"},
+    {.path = "parachute.reefing.until.time", .unit = "s", .need = optional, .fallback = "until.at", .range = from(0, 36000), .instead_of = "parachute.reefing.until.at|parachute.reefing.until.altitude|parachute.reefing.until.height|parachute.reefing.until.dynamic_pressure|parachute.reefing.until.after",
+     .meaning = "since release"},
+    {.path = "parachute.reefing.until.altitude", .unit = "m", .need = optional, .fallback = "until.at", .range = from(-5000, 86000), .instead_of = "parachute.reefing.until.at|parachute.reefing.until.time|parachute.reefing.until.height|parachute.reefing.until.dynamic_pressure|parachute.reefing.until.after",
+     .meaning = "above sea level that the payload falls to"},
+    {.path = "parachute.reefing.until.height", .unit = "m", .need = optional, .fallback = "until.at", .range = from(0, 86000), .instead_of = "parachute.reefing.until.at|parachute.reefing.until.time|parachute.reefing.until.altitude|parachute.reefing.until.dynamic_pressure|parachute.reefing.until.after",
+     .meaning = "above ground that the payload falls to"},
+    {.path = "parachute.reefing.until.dynamic_pressure", .unit = "Pa", .need = optional, .fallback = "until.at", .range = above(0, 1e6), .instead_of = "parachute.reefing.until.at|parachute.reefing.until.time|parachute.reefing.until.altitude|parachute.reefing.until.height|parachute.reefing.until.after",
+     .meaning = "that it falls to"},
+    {.path = "parachute.reefing.until.after", .kind = text, .need = optional, .fallback = "until.at", .instead_of = "parachute.reefing.until.at|parachute.reefing.until.time|parachute.reefing.until.altitude|parachute.reefing.until.height|parachute.reefing.until.dynamic_pressure",
+     .meaning = "an event of another parachute: \"drogue.full-open\", line-stretch or cut"},
+    {.path = "parachute.reefing.until.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
+    {.path = "parachute.cut", .kind = table, .need = optional, .user = rom,
+     .meaning = "when the parachute is let go; absent: never"},
+    {.path = "parachute.cut.at", .kind = word, .choices = occurrences, .instead_of = "parachute.cut.time|parachute.cut.altitude|parachute.cut.height|parachute.cut.dynamic_pressure|parachute.cut.after", .user = rom,
+     .meaning = "the event of this parachute, or of the flight"},
+    {.path = "parachute.cut.time", .unit = "s", .need = optional, .fallback = "cut.at", .range = from(0, 36000), .instead_of = "parachute.cut.at|parachute.cut.altitude|parachute.cut.height|parachute.cut.dynamic_pressure|parachute.cut.after", .user = rom,
+     .meaning = "since release"},
+    {.path = "parachute.cut.altitude", .unit = "m", .need = optional, .fallback = "cut.at", .range = from(-5000, 86000), .instead_of = "parachute.cut.at|parachute.cut.time|parachute.cut.height|parachute.cut.dynamic_pressure|parachute.cut.after", .user = rom,
+     .meaning = "above sea level that the payload falls to"},
+    {.path = "parachute.cut.height", .unit = "m", .need = optional, .fallback = "cut.at", .range = from(0, 86000), .instead_of = "parachute.cut.at|parachute.cut.time|parachute.cut.altitude|parachute.cut.dynamic_pressure|parachute.cut.after", .user = rom,
+     .meaning = "above ground that the payload falls to"},
+    {.path = "parachute.cut.dynamic_pressure", .unit = "Pa", .need = optional, .fallback = "cut.at", .range = above(0, 1e6), .instead_of = "parachute.cut.at|parachute.cut.time|parachute.cut.altitude|parachute.cut.height|parachute.cut.after", .user = rom,
+     .meaning = "that it falls to"},
+    {.path = "parachute.cut.after", .kind = text, .need = optional, .fallback = "cut.at", .instead_of = "parachute.cut.at|parachute.cut.time|parachute.cut.altitude|parachute.cut.height|parachute.cut.dynamic_pressure", .user = rom,
+     .meaning = "an event of another parachute: \"drogue.full-open\", line-stretch or cut"},
+    {.path = "parachute.cut.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .user = rom, .meaning = "after that"},
 
     {.path = "aerodynamics.added_mass", .kind = table, .need = optional, .meaning = "air that moves with the canopy"},
     {.path = "aerodynamics.added_mass.model", .kind = word, .need = defaulted, .fallback = "hemisphere", .choices = added_masses,
@@ -358,7 +431,7 @@ std::span<const Key> design_keys() {
         std::vector<Key> chosen;
         for (const Key& row : scene_rows)
             if (row.path.starts_with("parachute.") && row.path != "parachute.design" &&
-                !row.path.starts_with("parachute.deploy."))
+                !row.path.starts_with("parachute.deploy.") && !row.path.starts_with("parachute.cut"))
                 chosen.push_back(row);
         return chosen;
     }();
@@ -404,9 +477,50 @@ const Key* selector_of(std::span<const Key> keys, const Key& key) {
     return row == keys.end() ? nullptr : &*row;
 }
 
-const Key* find_key(std::span<const Key> keys, std::string_view path) {
+namespace {
+
+/// The number of a list's member: without sign or leading zero.
+bool is_member(std::string_view word) {
+    return !word.empty() && word.size() <= 3 && word.front() != '0' &&
+           std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+const Key* plain_row(std::span<const Key> keys, std::string_view path) {
     const auto row = std::ranges::find(keys, path, &Key::path);
     return row == keys.end() ? nullptr : &*row;
+}
+
+}  // namespace
+
+std::string row_path(std::span<const Key> keys, std::string_view path) {
+    std::string row;
+    while (!path.empty()) {
+        const std::size_t dot = std::min(path.find('.'), path.size());
+        const std::string_view word = path.substr(0, dot);
+        path.remove_prefix(std::min(dot + 1, path.size()));
+        if (is_member(word))
+            if (const Key* list = plain_row(keys, row); list && list->is_list()) continue;
+        row += row.empty() ? "" : ".";
+        row += word;
+    }
+    return row;
+}
+
+const Key* find_key(std::span<const Key> keys, std::string_view path) {
+    const bool has_number = path.find_first_of("123456789") != std::string_view::npos;
+    return has_number ? plain_row(keys, row_path(keys, path)) : plain_row(keys, path);
+}
+
+std::string beside(std::string_view row, std::string_view like) {
+    std::string path(row);
+    for (std::size_t at = 0; (at = like.find('.', at)) != std::string_view::npos; ++at) {
+        const std::string_view rest = like.substr(at + 1);
+        const std::string_view number = rest.substr(0, rest.find('.'));
+        const std::string_view list = like.substr(0, at + 1);
+        if (is_member(number) && std::string_view(path).starts_with(list))
+            path.insert(list.size(), std::string(number) + ".");
+    }
+    return path;
 }
 
 double plain_number(std::string_view fallback) {

@@ -18,6 +18,8 @@ enum class KeyKind {
     data_file,         ///< the name of a file in `folder` of the data, without .toml
     csv_file,          ///< the name of a CSV file beside the scene or in the data
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
+    list,              ///< of tables: their keys are those below it, with a number from 1 between
+    quantities,        ///< a list of quantities, each with its number from 1 behind the path
     table              ///< physics that is left out when its table is absent
 };
 
@@ -58,7 +60,10 @@ struct Key {
     std::string_view source = {};  ///< of the definition or of the default
 
     /// A whole number or a quantity, as opposed to words.
-    bool is_number() const { return kind == KeyKind::quantity || kind == KeyKind::integer; }
+    bool is_number() const {
+        return kind == KeyKind::quantity || kind == KeyKind::integer || kind == KeyKind::quantities;
+    }
+    bool is_list() const { return kind == KeyKind::list || kind == KeyKind::quantities; }
     /// Decides which of the keys beside it are used: `model`, or `by` of a deployment.
     bool is_selector() const { return path.ends_with(".model") || path.ends_with(".by"); }
     /// Whether it is used with this word of its selector.
@@ -85,8 +90,16 @@ std::span<const Key> material_keys();  ///< both
 /// The selector beside a key that is not used with all of its words.
 const Key* selector_of(std::span<const Key> keys, const Key& key);
 
-/// The row of a path in a table of keys, or null.
+/// The row of a path in a table of keys, or null; the numbers of a list's members are not part of a row.
 const Key* find_key(std::span<const Key> keys, std::string_view path);
+
+/// The path without the numbers of list members: "parachute.reefing.2.until.at" to
+/// "parachute.reefing.until.at".
+std::string row_path(std::span<const Key> keys, std::string_view path);
+
+/// The path of a row in the list member that `like` stands in: "parachute.reefing.until.time" beside
+/// "parachute.reefing.2.until.at" to "parachute.reefing.2.until.time".
+std::string beside(std::string_view row, std::string_view like);
 
 /// The number in a default, whatever the locale: defaults are plain SI, so that none needs a unit.
 double plain_number(std::string_view fallback);

@@ -93,6 +93,8 @@ std::string range_text(const Key& key) {
             return "a CSV file";
         case KeyKind::table:
             return "a table";
+        case KeyKind::list:
+            return "a list of tables";
         default:
             break;
     }

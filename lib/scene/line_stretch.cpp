@@ -28,4 +28,10 @@ double mouth_radius_at_line_stretch(const Parachute& chute) {
     return std::sqrt(mouth_area_at_line_stretch(chute) / polygon);
 }
 
+double reefing_line_length(const Parachute& chute, std::size_t stage) {
+    const Reefing& reefing = chute.reefing[stage];
+    const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;
+    return reefing.line_length.value_or(pi * steady_diameter * std::sqrt(reefing.drag_area_ratio));
+}
+
 }  // namespace twinchute

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lib/scene/document.hpp"
+#include "lib/scene/nearest.hpp"
 
 namespace twinchute {
 
@@ -16,13 +17,17 @@ std::string_view shown_path(std::string_view path, std::string_view prefix) {
 }
 
 void imply_models(Document& document) {
+    for (Document& parachute : document.parachutes)
+        imply_models(parachute);
+    for (auto& [name, parachute] : document.named_parachutes)
+        imply_models(parachute);
     std::map<std::string, Entry> implied;
     const auto place = [](const Entry& entry) {
         return std::pair(entry.key_place.line, entry.key_place.column);
     };
     for (const auto& [path, entry] : document.entries) {
         if (entry.key->only_with.empty()) continue;
-        const std::string model(selector_of(scene_keys(), *entry.key)->path);
+        const std::string model = beside(selector_of(scene_keys(), *entry.key)->path, path);
         // How a parachute is deployed is always said.
         if (!model.ends_with(".model") || document.entries.contains(model)) continue;
         const auto before = implied.find(model);
@@ -35,10 +40,44 @@ void imply_models(Document& document) {
     document.entries.merge(implied);
 }
 
+namespace {
+
+/// The parachute of a document that a name or a number means: the first is the document itself.
+Document& parachute_of(Document& document, const std::string& name, const Document& asked) {
+    const auto is_called = [&](const Document& d) {
+        const auto entry = d.entries.find("parachute.name");
+        const auto* text =
+            entry == d.entries.end() ? nullptr : std::get_if<std::string>(&entry->second.value);
+        return text != nullptr && *text == name;
+    };
+    std::vector<std::string_view> names;
+    for (std::size_t k = 0; k <= document.parachutes.size(); ++k) {
+        Document& one = k == 0 ? document : document.parachutes[k - 1];
+        if (is_called(one) || name == fmt::format("{}", k + 1)) return one;
+        if (const auto entry = one.entries.find("parachute.name"); entry != one.entries.end())
+            if (const auto* text = std::get_if<std::string>(&entry->second.value)) names.push_back(*text);
+    }
+    throw SceneError(
+        asked.tables.at("parachute"), "parachute." + name, "unknown key, and no parachute has that name",
+        fmt::format("the scene has {}", document.parachutes.size() + 1),
+        names.empty() ? "write e.g. parachute.1.mass, or the name of a parachute" : suggest(name, names));
+}
+
+}  // namespace
+
 void overlay(Document& lower, const Document& upper) {
+    for (std::size_t k = 0; k < upper.parachutes.size(); ++k) {
+        if (k == lower.parachutes.size()) lower.parachutes.emplace_back().file = lower.file;
+        overlay(lower.parachutes[k], upper.parachutes[k]);
+    }
+    for (const std::string& list : upper.lists) {
+        const auto is_below = [&](const auto& item) { return item.first.starts_with(list + "."); };
+        std::erase_if(lower.entries, is_below);
+        std::erase_if(lower.tables, is_below);
+    }
     for (const auto& [path, entry] : upper.entries) {
         for (const std::string_view other : words_of(entry.key->instead_of))
-            lower.entries.erase(std::string(other));
+            lower.entries.erase(beside(other, path));
         const auto* chosen = std::get_if<std::string>(&entry.value);
         if (!entry.key->is_selector() || !chosen) continue;
         const std::string table = path.substr(0, path.rfind('.') + 1);
@@ -50,6 +89,8 @@ void overlay(Document& lower, const Document& upper) {
         lower.entries.insert_or_assign(path, entry);
     for (const auto& [path, place] : upper.tables)
         lower.tables.insert_or_assign(path, place);
+    for (const auto& [name, parachute] : upper.named_parachutes)
+        overlay(parachute_of(lower, name, parachute), parachute);
 }
 
 }  // namespace twinchute

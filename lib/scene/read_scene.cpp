@@ -93,12 +93,44 @@ std::vector<Document> read_overrides(const std::vector<std::string>& overrides, 
     return layers;
 }
 
+/// The document as it would be with one of its further parachutes alone.
+Document alone(const Document& document, const Document& parachute) {
+    Document one = document;
+    std::erase_if(one.entries, [](const auto& item) { return item.first.starts_with("parachute."); });
+    std::erase_if(one.tables, [](const auto& item) { return item.first.starts_with("parachute"); });
+    for (const auto& [path, entry] : parachute.entries)
+        one.entries.insert_or_assign(path, entry);
+    for (const auto& [path, place] : parachute.tables)
+        one.tables.insert_or_assign(path, place);
+    return one;
+}
+
+/// With several parachutes a key of "the" parachute would be one of the first.
+void refuse_nameless(const Document& layer, const Document& document) {
+    if (document.parachutes.empty() || layer.file == document.file) return;
+    for (const auto& [path, entry] : layer.entries)
+        if (path.starts_with("parachute."))
+            throw SceneError(entry.key_place, path, "the scene has several parachutes",
+                             fmt::format("there are {}", document.parachutes.size() + 1),
+                             "write parachute.NAME." + path.substr(std::string_view("parachute.").size()));
+}
+
 Scene finished(Document document, const std::vector<Document>& overrides) {
-    for (const Document& layer : overrides)
+    for (const Document& layer : overrides) {
+        refuse_nameless(layer, document);
         overlay(document, layer);
+    }
+    const DocumentKind kind{scene_keys()};
+    std::vector<Document> others;
+    for (const Document& parachute : document.parachutes)
+        add_design(others.emplace_back(alone(document, parachute)));
     add_design(document);
-    const Values values(document, {scene_keys()});
-    Scene scene = assemble_scene(values);
+    std::vector<Values> values;
+    values.emplace_back(document, kind);
+    Scene scene = assemble_scene(values.front());
+    if (!others.empty()) name_inputs(scene.inputs, scene.parachutes.front().name);
+    for (const Document& other : others)
+        add_parachute(scene, values.emplace_back(other, kind));
     check_scene(scene, values);
     return scene;
 }

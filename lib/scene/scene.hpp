@@ -66,6 +66,43 @@ struct Tapes {
     bool operator==(const Tapes&) const = default;
 };
 
+/// When something happens: exactly one condition, and a delay after it. Altitude and dynamic pressure are met
+/// in falling, or where they are below already.
+struct Trigger {
+    enum class Kind {
+        steady_descent,
+        peak_force,
+        full_open,
+        line_stretch,  ///< met at snatch
+        ground,
+        time,
+        altitude,
+        release,
+        apogee,
+        dynamic_pressure,
+        cut
+    };
+    Kind kind = Kind::steady_descent;
+    /// [s] since release, for Kind::time; [m] above sea level, for Kind::altitude; [Pa], for
+    /// Kind::dynamic_pressure.
+    double value = 0.0;
+    double delay = 0.0;   ///< [s] after the condition
+    std::string of = {};  ///< whose line stretch, full opening or cut; empty: one's own
+
+    bool operator==(const Trigger&) const = default;
+};
+
+/// A stage of an opening with the mouth of the canopy held together by a line.
+struct Reefing {
+    double drag_area_ratio = 0.0;       ///< (C_D S)_r/(C_D S)_0 [-]
+    std::optional<double> line_length;  ///< [m] once around the mouth
+    std::optional<FillTime> fill_time;  ///< absent: as the parachute's
+    Trigger until;                      ///< the line is cut
+
+    bool operator==(const Reefing&) const = default;
+};
+
+/// One parachute, or several alike that open together. Unless said otherwise a value is that of one of them.
 struct Parachute {
     std::string name;
     double nominal_diameter = 0.0;                    ///< D0 [m]
@@ -83,8 +120,15 @@ struct Parachute {
     Tapes tapes;
     StrengthFactors strength;
 
+    int count = 1;                    ///< of a cluster
+    std::vector<double> lag;          ///< [s] of each in a cluster; empty: none
+    double cluster_drag_ratio = 1.0;  ///< drag coefficient in the cluster over that of one alone [-]
+
     Deployment deploy;
-    FillTime fill_time;
+    std::optional<Trigger> deploy_when;  ///< absent: at release
+    std::optional<Trigger> cut;          ///< absent: never let go
+    std::vector<Reefing> reefing;        ///< stages before the canopy may open fully
+    FillTime fill_time;                  ///< of the whole opening; after reefing, of the rest
     const DragAreaLaw* drag_area_law = nullptr;
     double initial_drag_area_ratio = 0.0;  ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
@@ -104,17 +148,6 @@ struct Aerodynamics {
     double radial_pressure = 0.0;             ///< phi(t_f) of Eq. 12 [-]
 
     bool operator==(const Aerodynamics&) const = default;
-};
-
-/// When something happens: exactly one condition, and a delay after it. An altitude is met in falling; line
-/// stretch is met at snatch.
-struct Trigger {
-    enum class Kind { steady_descent, peak_force, full_open, line_stretch, ground, time, altitude };
-    Kind kind = Kind::steady_descent;
-    double value = 0.0;  ///< [s] since release, for Kind::time; [m] above sea level, for Kind::altitude
-    double delay = 0.0;  ///< [s] after the condition
-
-    bool operator==(const Trigger&) const = default;
 };
 
 struct RomSettings {
@@ -203,7 +236,7 @@ struct Scene {
     Environment environment;
     Payload payload;
     Release release;
-    std::vector<Parachute> parachutes;  ///< exactly one for now
+    std::vector<Parachute> parachutes;  ///< one or more; names differ
     Aerodynamics aerodynamics;
     Trigger stop;
     RomSettings rom;

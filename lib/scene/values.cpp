@@ -43,8 +43,9 @@ Values::Values(const Document& document, const DocumentKind& kind)
     fill_in_all(true);
     for (const auto* item : entries) {
         const auto& [path, entry] = *item;
-        if (entry.key->only_with.empty() || is_active(*entry.key)) continue;
-        const std::string_view selector = selector_of(kind_.keys, *entry.key)->path;
+        require_members_before(path, entry);
+        if (entry.key->only_with.empty() || is_active(*entry.key, path)) continue;
+        const std::string selector = beside(selector_of(kind_.keys, *entry.key)->path, path);
         refuse(entry.key_place, path, "is not used",
                fmt::format("{} is '{}'", shown_path(selector, kind_.prefix), word(selector)),
                fmt::format("take it out or write {} = \"{}\"", selector.substr(selector.rfind('.') + 1),
@@ -101,6 +102,7 @@ Values::Value Values::checked(const std::string& path, const Entry& entry) const
     const bool known = text && std::ranges::find(words, *text) != words.end();
     switch (key.kind) {
         case KeyKind::quantity:
+        case KeyKind::quantities:
             value.value = checked_number(path, entry);
             break;
         case KeyKind::quantity_or_word:
@@ -159,23 +161,35 @@ void Values::read_tolerance(const std::string& path, const Entry& entry) {
 }
 
 /// Part of physics that is present, and of the model that is chosen.
-bool Values::is_active(const Key& key) const {
+bool Values::is_active(const Key& key, std::string_view path) const {
     for (const Key& row : kind_.keys)
         if (row.kind == KeyKind::table && key.path.starts_with(std::string(row.path) + ".") &&
-            !tables_.contains(std::string(row.path)))
+            !tables_.contains(beside(row.path, path)))
             return false;
     if (key.only_with.empty()) return true;
-    const auto selector = values_.find(selector_of(kind_.keys, key)->path);
+    const auto selector = values_.find(beside(selector_of(kind_.keys, key)->path, path));
     return selector != values_.end() && key.goes_with(std::get<std::string>(selector->second.value));
 }
 
+/// Members of a list are counted from 1 without gaps.
+void Values::require_members_before(const std::string& path, const Entry& entry) const {
+    for (const Key& list : kind_.keys) {
+        const std::string head = std::string(list.path) + ".";
+        if (!list.is_list() || !path.starts_with(head)) continue;
+        const std::string number = path.substr(head.size(), path.find('.', head.size()) - head.size());
+        const int members = count(list.path);
+        if (plain_number(number) > members)
+            refuse(entry.key_place, path, fmt::format("there is no member {} of {}", number, list.path),
+                   fmt::format("it has {}", members), "count from 1, without gaps");
+    }
+}
+
 /// Exactly one of a key and its alternative.
-void Values::require_alternatives(const Key& key) const {
-    const auto one = values_.find(key.path);
-    for (const std::string_view other : words_of(key.instead_of))
-        if (one != values_.end() && values_.contains(other))
-            refuse(one->second.place, key.path,
-                   fmt::format("stands beside {}", shown_path(other, kind_.prefix)),
+void Values::require_alternatives(const Key& key, const std::string& path) const {
+    const auto one = values_.find(path);
+    for (const std::string_view row : words_of(key.instead_of))
+        if (const std::string other = beside(row, path); one != values_.end() && values_.contains(other))
+            refuse(one->second.place, path, fmt::format("stands beside {}", shown_path(other, kind_.prefix)),
                    "both say the same thing", "keep exactly one of the two");
 }
 
@@ -188,30 +202,42 @@ SourcePlace Values::place_of_absent(std::string_view path) const {
     return {file_, 1, 1};
 }
 
-/// The default of a key that is absent, or a complaint when there is none.
+/// The default of a key that is absent, or a complaint when there is none; of a list's key, for each member.
 void Values::fill_in(const Key& key) {
-    if (!key.instead_of.empty()) require_alternatives(key);
+    if (key.is_list()) return;
+    const auto list = std::ranges::find_if(kind_.keys, [&](const Key& row) {
+        return row.kind == KeyKind::list && key.path.starts_with(std::string(row.path) + ".");
+    });
+    if (list == kind_.keys.end()) return fill_in(key, std::string(key.path));
+    for (int i = 1; i <= count(list->path); ++i)
+        fill_in(key, beside(key.path, fmt::format("{}.{}.", list->path, i)));
+}
+
+void Values::fill_in(const Key& key, const std::string& path) {
+    if (!key.instead_of.empty()) require_alternatives(key, path);
     if (key.kind == KeyKind::table) {
-        if (key.need == KeyNeed::required && !tables_.contains(std::string(key.path)))
-            refuse({file_, 1, 1}, key.path, "is missing", std::string(key.meaning),
-                   fmt::format("add a [[{}]] table", key.path));
+        if (key.need == KeyNeed::required && !tables_.contains(path))
+            refuse({file_, 1, 1}, path, "is missing", std::string(key.meaning),
+                   fmt::format("add a [[{}]] table", path));
         return;
     }
-    if (values_.contains(key.path) || !is_active(key)) return;
-    const auto others = words_of(key.instead_of);
-    if (std::ranges::any_of(others, [this](std::string_view other) { return values_.contains(other); }))
+    if (values_.contains(path) || !is_active(key, path)) return;
+    std::vector<std::string> others;
+    for (const std::string_view row : words_of(key.instead_of))
+        others.push_back(beside(row, path));
+    if (std::ranges::any_of(others, [this](const std::string& other) { return values_.contains(other); }))
         return;
     if (key.need == KeyNeed::optional) return;
     if (key.need == KeyNeed::required) {
         const std::string unit = key.record_unit().empty() ? "" : fmt::format(", in {}", key.unit);
-        refuse(place_of_absent(key.path), key.path, "is missing", fmt::format("{}{}", key.meaning, unit),
+        refuse(place_of_absent(path), path, "is missing", fmt::format("{}{}", key.meaning, unit),
                key.instead_of.empty()
                    ? allowed_text(key)
                    : fmt::format("give it or {}", shown_path(others.front(), kind_.prefix)));
     }
     Value value;
     value.key = &key;
-    value.place = place_of_absent(key.path);
+    value.place = place_of_absent(path);
     value.source = key.source;
     if (key.kind == KeyKind::integer)
         value.value = static_cast<std::int64_t>(plain_number(key.fallback));
@@ -219,7 +245,7 @@ void Values::fill_in(const Key& key) {
         value.value = plain_number(key.fallback);
     else
         value.value = std::string(key.fallback);
-    values_.emplace(std::string(key.path), std::move(value));
+    values_.emplace(path, std::move(value));
 }
 
 const Values::Value& Values::at(std::string_view path) const {
@@ -247,6 +273,17 @@ bool Values::is_word(std::string_view path) const {
 
 bool Values::has_table(std::string_view path) const {
     return tables_.contains(std::string(path));
+}
+
+int Values::count(std::string_view path) const {
+    const auto has = [&](int i) {
+        const std::string member = fmt::format("{}.{}", path, i);
+        return tables_.contains(member) || values_.contains(member);
+    };
+    int found = 0;
+    while (has(found + 1))
+        ++found;
+    return found;
 }
 
 SourcePlace Values::place(std::string_view path) const {

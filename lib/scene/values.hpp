@@ -35,6 +35,8 @@ public:
     bool is_word(std::string_view path) const;
     /// The table of optional physics is present.
     bool has_table(std::string_view path) const;
+    /// Members of a list, "path.1" and so on; 0 when it is absent.
+    int count(std::string_view path) const;
 
     /// Where a key was given; for a default the table it would stand in, or the top of the file.
     SourcePlace place(std::string_view path) const;
@@ -59,10 +61,12 @@ private:
     Value checked(const std::string& path, const Entry& entry) const;
     double checked_number(const std::string& path, const Entry& entry) const;
     void read_tolerance(const std::string& path, const Entry& entry);
-    void require_alternatives(const Key& key) const;
+    void require_members_before(const std::string& path, const Entry& entry) const;
+    void require_alternatives(const Key& key, const std::string& path) const;
     void fill_in(const Key& key);
+    void fill_in(const Key& key, const std::string& path);
     SourcePlace place_of_absent(std::string_view path) const;
-    bool is_active(const Key& key) const;
+    bool is_active(const Key& key, std::string_view path) const;
     const Value& at(std::string_view path) const;
     [[noreturn]] void refuse(const SourcePlace& place, std::string_view path, std::string problem,
                              std::string why, std::string hint) const;

@@ -34,6 +34,9 @@ public:
         const std::string written = value == 0.0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
         text_ += fmt::format("{} = {}\n", key, written);
     }
+    void numbers(std::string_view key, const std::vector<double>& values) {
+        text_ += fmt::format("{} = [{}]\n", key, fmt::join(values, ", "));
+    }
     void whole(std::string_view key, std::uint64_t value) { text_ += fmt::format("{} = {}\n", key, value); }
     void count(std::string_view key, int value) { text_ += fmt::format("{} = {}\n", key, value); }
     void words(std::string_view key, std::string_view value) {
@@ -79,18 +82,84 @@ void write_deployment(Writer& w, const Deployment& d) {
         w.number("deploy.duration", d.extraction.duration);
         w.words("deploy.load", d.extraction_on_apex ? "point" : "distributed");
     }
+    if (d.by == DeployBy::pilot) w.number("deploy.pilot_drag_area", d.pack_drag_area);
+    if (d.by == DeployBy::mortar) w.number("deploy.muzzle_speed", d.muzzle_speed);
     if (!d.starts_packed()) return;
     w.number("deploy.pitch", d.pitch);
     w.number("deploy.pack_ratio", d.pack_ratio);
     w.number("deploy.drag_coefficient", d.drag_coefficient);
-    w.number("deploy.pack_drag_area", d.pack_drag_area);
+    if (d.by != DeployBy::pilot) w.number("deploy.pack_drag_area", d.pack_drag_area);
     w.number("deploy.fold_repulsion", d.fold_repulsion);
     w.number("deploy.fold_resistance", d.fold_resistance);
+}
+
+void write_fill_time(Writer& w, const std::string& table, const FillTime& f) {
+    w.words(table + ".model", f.model->name);
+    if (f.model->name == "given") {
+        w.number(table + ".time", f.given);
+    } else if (f.model->name == "ribbon") {
+        w.number(table + ".geometric_porosity", f.porosity);
+    } else {
+        w.number(table + ".n", f.n);
+        w.number(table + ".density_exponent", f.density_exponent);
+    }
+}
+
+std::string_view occurrence_name(Trigger::Kind kind) {
+    switch (kind) {
+        case Trigger::Kind::steady_descent:
+            return "steady-descent";
+        case Trigger::Kind::peak_force:
+            return "peak-force";
+        case Trigger::Kind::full_open:
+            return "full-open";
+        case Trigger::Kind::line_stretch:
+            return "line-stretch";
+        case Trigger::Kind::ground:
+            return "ground";
+        case Trigger::Kind::release:
+            return "release";
+        case Trigger::Kind::apogee:
+            return "apogee";
+        case Trigger::Kind::cut:
+            return "cut";
+        case Trigger::Kind::time:
+        case Trigger::Kind::altitude:
+        case Trigger::Kind::dynamic_pressure:
+            break;
+    }
+    return "";
+}
+
+void write_trigger(Writer& w, const std::string& table, const Trigger& t) {
+    const auto key = [&](const char* name) { return table.empty() ? name : table + "." + name; };
+    if (t.kind == Trigger::Kind::time)
+        w.number(key("time"), t.value);
+    else if (t.kind == Trigger::Kind::altitude)
+        w.number(key("altitude"), t.value);
+    else if (t.kind == Trigger::Kind::dynamic_pressure)
+        w.number(key("dynamic_pressure"), t.value);
+    else if (!t.of.empty())
+        w.words(key("after"), fmt::format("{}.{}", t.of, occurrence_name(t.kind)));
+    else
+        w.words(key("at"), occurrence_name(t.kind));
+    w.number(key("delay"), t.delay);
+}
+
+void write_reefing(Writer& w, const Reefing& stage) {
+    w.table("[[parachute.reefing]]");
+    w.number("drag_area_ratio", stage.drag_area_ratio);
+    if (stage.line_length) w.number("line_length", *stage.line_length);
+    if (stage.fill_time) write_fill_time(w, "fill_time", *stage.fill_time);
+    write_trigger(w, "until", stage.until);
 }
 
 void write_parachute(Writer& w, const Parachute& p) {
     w.table("[[parachute]]");
     w.words("name", p.name);
+    w.count("count", p.count);
+    if (!p.lag.empty()) w.numbers("lag", p.lag);
+    w.number("cluster_drag_ratio", p.cluster_drag_ratio);
     w.number("nominal_diameter", p.nominal_diameter);
     w.number("drag_area", p.drag_area);
     w.number("projected_diameter_ratio", p.projected_diameter_ratio);
@@ -109,21 +178,17 @@ void write_parachute(Writer& w, const Parachute& p) {
     w.number("joint_efficiency", p.strength.joint_efficiency);
     w.number("design_factor", p.strength.design_factor);
     write_deployment(w, p.deploy);
-    w.words("fill_time.model", p.fill_time.model->name);
-    if (p.fill_time.model->name == "given") {
-        w.number("fill_time.time", p.fill_time.given);
-    } else if (p.fill_time.model->name == "ribbon") {
-        w.number("fill_time.geometric_porosity", p.fill_time.porosity);
-    } else {
-        w.number("fill_time.n", p.fill_time.n);
-        w.number("fill_time.density_exponent", p.fill_time.density_exponent);
-    }
+    if (p.deploy_when) write_trigger(w, "deploy.when", *p.deploy_when);
+    if (p.cut) write_trigger(w, "cut", *p.cut);
+    write_fill_time(w, "fill_time", p.fill_time);
     w.words("drag_area_law", p.drag_area_law->name);
     w.number("initial_drag_area_ratio", p.initial_drag_area_ratio);
     if (p.initial_phase.transit)
         w.words("initial_phase", "transit");
     else
         w.number("initial_phase", p.initial_phase.seconds);
+    for (const Reefing& stage : p.reefing)
+        write_reefing(w, stage);
 }
 
 void write_aerodynamics(Writer& w, const Aerodynamics& a) {
@@ -144,30 +209,7 @@ void write_aerodynamics(Writer& w, const Aerodynamics& a) {
 
 void write_stop(Writer& w, const Trigger& stop) {
     w.table("[stop]");
-    switch (stop.kind) {
-        case Trigger::Kind::time:
-            w.number("time", stop.value);
-            break;
-        case Trigger::Kind::altitude:
-            w.number("altitude", stop.value);
-            break;
-        case Trigger::Kind::steady_descent:
-            w.words("at", "steady-descent");
-            break;
-        case Trigger::Kind::peak_force:
-            w.words("at", "peak-force");
-            break;
-        case Trigger::Kind::full_open:
-            w.words("at", "full-open");
-            break;
-        case Trigger::Kind::line_stretch:
-            w.words("at", "line-stretch");
-            break;
-        case Trigger::Kind::ground:
-            w.words("at", "ground");
-            break;
-    }
-    w.number("delay", stop.delay);
+    write_trigger(w, "", stop);
 }
 
 void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full) {

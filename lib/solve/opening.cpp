@@ -18,65 +18,146 @@ Vec3 release_airspeed(const Scene& scene) {
                                   : velocity;
 }
 
-Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density) {
+namespace {
+
+/// (C_D S) over (C_D S)_0 at the end of a stage.
+double share_of(const Parachute& chute, std::size_t stage) {
+    return stage < chute.reefing.size() ? chute.reefing[stage].drag_area_ratio : 1.0;
+}
+
+/// How much of the filling is done at a share of the drag area.
+double filled(const Parachute& chute, double share) {
+    const double first = chute.initial_drag_area_ratio;
+    return (share - first) / (1.0 - first);
+}
+
+/// A stage from `share` of the open canopy's drag area on; t_i is part of its filling time.
+Inflation stage_of(const Parachute& chute, std::size_t stage, double share, double initial_time, double speed,
+                   double density) {
+    const bool reefed = stage < chute.reefing.size();
+    const FillTime& fill =
+        reefed && chute.reefing[stage].fill_time ? *chute.reefing[stage].fill_time : chute.fill_time;
+    const double whole = fill.seconds({chute.nominal_diameter, speed, density});
     Inflation inflation;
-    inflation.snatch = snatch;
-    inflation.initial_time =
-        chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
-    inflation.filling_time = chute.fill_time.seconds({chute.nominal_diameter, speed, density});
-    inflation.steady_drag_area = chute.drag_area;
-    inflation.eta = std::sqrt(chute.initial_drag_area_ratio);
+    inflation.share = share_of(chute, stage);
+    const double part = filled(chute, inflation.share) - filled(chute, share);
+    const bool is_whole = fill.given > 0.0 || part == 1.0;
+    inflation.initial_time = initial_time;
+    inflation.filling_time = is_whole ? whole : initial_time + (whole - initial_time) * std::sqrt(part);
+    inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio * inflation.share;
+    inflation.eta = std::sqrt(share / inflation.share);
     inflation.law = chute.drag_area_law;
+    return inflation;
+}
+
+}  // namespace
+
+Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density,
+                         std::size_t stage) {
+    const double initial_time =
+        chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
+    Inflation inflation = stage_of(chute, stage, chute.initial_drag_area_ratio, initial_time, speed, density);
+    inflation.snatch = snatch;
+    return inflation;
+}
+
+Inflation next_stage(const Parachute& chute, std::size_t stage, const Inflation& before, Phase phase,
+                     double time, double speed, double density) {
+    const double share = before.share * before.drag_area_ratio(phase, time).value;
+    Inflation inflation = stage_of(chute, stage, share, 0.0, speed, density);
+    inflation.snatch = time;
+    inflation.ramp_start = before.ramp(phase, time).value;
     return inflation;
 }
 
 Inflation inflated(const Parachute& chute) {
     Inflation inflation;
-    inflation.steady_drag_area = chute.drag_area;
+    inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio;
     inflation.eta = 1.0;
     inflation.law = chute.drag_area_law;
     return inflation;
 }
 
+namespace {
+
+/// A name as part of a metric's key.
+std::string key_part(std::string name) {
+    for (char& c : name)
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c == '-' ? '_' : c;
+    return name;
+}
+
+/// Of each of several parachutes, and of each stage of one that is reefed.
+void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r) {
+    const bool several = scene.parachutes.size() > 1;
+    for (const ParachuteResult& p : r.parachutes) {
+        const Parachute& chute = scene.parachutes[p.index];
+        const std::string head = several ? key_part(chute.name) + "_" : "";
+        const auto add = [&](const std::string& key, double value) {
+            record.add_metric(head + key, value, Standing::result, "");
+        };
+        if (several) {
+            add("snatch_time_s", p.snatch_time);
+            add("snatch_speed_m_s", p.snatch_speed);
+            if (p.snatch_force) add("snatch_force_N", *p.snatch_force);
+        }
+        if (chute.reefing.empty()) {
+            if (several && !p.stages.empty()) add("peak_force_N", p.stages.back().peak_force);
+            if (several && !p.stages.empty() && p.stages.back().full)
+                add("filling_time_s", *p.stages.back().full - p.stages.back().begin);
+            continue;
+        }
+        for (std::size_t i = 0; i < p.stages.size(); ++i) {
+            const std::string stage = fmt::format("stage_{}_", i + 1);
+            add(stage + "peak_force_N", p.stages[i].peak_force);
+            if (p.stages[i].full) add(stage + "filling_time_s", *p.stages[i].full - p.stages[i].begin);
+        }
+    }
+}
+
+}  // namespace
+
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
                          const Metric& descent) {
     const Parachute& chute = scene.parachutes.front();
-    const bool packed = chute.deploy.starts_packed();
+    const bool packed = chute.deploy.starts_packed(), one = scene.parachutes.size() == 1;
     const double weight = scene.payload.mass * scene.environment.gravity;
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
     const auto add = [&](const char* key, double value, Standing standing = Standing::result,
                          const char* note = "") { record.add_metric(key, value, standing, note); };
 
-    if (r.line_stretch_time) add("line_stretch_time_s", *r.line_stretch_time);
-    if (r.snatched && packed) {
+    if (r.line_stretch_time && one) add("line_stretch_time_s", *r.line_stretch_time);
+    if (r.snatched && packed && one) {
         add("snatch_time_s", r.snatch_time);
         add("snatch_speed_m_s", r.snatch_speed);
         add("payload_snatch_speed_m_s", r.payload_snatch_speed);
         if (r.snatch_force)
             add("snatch_force_N", *r.snatch_force, Standing::result, "until the end of the initial phase");
-    } else if (r.snatched) {
+    } else if (r.snatched && one) {
         add("snatch_speed_m_s", r.snatch_speed, Standing::input, "line-stretch start: the release speed");
     }
-    if (r.filling_time) record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
+    if (r.filling_time && one)
+        record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
     if (r.peak_force) add("peak_force_N", *r.peak_force);
     add("max_force_N", r.max_force);
     if (r.peak_force) add("peak_force_ratio", *r.peak_force / weight);
     add("load_factor", r.max_force / weight);
-    if (r.peak_force && r.snatched) {
+    if (r.peak_force && r.snatched && one) {
         add("time_to_peak_force_s", r.peak_time - r.snatch_time);
         add("opening_shock_coefficient", *r.peak_force / (pressure * area));
     }
-    if (r.snatched) {
+    if (r.snatched && one) {
         add("mass_ratio", scene.payload.mass / (r.snatch_density * std::pow(chute.nominal_diameter, 3)),
             Standing::input, "m_l/(rho D0^3) at snatch");
         add("froude_number",
             r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
             packed ? Standing::result : Standing::input, "v_s^2/(g D0)");
     }
-    if (r.impulse)
+    if (r.impulse && one)
         add("impulse_N_s", *r.impulse, Standing::result,
             "of the opening force, from snatch until the drag area is full");
+    add_parachute_metrics(record, scene, r);
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
     if (r.descent_rate)
         record.add_metric("descent_rate_m_s", *r.descent_rate, descent.standing, descent.note);
@@ -106,32 +187,36 @@ void add_strength_margins(RunRecord& record, const Parachute& chute) {
     add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength, "N/m");
 }
 
-void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,
-                          double density) {
-    const Parachute& chute = scene.parachutes.front();
-    const double mass_ratio = scene.payload.mass / (density * std::pow(chute.nominal_diameter, 3));
+void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
+                          const Inflation& inflation, double speed, double density) {
+    const std::string whose = scene.parachutes.size() > 1 ? chute.name + ": " : "";
+    // Of one of a cluster: the part of the payload that it carries.
+    const double mass_ratio =
+        scene.payload.mass / chute.count / (density * std::pow(chute.nominal_diameter, 3));
     if (mass_ratio > 1.0)
         record.warnings.push_back(
-            {fmt::format("mass ratio {:.2f}", mass_ratio),
+            {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
-    if (inflation.initial_time > 0.15 * inflation.filling_time)
-        record.warnings.push_back({fmt::format("initial phase is {:.0f} % of the filling time",
+    if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
+        record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,
                                                100.0 * inflation.initial_time / inflation.filling_time),
                                    "tests show at most 15 % (paper, 3.2.2)",
                                    "give parachute.initial_phase a time, or a longer fill time"});
     const double height = scene.release.altitude - scene.environment.ground;
     if (inflation.filling_time * speed > height)
         record.warnings.push_back(
-            {fmt::format("the canopy fills over {:.3g} m, the release is {:.3g} m above ground",
+            {fmt::format("{}the canopy fills over {:.3g} m, the release is {:.3g} m above ground", whose,
                          inflation.filling_time * speed, height),
              fmt::format("t_f = {:.3g} s at the snatch speed of {:.3g} m/s", inflation.filling_time, speed),
              "check fill_time, or release higher"});
 }
 
 void add_scene_warnings(RunRecord& record, const Scene& scene) {
-    const Parachute& chute = scene.parachutes.front();
-    if (scene.payload.mass < chute.mass)
+    double mass = 0.0;
+    for (const Parachute& chute : scene.parachutes)
+        mass += chute.count * chute.mass;
+    if (scene.payload.mass < mass)
         record.warnings.push_back({"payload lighter than its parachute",
                                    "the two-body picture of an opening assumes the opposite",
                                    "check payload.mass and parachute.mass"});

@@ -16,8 +16,22 @@ Vec3 heading_direction(const Release& release);
 Vec3 release_airspeed(const Scene& scene);
 
 /// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
-/// in air of `density` [kg/m^3].
-Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density);
+/// in air of `density` [kg/m^3]; of a reefed one its first stage, with `stage` one whose lines before have
+/// been cut before it began to fill. Drag area: of one canopy, in its cluster.
+Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density,
+                         std::size_t stage = 0);
+
+/// The stage of a reefed opening that begins where the one before has come to when its line is cut at `time`
+/// [s], at airspeed `speed` [m/s] in air of `density` [kg/m^3]. Stages: those of Parachute::reefing, then the
+/// open canopy.
+///
+/// Filling times: a correlation gives that of the whole opening. A stage takes its part sqrt(g_end - g_start)
+/// with g = ((C_D S) - (C_D S)_i)/((C_D S)_0 - (C_D S)_i), the share of the filling that is done: for a first
+/// stage sqrt((C_D S)_r/(C_D S)_0), so that a reefed canopy fills over as many of its own diameters as an
+/// open one over its; nothing for a stage that adds nothing, all of it for one that begins at (C_D S)_i. A
+/// definition of this toolkit; a fill_time of the stage is taken in the same way, a given time as it stands.
+Inflation next_stage(const Parachute& chute, std::size_t stage, const Inflation& before, Phase phase,
+                     double time, double speed, double density);
 /// The opening of a canopy that starts inflated: over at time 0.
 Inflation inflated(const Parachute& chute);
 
@@ -35,6 +49,22 @@ inline constexpr double longest_flight = 36000.0;
 
 /// [s] of simulated time after which a parachute that has not come to snatch never will.
 inline constexpr double longest_deployment = 60.0;
+
+/// The opening of one parachute, or of one cluster. Times in [s] since release.
+struct ParachuteResult {
+    /// From its beginning to that of the next one, or to the snatch of another parachute.
+    struct Stage {
+        double begin = 0.0;
+        std::optional<double> full = {};  ///< when its drag area was full
+        double peak_force = 0.0;          ///< [N]
+        double peak_time = 0.0;
+    };
+    std::size_t index = 0;  ///< in the scene
+    double snatch_time = 0.0;
+    double snatch_speed = 0.0;           ///< [m/s] airspeed
+    std::optional<double> snatch_force;  ///< [N] of one that was packed
+    std::vector<Stage> stages;           ///< several of a reefed one
+};
 
 /// What a run found between release and its end. Times in [s] since release.
 ///
@@ -59,7 +89,8 @@ struct OpeningResult {
     std::optional<double> descent_rate;      ///< [m/s], only once the descent is steady
     std::optional<double> descent_altitude;  ///< [m] where it became steady
     std::optional<double> landing_time;
-    Vec3 end_position = Vec3::Zero();  ///< [m] of the payload at the end of the run
+    Vec3 end_position = Vec3::Zero();         ///< [m] of the payload at the end of the run
+    std::vector<ParachuteResult> parachutes;  ///< in the order of their snatches
 };
 
 /// Adds the metrics that every fidelity reports, derived ratios included. `filling` and
@@ -73,8 +104,8 @@ void add_strength_margins(RunRecord& record, const Parachute& chute);
 
 /// Warnings about an opening that hold for every fidelity (M_r > 1, ...). speed, density: at snatch [m/s],
 /// [kg/m^3].
-void add_opening_warnings(RunRecord& record, const Scene& scene, const Inflation& inflation, double speed,
-                          double density);
+void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
+                          const Inflation& inflation, double speed, double density);
 /// Warnings about the scene alone.
 void add_scene_warnings(RunRecord& record, const Scene& scene);
 

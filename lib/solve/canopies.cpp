@@ -1,0 +1,313 @@
+#include "lib/solve/canopies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "lib/solve/opening.hpp"
+
+namespace twinchute {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// A time that has come, to round-off.
+bool is_due(double due, double time) {
+    return std::isfinite(due) && due - time <= 64.0 * std::numeric_limits<double>::epsilon() * std::abs(due);
+}
+
+double phase_end(const Canopy& c) {
+    return c.is_out() ? c.inflation.end_of(c.phase) : never;
+}
+
+}  // namespace
+
+Canopies::Canopies(const Scene& scene) : scene_(scene) {
+    for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
+        const Parachute& chute = scene.parachutes[k];
+        std::map<double, int> alike;  // those of one lag do the same
+        if (chute.lag.empty())
+            alike[0.0] = chute.count;
+        else
+            for (const double lag : chute.lag)
+                ++alike[lag];
+        for (const auto& [lag, count] : alike) {
+            Canopy c;
+            c.chute = &chute;
+            c.index = k;
+            c.count = count;
+            c.lag = lag;
+            all_.push_back(c);
+        }
+    }
+    weigh();
+}
+
+void Canopies::weigh() {
+    out_mass_ = packed_mass_ = 0.0;
+    for (const Canopy& c : all_) {
+        if (c.state == Canopy::State::open) out_mass_ += c.count * c.chute->mass;
+        if (c.state == Canopy::State::packed && c.index != leaving_) packed_mass_ += c.count * c.chute->mass;
+    }
+}
+
+void Canopies::release(const Situation& now) {
+    past_.push_back({Trigger::Kind::release, 0, now.time});
+    static const Trigger at_release{Trigger::Kind::release, 0.0, 0.0};
+    std::size_t before = all_.size();
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+        if (all_[i].index == before) continue;  // a cluster leaves one pack
+        before = all_[i].index;
+        const Parachute& chute = *all_[i].chute;
+        arm({Wait::What::deploy, i, chute.deploy_when ? &*chute.deploy_when : &at_release}, now);
+    }
+    unreported_ = advance(now);
+}
+
+/// Whether what happens to a parachute, or to the flight, is what is waited for.
+bool Canopies::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const {
+    const Trigger& t = *wait.trigger;
+    if (t.kind != kind) return false;
+    const bool of_parachute =
+        kind == Trigger::Kind::line_stretch || kind == Trigger::Kind::full_open || kind == Trigger::Kind::cut;
+    if (!of_parachute) return true;
+    return t.of.empty() ? all_[wait.canopy].index == index : scene_.parachutes[index].name == t.of;
+}
+
+/// [m], [m/s] or [Pa] until the condition on the flight is met.
+double Canopies::left(const Wait& wait, const Situation& now) const {
+    switch (wait.trigger->kind) {
+        case Trigger::Kind::altitude:
+            return now.altitude - wait.trigger->value;
+        case Trigger::Kind::apogee:
+            return now.climb;
+        case Trigger::Kind::dynamic_pressure:
+            return now.dynamic_pressure() - wait.trigger->value;
+        default:
+            return never;
+    }
+}
+
+bool Canopies::is_watched(const Wait& wait) const {
+    using enum Trigger::Kind;
+    const Trigger::Kind kind = wait.trigger->kind;
+    return wait.due == never && (kind == altitude || kind == apogee || kind == dynamic_pressure);
+}
+
+/// What has been met before begins to count now.
+void Canopies::arm(Wait wait, const Situation& now) {
+    const Trigger& t = *wait.trigger;
+    if (t.kind == Trigger::Kind::time) wait.due = t.value + t.delay;
+    for (const Past& p : past_)
+        if (is_about(wait, p.kind, p.index) && p.kind != Trigger::Kind::steady_descent)
+            wait.due = std::min(wait.due, p.time + t.delay);
+    if (wait.due == never && left(wait, now) <= 0.0) wait.due = now.time + t.delay;
+    wait.due = std::max(wait.due, now.time);
+    waits_.push_back(wait);
+}
+
+void Canopies::occurred(Trigger::Kind kind, std::size_t index, double time) {
+    past_.push_back({kind, index, time});
+    for (Wait& wait : waits_)
+        if (wait.due == never && is_about(wait, kind, index)) wait.due = time + wait.trigger->delay;
+}
+
+void Canopies::descends_steadily(const Situation& now) {
+    occurred(Trigger::Kind::steady_descent, 0, now.time);
+}
+
+double Canopies::next_time() const {
+    double next = never;
+    for (const Canopy& c : all_)
+        next = std::min(next, phase_end(c));
+    for (const Wait& wait : waits_)
+        if (!is_blocked(wait)) next = std::min(next, wait.due);
+    return next;
+}
+
+/// One pack after the other.
+bool Canopies::is_blocked(const Wait& wait) const {
+    return leaving_ && wait.what == Wait::What::deploy && all_[wait.canopy].chute->deploy.starts_packed();
+}
+
+std::vector<double> Canopies::watch(const Situation& now) const {
+    std::vector<double> values;
+    for (const Wait& wait : waits_)
+        if (is_watched(wait)) values.push_back(left(wait, now));
+    return values;
+}
+
+void Canopies::met(std::size_t watched, const Situation& now) {
+    for (Wait& wait : waits_)
+        if (is_watched(wait) && watched-- == 0) {
+            wait.due = now.time + wait.trigger->delay;
+            return;
+        }
+}
+
+std::size_t Canopies::watch_count() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(waits_, [this](const Wait& wait) { return is_watched(wait); }));
+}
+
+bool Canopies::waits_for_steady_descent() const {
+    return std::ranges::any_of(waits_, [](const Wait& wait) {
+        return wait.due == never && wait.trigger->kind == Trigger::Kind::steady_descent;
+    });
+}
+
+bool Canopies::is_quiet() const {
+    return std::ranges::none_of(all_, [](const Canopy& c) { return c.is_out() && c.phase != Phase::open; });
+}
+
+bool Canopies::is_settled() const {
+    return waits_.empty() && is_quiet();
+}
+
+bool Canopies::any_waits_to_leave() const {
+    return std::ranges::any_of(all_, [](const Canopy& c) { return c.state == Canopy::State::packed; });
+}
+
+double Canopies::largest_drag_area(double time) const {
+    double largest = 0.0;
+    for (const Canopy& c : all_)
+        if (c.is_out()) largest = std::max(largest, drag_area_of(c, time));
+    return largest;
+}
+
+ValueAndRate Canopies::added_mass(const AddedMassSpec& spec, double time, double density) const {
+    ValueAndRate sum;
+    for (const Canopy& c : all_) {
+        if (!c.is_out()) continue;
+        const ValueAndRate one =
+            c.inflation.added_mass(spec, c.phase, time, density, steady_radius(*c.chute));
+        sum.value += c.count * one.value;
+        sum.rate += c.count * one.rate;
+    }
+    return sum;
+}
+
+std::vector<Occurrence> Canopies::advance(const Situation& now) {
+    std::vector<Occurrence> done = std::move(unreported_);
+    unreported_.clear();
+    // Conditions that the flight has met by now.
+    for (Wait& wait : waits_)
+        if (is_watched(wait) && left(wait, now) <= 0.0) wait.due = now.time + wait.trigger->delay;
+    for (;;) {
+        const auto ended =
+            std::ranges::find_if(all_, [&](const Canopy& c) { return is_due(phase_end(c), now.time); });
+        if (ended != all_.end()) {
+            end_phase(*ended, now, done);
+            continue;
+        }
+        const auto met = std::ranges::find_if(
+            waits_, [&](const Wait& wait) { return !is_blocked(wait) && is_due(wait.due, now.time); });
+        if (met == waits_.end()) break;
+        const Wait wait = *met;
+        waits_.erase(met);
+        act(wait, now, done);
+    }
+    weigh();
+    return done;
+}
+
+void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrence>& done) {
+    Canopy& c = all_[wait.canopy];
+    switch (wait.what) {
+        case Wait::What::deploy:
+            if (c.chute->deploy.starts_packed())
+                leaving_ = c.index;
+            else
+                open(c.index, now, done);
+            return;
+        case Wait::What::cut:
+            if (!c.is_out()) return;
+            c.state = Canopy::State::cut;
+            std::erase_if(waits_, [&](const Wait& other) { return other.canopy == wait.canopy; });
+            if (std::ranges::none_of(all_,
+                                     [&](const Canopy& o) { return o.index == c.index && o.is_out(); })) {
+                done.push_back({Occurrence::Kind::cut, c.index});
+                occurred(Trigger::Kind::cut, c.index, now.time);
+            }
+            return;
+        case Wait::What::disreef:
+            ++c.stage;
+            if (c.phase == Phase::initial) {  // it has not begun to fill: as if that line had not been there
+                c.inflation =
+                    make_inflation(*c.chute, c.inflation.snatch, c.snatch_speed, c.snatch_density, c.stage);
+                c.inflation.initial_time += c.lag;
+                c.inflation.filling_time += c.lag;
+            } else {
+                c.inflation =
+                    next_stage(*c.chute, c.stage, c.inflation, c.phase, now.time, now.airspeed, now.density);
+                c.phase = Phase::filling;
+            }
+            if (std::ranges::none_of(all_, [&](const Canopy& o) {
+                    return &o != &c && o.index == c.index && o.stage >= c.stage;
+                }))
+                done.push_back({Occurrence::Kind::disreef, c.index, c.stage});
+            if (c.is_reefed()) arm({Wait::What::disreef, wait.canopy, &c.chute->reefing[c.stage].until}, now);
+    }
+}
+
+void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence>& done) {
+    const auto others = [&](auto&& is) {  // of its cluster
+        return std::ranges::any_of(
+            all_, [&](const Canopy& o) { return &o != &c && o.index == c.index && o.is_out() && is(o); });
+    };
+    if (c.phase == Phase::initial) {
+        c.phase = Phase::filling;
+        if (!others([](const Canopy& o) { return o.phase != Phase::initial; }))
+            done.push_back({Occurrence::Kind::filling, c.index, c.stage});
+        return;
+    }
+    c.phase = Phase::open;
+    if (c.is_reefed()) {
+        if (!others([&](const Canopy& o) { return o.stage == c.stage && o.phase != Phase::open; }))
+            done.push_back({Occurrence::Kind::reefed_open, c.index, c.stage});
+        const auto own = static_cast<std::size_t>(&c - all_.data());
+        for (Wait& wait : waits_)  // "full-open" of a stage is its own
+            if (wait.what == Wait::What::disreef && wait.canopy == own && wait.trigger->of.empty() &&
+                wait.trigger->kind == Trigger::Kind::full_open && wait.due == never)
+                wait.due = now.time + wait.trigger->delay;
+        return;
+    }
+    if (others([](const Canopy& o) { return o.phase != Phase::open || o.is_reefed(); })) return;
+    done.push_back({Occurrence::Kind::full_open, c.index, c.stage});
+    occurred(Trigger::Kind::full_open, c.index, now.time);
+}
+
+void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurrence>& done) {
+    done.push_back({Occurrence::Kind::snatch, index});
+    occurred(Trigger::Kind::line_stretch, index, now.time);
+    const bool is_open = scene_.parachutes[index].deploy.by == DeployBy::inflated;
+    bool fills_at_once = false;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+        Canopy& c = all_[i];
+        if (c.index != index) continue;
+        c.state = Canopy::State::open;
+        c.snatch_speed = now.airspeed;
+        c.snatch_density = now.density;
+        c.inflation =
+            is_open ? inflated(*c.chute) : make_inflation(*c.chute, now.time, now.airspeed, now.density);
+        c.inflation.initial_time += c.lag;
+        c.inflation.filling_time += c.lag;
+        c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
+        fills_at_once |= c.phase == Phase::filling;
+        if (c.is_reefed()) arm({Wait::What::disreef, i, &c.chute->reefing.front().until}, now);
+        if (c.chute->cut) arm({Wait::What::cut, i, &*c.chute->cut}, now);
+    }
+    if (fills_at_once) done.push_back({Occurrence::Kind::filling, index});
+    if (is_open) {
+        done.push_back({Occurrence::Kind::full_open, index});
+        occurred(Trigger::Kind::full_open, index, now.time);
+    }
+    weigh();
+}
+
+void Canopies::snatched(std::size_t index, const Situation& now) {
+    leaving_.reset();
+    open(index, now, unreported_);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,148 @@
+// What the parachutes of a scene do, one after the other or at once: wait, open in stages, are let go. The
+// same for every fidelity; a model says how it flies, this says what happens when.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/models/inflation.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute {
+
+/// The payload's flight at one instant, as far as parachutes go by it.
+struct Situation {
+    double time = 0.0;      ///< [s] since release
+    double altitude = 0.0;  ///< [m] above sea level
+    double climb = 0.0;     ///< [m/s] upward
+    double airspeed = 0.0;  ///< [m/s]
+    double density = 0.0;   ///< [kg/m^3]
+
+    double dynamic_pressure() const { return 0.5 * density * airspeed * airspeed; }
+};
+
+/// One canopy, or several of a cluster that do the same.
+struct Canopy {
+    enum class State { packed, open, cut };
+
+    const Parachute* chute = nullptr;
+    std::size_t index = 0;  ///< of its parachute in the scene
+    int count = 1;
+    double lag = 0.0;  ///< [s] by which its filling begins later
+    State state = State::packed;
+    std::size_t stage = 0;  ///< below reefing.size(): reefed
+    Phase phase = Phase::initial;
+    Inflation inflation;  ///< of one of them; set once it is open
+    double snatch_speed = 0.0, snatch_density = 0.0;
+
+    bool is_out() const { return state == State::open; }
+    bool is_reefed() const { return stage < chute->reefing.size(); }
+};
+
+/// Something that happened to a parachute.
+struct Occurrence {
+    enum class Kind {
+        snatch,       ///< line stretch, or snatch of one that was packed
+        filling,      ///< its drag area begins to rise: end of the initial phase
+        reefed_open,  ///< a reefed stage is full
+        disreef,      ///< a reefing line is cut
+        full_open,    ///< the last of its canopies is full
+        cut           ///< let go
+    };
+    Kind kind;
+    std::size_t index;      ///< of the parachute in the scene
+    std::size_t stage = 0;  ///< that begins or ends
+};
+
+class Canopies {
+public:
+    /// All in their packs. The scene outlives it.
+    explicit Canopies(const Scene& scene);
+
+    /// Release: what waits for nothing happens, and is told by advance().
+    void release(const Situation& now);
+
+    /// Everything that is due by now, in order. Stop at next_time(), and where watch() falls to zero, and
+    /// ask.
+    std::vector<Occurrence> advance(const Situation& now);
+    /// The parachute that has to leave its pack now, if any; others stay in theirs until it has snatched.
+    std::optional<std::size_t> leaves_pack() const { return leaving_; }
+    /// Snatch, of a parachute that has left its pack.
+    void snatched(std::size_t index, const Situation& now);
+    /// A steady descent has been found.
+    void descends_steadily(const Situation& now);
+
+    /// [s] The next time at which something is known to happen; infinite when nothing is.
+    double next_time() const;
+    /// Conditions on the flight that something waits for: each is met where it falls to zero. [m], [m/s],
+    /// [Pa]
+    std::vector<double> watch(const Situation& now) const;
+    std::size_t watch_count() const;
+    /// The condition of that number among watch() is met.
+    void met(std::size_t watched, const Situation& now);
+    bool waits_for_steady_descent() const;
+
+    /// Nothing fills.
+    bool is_quiet() const;
+    /// Nothing fills, and nothing will.
+    bool is_settled() const;
+    /// Whether any has yet to snatch.
+    bool any_waits_to_leave() const;
+
+    /// C_D S [m^2] of all canopies that are out.
+    double drag_area(double time) const {
+        double sum = 0.0;
+        for (const Canopy& c : all_)
+            if (c.is_out()) sum += c.count * drag_area_of(c, time);
+        return sum;
+    }
+    /// C_D S [m^2] of the one canopy that has most.
+    double largest_drag_area(double time) const;
+    /// Added mass [kg] and rate [kg/s] of all that are out.
+    ValueAndRate added_mass(const AddedMassSpec& spec, double time, double density) const;
+    double out_mass() const { return out_mass_; }        ///< [kg] of canopies that are out
+    double packed_mass() const { return packed_mass_; }  ///< [kg] of those that the payload still carries
+
+    const std::vector<Canopy>& all() const { return all_; }
+
+private:
+    /// Something that a canopy's trigger has yet to bring about.
+    struct Wait {
+        enum class What { deploy, disreef, cut };
+        What what;
+        std::size_t canopy;
+        const Trigger* trigger;
+        double due = std::numeric_limits<double>::infinity();  ///< [s]
+    };
+
+    static double drag_area_of(const Canopy& c, double time) {
+        return c.inflation.steady_drag_area * c.inflation.drag_area_ratio(c.phase, time).value;
+    }
+    void arm(Wait wait, const Situation& now);
+    void occurred(Trigger::Kind kind, std::size_t index, double time);
+    bool is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const;
+    double left(const Wait& wait, const Situation& now) const;
+    bool is_watched(const Wait& wait) const;
+    bool is_blocked(const Wait& wait) const;
+    void open(std::size_t index, const Situation& now, std::vector<Occurrence>& done);
+    void end_phase(Canopy& c, const Situation& now, std::vector<Occurrence>& done);
+    void act(const Wait& wait, const Situation& now, std::vector<Occurrence>& done);
+    void weigh();
+
+    const Scene& scene_;
+    std::vector<Canopy> all_;
+    std::vector<Wait> waits_;
+    struct Past {
+        Trigger::Kind kind;
+        std::size_t index;
+        double time;
+    };
+    std::vector<Past> past_;
+    std::vector<Occurrence> unreported_;
+    std::optional<std::size_t> leaving_;
+    double out_mass_ = 0.0, packed_mass_ = 0.0;
+};
+
+}  // namespace twinchute

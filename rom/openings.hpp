@@ -1,0 +1,52 @@
+// What a run notes down of its parachutes while they open: events, and which force belongs to which of them.
+#pragma once
+
+#include <vector>
+
+#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening.hpp"
+#include "rom/course.hpp"
+#include "rom/motion.hpp"
+
+namespace twinchute::rom {
+
+/// The motion as canopies see it.
+template <int dimensions>
+Situation situation_of(const Scene& scene, double time, const Motion<dimensions>& motion) {
+    const Wind* wind = scene.environment.wind ? &*scene.environment.wind : nullptr;
+    return {time, motion.altitude(), motion.velocity[dimensions - 1],
+            airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind).norm(),
+            scene.environment.atmosphere.at(motion.altitude()).density};
+}
+
+class Openings {
+public:
+    Openings(const Scene& scene, Course& course, const Canopies& canopies, OpeningResult& to)
+        : result(to), scene_(scene), course_(course), canopies_(canopies) {}
+
+    OpeningResult& result;
+
+    /// Before the first row of the stage that begins with them: what the forces until now belong to.
+    void before_stage(const std::vector<Occurrence>& done, const Situation& now);
+    /// After that row: events, and what the run may stop at.
+    void after_stage(const std::vector<Occurrence>& done, double time);
+    /// The lines of a parachute that has left its pack come taut: what they pull from here on is its snatch.
+    void lines_taut();
+    /// The stage that the force has belonged to ends: its peak is known.
+    void close();
+    /// Whether all openings take place at all, whatever the speed at snatch turned out to be.
+    RunStatus check() const;
+
+private:
+    void note_forces(const Occurrence& what, const Situation& now);
+    void note_event(const Occurrence& what, double time);
+    void note_snatch(const Occurrence& what, const Situation& now);
+    void note_full(ParachuteResult& chute, const Occurrence& what, double time);
+    Maximum take_peak();
+
+    const Scene& scene_;
+    Course& course_;
+    const Canopies& canopies_;
+};
+
+}  // namespace twinchute::rom

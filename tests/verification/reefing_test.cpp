@@ -1,0 +1,67 @@
+// A reefed opening at both fidelities: the reefing line is a ring of cables in one and a law in the other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fullsim/fidelity.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/scene/line_stretch.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "rom/fidelity.hpp"
+#include "tests/support/runs.hpp"
+
+namespace twinchute {
+namespace {
+
+Scene reefed(const std::string& delay = "4 s") {
+    return read_scene(
+        TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+        {"parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = \"" + delay +
+             "\" } }]",
+         "full.mesh.gore_rows=8"});
+}
+
+TEST(Reefing, BothFidelitiesPeakWithinFivePerCentInEachStage) {
+    // The full model is the reduced-order one plus what lines, cloth and its own shape do; between 10 and 45
+    // m/s that is 3.5 % of an unreefed peak.
+    const Scene scene = reefed();
+    const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
+    ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
+    for (const char* key : {"stage_1_peak_force_N", "stage_2_peak_force_N"})
+        EXPECT_NEAR(*full.metric(key), *rom.metric(key), 0.05 * *rom.metric(key)) << key;
+    EXPECT_EQ(full.find_event("disreef")->time, 4.0);  // exactly, by a step that ends there
+    EXPECT_NEAR(*full.metric("stage_1_filling_time_s"), *rom.metric("stage_1_filling_time_s"), 1e-6);
+    // What the line held goes with it and is booked; an unreefed run has 1e-4 at most.
+    EXPECT_LT(std::abs(full.energy->residual_fraction), 1e-3);
+}
+
+TEST(Reefing, TheLineHoldsTheMouth) {
+    // At the end of the reefed stage the mouth's polygon of seams is no longer than the line, but for its
+    // strain.
+    Scene scene = reefed("100 s");
+    scene.stop = {Trigger::Kind::time, 2.0, 0.0};
+    fullsim::Simulation simulation(scene);
+    const auto mouth = [&] {
+        const auto& ring = simulation.mesh().seam_rings.back();
+        double round = 0.0;
+        for (std::size_t i = 0; i < ring.size(); ++i)
+            round += (fullsim::to_vec3(simulation.state().node[ring[(i + 1) % ring.size()]].x) -
+                      fullsim::to_vec3(simulation.state().node[ring[i]].x))
+                         .norm();
+        return round;
+    };
+    for (const double end : {simulation.inflation().initial_time, simulation.inflation().filling_time, 2.0}) {
+        while (simulation.outline().time < end) {
+            simulation.evaluate_forces();
+            simulation.step_to(end);
+        }
+        simulation.begin(end == simulation.inflation().initial_time ? Phase::filling : Phase::open);
+    }
+    const double line = reefing_line_length(scene.parachutes.front(), 0);
+    EXPECT_NEAR(line, pi * 0.65 * 8.53 * std::sqrt(0.1), 0.01 * line);
+    EXPECT_GT(mouth(), 0.95 * line);  // taut
+    EXPECT_LT(mouth(), 1.05 * line);  // nylon at a small share of its strength
+}
+
+}  // namespace
+}  // namespace twinchute

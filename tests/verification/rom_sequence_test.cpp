@@ -1,0 +1,251 @@
+// Reefing, sequences and clusters of the reduced-order model: limits that reduce to simpler scenes, and exact
+// solutions of what happens in between.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening.hpp"
+#include "rom/fidelity.hpp"
+#include "tests/support/runs.hpp"
+#include "tests/unit/scene_text.hpp"
+
+namespace twinchute {
+namespace {
+
+using namespace test;
+
+constexpr double g = standard_gravity;
+
+double metric(const RunRecord& record, const std::string& key) {
+    const auto value = record.metric(key);
+    EXPECT_TRUE(value) << key << ", " << record.status.detail;
+    return value.value_or(std::nan(""));
+}
+
+double time_of(const RunRecord& record, const char* event) {
+    const Event* found = record.find_event(event);
+    EXPECT_NE(found, nullptr) << event;
+    return found != nullptr ? found->time : std::nan("");
+}
+
+/// The good scene with more keys of its parachute.
+std::string with(const std::string& keys) {
+    return edited(edited(good_scene, "[aerodynamics]\n", keys + "[aerodynamics]\n"), "time = \"6 s\"",
+                  "time = \"20 s\"");
+}
+
+const std::string one_stage = R"([[parachute.reefing]]
+drag_area_ratio = 0.1
+until = { at = "line-stretch", delay = "4 s" }
+)";
+
+void expect_same_flight(const RunRecord& a, const RunRecord& b, double relative) {
+    for (const char* key : {"peak_force_N", "descent_rate_m_s", "max_deceleration_g"})
+        EXPECT_NEAR(metric(a, key), metric(b, key), relative * std::abs(metric(b, key))) << key;
+    EXPECT_NEAR(a.find_channel("altitude")->values.back(), b.find_channel("altitude")->values.back(),
+                relative * 300.0);
+}
+
+TEST(RomSequence, AReefingLineCutAtOnceIsNone) {
+    const RunRecord plain = run_rom(read_text(with("")));
+    const RunRecord cut = run_rom(read_text(with(one_stage), {"parachute.reefing.1.until.delay=0 s"}));
+    // Not a bit differs: the canopy has not begun to fill when the line goes.
+    EXPECT_EQ(plain.find_channel("force")->values, cut.find_channel("force")->values);
+    EXPECT_EQ(metric(plain, "peak_force_N"), metric(cut, "peak_force_N"));
+}
+
+TEST(RomSequence, AReefingLineThatIsNeverCutMakesASmallerParachute) {
+    // The reefed canopy is one with a tenth of the drag area: eta^2 and R_0 as shares of that. Its filling
+    // takes sqrt(g) of what follows the initial phase, g = (0.1 - 0.04)/(1 - 0.04) (opening.hpp).
+    const Scene reefed = read_text(with(one_stage), {"parachute.reefing.1.until.delay=100 s"});
+    Scene small = read_text(with(""));
+    Parachute& p = small.parachutes.front();
+    const double initial = 0.5 * p.nominal_diameter / 21.0, whole = 4.0 * p.nominal_diameter / 21.0;
+    p.initial_drag_area_ratio = 0.4;
+    p.drag_area *= 0.1;
+    p.projected_diameter_ratio *= std::sqrt(0.1);
+    p.fill_time = {find_fill_time("given"), 0.0, 0.0, initial + (whole - initial) * std::sqrt(0.06 / 0.96)};
+    // Both are integrated to 1e-8; sums of a few terms apart by rounding alone.
+    const RunRecord a = run_rom(reefed), b = run_rom(small);
+    EXPECT_NEAR(metric(a, "peak_force_N"), metric(b, "peak_force_N"), 1e-7 * metric(b, "peak_force_N"));
+    EXPECT_NEAR(time_of(a, "reefed-open"), time_of(b, "full-open"), 1e-12);
+    EXPECT_NEAR(a.find_channel("altitude")->values.back(), b.find_channel("altitude")->values.back(), 1e-5);
+}
+
+TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
+    const RunRecord record = run_rom(read_text(with(one_stage)));
+    EXPECT_EQ(time_of(record, "disreef"), 4.0);
+    // The second stage begins at a tenth: sqrt(1 - g) of a whole filling at the speed of that instant.
+    const double whole = 4.0 * 8.53 / record.find_event("disreef")->speed;
+    EXPECT_NEAR(metric(record, "stage_2_filling_time_s"), whole * std::sqrt(1.0 - 0.06 / 0.96), 1e-6 * whole);
+    EXPECT_EQ(time_of(record, "full-open"), 4.0 + metric(record, "stage_2_filling_time_s"));
+    // The drag area goes on from where it was: 0.1 (C_D S)_0.
+    const auto& time = record.find_channel("time")->values;
+    const auto& area = record.find_channel("drag_area")->values;
+    const double open = area.back();
+    for (std::size_t i = 1; i < time.size(); ++i)
+        if (time[i] == 4.0) EXPECT_NEAR(area[i], 0.1 * open, 1e-12 * open);
+}
+
+TEST(RomSequence, StagesTakeTheirPartsOfOneFilling) {
+    // Of stages that follow each other without a wait at one speed the squares of the fillings add up to the
+    // square of the whole: g goes from 0 to 1.
+    const Parachute chute = read_text(with(R"([[parachute.reefing]]
+drag_area_ratio = 0.2
+until = { time = "9 s" }
+[[parachute.reefing]]
+drag_area_ratio = 0.6
+until = { time = "9 s" }
+)"))
+                                .parachutes.front();
+    Parachute without = chute;
+    without.initial_phase = {false, 0.0};
+    Inflation stage = make_inflation(without, 0.0, 30.0, 1.0);
+    double squares = stage.filling_time * stage.filling_time;
+    for (std::size_t k = 1; k <= 2; ++k) {
+        stage = next_stage(without, k, stage, Phase::open, 10.0 * static_cast<double>(k), 30.0, 1.0);
+        squares += stage.filling_time * stage.filling_time;
+    }
+    const double whole = without.fill_time.seconds({without.nominal_diameter, 30.0, 1.0});
+    EXPECT_NEAR(squares, whole * whole, 1e-12 * whole * whole);
+    EXPECT_DOUBLE_EQ(stage.steady_drag_area, without.drag_area);
+}
+
+TEST(RomSequence, AParachuteOfNoSizeChangesNothing) {
+    const Scene one = read_text(with(""));
+    Scene two = one;
+    Parachute& none = two.parachutes.emplace_back(one.parachutes.front());
+    none.name = "none";
+    none.drag_area = none.mass = 1e-13;
+    none.projected_diameter_ratio = 1e-6;
+    // Of 42 m2 and 5 kg the second has 1e-13: what is left is the integration's 1e-8.
+    expect_same_flight(run_rom(two), run_rom(one), 1e-7);
+}
+
+TEST(RomSequence, AClusterWithoutLagIsOneParachute) {
+    Scene cluster = read_text(with("count = 3\n"), {"payload.mass=450 kg"});
+    Scene one = cluster;
+    Parachute& p = one.parachutes.front();
+    p.count = 1;
+    p.drag_area *= 3.0;
+    p.mass *= 3.0;
+    p.projected_diameter_ratio *= std::cbrt(3.0);  // three times the air
+    const RunRecord three = run_rom(cluster);
+    expect_same_flight(three, run_rom(one), 1e-7);
+    // Each carries a third.
+    const auto& each = three.find_channel("canopy_force")->values;
+    const auto& all = three.find_channel("force")->values;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        EXPECT_NEAR(each[i], all[i] / 3.0, 1e-12 * all[i]);
+}
+
+TEST(RomSequence, TheOneThatOpensFirstCarriesMore) {
+    const RunRecord lag =
+        run_rom(read_text(with("count = 2\nlag = [0, \"1 s\"]\n"), {"payload.mass=300 kg"}));
+    const auto& time = lag.find_channel("time")->values;
+    const auto& each = lag.find_channel("canopy_force")->values;
+    const auto& all = lag.find_channel("force")->values;
+    const double snatch_to_full = 4.0 * 8.53 / 21.0;
+    EXPECT_NEAR(time_of(lag, "full-open"), snatch_to_full + 1.0, 1e-12);  // the last of them
+    double most = 0.0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        if (time[i] < snatch_to_full && all[i] > 0.0) most = std::max(most, each[i] / all[i]);
+        if (time[i] > snatch_to_full + 1.0) EXPECT_NEAR(each[i], 0.5 * all[i], 1e-12 * all[i]);
+    }
+    // At 1.2 s the first has 0.5 of its drag area and the second, a second behind, still 0.04.
+    EXPECT_GT(most, 0.85);
+}
+
+const std::string sequence = R"(schema = 1
+name = "sequence"
+[environment]
+atmosphere = { density = "1 kg/m^3" }
+[payload]
+mass = "100 kg"
+[release]
+altitude = "1000 m"
+speed = "50 m/s"
+path_angle = "-90 deg"
+[[parachute]]
+name = "drogue"
+design = "usaf-c9"
+drag_area = "2 m^2"
+mass = "1 kg"
+deploy = { by = "line-stretch", when = { at = "apogee", delay = "2 s" } }
+fill_time = { time = "0.5 s" }
+initial_phase = "0 s"
+cut = { after = "main.full-open", delay = "0.25 s" }
+[[parachute]]
+name = "main"
+design = "usaf-c9"
+mass = "4 kg"
+deploy = { by = "line-stretch", when = { height = "300 m" } }
+fill_time = { time = "1 s" }
+initial_phase = "0 s"
+[stop]
+at = "steady-descent"
+)";
+
+TEST(RomSequence, EverythingHappensAtItsTime) {
+    const RunRecord record = run_rom(read_text(sequence));
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    // Up and down again without drag: apogee at v/g. The root is found to 1e-8 of its time.
+    EXPECT_NEAR(time_of(record, "drogue.line-stretch"), 50.0 / g + 2.0, 1e-7);
+    EXPECT_NEAR(time_of(record, "drogue.full-open"), time_of(record, "drogue.line-stretch") + 0.5, 1e-12);
+    EXPECT_NEAR(record.find_event("main.line-stretch")->altitude, 300.0, 1e-6);
+    EXPECT_NEAR(time_of(record, "main.full-open"), time_of(record, "main.line-stretch") + 1.0, 1e-12);
+    EXPECT_NEAR(time_of(record, "drogue.cut"), time_of(record, "main.full-open") + 0.25, 1e-12);
+    // m g = 1/2 rho C_D S v^2 with the drogue's kilogram gone, 0.1 % within where a descent is called steady:
+    // its speed changes by less than 0.5 % a second and halves its distance in v/(2 g) ln 2 = 0.2 s.
+    const double steady = std::sqrt(2.0 * 104.0 * g / read_text(sequence).parachutes[1].drag_area);
+    EXPECT_NEAR(metric(record, "descent_rate_m_s"), steady, 1e-3 * steady);
+    // The force is that on the payload: packs that are closed ride on it.
+    EXPECT_NEAR(record.find_channel("force")->values.back(), 100.0 * g, 0.01 * 100.0 * g);
+}
+
+TEST(RomSequence, TheOrderOfTheTablesIsNone) {
+    Scene turned = read_text(sequence);
+    std::swap(turned.parachutes[0], turned.parachutes[1]);
+    const RunRecord a = run_rom(read_text(sequence)), b = run_rom(turned);
+    for (const char* key : {"peak_force_N", "main_peak_force_N", "drogue_peak_force_N", "descent_rate_m_s"})
+        EXPECT_NEAR(metric(a, key), metric(b, key), 1e-12 * metric(b, key)) << key;
+    EXPECT_EQ(a.events.size(), b.events.size());
+}
+
+TEST(RomSequence, DynamicPressureAndSteadyDescentAreMetInFlight) {
+    std::string text =
+        edited(sequence, "when = { height = \"300 m\" }", "when = { dynamic_pressure = \"600 Pa\" }");
+    text = edited(text, "cut = { after = \"main.full-open\", delay = \"0.25 s\" }\n", "");
+    text = edited(text, "when = { at = \"apogee\", delay = \"2 s\" }", "when = { time = \"12 s\" }");
+    RunRecord record = run_rom(read_text(text));
+    // At 12 s it falls at 12 g - 50 = 67.7 m/s, 2290 Pa; under the drogue that falls to 600 Pa: 34.6 m/s. Met
+    // at once at release, where q is 1250 Pa, it would not be; at apogee q is 0.
+    EXPECT_LT(time_of(record, "main.line-stretch"), 50.0 / g);
+    EXPECT_NEAR(record.find_event("main.line-stretch")->speed, std::sqrt(2.0 * 600.0), 1e-6);
+    text = edited(text, "when = { dynamic_pressure = \"600 Pa\" }",
+                  "when = { at = \"steady-descent\", delay = \"1 s\" }");
+    record = run_rom(read_text(text, {"parachute.drogue.deploy.when.time=0 s"}));
+    EXPECT_NEAR(time_of(record, "main.line-stretch"), time_of(record, "steady-descent") + 1.0, 1e-12);
+    EXPECT_NEAR(record.find_event("main.line-stretch")->speed, std::sqrt(2.0 * 105.0 * g / 2.0), 0.2);
+}
+
+TEST(RomSequence, AMortarThrowsThePackToTheEndOfItsLines) {
+    // Without air both fall alike: lines of 7.31 + 1.22 m are drawn out in their length over the muzzle
+    // speed, and momentum is that of a free fall at snatch. 1e-7: integration, on metres and seconds.
+    std::string text = edited(sequence, "density = \"1 kg/m^3\"", "density = \"1e-12 kg/m^3\"");
+    text = edited(text, "by = \"line-stretch\", when = { at = \"apogee\", delay = \"2 s\" }",
+                  "by = \"mortar\", muzzle_speed = \"30 m/s\", when = { at = \"apogee\", delay = \"2 s\" }");
+    Scene scene = read_text(text);
+    scene.stop = {Trigger::Kind::time, 9.0, 0.0};
+    const RunRecord record = run_rom(scene);
+    const double fired = 50.0 / g + 2.0, taut = time_of(record, "drogue.line-stretch");
+    EXPECT_NEAR(taut, fired + (7.31 + 1.22) / 30.0, 1e-7);
+    // 104 kg of payload with the main recoil against 1 kg of pack.
+    EXPECT_NEAR(record.find_event("drogue.line-stretch")->speed, g * (taut - 50.0 / g) + 30.0 / 105.0, 1e-6);
+    const double snatch = time_of(record, "drogue.snatch");
+    EXPECT_NEAR(record.find_event("drogue.snatch")->speed, g * (snatch - 50.0 / g), 1e-6);
+}
+
+}  // namespace
+}  // namespace twinchute
