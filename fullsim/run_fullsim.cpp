@@ -13,6 +13,7 @@
 #include "fullsim/parts.hpp"
 #include "fullsim/plan.hpp"
 #include "fullsim/simulation.hpp"
+#include "lib/scene/needs.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 
@@ -489,10 +490,13 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
     return FullRun(scene, run).fly();
 }
 
+/// It lacks no physics, but builds a structure.
+static std::vector<std::string> lacks(const Scene& scene) {
+    return missing_structure(scene.parachutes.front());
+}
+
 const Fidelity& full_fidelity() {
-    static constexpr Fidelity row{"full",       "full aeroelastic model",
-                                  &run_fullsim, [](const Scene&) { return std::vector<std::string>{}; },
-                                  true,         true,
+    static constexpr Fidelity row{"full",    "full aeroelastic model", &run_fullsim, &lacks, true, true,
                                   &plan_full};
     return row;
 }

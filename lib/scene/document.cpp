@@ -60,6 +60,8 @@ std::string_view wanted_name(const Key& key) {
         case KeyKind::table:
         case KeyKind::tolerance:
             return "a table";
+        case KeyKind::list:
+            return "a list of texts in quotes";
         default:
             return "text in quotes";
     }
@@ -257,7 +259,9 @@ private:
             entry.value_place = place_of(document_.file, value->source());
             entry.source = annotation(*annotated, path);
         }
-        if (const auto text = value->value_exact<std::string>()) {
+        if (key.kind == KeyKind::list) {
+            entry.value = list_of(key, *value, path, entry.value_place);
+        } else if (const auto text = value->value_exact<std::string>()) {
             entry.value = *text;
         } else if (const auto whole = value->value_exact<std::int64_t>()) {
             entry.value = *whole;
@@ -269,6 +273,25 @@ private:
                    allowed_text(key));
         }
         return entry;
+    }
+
+    /// Texts, or a single one.
+    std::vector<std::string> list_of(const Key& key, const toml::node& node, const std::string& path,
+                                     const SourcePlace& place) const {
+        const auto text_of = [&](const toml::node& item) {
+            const auto text = item.value_exact<std::string>();
+            if (!text)
+                refuse(place, path, fmt::format("{} where {} belongs", type_name(item), wanted_name(key)), "",
+                       allowed_text(key));
+            return *text;
+        };
+        const toml::array* array = node.as_array();
+        if (!array) return {text_of(node)};
+        if (array->empty()) refuse(place, path, "is an empty list", "", allowed_text(key));
+        std::vector<std::string> texts;
+        for (const toml::node& item : *array)
+            texts.push_back(text_of(item));
+        return texts;
     }
 
     /// source and grade of { value = ..., source = "...", grade = "S" }.

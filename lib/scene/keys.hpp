@@ -16,6 +16,7 @@ enum class KeyKind {
     word,              ///< one of `choices`
     text,              ///< any text, not empty
     data_file,         ///< the name of a file in `folder` of the data, without .toml
+    list,              ///< an array of texts: words of `choices`, or names of files in `folder`
     csv_file,          ///< the name of a CSV file beside the scene or in the data
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
     table              ///< physics that is left out when its table is absent
@@ -28,7 +29,7 @@ enum class KeyNeed {
 };
 
 /// Who reads it.
-enum class KeyUser { both, rom, full, compare };
+enum class KeyUser { both, rom, full, compare, size };
 
 /// From low to high, in SI. Everything but +-infinity is allowed by default.
 struct KeyRange {
@@ -108,7 +109,7 @@ std::string range_text(const Key& key);
 /// "allowed: > 0 and <= 1e+06 kg", for messages.
 std::string allowed_text(const Key& key);
 
-/// "both", "rom", "full" or "compare".
+/// "both", "rom", "full", "compare" or "size".
 std::string_view user_name(KeyUser user);
 
 /// All keys as aligned plain text, one a line.

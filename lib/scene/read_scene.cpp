@@ -8,6 +8,7 @@
 
 #include "lib/math/sha256.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/document.hpp"
 #include "lib/scene/values.hpp"
@@ -97,6 +98,7 @@ Scene finished(Document document, const std::vector<Document>& overrides) {
     for (const Document& layer : overrides)
         overlay(document, layer);
     add_design(document);
+    add_canopy_type(document);
     const Values values(document, {scene_keys()});
     Scene scene = assemble_scene(values);
     check_scene(scene, values);

@@ -100,6 +100,9 @@ Values::Value Values::checked(const std::string& path, const Entry& entry) const
     const std::vector<std::string_view> words = key.choices ? key.choices() : std::vector<std::string_view>{};
     const bool known = text && std::ranges::find(words, *text) != words.end();
     switch (key.kind) {
+        case KeyKind::list:
+            value.value = checked_list(path, entry);
+            break;
         case KeyKind::quantity:
             value.value = checked_number(path, entry);
             break;
@@ -132,6 +135,21 @@ Values::Value Values::checked(const std::string& path, const Entry& entry) const
             value.value = *text;
     }
     return value;
+}
+
+/// Each known, none twice.
+std::vector<std::string> Values::checked_list(const std::string& path, const Entry& entry) const {
+    const auto& list = std::get<std::vector<std::string>>(entry.value);
+    const auto words = entry.key->choices ? entry.key->choices() : std::vector<std::string_view>{};
+    for (const std::string& one : list) {
+        if (entry.key->choices && std::ranges::count(words, one) == 0)
+            refuse(entry.value_place, path, fmt::format("unknown word '{}'", one),
+                   fmt::format("known: {}", joined(words)),
+                   nearest(one, words).empty() ? "" : suggest(one, words));
+        if (std::ranges::count(list, one) > 1)
+            refuse(entry.value_place, path, fmt::format("'{}' stands there twice", one), "", "name it once");
+    }
+    return list;
 }
 
 void Values::read_tolerance(const std::string& path, const Entry& entry) {
@@ -217,6 +235,8 @@ void Values::fill_in(const Key& key) {
         value.value = static_cast<std::int64_t>(plain_number(key.fallback));
     else if (key.kind == KeyKind::quantity)
         value.value = plain_number(key.fallback);
+    else if (key.kind == KeyKind::list)
+        value.value = std::vector<std::string>{std::string(key.fallback)};
     else
         value.value = std::string(key.fallback);
     values_.emplace(std::string(key.path), std::move(value));
@@ -234,6 +254,10 @@ std::int64_t Values::integer(std::string_view path) const {
 }
 const std::string& Values::word(std::string_view path) const {
     return std::get<std::string>(at(path).value);
+}
+
+const std::vector<std::string>& Values::list(std::string_view path) const {
+    return std::get<std::vector<std::string>>(at(path).value);
 }
 
 bool Values::given(std::string_view path) const {
@@ -265,7 +289,9 @@ std::vector<Input> Values::inputs() const {
             } else if (const auto* whole = std::get_if<std::int64_t>(&value.value)) {
                 input.value = static_cast<double>(*whole);
             } else {
-                input.value = std::get<std::string>(value.value);
+                const auto* texts = std::get_if<std::vector<std::string>>(&value.value);
+                input.value =
+                    texts ? fmt::format("{}", fmt::join(*texts, ", ")) : std::get<std::string>(value.value);
                 input.unit.clear();
             }
             list.push_back(std::move(input));
