@@ -15,6 +15,7 @@
 #include "lib/cli/program.hpp"
 #include "lib/cli/single_verb.hpp"
 #include "rom/fidelity.hpp"
+#include "rom/size/size_verb.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
         compare::compare_verb(full, rom),
         single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
+        rom::size_verb(),
         compare::report_verb(full, rom),
         compare::ladder_verb({&rom, &full}),
         compare::stability_verb(full, rom),
