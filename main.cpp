@@ -15,6 +15,8 @@
 #include "lib/cli/program.hpp"
 #include "lib/cli/single_verb.hpp"
 #include "rom/fidelity.hpp"
+#include "rom/sensitivity/verb.hpp"
+#include "rom/size/size_verb.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -26,8 +28,9 @@ int main(int argc, char** argv) {
 
     const std::array verbs{
         compare::compare_verb(full, rom),
-        single_verb(rom, "quick run of the reduced-order model", DefaultOutput::none, {&full}),
+        rom::rom_verb(full),
         single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
+        rom::size_verb(),
         compare::report_verb(full, rom),
         compare::ladder_verb({&rom, &full}),
         compare::stability_verb(full, rom),

@@ -13,6 +13,7 @@
 #include "fullsim/parts.hpp"
 #include "fullsim/plan.hpp"
 #include "fullsim/simulation.hpp"
+#include "lib/scene/needs.hpp"
 #include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -381,7 +382,7 @@ ParachuteResult FullRun::opening_in_stages(double snatch) const {
     for (std::size_t i = 0; i < opening.stages.size(); ++i) {
         const auto& earlier = observer_.earlier_peaks();
         const Observer::Peak& peak = i < earlier.size() ? earlier[i] : observer_.peak();
-        opening.stages[i].peak_force = peak.value;
+        if (peak.value > 0.0) opening.stages[i].peak_force = peak.value;
         opening.stages[i].peak_time = peak.time;
     }
     return opening;
@@ -550,7 +551,8 @@ void FullRun::add_warnings() {
              "set stop.time later, or stop.at = \"steady-descent\"");
 }
 
-/// What takes more than the one parachute that this model has, or another way out of its pack.
+/// What takes more than the one parachute that this model has, or another way out of its pack; and what its
+/// structure needs.
 std::vector<std::string> lacks(const Scene& scene) {
     if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
     const Parachute& chute = scene.parachutes.front();
@@ -561,6 +563,7 @@ std::vector<std::string> lacks(const Scene& scene) {
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
+    if (keys.empty()) return missing_structure(chute);
     return keys;
 }
 

@@ -38,6 +38,7 @@ void Openings::close() {
         chute.snatch_force = peak.value;
         return;
     }
+    if (peak.value < 0.0) return;
     chute.stages.back().peak_force = peak.value;
     chute.stages.back().peak_time = peak.at;
 }

@@ -58,7 +58,7 @@ void judge(const Scene& scene, int dimensions, Course& course, Openings& opening
     RunRecord& record = course.record;
     for (const ParachuteResult& chute : result.parachutes)
         for (const ParachuteResult::Stage& stage : chute.stages)
-            if (!result.peak_force || stage.peak_force > *result.peak_force) {
+            if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
                 result.peak_force = stage.peak_force;
                 result.peak_time = stage.peak_time;
             }

@@ -6,11 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/scene_command.hpp"
+#include "lib/math/vec.hpp"
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
@@ -46,14 +48,46 @@ Table laws() {
     add_laws(table, "parachute.drag_area_law", drag_area_laws());
     add_laws(table, "parachute.fill_time.model", fill_time_models());
     add_laws(table, "aerodynamics.added_mass.model", added_mass_models());
+    add_laws(table, "aerodynamics.line_ratio.model", line_ratio_models());
+    add_laws(table, "aerodynamics.forebody_wake.model", forebody_wake_models());
     add_laws(table, "environment.atmosphere", atmosphere_models());
     return table;
+}
+
+/// A range for reading, "0.75-0.8 (A)".
+std::string range_cell(const std::optional<TypeRange>& range, double unit = 1.0) {
+    if (!range) return "-";
+    const std::string high = range->low < range->high ? fmt::format("-{:g}", range->high / unit) : "";
+    return fmt::format("{:g}{} ({})", range->low / unit, high, range->grade);
+}
+
+Table types() {
+    Table table;
+    table.header = {"type", "canopy", "C_D0", "C_x", "D_p/D0", "n", "j", "oscillation [deg]"};
+    for (const std::string& name : canopy_type_names()) {
+        const CanopyType type = read_canopy_type(name, "type", {}, {});
+        table.rows.push_back({name, type.title, range_cell(type.drag_coefficient),
+                              range_cell(type.opening_force_coefficient),
+                              range_cell(type.projected_diameter_ratio), range_cell(type.fill_constant),
+                              range_cell(type.growth_exponent), range_cell(type.oscillation, pi / 180.0)});
+    }
+    return table;
+}
+
+std::string types_text() {
+    return aligned(types(), output_style()) +
+           "\nIn brackets how far to rely on a value: A transcriptions of Knacke's tables agree, B one "
+           "transcription, R a "
+           "recollection,\nwhich is never a default. parachute.type takes the middle of a range; the files "
+           "of "
+           "parachutes/types/ name the sources.\n";
 }
 
 Table files_in(const char* folder) {
     Table table;
     table.header = {"name", "file"};
     for (const std::string& name : data_names(folder)) {
+        if (name.starts_with("types/")) continue;  // a list of their own
         const auto file = find_data_file(folder, name, {});
         table.rows.push_back({name, file ? file->string() : std::string{}});
     }
@@ -106,6 +140,7 @@ std::vector<ListTopic> library_topics() {
         {"laws", "rows of the model tables and the keys that choose them", laws},
         {"materials", "fabrics and cords by name", [] { return files_in("materials"); }},
         {"parachutes", "designs by name", [] { return files_in("parachutes"); }},
+        {"types", "types of canopy and what handbooks say of them", types, types_text},
         {"scenes", "scenes to start from", [] { return files_in("scenes"); }},
     };
 }
@@ -113,7 +148,7 @@ std::vector<ListTopic> library_topics() {
 Verb list_verb(std::vector<ListTopic> topics) {
     Verb verb;
     verb.name = "list";
-    verb.summary = "what there is: keys, laws, materials, scenes, metrics";
+    verb.summary = "what there is: keys, laws, types, materials, scenes, metrics";
     verb.operand = "[TOPIC]";
     verb.example = "twinchute list keys";
     verb.options = {{"json", "", "print the table as JSON"}};

@@ -22,6 +22,7 @@ using nlohmann::ordered_json;
 struct Planned {
     const Fidelity* fidelity;
     std::vector<std::string> lacks;  ///< keys of the scene; empty: there is a plan
+    std::string why_not;             ///< in words
     Plan plan;
 };
 
@@ -79,9 +80,7 @@ std::string stages_text(const Plan& plan) {
 
 std::string plan_text(const Planned& planned, const Style& style) {
     std::string text = "\n" + style.paint(planned.fidelity->title, Colour::bold) + "\n";
-    if (!planned.lacks.empty())
-        return text + fmt::format("  cannot run this scene: it lacks the physics of '{}'\n",
-                                  fmt::join(planned.lacks, "', '"));
+    if (!planned.lacks.empty()) return text + fmt::format("  cannot run this scene: {}\n", planned.why_not);
     const Plan& plan = planned.plan;
     return text + "\nneeded\n" + parts_text(plan, true) + "\nleft out\n" + parts_text(plan, false) +
            "\nmemory\n" + arrays_text(plan) + "\ncost\n" + stages_text(plan) + "  " + printable(plan.how) +
@@ -137,7 +136,8 @@ std::vector<Planned> plans_of(const Scene& scene, const std::vector<const Fideli
     std::vector<Planned> plans;
     std::optional<RunRecord> expected;
     for (const Fidelity* fidelity : fidelities) {
-        Planned planned{fidelity, fidelity->lacks(scene), {}};
+        Planned planned{fidelity, fidelity->lacks(scene), {}, {}};
+        planned.why_not = lacking_text(scene, planned.lacks);
         if (planned.lacks.empty()) {
             PlanBasis basis;
             basis.expected = expected ? &*expected : nullptr;

@@ -24,29 +24,6 @@ std::string metrics_text(const std::vector<Metric>& metrics) {
     return aligned(table, {}, 2);
 }
 
-/// Formulas beside the value that the run has for the same metric; what does not hold here is greyed.
-std::string estimates_text(const RunRecord& record, const Style& style) {
-    Table table;
-    table.right = {false, true, false, true};
-    for (const Estimate& estimate : record.estimates) {
-        const auto run = record.metric(estimate.metric);
-        table.rows.push_back(
-            {printable(estimate.title), readable(estimate.value),
-             std::string(split_metric_key(estimate.metric).unit),
-             run && *run != 0 ? fmt::format("{:.0f} % of the run's", 100 * estimate.value / *run) : "",
-             estimate.outside.empty() ? "holds here" : "does not hold: " + printable(estimate.outside)});
-    }
-    std::string text;
-    const std::string lines = aligned(table, {}, 2);
-    std::string_view rest = lines;
-    for (const Estimate& estimate : record.estimates) {
-        const std::string_view line = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(line.size() + 1);
-        text += (estimate.outside.empty() ? std::string(line) : style.paint(line, Colour::dim)) + "\n";
-    }
-    return text;
-}
-
 std::string events_text(const std::vector<Event>& events) {
     Table table;
     table.right = {false, true, true, true};
@@ -101,6 +78,28 @@ std::string warnings_text(const std::vector<Warning>& warnings, std::string_view
         if (!warning.why.empty()) line += fmt::format(" ({})", printable(warning.why));
         if (!warning.suggestion.empty()) line += fmt::format(", {}", printable(warning.suggestion));
         text += line + "\n";
+    }
+    return text;
+}
+
+std::string estimates_text(const RunRecord& record, const Style& style) {
+    Table table;
+    table.right = {false, true, false, true};
+    for (const Estimate& estimate : record.estimates) {
+        const auto run = record.metric(estimate.metric);
+        table.rows.push_back(
+            {printable(estimate.title), readable(estimate.value),
+             std::string(split_metric_key(estimate.metric).unit),
+             run && *run != 0 ? fmt::format("{:.0f} % of the run's", 100 * estimate.value / *run) : "",
+             estimate.outside.empty() ? "holds here" : "does not hold: " + printable(estimate.outside)});
+    }
+    std::string text;
+    const std::string lines = aligned(table, {}, 2);
+    std::string_view rest = lines;
+    for (const Estimate& estimate : record.estimates) {
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(line.size() + 1);
+        text += (estimate.outside.empty() ? std::string(line) : style.paint(line, Colour::dim)) + "\n";
     }
     return text;
 }

@@ -12,6 +12,10 @@ namespace twinchute {
 /// `title`: of the fidelity, e.g. "reduced-order model".
 std::string record_text(const RunRecord& record, std::string_view title, const Style& style);
 
+/// Formulas beside the value that the run has for the same metric, a line each; what does not hold here is
+/// greyed.
+std::string estimates_text(const RunRecord& record, const Style& style);
+
 /// E.g. "1.23 s wall, 14803 steps of 71 to 83 us, 88 ns per element-step".
 std::string cost_text(const Cost& cost);
 

@@ -94,11 +94,13 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
     const auto able = std::ranges::find_if(others, [&](const Fidelity* other) {
         return other->name != fidelity.name && std::ranges::count(other->lacks(scene), key) == 0;
     });
-    const std::string way_out = able == others.end()
-                                    ? fmt::format("take '{}' out of the scene", key)
-                                    : fmt::format("run it with `twinchute {}`", (*able)->name);
-    throw UsageError(fmt::format("{}: '{}' cannot run this scene (it lacks the physics of '{}'), {}",
-                                 scene.file.string(), fidelity.name, fmt::join(lacking, "', '"), way_out));
+    const bool given = std::ranges::count(scene.inputs, key, &Input::key) != 0;
+    const std::string way_out = able != others.end()
+                                    ? fmt::format("run it with `twinchute {}`", (*able)->name)
+                                : given ? fmt::format("take '{}' out of the scene", key)
+                                        : fmt::format("give '{}'", key);
+    throw UsageError(fmt::format("{}: '{}' cannot run this scene ({}), {}", scene.file.string(),
+                                 fidelity.name, lacking_text(scene, lacking), way_out));
 }
 
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/math/vec.hpp"
+#include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/soundings.hpp"
@@ -241,28 +242,37 @@ Deployment deployment(const Values& v) {
     return d;
 }
 
+/// What is given of the sizes and materials that a structure is made of.
+void add_structure(const Values& v, Materials& materials, Parachute& p) {
+    const auto number = [&](std::string_view key) { return optional_number(v, key).value_or(0.0); };
+    const auto count = [&](std::string_view key) {
+        return v.given(key) ? static_cast<int>(v.integer(key)) : 0;
+    };
+    const auto cord = [&](const char* key) { return v.given(key) ? materials.cord(key) : Cord{}; };
+    p.projected_diameter_ratio = number("parachute.projected_diameter_ratio");
+    p.gores = count("parachute.gores");
+    p.vent_diameter = number("parachute.vent_diameter");
+    p.line_length = number("parachute.line_length");
+    p.riser_length = number("parachute.riser_length");
+    p.risers = count("parachute.risers");
+    if (v.given("parachute.fabric")) p.fabric = materials.fabric("parachute.fabric");
+    p.line = cord("parachute.line");
+    p.tapes = {cord("parachute.tapes.radial"), cord("parachute.tapes.skirt"), cord("parachute.tapes.vent")};
+}
+
 Parachute parachute(const Values& v, Materials& materials, const Environment& environment) {
     Parachute p;
     p.name = v.word("parachute.name");
+    if (constexpr const char* key = "parachute.type"; v.given(key))
+        p.type = read_canopy_type(v.word(key), key, v.place(key), v.directory(key));
     p.nominal_diameter = v.number("parachute.nominal_diameter");
     p.drag_area = v.given("parachute.drag_area") ? v.number("parachute.drag_area")
                                                  : v.number("parachute.drag_coefficient") * 0.25 * pi *
                                                        p.nominal_diameter * p.nominal_diameter;
-    p.projected_diameter_ratio = v.number("parachute.projected_diameter_ratio");
     if (v.given("parachute.opening_force_coefficient"))
         p.opening_force_coefficient = v.number("parachute.opening_force_coefficient");
     p.mass = v.number("parachute.mass");
-    p.gores = static_cast<int>(v.integer("parachute.gores"));
-    p.vent_diameter = v.number("parachute.vent_diameter");
-    p.line_length = v.number("parachute.line_length");
-    p.riser_length = v.number("parachute.riser_length");
-    p.risers = static_cast<int>(v.integer("parachute.risers"));
-    p.fabric = materials.fabric("parachute.fabric");
-    p.line = materials.cord("parachute.line");
-    p.tapes.radial = materials.cord("parachute.tapes.radial");
-    p.tapes.skirt = materials.cord("parachute.tapes.skirt");
-    p.tapes.vent = materials.cord("parachute.tapes.vent");
-
+    add_structure(v, materials, p);
     p.strength = {v.number("parachute.joint_efficiency"), v.number("parachute.design_factor")};
 
     p.deploy = deployment(v);
@@ -297,6 +307,10 @@ Aerodynamics aerodynamics(const Values& v) {
     if (v.has_table("aerodynamics.line_drag")) a.line_drag = LineDrag{};
     if (v.has_table("aerodynamics.breathing_damping"))
         a.breathing_damping = v.number("aerodynamics.breathing_damping.k");
+    if (v.has_table("aerodynamics.line_ratio"))
+        a.line_ratio = find_line_ratio(v.word("aerodynamics.line_ratio.model"));
+    if (v.has_table("aerodynamics.forebody_wake"))
+        a.forebody_wake = find_forebody_wake(v.word("aerodynamics.forebody_wake.model"));
     a.radial_pressure = v.number("aerodynamics.radial_pressure");
     return a;
 }
@@ -328,6 +342,18 @@ FullSettings full(const Values& v) {
     return f;
 }
 
+SizeSpec size(const Values& v) {
+    SizeSpec s;
+    s.max_descent_rate = optional_number(v, "size.max_descent_rate");
+    s.max_force = optional_number(v, "size.max_force");
+    s.max_deceleration = optional_number(v, "size.max_deceleration");
+    s.vary = v.list("size.vary");
+    if (constexpr const char* key = "size.types"; v.given(key))
+        for (const std::string& name : v.list(key))
+            s.types.push_back(read_canopy_type(name, key, v.place(key), v.directory(key)));
+    return s;
+}
+
 }  // namespace
 
 Release carried_by(const Vec3& wind, const Release& through_air) {
@@ -348,12 +374,14 @@ Scene assemble_scene(const Values& v) {
     scene.payload.mass = v.number("payload.mass");
     if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
     scene.release = release(v, scene.environment);
+    scene.payload.diameter = optional_number(v, "payload.diameter");
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scene.aerodynamics = aerodynamics(v);
     scene.stop = trigger(v, "stop", scene.environment);
     scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
     scene.full = full(v);
     scene.tolerances = v.tolerances();
+    if (v.has_table("size")) scene.size = size(v);
     return scene;
 }
 

@@ -7,7 +7,9 @@
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute {
 namespace {
@@ -80,16 +82,53 @@ void warn_of_wind(Scene& scene) {
                               "add levels to the table"});
 }
 
+/// What this scene needs of the parachute whichever model runs it.
+void check_needs(const Scene& scene, const Parachute& p, const Complain& complain) {
+    if (p.deploy.starts_packed())
+        for (const std::string& key : missing_lines(p))
+            complain.about(key, "is missing", "a parachute in its pack is drawn out by its lines",
+                           "give it, or a design, or start at line stretch");
+    if (scene.aerodynamics.added_mass && !(p.projected_diameter_ratio > 0.0))
+        complain.about("parachute.projected_diameter_ratio", "is missing",
+                       "it sets the air that moves with the canopy, aerodynamics.added_mass",
+                       "give it (0.6 to 0.7 for solid cloth), or leave added_mass out");
+}
+
+/// Corrects the drag area where the scene asks for it.
+void correct_drag_area(Scene& scene, const Complain& complain) {
+    const std::vector<std::string> missing = missing_for_corrections(scene);
+    if (!missing.empty())
+        complain.about(missing.front(), "is missing", "a correction of the drag area needs it",
+                       scene.aerodynamics.forebody_wake ? "give it, or leave aerodynamics.forebody_wake out"
+                                                        : "give it, or leave aerodynamics.line_ratio out");
+    for (Parachute& p : scene.parachutes)
+        set_drag_area(scene, p, stated_drag_area(p));
+    warn_of_drag_area(scene);
+}
+
+void check_size(const Scene& scene, const Complain& complain) {
+    const auto& s = scene.size;
+    if (s && !s->max_descent_rate && !s->max_force && !s->max_deceleration)
+        complain.about("size.max_descent_rate", "no limit is given", "there is nothing to meet",
+                       "give max_descent_rate, max_force or max_deceleration");
+    using enum Trigger::Kind;
+    const Trigger::Kind stop = scene.stop.kind;
+    if (s && s->max_descent_rate && (stop == peak_force || stop == full_open || stop == line_stretch))
+        complain.about("size.max_descent_rate", "the run ends before the descent is steady",
+                       "that is where a descent rate is found", "write stop.at = \"steady-descent\"");
+}
+
 void check_canopy(const Parachute& p, const Complain& complain) {
     if (p.vent_diameter >= p.nominal_diameter)
         complain.about("parachute.vent_diameter", "the vent is not smaller than the canopy",
                        fmt::format("vent {} m, D0 {} m", p.vent_diameter, p.nominal_diameter),
                        "about D0/10 is common");
-    if (p.gores % p.risers != 0)
+    if (p.gores > 0 && p.risers > 0 && p.gores % p.risers != 0)
         complain.about("parachute.risers", fmt::format("{} does not divide {} gores", p.risers, p.gores),
                        "every link takes the same number of lines",
                        "choose a divisor of the number of gores");
-    if (p.line_length <= mouth_radius_at_line_stretch(p))
+    const bool has_mouth = p.gores > 0 && p.line_length > 0.0 && p.projected_diameter_ratio > 0.0;
+    if (has_mouth && p.line_length <= mouth_radius_at_line_stretch(p))
         complain.about("parachute.line_length",
                        fmt::format("{} m does not reach from the mouth's edge to the axis", p.line_length),
                        fmt::format("at line stretch the mouth has a radius of {:.3g} m",
@@ -240,14 +279,18 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
             complain.about(key, "a parachute cannot wait for its own opening", "",
                            "name another one with after");
     };
+    for (std::size_t k = 0; scene.parachutes.size() > 1 && k < scene.parachutes.size(); ++k) {
+        const std::string& name = scene.parachutes[k].name;
+        const Complain complain(values[k]);
+        if (static_cast<std::size_t>(find(name) - scene.parachutes.begin()) != k)
+            complain.about("parachute.name", fmt::format("two parachutes are called '{}'", name),
+                           "keys and metrics carry the name", "give each a name of its own");
+        check_name(name, complain);
+    }
     int at_release = 0;
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
         const Parachute& p = scene.parachutes[k];
         const Complain complain(values[k]);
-        if (static_cast<std::size_t>(find(p.name) - scene.parachutes.begin()) != k)
-            complain.about("parachute.name", fmt::format("two parachutes are called '{}'", p.name),
-                           "keys and metrics carry the name", "give each a name of its own");
-        if (scene.parachutes.size() > 1) check_name(p.name, complain);
         if (p.deploy_when) check(k, *p.deploy_when, "parachute.deploy.when", false);
         if (p.cut) check(k, *p.cut, "parachute.cut", true);
         for (std::size_t i = 0; i < p.reefing.size(); ++i)
@@ -272,6 +315,7 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
 
 void check_parachute(const Scene& scene, const Parachute& p, const Values& values) {
     const Complain complain(values);
+    check_needs(scene, p, complain);
     check_canopy(p, complain);
     check_reefing(p, complain);
     check_cluster(p, complain);
@@ -289,9 +333,11 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k)
         check_parachute(scene, scene.parachutes[k], values[k]);
     check_sequence(scene, values);
+    check_size(scene, complain);
     check_stop(scene, values.front(), complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);
+    correct_drag_area(scene, complain);
 }
 
 }  // namespace twinchute

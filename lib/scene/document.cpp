@@ -62,6 +62,8 @@ std::string_view wanted_name(const Key& key) {
         case KeyKind::table:
         case KeyKind::tolerance:
             return "a table";
+        case KeyKind::list:
+            return "a list of texts in quotes";
         default:
             return "text in quotes";
     }
@@ -135,9 +137,9 @@ private:
             cases(node, place);
         } else if (key && key->kind == KeyKind::tolerance) {
             tolerances(*key, node, path, place);
-        } else if (key && key->is_list() && key->path == path) {
+        } else if (key && key->has_members() && key->path == path) {
             list(*key, node, path, place);
-        } else if (key && key->kind != KeyKind::table && key->kind != KeyKind::list) {
+        } else if (key && key->kind != KeyKind::table && key->kind != KeyKind::tables) {
             document_.entries.insert_or_assign(path, leaf(*key, node, path, place));
         } else if (plain && (key || is_branch(path))) {
             branch(node, path, place);
@@ -170,7 +172,7 @@ private:
     void list(const Key& key, const toml::node& node, const std::string& path, const SourcePlace& place) {
         const toml::array* array = node.as_array();
         if (overriding_ && node.is_table()) return table(*node.as_table(), path + ".");
-        const bool of_tables = key.kind == KeyKind::list;
+        const bool of_tables = key.kind == KeyKind::tables;
         if (!array || array->empty())
             refuse(place, path, fmt::format("{} where a list belongs", type_name(node)), "",
                    of_tables ? fmt::format("write [[{}]] with two brackets", shown_path(path, kind_.prefix))
@@ -318,7 +320,9 @@ private:
             entry.value_place = place_of(document_.file, value->source());
             entry.source = annotation(*annotated, path);
         }
-        if (const auto text = value->value_exact<std::string>()) {
+        if (key.kind == KeyKind::list) {
+            entry.value = list_of(key, *value, path, entry.value_place);
+        } else if (const auto text = value->value_exact<std::string>()) {
             entry.value = *text;
         } else if (const auto whole = value->value_exact<std::int64_t>()) {
             entry.value = *whole;
@@ -330,6 +334,25 @@ private:
                    allowed_text(key));
         }
         return entry;
+    }
+
+    /// Texts, or a single one.
+    std::vector<std::string> list_of(const Key& key, const toml::node& node, const std::string& path,
+                                     const SourcePlace& place) const {
+        const auto text_of = [&](const toml::node& item) {
+            const auto text = item.value_exact<std::string>();
+            if (!text)
+                refuse(place, path, fmt::format("{} where {} belongs", type_name(item), wanted_name(key)), "",
+                       allowed_text(key));
+            return *text;
+        };
+        const toml::array* array = node.as_array();
+        if (!array) return {text_of(node)};
+        if (array->empty()) refuse(place, path, "is an empty list", "", allowed_text(key));
+        std::vector<std::string> texts;
+        for (const toml::node& item : *array)
+            texts.push_back(text_of(item));
+        return texts;
     }
 
     /// source and grade of { value = ..., source = "...", grade = "S" }.
@@ -350,7 +373,8 @@ private:
     }
 
     /// The same name in another table, else the nearest here, else what there is here.
-    std::string suggestion(std::string_view path) const {
+    std::string suggestion(std::string_view full_path) const {
+        const std::string path = row_path(kind_.keys, full_path);
         const std::string start(path.substr(0, path.size() - last_of(path).size()));
         std::vector<std::string_view> siblings, elsewhere;
         for (const Key& row : kind_.keys) {

@@ -18,7 +18,7 @@
 namespace twinchute {
 
 /// What a value is before its key has had a say.
-using RawValue = std::variant<std::int64_t, double, std::string>;
+using RawValue = std::variant<std::int64_t, double, std::string, std::vector<std::string>>;
 
 struct Entry {
     const Key* key = nullptr;

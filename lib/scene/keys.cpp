@@ -9,6 +9,7 @@
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
+#include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/scene/deployment.hpp"
 
@@ -61,6 +62,15 @@ Words momentums() {
 }
 Words radii() {
     return {"shape-once-open", "drag-area"};
+}
+Words line_ratios() {
+    return names_of(line_ratio_models());
+}
+Words wakes() {
+    return names_of(forebody_wake_models());
+}
+Words varied() {
+    return {"nominal_diameter", "release_speed"};
 }
 Words line_drags() {
     return {"cylinder"};
@@ -144,6 +154,8 @@ constexpr Key scene_rows[] = {
 
     {.path = "payload.mass", .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
     {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
+    {.path = "payload.diameter", .unit = "m", .need = optional, .fallback = "required by a forebody wake", .range = above(0, 1000),
+     .meaning = "of a disc with its frontal area, for its wake"},
 
     {.path = "release.altitude", .unit = "m", .range = from(-5000, 86000), .instead_of = "release.height",
      .meaning = "of the payload above sea level"},
@@ -161,6 +173,8 @@ constexpr Key scene_rows[] = {
     {.path = "parachute", .kind = table, .meaning = "[[parachute]], one for each that opens by itself"},
     {.path = "parachute.design", .kind = data_file, .need = optional, .fallback = "all keys given here", .folder = "parachutes",
      .meaning = "a design file; keys given beside it override it"},
+    {.path = "parachute.type", .kind = data_file, .need = optional, .fallback = "no type", .folder = "parachutes/types",
+     .meaning = "of canopy: C_D0, C_x, D_p/D0 and n in the middle of its ranges and the law of growth, where neither scene nor design give them"},
     {.path = "parachute.name", .kind = text, .need = defaulted, .fallback = "main", .meaning = "what the parachute is called; with several, keys and metrics carry it"},
     {.path = "parachute.count", .kind = integer, .need = defaulted, .fallback = "1", .range = from(1, 100),
      .meaning = "parachutes of this kind that open together, a cluster; all other keys are those of one"},
@@ -173,22 +187,22 @@ constexpr Key scene_rows[] = {
      .meaning = "(C_D S)_0 of the steady canopy"},
     {.path = "parachute.drag_coefficient", .unit = "1", .range = above(0, 5), .instead_of = "parachute.drag_area",
      .meaning = "C_D0 on the nominal area pi/4 D0^2"},
-    {.path = "parachute.projected_diameter_ratio", .unit = "1", .range = above(0, 1),
+    {.path = "parachute.projected_diameter_ratio", .unit = "1", .need = optional, .fallback = "required by added mass and the full model", .range = above(0, 1),
      .meaning = "D_p/D0 of the steady canopy, sets the added mass while it fills"},
     {.path = "parachute.opening_force_coefficient", .unit = "1", .need = optional, .fallback = "no formulas with it", .range = above(0, 5),
      .user = rom, .meaning = "C_x of the canopy's type at infinite mass, for estimates by formula; multiplies no integrated force"},
     {.path = "parachute.mass", .unit = "kg", .range = above(0, 1e4), .user = rom,
      .meaning = "canopy, lines and risers; the full model weighs its mesh"},
-    {.path = "parachute.gores", .kind = integer, .range = from(3, 400), .user = full, .meaning = "gores, and as many lines"},
-    {.path = "parachute.vent_diameter", .unit = "m", .range = above(0, 200), .user = full, .meaning = "of the flat pattern"},
-    {.path = "parachute.line_length", .unit = "m", .range = above(0, 1000), .user = full, .meaning = "suspension line, skirt to link"},
-    {.path = "parachute.riser_length", .unit = "m", .range = above(0, 1000), .user = full, .meaning = "link to confluence"},
-    {.path = "parachute.risers", .kind = integer, .range = from(1, 400), .user = full, .meaning = "links; a divisor of gores"},
-    {.path = "parachute.fabric", .kind = data_file, .folder = "materials", .user = full, .meaning = "canopy fabric"},
-    {.path = "parachute.line", .kind = data_file, .folder = "materials", .user = full, .meaning = "suspension line and riser cord"},
-    {.path = "parachute.tapes.radial", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
-    {.path = "parachute.tapes.skirt", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the skirt"},
-    {.path = "parachute.tapes.vent", .kind = data_file, .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.gores", .kind = integer, .need = optional, .fallback = "required by packed starts and the full model", .range = from(3, 400), .meaning = "gores, and as many lines"},
+    {.path = "parachute.vent_diameter", .unit = "m", .need = optional, .fallback = "required by the full model", .range = above(0, 200), .user = full, .meaning = "of the flat pattern"},
+    {.path = "parachute.line_length", .unit = "m", .need = optional, .fallback = "required by packed starts and the full model", .range = above(0, 1000), .meaning = "suspension line, skirt to link"},
+    {.path = "parachute.riser_length", .unit = "m", .need = optional, .fallback = "required by packed starts and the full model", .range = above(0, 1000), .meaning = "link to confluence"},
+    {.path = "parachute.risers", .kind = integer, .need = optional, .fallback = "required by the full model", .range = from(1, 400), .user = full, .meaning = "links; a divisor of gores"},
+    {.path = "parachute.fabric", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "canopy fabric"},
+    {.path = "parachute.line", .kind = data_file, .need = optional, .fallback = "required by packed starts and the full model", .folder = "materials", .meaning = "suspension line and riser cord"},
+    {.path = "parachute.tapes.radial", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
+    {.path = "parachute.tapes.skirt", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the skirt"},
+    {.path = "parachute.tapes.vent", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the vent"},
     {.path = "parachute.joint_efficiency", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1), .user = full,
      .meaning = "strength of seams and joints over that of fabric and line, for the margins", .source = "nothing taken off: our assumption; it belongs to the joint"},
     {.path = "parachute.design_factor", .unit = "1", .need = defaulted, .fallback = "1", .range = from(1, 100), .user = full,
@@ -258,7 +272,7 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.initial_phase", .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
      .range = from(0, 1000), .choices = phases, .meaning = "t_i from snatch to the rise of the drag area; transit: 0.5 D0/v_s",
      .source = "paper 3.2.2"},
-    {.path = "parachute.reefing", .kind = list, .need = optional,
+    {.path = "parachute.reefing", .kind = tables, .need = optional,
      .meaning = "[[parachute.reefing]], stages with the mouth held together, from the first on; absent: none"},
     {.path = "parachute.reefing.drag_area_ratio", .unit = "1", .range = {0, 1, true, true},
      .meaning = "(C_D S) of the reefed canopy over (C_D S)_0; rises from stage to stage"},
@@ -324,6 +338,15 @@ constexpr Key scene_rows[] = {
     {.path = "aerodynamics.radial_pressure", .unit = "1", .need = defaulted, .fallback = "0.8", .range = from(0, 5), .user = full,
      .meaning = "phi(t_f) of Eq. 12", .source = "gives the paper's steady shape; the paper prints 0.5"},
 
+    {.path = "aerodynamics.line_ratio", .kind = table, .need = optional,
+     .meaning = "corrects (C_D S)_0, as of lines of D0, for lines and risers of another length"},
+    {.path = "aerodynamics.line_ratio.model", .kind = word, .need = defaulted, .fallback = "flat-circular", .choices = line_ratios,
+     .meaning = "kind of canopy", .source = "Knacke NWC TP 6575, Fig. 5-20"},
+    {.path = "aerodynamics.forebody_wake", .kind = table, .need = optional,
+     .meaning = "corrects (C_D S)_0, as of a canopy in free air, for the wake of the payload"},
+    {.path = "aerodynamics.forebody_wake.model", .kind = word, .need = defaulted, .fallback = "knacke", .choices = wakes,
+     .meaning = "loss against distance and size", .source = "Knacke NWC TP 6575, Fig. 5-21"},
+
     {.path = "stop.at", .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = stops,
      .instead_of = "stop.time|stop.altitude|stop.height", .meaning = "the event that ends the run; line-stretch: the snatch"},
     {.path = "stop.time", .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000),
@@ -387,6 +410,18 @@ constexpr Key scene_rows[] = {
 
     {.path = "compare.tolerance", .kind = tolerance, .need = optional, .range = from(0, 1e12), .user = compare,
      .meaning = "by metric: \"10 %\" of the full model, or a value in the metric's unit"},
+
+    {.path = "size", .kind = table, .need = optional, .meaning = "what `twinchute size` has to meet: at least one limit"},
+    {.path = "size.max_descent_rate", .unit = "m/s", .need = optional, .fallback = "no limit", .range = above(0, 1000), .user = KeyUser::size,
+     .meaning = "mean of the last second of the run, once it is steady"},
+    {.path = "size.max_force", .unit = "N", .need = optional, .fallback = "no limit", .range = above(0, 1e9), .user = KeyUser::size,
+     .meaning = "largest opening force of the run, snatch included"},
+    {.path = "size.max_deceleration", .unit = "m/s^2", .need = optional, .fallback = "no limit", .range = above(0, 1e5), .user = KeyUser::size,
+     .meaning = "of the payload, e.g. \"5 g0\""},
+    {.path = "size.vary", .kind = list, .need = defaulted, .fallback = "nominal_diameter", .choices = varied, .user = KeyUser::size,
+     .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed"},
+    {.path = "size.types", .kind = list, .need = optional, .fallback = "the scene's canopy alone", .folder = "parachutes/types", .user = KeyUser::size,
+     .meaning = "types of canopy to compare"},
 };
 
 constexpr Key material_rows[] = {
@@ -499,7 +534,7 @@ std::string row_path(std::span<const Key> keys, std::string_view path) {
         const std::string_view word = path.substr(0, dot);
         path.remove_prefix(std::min(dot + 1, path.size()));
         if (is_member(word))
-            if (const Key* list = plain_row(keys, row); list && list->is_list()) continue;
+            if (const Key* list = plain_row(keys, row); list && list->has_members()) continue;
         row += row.empty() ? "" : ".";
         row += word;
     }

@@ -16,9 +16,10 @@ enum class KeyKind {
     word,              ///< one of `choices`
     text,              ///< any text, not empty
     data_file,         ///< the name of a file in `folder` of the data, without .toml
+    list,              ///< an array of texts: words of `choices`, or names of files in `folder`
     csv_file,          ///< the name of a CSV file beside the scene or in the data
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
-    list,              ///< of tables: their keys are those below it, with a number from 1 between
+    tables,            ///< a list of tables: their keys are those below it, with a number from 1 between
     quantities,        ///< a list of quantities, each with its number from 1 behind the path
     table              ///< physics that is left out when its table is absent
 };
@@ -30,7 +31,7 @@ enum class KeyNeed {
 };
 
 /// Who reads it.
-enum class KeyUser { both, rom, full, compare };
+enum class KeyUser { both, rom, full, compare, size };
 
 /// From low to high, in SI. Everything but +-infinity is allowed by default.
 struct KeyRange {
@@ -63,7 +64,7 @@ struct Key {
     bool is_number() const {
         return kind == KeyKind::quantity || kind == KeyKind::integer || kind == KeyKind::quantities;
     }
-    bool is_list() const { return kind == KeyKind::list || kind == KeyKind::quantities; }
+    bool has_members() const { return kind == KeyKind::tables || kind == KeyKind::quantities; }
     /// Decides which of the keys beside it are used: `model`, or `by` of a deployment.
     bool is_selector() const { return path.ends_with(".model") || path.ends_with(".by"); }
     /// Whether it is used with this word of its selector.
@@ -121,7 +122,7 @@ std::string range_text(const Key& key);
 /// "allowed: > 0 and <= 1e+06 kg", for messages.
 std::string allowed_text(const Key& key);
 
-/// "both", "rom", "full" or "compare".
+/// "both", "rom", "full", "compare" or "size".
 std::string_view user_name(KeyUser user);
 
 /// All keys as aligned plain text, one a line.

@@ -68,6 +68,8 @@ std::string_view user_name(KeyUser user) {
             return "full";
         case KeyUser::compare:
             return "compare";
+        case KeyUser::size:
+            return "size";
     }
     return "";
 }
@@ -91,9 +93,11 @@ std::string range_text(const Key& key) {
             return fmt::format("a file in {}/", key.folder);
         case KeyKind::csv_file:
             return "a CSV file";
+        case KeyKind::list:
+            return words.empty() ? fmt::format("a list of files in {}/", key.folder) : "a list of " + words;
         case KeyKind::table:
             return "a table";
-        case KeyKind::list:
+        case KeyKind::tables:
             return "a list of tables";
         default:
             break;

@@ -8,6 +8,7 @@
 
 #include "lib/math/sha256.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/document.hpp"
 #include "lib/scene/values.hpp"
@@ -115,6 +116,13 @@ void refuse_nameless(const Document& layer, const Document& document) {
                              "write parachute.NAME." + path.substr(std::string_view("parachute.").size()));
 }
 
+/// With what its design and its canopy type give.
+Document with_design(Document document) {
+    add_design(document);
+    add_canopy_type(document);
+    return document;
+}
+
 Scene finished(Document document, const std::vector<Document>& overrides) {
     for (const Document& layer : overrides) {
         refuse_nameless(layer, document);
@@ -123,8 +131,8 @@ Scene finished(Document document, const std::vector<Document>& overrides) {
     const DocumentKind kind{scene_keys()};
     std::vector<Document> others;
     for (const Document& parachute : document.parachutes)
-        add_design(others.emplace_back(alone(document, parachute)));
-    add_design(document);
+        others.push_back(with_design(alone(document, parachute)));
+    document = with_design(std::move(document));
     std::vector<Values> values;
     values.emplace_back(document, kind);
     Scene scene = assemble_scene(values.front());

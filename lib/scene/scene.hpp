@@ -13,7 +13,9 @@
 
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
+#include "lib/models/canopy_type.hpp"
 #include "lib/models/drag_area.hpp"
+#include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/models/material.hpp"
 #include "lib/models/wind.hpp"
@@ -32,8 +34,9 @@ struct Environment {
 };
 
 struct Payload {
-    double mass = 0.0;                ///< [kg]
-    std::optional<double> drag_area;  ///< C_D S [m^2]; absent: no payload drag
+    double mass = 0.0;                    ///< [kg]
+    std::optional<double> drag_area;      ///< C_D S [m^2]; absent: no payload drag
+    std::optional<double> diameter = {};  ///< D_B [m] of a disc with its frontal area; for its wake
 
     bool operator==(const Payload&) const = default;
 };
@@ -103,11 +106,14 @@ struct Reefing {
 };
 
 /// One parachute, or several alike that open together. Unless said otherwise a value is that of one of them.
+/// What only a structure needs may be absent: 0 or an empty name. See missing_structure.
 struct Parachute {
     std::string name;
+    std::optional<CanopyType> type;                   ///< what handbooks say of its kind
     double nominal_diameter = 0.0;                    ///< D0 [m]
-    double drag_area = 0.0;                           ///< (C_D S)_0 [m^2]
-    double projected_diameter_ratio = 0.0;            ///< D_p/D0 of the steady canopy [-]
+    double drag_area = 0.0;                           ///< (C_D S)_0 [m^2], corrections included
+    std::optional<double> uncorrected_drag_area;      ///< [m^2] as stated; absent: nothing corrects it
+    double projected_diameter_ratio = 0.0;            ///< D_p/D0 of the steady canopy [-]; 0: unknown
     std::optional<double> opening_force_coefficient;  ///< C_x [-], for estimates by formula
     double mass = 0.0;                                ///< canopy and lines [kg]
     int gores = 0;
@@ -144,8 +150,10 @@ struct LineDrag {
 struct Aerodynamics {
     std::optional<AddedMassSpec> added_mass;
     std::optional<LineDrag> line_drag;
-    std::optional<double> breathing_damping;  ///< k_b [-]
-    double radial_pressure = 0.0;             ///< phi(t_f) of Eq. 12 [-]
+    std::optional<double> breathing_damping;                     ///< k_b [-]
+    double radial_pressure = 0.0;                                ///< phi(t_f) of Eq. 12 [-]
+    std::optional<const LineRatioModel*> line_ratio = {};        ///< corrects (C_D S)_0
+    std::optional<const ForebodyWakeModel*> forebody_wake = {};  ///< likewise
 
     bool operator==(const Aerodynamics&) const = default;
 };
@@ -227,6 +235,17 @@ struct Tolerance {
     bool operator==(const Tolerance&) const = default;
 };
 
+/// What `size` has to meet and what it may change for it.
+struct SizeSpec {
+    std::optional<double> max_descent_rate;  ///< [m/s]
+    std::optional<double> max_force;         ///< [N] largest opening force
+    std::optional<double> max_deceleration;  ///< [m/s^2]
+    std::vector<std::string> vary;           ///< in the order in which it is decided on them
+    std::vector<CanopyType> types;           ///< to compare; empty: the scene's own canopy alone
+
+    bool operator==(const SizeSpec&) const = default;
+};
+
 struct Scene {
     std::string name;
     std::string case_name;  ///< of a series, safe as the name of a directory; empty: no series
@@ -242,6 +261,7 @@ struct Scene {
     RomSettings rom;
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
+    std::optional<SizeSpec> size;
 
     std::vector<Input> inputs;      ///< every effective key, for the record
     std::vector<Warning> warnings;  ///< about the inputs, for the record

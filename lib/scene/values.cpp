@@ -101,6 +101,9 @@ Values::Value Values::checked(const std::string& path, const Entry& entry) const
     const std::vector<std::string_view> words = key.choices ? key.choices() : std::vector<std::string_view>{};
     const bool known = text && std::ranges::find(words, *text) != words.end();
     switch (key.kind) {
+        case KeyKind::list:
+            value.value = checked_list(path, entry);
+            break;
         case KeyKind::quantity:
         case KeyKind::quantities:
             value.value = checked_number(path, entry);
@@ -134,6 +137,21 @@ Values::Value Values::checked(const std::string& path, const Entry& entry) const
             value.value = *text;
     }
     return value;
+}
+
+/// Each known, none twice.
+std::vector<std::string> Values::checked_list(const std::string& path, const Entry& entry) const {
+    const auto& list = std::get<std::vector<std::string>>(entry.value);
+    const auto words = entry.key->choices ? entry.key->choices() : std::vector<std::string_view>{};
+    for (const std::string& one : list) {
+        if (entry.key->choices && std::ranges::count(words, one) == 0)
+            refuse(entry.value_place, path, fmt::format("unknown word '{}'", one),
+                   fmt::format("known: {}", joined(words)),
+                   nearest(one, words).empty() ? "" : suggest(one, words));
+        if (std::ranges::count(list, one) > 1)
+            refuse(entry.value_place, path, fmt::format("'{}' stands there twice", one), "", "name it once");
+    }
+    return list;
 }
 
 void Values::read_tolerance(const std::string& path, const Entry& entry) {
@@ -175,7 +193,7 @@ bool Values::is_active(const Key& key, std::string_view path) const {
 void Values::require_members_before(const std::string& path, const Entry& entry) const {
     for (const Key& list : kind_.keys) {
         const std::string head = std::string(list.path) + ".";
-        if (!list.is_list() || !path.starts_with(head)) continue;
+        if (!list.has_members() || !path.starts_with(head)) continue;
         const std::string number = path.substr(head.size(), path.find('.', head.size()) - head.size());
         const int members = count(list.path);
         if (plain_number(number) > members)
@@ -204,9 +222,9 @@ SourcePlace Values::place_of_absent(std::string_view path) const {
 
 /// The default of a key that is absent, or a complaint when there is none; of a list's key, for each member.
 void Values::fill_in(const Key& key) {
-    if (key.is_list()) return;
+    if (key.has_members()) return;
     const auto list = std::ranges::find_if(kind_.keys, [&](const Key& row) {
-        return row.kind == KeyKind::list && key.path.starts_with(std::string(row.path) + ".");
+        return row.kind == KeyKind::tables && key.path.starts_with(std::string(row.path) + ".");
     });
     if (list == kind_.keys.end()) return fill_in(key, std::string(key.path));
     for (int i = 1; i <= count(list->path); ++i)
@@ -243,6 +261,8 @@ void Values::fill_in(const Key& key, const std::string& path) {
         value.value = static_cast<std::int64_t>(plain_number(key.fallback));
     else if (key.kind == KeyKind::quantity)
         value.value = plain_number(key.fallback);
+    else if (key.kind == KeyKind::list)
+        value.value = std::vector<std::string>{std::string(key.fallback)};
     else
         value.value = std::string(key.fallback);
     values_.emplace(path, std::move(value));
@@ -260,6 +280,10 @@ std::int64_t Values::integer(std::string_view path) const {
 }
 const std::string& Values::word(std::string_view path) const {
     return std::get<std::string>(at(path).value);
+}
+
+const std::vector<std::string>& Values::list(std::string_view path) const {
+    return std::get<std::vector<std::string>>(at(path).value);
 }
 
 bool Values::given(std::string_view path) const {
@@ -302,7 +326,9 @@ std::vector<Input> Values::inputs() const {
             } else if (const auto* whole = std::get_if<std::int64_t>(&value.value)) {
                 input.value = static_cast<double>(*whole);
             } else {
-                input.value = std::get<std::string>(value.value);
+                const auto* texts = std::get_if<std::vector<std::string>>(&value.value);
+                input.value =
+                    texts ? fmt::format("{}", fmt::join(*texts, ", ")) : std::get<std::string>(value.value);
                 input.unit.clear();
             }
             list.push_back(std::move(input));

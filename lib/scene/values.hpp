@@ -27,6 +27,8 @@ public:
     std::int64_t integer(std::string_view path) const;
     const std::string& word(std::string_view path) const;  ///< a word, text or name of a file
 
+    const std::vector<std::string>& list(std::string_view path) const;
+
     /// Given, by the scene or a design: not a default.
     bool given(std::string_view path) const;
     /// Given or defaulted; keys of a model that was not chosen are neither.
@@ -51,7 +53,7 @@ public:
 private:
     struct Value {
         const Key* key = nullptr;
-        std::variant<double, std::int64_t, std::string> value;
+        std::variant<double, std::int64_t, std::string, std::vector<std::string>> value;
         SourcePlace place;
         std::string source;
         InputOrigin origin = InputOrigin::fallback;
@@ -60,6 +62,7 @@ private:
 
     Value checked(const std::string& path, const Entry& entry) const;
     double checked_number(const std::string& path, const Entry& entry) const;
+    std::vector<std::string> checked_list(const std::string& path, const Entry& entry) const;
     void read_tolerance(const std::string& path, const Entry& entry);
     void require_members_before(const std::string& path, const Entry& entry) const;
     void require_alternatives(const Key& key, const std::string& path) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "lib/scene/drag_area.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/units.hpp"
 
@@ -41,6 +42,12 @@ public:
     void count(std::string_view key, int value) { text_ += fmt::format("{} = {}\n", key, value); }
     void words(std::string_view key, std::string_view value) {
         text_ += fmt::format("{} = {}\n", key, quoted(value));
+    }
+    void list(std::string_view key, const std::vector<std::string>& values) {
+        std::vector<std::string> all;
+        for (const std::string& value : values)
+            all.push_back((quoted)(value));  // not std::quoted
+        text_ += fmt::format("{} = [{}]\n", key, fmt::join(all, ", "));
     }
     std::string text() && { return std::move(text_); }
 
@@ -154,27 +161,39 @@ void write_reefing(Writer& w, const Reefing& stage) {
     write_trigger(w, "until", stage.until);
 }
 
+/// What there is of it.
+void write_structure(Writer& w, const Parachute& p) {
+    const auto length = [&](const char* key, double value) {
+        if (value > 0.0) w.number(key, value);
+    };
+    const auto material = [&](const char* key, const std::string& name) {
+        if (!name.empty()) w.words(key, name);
+    };
+    if (p.gores > 0) w.count("gores", p.gores);
+    length("vent_diameter", p.vent_diameter);
+    length("line_length", p.line_length);
+    length("riser_length", p.riser_length);
+    if (p.risers > 0) w.count("risers", p.risers);
+    material("fabric", p.fabric.name);
+    material("line", p.line.name);
+    material("tapes.radial", p.tapes.radial.name);
+    material("tapes.skirt", p.tapes.skirt.name);
+    material("tapes.vent", p.tapes.vent.name);
+}
+
 void write_parachute(Writer& w, const Parachute& p) {
     w.table("[[parachute]]");
     w.words("name", p.name);
     w.count("count", p.count);
     if (!p.lag.empty()) w.numbers("lag", p.lag);
     w.number("cluster_drag_ratio", p.cluster_drag_ratio);
+    if (p.type) w.words("type", p.type->name);
     w.number("nominal_diameter", p.nominal_diameter);
-    w.number("drag_area", p.drag_area);
-    w.number("projected_diameter_ratio", p.projected_diameter_ratio);
+    w.number("drag_area", stated_drag_area(p));
+    if (p.projected_diameter_ratio > 0.0) w.number("projected_diameter_ratio", p.projected_diameter_ratio);
     if (p.opening_force_coefficient) w.number("opening_force_coefficient", *p.opening_force_coefficient);
     w.number("mass", p.mass);
-    w.count("gores", p.gores);
-    w.number("vent_diameter", p.vent_diameter);
-    w.number("line_length", p.line_length);
-    w.number("riser_length", p.riser_length);
-    w.count("risers", p.risers);
-    w.words("fabric", p.fabric.name);
-    w.words("line", p.line.name);
-    w.words("tapes.radial", p.tapes.radial.name);
-    w.words("tapes.skirt", p.tapes.skirt.name);
-    w.words("tapes.vent", p.tapes.vent.name);
+    write_structure(w, p);
     w.number("joint_efficiency", p.strength.joint_efficiency);
     w.number("design_factor", p.strength.design_factor);
     write_deployment(w, p.deploy);
@@ -204,6 +223,8 @@ void write_aerodynamics(Writer& w, const Aerodynamics& a) {
     }
     if (a.line_drag) w.words("line_drag.model", "cylinder");
     if (a.breathing_damping) w.number("breathing_damping.k", *a.breathing_damping);
+    if (a.line_ratio) w.words("line_ratio.model", (*a.line_ratio)->name);
+    if (a.forebody_wake) w.words("forebody_wake.model", (*a.forebody_wake)->name);
     w.number("radial_pressure", a.radial_pressure);
 }
 
@@ -266,6 +287,18 @@ void write_tolerances(Writer& w, const std::map<std::string, Tolerance>& toleran
     }
 }
 
+void write_size(Writer& w, const SizeSpec& s) {
+    w.table("[size]");
+    if (s.max_descent_rate) w.number("max_descent_rate", *s.max_descent_rate);
+    if (s.max_force) w.number("max_force", *s.max_force);
+    if (s.max_deceleration) w.number("max_deceleration", *s.max_deceleration);
+    w.list("vary", s.vary);
+    std::vector<std::string> names;
+    for (const CanopyType& type : s.types)
+        names.push_back(type.name);
+    if (!names.empty()) w.list("types", names);
+}
+
 }  // namespace
 
 std::string write_scene(const Scene& scene) {
@@ -276,6 +309,7 @@ std::string write_scene(const Scene& scene) {
     w.table("[payload]");
     w.number("mass", scene.payload.mass);
     if (scene.payload.drag_area) w.number("drag_area", *scene.payload.drag_area);
+    if (scene.payload.diameter) w.number("diameter", *scene.payload.diameter);
     w.table("[release]");
     w.number("altitude", scene.release.altitude);
     w.number("speed", scene.release.speed);
@@ -287,13 +321,15 @@ std::string write_scene(const Scene& scene) {
     write_stop(w, scene.stop);
     write_settings(w, scene.rom, scene.full);
     write_tolerances(w, scene.tolerances);
+    if (scene.size) write_size(w, *scene.size);
     return std::move(w).text();
 }
 
 bool same_scene(const Scene& a, const Scene& b) {
     return a.name == b.name && a.environment == b.environment && a.payload == b.payload &&
            a.release == b.release && a.parachutes == b.parachutes && a.aerodynamics == b.aerodynamics &&
-           a.stop == b.stop && a.rom == b.rom && a.full == b.full && a.tolerances == b.tolerances;
+           a.stop == b.stop && a.rom == b.rom && a.full == b.full && a.tolerances == b.tolerances &&
+           a.size == b.size;
 }
 
 }  // namespace twinchute

@@ -38,13 +38,18 @@ struct Fidelity {
     std::string_view name;   ///< directory and column name: "rom", "full"
     std::string_view title;  ///< e.g. "reduced-order model"
     RunRecord (*run)(const Scene&, Run&) = nullptr;
-    /// Keys of the scene whose physics this fidelity lacks; never null, usually empty.
+    /// Keys of the scene whose physics this fidelity lacks, or which it needs and the scene does not give;
+    /// never null, usually empty.
     std::vector<std::string> (*lacks)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
     bool has_threads = false;   ///< it is faster with some
     /// What a run of the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
 };
+
+/// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs
+/// 'x'" where the scene does not give that key.
+std::string lacking_text(const Scene& scene, const std::vector<std::string>& keys);
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.
 RunRecord begin_record(const Scene& scene, std::string_view fidelity);

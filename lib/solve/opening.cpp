@@ -96,20 +96,22 @@ void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningR
         const auto add = [&](const std::string& key, double value) {
             record.add_metric(head + key, value, Standing::result, "");
         };
-        if (several) {
+        const bool opens = chute.deploy.by != DeployBy::inflated;
+        if (several && opens) {
             add("snatch_time_s", p.snatch_time);
             add("snatch_speed_m_s", p.snatch_speed);
             if (p.snatch_force) add("snatch_force_N", *p.snatch_force);
         }
         if (chute.reefing.empty()) {
-            if (several && !p.stages.empty()) add("peak_force_N", p.stages.back().peak_force);
-            if (several && !p.stages.empty() && p.stages.back().full)
+            if (several && !p.stages.empty() && p.stages.back().peak_force)
+                add("peak_force_N", *p.stages.back().peak_force);
+            if (several && opens && !p.stages.empty() && p.stages.back().full)
                 add("filling_time_s", *p.stages.back().full - p.stages.back().begin);
             continue;
         }
         for (std::size_t i = 0; i < p.stages.size(); ++i) {
             const std::string stage = fmt::format("stage_{}_", i + 1);
-            add(stage + "peak_force_N", p.stages[i].peak_force);
+            if (p.stages[i].peak_force) add(stage + "peak_force_N", *p.stages[i].peak_force);
             if (p.stages[i].full) add(stage + "filling_time_s", *p.stages[i].full - p.stages[i].begin);
         }
     }
@@ -187,6 +189,43 @@ void add_strength_margins(RunRecord& record, const Parachute& chute) {
     add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength, "N/m");
 }
 
+namespace {
+
+/// Filling constants of types were found in tests at 150 to 500 ft/s (Knacke, p. 5-43).
+constexpr double slowest_test = 150.0 * 0.3048, fastest_test = 500.0 * 0.3048;
+
+void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double speed) {
+    const bool typical = chute.type && chute.type->fill_constant &&
+                         chute.fill_time.model->name == "fill-constant" &&
+                         chute.fill_time.n == chute.type->fill_constant->middle();
+    if (!typical || (speed >= slowest_test && speed <= fastest_test)) return;
+    const bool slow = speed < slowest_test;
+    record.warnings.push_back(
+        {fmt::format("n = {:g} of {} canopies at {:.3g} m/s", chute.fill_time.n, chute.type->title, speed),
+         slow ? "it was found between 45.7 and 152.4 m/s; five small canopies measured below that pulled "
+                "about three times as hard as n = 8 says (docs/validation.md)"
+              : "it was found between 45.7 and 152.4 m/s; above that no test says how the canopy opens",
+         slow ? "give fill_time.n from tests of a canopy of this kind and size"
+              : "open more slowly, or give fill_time.n from tests"});
+}
+
+/// A canopy is opened by air that is faster than it will be at last.
+void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute& chute, double speed,
+                         double density) {
+    const double weight = (scene.payload.mass + chute.count * chute.mass) * scene.environment.gravity;
+    const double steady = std::sqrt(2.0 * weight / (density * chute.count * chute.drag_area));
+    if (speed < steady)
+        record.warnings.push_back(
+            {fmt::format("too slow to inflate: {:.3g} m/s at snatch", speed),
+             fmt::format(
+                 "slower than the open canopy falls, {:.3g} m/s: n D0/v_s takes that speed for the whole "
+                 "opening, and no test says how a canopy fills in it",
+                 steady),
+             "release faster or fall further before snatch, or give fill_time.time"});
+}
+
+}  // namespace
+
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
                           const Inflation& inflation, double speed, double density) {
     const std::string whose = scene.parachutes.size() > 1 ? chute.name + ": " : "";
@@ -198,6 +237,8 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
+    warn_of_slow_snatch(record, scene, chute, speed, density);
+    warn_of_typical_filling(record, chute, speed);
     if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
         record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,
                                                100.0 * inflation.initial_time / inflation.filling_time),

@@ -55,8 +55,8 @@ struct ParachuteResult {
     /// From its beginning to that of the next one, or to the snatch of another parachute.
     struct Stage {
         double begin = 0.0;
-        std::optional<double> full = {};  ///< when its drag area was full
-        double peak_force = 0.0;          ///< [N]
+        std::optional<double> full = {};        ///< when its drag area was full
+        std::optional<double> peak_force = {};  ///< [N]; none of a stage without length
         double peak_time = 0.0;
     };
     std::size_t index = 0;  ///< in the scene

@@ -10,6 +10,7 @@
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
+#include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/models/opening_force.hpp"
 #include "tests/support/difference.hpp"
@@ -35,6 +36,8 @@ TEST(ModelTables, HaveNamesOnceAndSources) {
     expect_named_and_sourced(fill_time_models());
     expect_named_and_sourced(added_mass_models());
     expect_named_and_sourced(opening_force_forms());
+    expect_named_and_sourced(line_ratio_models());
+    expect_named_and_sourced(forebody_wake_models());
 }
 
 TEST(ModelTables, FindTheirRowsAndNothingElse) {

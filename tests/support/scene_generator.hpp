@@ -84,6 +84,8 @@ private:
     void put_extraction();
     void put_canopy();
     void put_opening();
+    void put_sequence(const std::string& by);
+    void put_limits(std::string_view stop);
     void put_tolerances();
     std::optional<std::string> spoiled(const Key& key, std::size_t kind);
 
@@ -150,6 +152,9 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
             value = '"' + word + '"';
             break;
         }
+        case KeyKind::list:
+            value = key.choices ? "[\"release_speed\", \"nominal_diameter\"]" : "[\"cross\", \"ringslot\"]";
+            break;
         case KeyKind::csv_file:
             value = path.starts_with("environment.wind") ? "\"generated-wind.csv\"" : "\"generated-air.csv\"";
             break;
@@ -196,6 +201,7 @@ inline void SceneGenerator::put_release(bool may_rest, bool straight_down) {
 inline void SceneGenerator::put_canopy() {
     const bool design = chance(0.6);
     if (design) put("parachute.design", "\"usaf-c9\"");
+    if (chance(0.3)) put("parachute.type", one_of(std::vector<std::string>{"\"cross\"", "\"ringslot\""}));
     const auto give = [&] { return !design || chance(0.4); };
     diameter_ = 8.53;
     if (give()) {  // what has to fit together comes together
@@ -213,7 +219,7 @@ inline void SceneGenerator::put_canopy() {
         put("parachute.gores", fmt::format("{}", std::max<std::size_t>(3, each) * links));
     }
     for (const Key& key : scene_keys()) {
-        if (key.kind != KeyKind::data_file || key.path == "parachute.design" || !give()) continue;
+        if (key.kind != KeyKind::data_file || key.folder != "materials" || !give()) continue;
         put(key.path, key.path == "parachute.fabric" ? "\"mil-c-7020-c9\"" : "\"mil-c-5040-type-ii\"");
     }
     for (const char* path :
@@ -261,6 +267,36 @@ inline void SceneGenerator::put_opening() {
                filling && chance(0.7) ? std::min(900.0, 0.9 * share() * *filling) : 0.0);
 }
 
+/// Stages, and what deployment, cutters and the letting go wait for.
+inline void SceneGenerator::put_sequence(const std::string& by) {
+    static const std::vector<std::string> conditions{"at = \"apogee\"", "time = \"3 s\"",
+                                                     "height = \"500 ft\"", "dynamic_pressure = 300",
+                                                     "at = \"steady-descent\", delay = \"1 s\""};
+    const auto is_put = [&](std::string_view path) {
+        return std::ranges::any_of(lines_, [&](const SceneLine& line) { return line.path == path; });
+    };
+    if (by != "static-line" && chance(0.2))
+        put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
+    if (chance(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
+    if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || chance(0.6)) return;
+    std::string stages;
+    double ratio = 0.05;
+    for (std::size_t i = 1 + below(3); i > 0; --i) {
+        ratio += number_in(0.01, 0.3);
+        stages += fmt::format("{}{{ drag_area_ratio = {}, until = {{ {} }} }}", stages.empty() ? "" : ", ",
+                              ratio, one_of(conditions));
+    }
+    put("parachute.reefing", "[" + stages + "]");
+}
+
+/// At least one limit; a descent rate only where the run may come to it.
+inline void SceneGenerator::put_limits(std::string_view stop) {
+    const bool early = stop == "peak-force" || stop == "full-open" || stop == "line-stretch";
+    const bool rate = !early && chance(0.6);
+    if (rate) put_number("size.max_descent_rate", number_in(1.0, 50.0));
+    if (!rate || chance(0.5)) put_number("size.max_force", number_in(10.0, 1e6));
+}
+
 inline void SceneGenerator::put_tolerances() {
     for (const ToleranceMetric& metric : tolerance_metrics()) {
         if (!chance(0.1)) continue;
@@ -274,6 +310,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     static const std::set<std::string_view> by_hand{"schema",
                                                     "base",
                                                     "environment.ground",
+                                                    "payload.diameter",
+                                                    "size.max_descent_rate",
+                                                    "size.max_force",
                                                     "release.altitude",
                                                     "release.height",
                                                     "release.speed",
@@ -310,6 +349,14 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     for (const Key& key : scene_keys()) {
         if (key.path.starts_with("case") || key.kind == KeyKind::tolerance || key.kind == KeyKind::data_file)
             continue;
+        if (key.has_members() || key.path.starts_with("parachute.reefing.")) {
+            left_out.push_back(std::string(key.path) + ".");
+            continue;
+        }
+        if (key.path == "parachute.deploy.when" || key.path == "parachute.cut") {
+            left_out.push_back(std::string(key.path) + ".");
+            continue;
+        }
         if (key.kind == KeyKind::table) {
             const bool is_wind = key.path == "environment.wind";
             if (key.need == KeyNeed::optional && !(is_wind ? has_wind_ : chance(0.5)))
@@ -336,13 +383,20 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     const std::string& by = words["parachute.deploy.by"];
     if (by == "extraction") put_extraction();
     const bool disturbed =
-        has_wind_ || by == "static-line" || by == "extraction" || by == "free" ||
+        has_wind_ || by == "pilot" || by == "mortar" || by == "static-line" || by == "extraction" || by == "free" ||
         std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; });
     const bool sector = !disturbed && chance(0.5);
     if (sector || chance(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
     put_release(by != "line-stretch", sector);
     put_canopy();
     put_opening();
+    put_sequence(by);
+    const auto has = [&](std::string_view table) {
+        return std::ranges::none_of(left_out, [&](const auto& out) { return out == table; });
+    };
+    if (has("aerodynamics.forebody_wake.") || chance(0.2))
+        put_number("payload.diameter", number_in(0.1, 50.0));
+    if (has("size.")) put_limits(words["stop.at"]);
     if (chance(0.3)) put_tolerances();
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||

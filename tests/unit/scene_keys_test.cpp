@@ -26,9 +26,16 @@ TEST(Keys, RowsAreConsistent) {
         EXPECT_TRUE(paths.insert(key.path).second);
         EXPECT_FALSE(key.meaning.empty());
         EXPECT_LE(key.range.low, key.range.high);
-        EXPECT_EQ(key.kind == KeyKind::quantity || key.kind == KeyKind::quantity_or_word, !key.unit.empty());
-        EXPECT_EQ(key.kind == KeyKind::word || key.kind == KeyKind::quantity_or_word, key.choices != nullptr);
-        EXPECT_EQ(key.kind == KeyKind::data_file, !key.folder.empty());
+        EXPECT_EQ(key.kind == KeyKind::quantity || key.kind == KeyKind::quantity_or_word ||
+                      key.kind == KeyKind::quantities,
+                  !key.unit.empty());
+        if (key.kind == KeyKind::list) {  // of words, or of names of files
+            EXPECT_NE(key.choices != nullptr, !key.folder.empty());
+        } else {
+            EXPECT_EQ(key.kind == KeyKind::word || key.kind == KeyKind::quantity_or_word,
+                      key.choices != nullptr);
+            EXPECT_EQ(key.kind == KeyKind::data_file, !key.folder.empty());
+        }
         if (!key.unit.empty()) {
             EXPECT_EQ(to_si("2 " + std::string(key.unit), key.unit), 2.0);
         }

@@ -9,7 +9,8 @@ namespace {
 
 using namespace test;
 
-const std::string reefed = edited(good_scene, "[aerodynamics]\n", R"([[parachute.reefing]]
+const std::string reefed = edited(good_scene, "[aerodynamics]\n", R"(name = "main"
+[[parachute.reefing]]
 drag_area_ratio = 0.1
 until = { at = "line-stretch", delay = "4 s" }
 [[parachute.reefing]]
@@ -93,11 +94,11 @@ TEST(SceneParachutes, WhatDoesNotFitIsRefusedAtItsPlace) {
         {"ratios that fall",
          edited(reefed, "drag_area_ratio = 0.4", "drag_area_ratio = 0.05"),
          {},
-         {"test.toml:19", "reefing.2.drag_area_ratio", "0.05 does not rise", "0.1"}},
+         {"test.toml:20", "reefing.2.drag_area_ratio", "0.05 does not rise", "0.1"}},
         {"below the initial one",
          edited(reefed, "drag_area_ratio = 0.1", "drag_area_ratio = 0.03"),
          {},
-         {"test.toml:16", "initial_drag_area_ratio = 0.04"}},
+         {"test.toml:17", "initial_drag_area_ratio = 0.04"}},
         {"no condition",
          edited(reefed, "until = { at = \"line-stretch\", delay = \"4 s\" }\n", ""),
          {},
@@ -105,19 +106,19 @@ TEST(SceneParachutes, WhatDoesNotFitIsRefusedAtItsPlace) {
         {"two conditions",
          edited(reefed, "at = \"line-stretch\",", "at = \"line-stretch\", time = 3,"),
          {},
-         {"test.toml:17", "stands beside"}},
+         {"test.toml:18", "stands beside"}},
         {"an unknown key",
          edited(reefed, "line_length = \"9 m\"", "line_lenght = \"9 m\""),
          {},
-         {"test.toml:20", "unknown key", "line_length"}},
+         {"test.toml:21", "unknown key", "line_length"}},
         {"an unknown event",
          edited(reefed, "main.line-stretch", "main.stretch"),
          {},
-         {"test.toml:22", "not an event"}},
+         {"test.toml:23", "not an event"}},
         {"an unknown parachute",
          edited(reefed, "main.line-stretch", "mian.line-stretch"),
          {},
-         {"test.toml:22", "there is no parachute 'mian'"}},
+         {"test.toml:23", "there is no parachute 'mian'"}},
         {"a gap in the list",
          reefed,
          {"parachute.reefing.4.drag_area_ratio=0.5"},

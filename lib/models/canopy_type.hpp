@@ -1,0 +1,35 @@
+// What handbooks say of a type of canopy, whatever its size: ranges of coefficients, each with its source and
+// how far that can be relied on. Read from data/parachutes/types/ by lib/scene/canopy_types.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace twinchute {
+
+/// What test after test of a type gave, from low to high.
+struct TypeRange {
+    double low = 0.0, high = 0.0;
+    std::string source;
+    std::string grade;  ///< A: transcriptions agree, B: one transcription, C: computed, R: recollection
+
+    double middle() const { return 0.5 * (low + high); }
+    /// A recollection without a source is shown and never used.
+    bool may_be_default() const { return grade != "R"; }
+    bool operator==(const TypeRange&) const = default;
+};
+
+struct CanopyType {
+    std::string name;                                    ///< of its file, e.g. "flat-circular"
+    std::string title;                                   ///< e.g. "flat circular"
+    std::optional<TypeRange> drag_coefficient;           ///< C_D0 [-] on the nominal area, lines of D0
+    std::optional<TypeRange> opening_force_coefficient;  ///< C_x [-] at infinite mass
+    std::optional<TypeRange> projected_diameter_ratio;   ///< D_p/D0 [-]
+    std::optional<TypeRange> fill_constant;              ///< n [-] of t_f = n D0/v_s, unreefed
+    std::optional<TypeRange> oscillation;                ///< [rad], average angle; no model uses it
+    std::optional<TypeRange> growth_exponent;            ///< j [-]: (C_D S) grows with the power j of time
+
+    bool operator==(const CanopyType&) const = default;
+};
+
+}  // namespace twinchute

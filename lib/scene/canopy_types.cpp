@@ -1,0 +1,210 @@
+#include "lib/scene/canopy_types.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "lib/math/vec.hpp"
+#include "lib/models/drag_area.hpp"
+#include "lib/scene/assemble.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/units.hpp"
+#include "lib/scene/values.hpp"
+
+namespace twinchute {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* folder = "parachutes/types";
+constexpr std::string_view prefix = "type.";
+
+std::vector<std::string_view> grades() {
+    return {"A", "B", "C", "R"};
+}
+
+/// A range that a type may have, a table of its file: { low, high, source, grade }.
+struct RangeRow {
+    std::string_view name, unit;
+    double highest;
+    std::optional<TypeRange> CanopyType::*member;
+    std::string_view key;  ///< of a scene, that its middle is the default of; empty: none
+    std::string_view meaning;
+};
+
+constexpr RangeRow ranges[] = {
+    {"drag_coefficient", "1", 5.0, &CanopyType::drag_coefficient, "parachute.drag_coefficient",
+     "C_D0 on the nominal area"},
+    {"opening_force_coefficient", "1", 5.0, &CanopyType::opening_force_coefficient,
+     "parachute.opening_force_coefficient", "C_x at infinite mass"},
+    {"projected_diameter_ratio", "1", 1.0, &CanopyType::projected_diameter_ratio,
+     "parachute.projected_diameter_ratio", "D_p/D0 of the steady canopy"},
+    {"fill_constant", "1", 200.0, &CanopyType::fill_constant, "parachute.fill_time.n",
+     "n of t_f = n D0/v_s, unreefed"},
+    {"oscillation", "rad", pi, &CanopyType::oscillation, "", "average angle of oscillation"},
+    {"growth_exponent", "1", 10.0, &CanopyType::growth_exponent, "", "j: the drag area grows with t^j"},
+};
+
+/// The keys of a type's file; a row of five for each range.
+std::span<const Key> type_keys() {
+    static std::deque<std::string> paths;  // rows refer to their paths
+    static const std::vector<Key> rows = [] {
+        std::vector<Key> keys{{.path = "type.title", .kind = KeyKind::text, .meaning = "what it is called"}};
+        for (const RangeRow& range : ranges) {
+            const auto path = [&](const char* last) -> std::string_view {
+                return paths.emplace_back(fmt::format("{}{}{}", prefix, range.name, last));
+            };
+            const KeyRange limits{0.0, range.highest, false, false};
+            keys.push_back({.path = path(""),
+                            .kind = KeyKind::table,
+                            .need = KeyNeed::optional,
+                            .meaning = range.meaning});
+            keys.push_back({.path = path(".low"), .unit = range.unit, .range = limits, .meaning = "lowest"});
+            keys.push_back(
+                {.path = path(".high"), .unit = range.unit, .range = limits, .meaning = "highest"});
+            keys.push_back({.path = path(".source"), .kind = KeyKind::text, .meaning = "where it is from"});
+            keys.push_back({.path = path(".grade"),
+                            .kind = KeyKind::word,
+                            .choices = grades,
+                            .meaning = "how far to rely on it"});
+        }
+        return keys;
+    }();
+    return rows;
+}
+
+TypeRange range_of(const Values& v, const std::string& path) {
+    TypeRange range{v.number(path + ".low"), v.number(path + ".high"), v.word(path + ".source"),
+                    v.word(path + ".grade")};
+    if (range.low > range.high)
+        throw SceneError(v.place(path + ".low"), path.substr(prefix.size()) + ".low", "is above high",
+                         fmt::format("{} and {}", range.low, range.high), "write the smaller one here");
+    return range;
+}
+
+std::string source_text(const CanopyType& type, const TypeRange& range) {
+    const std::string what = range.low == range.high ? fmt::format("{} canopies", type.title)
+                                                     : fmt::format("middle of {} to {}, {} canopies",
+                                                                   range.low, range.high, type.title);
+    return fmt::format("{}: {} [grade {}]", what, range.source, range.grade);
+}
+
+/// What lies below a scene.
+class Below {
+public:
+    Below(Document& scene, const CanopyType& type, const Entry& asked_by)
+        : scene_(scene), type_(type), asked_by_(asked_by) {}
+
+    void put(std::string_view path, RawValue value, std::string source) {
+        if (scene_.entries.contains(std::string(path))) return;
+        Entry entry = asked_by_;
+        entry.key = find_key(scene_keys(), path);
+        entry.value = std::move(value);
+        entry.source = std::move(source);
+        entry.origin = InputOrigin::design;
+        scene_.entries.emplace(path, std::move(entry));
+    }
+
+    void put_middle(std::string_view path, const std::optional<TypeRange>& range) {
+        if (range && range->may_be_default()) put(path, range->middle(), source_text(type_, *range));
+    }
+
+private:
+    Document& scene_;
+    const CanopyType& type_;
+    const Entry& asked_by_;
+};
+
+/// A quantity as it stands in a document, in SI; nothing where it is wrong, which its own check will say.
+std::optional<double> quantity(const Document& document, std::string_view path) {
+    const auto found = document.entries.find(std::string(path));
+    if (found == document.entries.end()) return std::nullopt;
+    if (const auto* number = std::get_if<double>(&found->second.value)) return *number;
+    if (const auto* whole = std::get_if<std::int64_t>(&found->second.value))
+        return static_cast<double>(*whole);
+    try {
+        return to_si(std::get<std::string>(found->second.value), found->second.key->unit);
+    } catch (const UnitError&) {
+        return std::nullopt;
+    }
+}
+
+/// C_D0, or D0 where the scene knows its drag area alone.
+void put_size(Below& below, const Document& document, const CanopyType& type, const Entry& asked_by) {
+    const auto& range = type.drag_coefficient;
+    const bool has_area = document.entries.contains("parachute.drag_area");
+    if (!has_area) {
+        if (range && !range->may_be_default() && !document.entries.contains("parachute.drag_coefficient"))
+            throw SceneError(
+                asked_by.value_place, "parachute.drag_coefficient", "is missing",
+                fmt::format("of the type '{}' only {} to {} is known, by recollection: that is no "
+                            "default",
+                            type.name, range->low, range->high),
+                "give it or drag_area");
+        return below.put_middle("parachute.drag_coefficient", range);
+    }
+    const auto area = quantity(document, "parachute.drag_area");
+    if (!area || !(*area > 0.0) || !range || !range->may_be_default()) return;
+    below.put("parachute.nominal_diameter", std::sqrt(*area / (0.25 * pi * range->middle())),
+              "from drag_area and C_D0 in the " + source_text(type, *range));
+}
+
+/// Only where t_f = n D0/v_s is what the scene computes with: other models have another n, or none.
+bool takes_fill_constant(const Document& document) {
+    const auto model = document.entries.find("parachute.fill_time.model");
+    if (model == document.entries.end()) return true;
+    const auto* word = std::get_if<std::string>(&model->second.value);
+    return word && *word == "fill-constant";
+}
+
+void put_law(Below& below, const CanopyType& type) {
+    const auto& exponent = type.growth_exponent;
+    if (!exponent || !exponent->may_be_default()) return;
+    const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", exponent->middle()));
+    if (law) below.put("parachute.drag_area_law", std::string(law->name), source_text(type, *exponent));
+}
+
+}  // namespace
+
+std::vector<std::string> canopy_type_names(const fs::path& scene_directory) {
+    return data_names(folder, scene_directory);
+}
+
+CanopyType read_canopy_type(const std::string& name, std::string_view key, const SourcePlace& place,
+                            const fs::path& directory) {
+    const fs::path file = data_file(folder, name, key, place, directory);
+    const DocumentKind kind{type_keys(), std::string(prefix), InputOrigin::design, std::string(key),
+                            directory};
+    const Values values(read_document(read_text_file(file), file.string(), kind), kind);
+    CanopyType type;
+    type.name = name;
+    type.title = values.word("type.title");
+    for (const RangeRow& range : ranges) {
+        const std::string path = fmt::format("{}{}", prefix, range.name);
+        if (values.has_table(path)) type.*range.member = range_of(values, path);
+    }
+    return type;
+}
+
+void add_canopy_type(Document& document) {
+    const auto found = document.entries.find("parachute.type");
+    if (found == document.entries.end()) return;
+    const Entry asked_by = found->second;
+    const auto* name = std::get_if<std::string>(&asked_by.value);
+    if (!name) return;  // the wrong type is refused with the other values
+    const CanopyType type =
+        read_canopy_type(*name, "parachute.type", asked_by.value_place, asked_by.directory);
+    Below below(document, type, asked_by);
+    put_size(below, document, type, asked_by);
+    const bool filling = takes_fill_constant(document);
+    for (const RangeRow& range : ranges) {
+        if (range.key.empty() || range.member == &CanopyType::drag_coefficient) continue;
+        if (range.member == &CanopyType::fill_constant && !filling) continue;
+        below.put_middle(range.key, type.*range.member);
+    }
+    put_law(below, type);
+}
+
+}  // namespace twinchute

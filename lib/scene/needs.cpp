@@ -1,0 +1,45 @@
+#include "lib/scene/needs.hpp"
+
+namespace twinchute {
+namespace {
+
+/// A part of a parachute that a scene may leave out.
+struct PartKey {
+    const char* key;
+    bool of_lines;
+    bool (*given)(const Parachute& p);
+};
+
+constexpr PartKey part_keys[] = {
+    {"parachute.gores", true, [](const Parachute& p) { return p.gores > 0; }},
+    {"parachute.line_length", true, [](const Parachute& p) { return p.line_length > 0.0; }},
+    {"parachute.riser_length", true, [](const Parachute& p) { return p.riser_length > 0.0; }},
+    {"parachute.line", true, [](const Parachute& p) { return !p.line.name.empty(); }},
+    {"parachute.projected_diameter_ratio", false,
+     [](const Parachute& p) { return p.projected_diameter_ratio > 0.0; }},
+    {"parachute.vent_diameter", false, [](const Parachute& p) { return p.vent_diameter > 0.0; }},
+    {"parachute.risers", false, [](const Parachute& p) { return p.risers > 0; }},
+    {"parachute.fabric", false, [](const Parachute& p) { return !p.fabric.name.empty(); }},
+    {"parachute.tapes.radial", false, [](const Parachute& p) { return !p.tapes.radial.name.empty(); }},
+    {"parachute.tapes.skirt", false, [](const Parachute& p) { return !p.tapes.skirt.name.empty(); }},
+    {"parachute.tapes.vent", false, [](const Parachute& p) { return !p.tapes.vent.name.empty(); }},
+};
+
+std::vector<std::string> missing(const Parachute& chute, bool only_lines) {
+    std::vector<std::string> keys;
+    for (const PartKey& part : part_keys)
+        if ((part.of_lines || !only_lines) && !part.given(chute)) keys.emplace_back(part.key);
+    return keys;
+}
+
+}  // namespace
+
+std::vector<std::string> missing_lines(const Parachute& chute) {
+    return missing(chute, true);
+}
+
+std::vector<std::string> missing_structure(const Parachute& chute) {
+    return missing(chute, false);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,24 @@
+#include "lib/solve/fidelity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace twinchute {
+
+std::string lacking_text(const Scene& scene, const std::vector<std::string>& keys) {
+    std::vector<std::string> physics, absent;
+    for (const std::string& key : keys) {
+        const bool given = std::ranges::any_of(scene.inputs, [&](const Input& input) {
+            return input.key == key || input.key.starts_with(key + ".");
+        });
+        (given ? physics : absent).push_back(key);
+    }
+    std::string text;
+    if (!physics.empty()) text = fmt::format("it lacks the physics of '{}'", fmt::join(physics, "', '"));
+    if (!absent.empty())
+        text += fmt::format("{} needs '{}'", text.empty() ? "it" : " and", fmt::join(absent, "', '"));
+    return text;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,56 @@
+#include "rom/size/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/models/atmosphere.hpp"
+#include "rom/run_rom.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+constexpr std::array<LimitRow, 3> rows{{
+    {"max_descent_rate", "m/s", "descent rate", &SizeSpec::max_descent_rate, "descent_rate_m_s", 1.0},
+    {"max_force", "N", "largest force", &SizeSpec::max_force, "max_force_N", 1.0},
+    {"max_deceleration", "m/s^2", "deceleration", &SizeSpec::max_deceleration, "max_deceleration_g",
+     standard_gravity},
+}};
+
+}  // namespace
+
+std::span<const LimitRow> limit_rows() {
+    return rows;
+}
+
+const Met* Judged::binding() const {
+    const auto worst = std::ranges::max_element(limits, {}, &Met::share);
+    return worst == limits.end() ? nullptr : &*worst;
+}
+
+Judged judge(const Scene& scene, const std::stop_token& stop) {
+    Run run;
+    run.stop = stop;
+    Judged judged;
+    judged.record = run_rom(scene, run);
+    const RunStatus& status = judged.record.status;
+    for (const LimitRow& row : rows) {
+        const auto limit = (*scene.size).*row.limit;
+        if (!limit) continue;
+        const auto value = judged.record.metric(row.metric);
+        if (value && std::isfinite(*value))
+            judged.limits.push_back({&row, *value * row.to_unit, *limit});
+        else
+            judged.why_not =
+                fmt::format("the run ends before there is a {}: {}", row.title, status_name(status.code));
+    }
+    const bool ran = status.code == StatusCode::completed || status.code == StatusCode::stopped_by_event;
+    if (!ran) judged.why_not = fmt::format("{}: {}", status_name(status.code), status.detail);
+    const Met* worst = judged.binding();
+    judged.used = judged.why_not.empty() && worst ? std::min(worst->share(), nowhere) : nowhere;
+    return judged;
+}
+
+}  // namespace twinchute::rom

@@ -1,0 +1,180 @@
+#include "rom/size/size_text.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/cli/record_text.hpp"
+#include "lib/record/metric_key.hpp"
+#include "lib/record/record_json.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Columns of the trade table: metrics of the record.
+constexpr const char* traded[] = {"descent_rate_m_s", "max_force_N",    "max_deceleration_g",
+                                  "snatch_force_N",   "filling_time_s", "altitude_loss_m"};
+
+std::string with_unit(std::string_view what, std::string_view unit) {
+    return unit.empty() ? std::string(what) : fmt::format("{} [{}]", what, unit);
+}
+
+std::string type_cell(const Candidate& candidate) {
+    return candidate.type.empty() ? "as in the scene" : candidate.type;
+}
+
+std::string verdict(const Candidate& candidate) {
+    if (!candidate.found) return "not sized";
+    const Judged& judged = candidate.found->judged;
+    if (!judged.why_not.empty()) return "no: " + judged.why_not;
+    const Met* worst = judged.binding();
+    if (judged.meets()) return "yes";
+    return fmt::format("no: {} {:.3g} % over", worst->row->title, 100.0 * (worst->share() - 1.0));
+}
+
+std::string trade_table(const Sized& sized, const Style& style) {
+    Table table;
+    table.header = {"canopy"};
+    table.right = {false};
+    const auto column = [&](std::string head) {
+        table.header.push_back(std::move(head));
+        table.right.push_back(true);
+    };
+    for (const VaryRow* row : sized.vary)
+        column(with_unit(row->name, row->unit));
+    for (const char* metric : traded)
+        column(with_unit(metric_words(metric), split_metric_key(metric).unit));
+    column("mass, estimated [kg]");
+    table.header.emplace_back("meets the limits");
+    for (const Candidate& candidate : sized.candidates) {
+        std::vector<std::string> cells{type_cell(candidate)};
+        for (const VaryRow* row : sized.vary)
+            cells.push_back(candidate.found ? readable(row->get(candidate.found->scene)) : "-");
+        for (const char* metric : traded) {
+            const auto value = candidate.found ? candidate.found->judged.record.metric(metric) : std::nullopt;
+            cells.push_back(value ? readable(*value) : "-");
+        }
+        cells.push_back(candidate.found ? readable(candidate.mass(), 3) : "-");
+        cells.push_back(verdict(candidate));
+        table.rows.push_back(std::move(cells));
+    }
+    return aligned(table, style, 2);
+}
+
+/// What the run of the best one uses of each limit.
+std::string limits_table(const Judged& judged) {
+    Table table;
+    table.right = {false, true, false, true};
+    for (const Met& met : judged.limits) {
+        const double over = 100.0 * (met.share() - 1.0);
+        table.rows.push_back({std::string(met.row->title), readable(met.value), std::string(met.row->unit),
+                              fmt::format("{:.1f} %", 100.0 * met.share()),
+                              fmt::format("of {} {}{}", readable(met.limit), met.row->unit,
+                                          met.share() > 1.0 ? fmt::format(": {:.3g} % too much", over)
+                                          : &met == judged.binding() ? ", binds"
+                                                                     : "")});
+    }
+    return aligned(table, {}, 2);
+}
+
+std::string notes_text(const Scene& scene, const Sized& sized, const Candidate& best) {
+    std::string text;
+    const auto line = [&](const std::string& what) { text += "note      " + printable(what) + "\n"; };
+    if (scene.size->max_descent_rate)
+        line(fmt::format(
+            "by the steady drag alone the descent rate asks for D0 = {:.4g} m (sqrt(8 m g/(pi rho C_D0 "
+            "v^2)), densest air)",
+            diameter_by_descent_rate(best.found->scene)));
+    for (const VaryRow* row : sized.vary)
+        line(fmt::format("{} varies: {}", row->title, row->what));
+    line("mass: " + mass_text(best.found->scene.parachutes.front()));
+    for (const Candidate& candidate : sized.candidates) {
+        const std::string who = sized.candidates.size() > 1 ? type_cell(candidate) + ": " : "";
+        for (const std::string& note : candidate.notes)
+            line(who + note);
+        if (!candidate.why_not.empty()) line(who + candidate.why_not);
+    }
+    return text;
+}
+
+ordered_json limit_json(const Met& met) {
+    return {{"name", met.row->name}, {"unit", met.row->unit}, {"value", met.value},
+            {"limit", met.limit},    {"used", met.share()},   {"met", met.share() <= 1.0}};
+}
+
+ordered_json candidate_json(const Sized& sized, const Candidate& candidate) {
+    ordered_json json = ordered_json::object();
+    if (!candidate.type.empty()) json["type"] = candidate.type;
+    json["meets"] = candidate.meets();
+    json["best"] = &candidate == sized.best();
+    if (!candidate.notes.empty()) json["notes"] = candidate.notes;
+    if (!candidate.found) {
+        json["why_not"] = candidate.why_not;
+        return json;
+    }
+    const Found& found = *candidate.found;
+    if (!found.judged.why_not.empty()) json["why_not"] = found.judged.why_not;
+    for (const VaryRow* row : sized.vary)
+        json["varied"][row->name] = {{"value", row->get(found.scene)}, {"unit", row->unit}};
+    json["parachute_mass_kg"] = candidate.mass();
+    json["drag_area_m2"] = found.scene.parachutes.front().drag_area;
+    ordered_json limits = ordered_json::array(), estimates = limits;
+    for (const Met& met : found.judged.limits)
+        limits.push_back(limit_json(met));
+    json["limits"] = std::move(limits);
+    ordered_json metrics = ordered_json::object();
+    for (const Metric& metric : found.judged.record.metrics)
+        metrics[metric.key] = metric.value;
+    json["metrics"] = std::move(metrics);
+    for (const Estimate& estimate : found.judged.record.estimates) {
+        ordered_json row{{"name", estimate.name}, {"metric", estimate.metric}, {"value", estimate.value}};
+        if (!estimate.outside.empty()) row["outside"] = estimate.outside;
+        estimates.push_back(std::move(row));
+    }
+    json["estimates"] = std::move(estimates);
+    return json;
+}
+
+}  // namespace
+
+std::string size_text(const Scene& scene, const Sized& sized, const Style& style) {
+    std::string text = style.paint(printable(scene.name), Colour::bold);
+    if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
+    text += "  sizing by the reduced-order model\n\n" + trade_table(sized, style);
+    const Candidate* best = sized.best();
+    if (best == nullptr) return text + "\n" + style.paint("none could be sized", Colour::red) + "\n";
+    const Found& found = *best->found;
+    const bool several = sized.candidates.size() > 1;
+    const std::string who = several ? type_cell(*best) + ", " : "";
+    text +=
+        "\n" +
+        (best->meets()
+             ? style.paint(fmt::format("{}{}", who,
+                                       several ? "the lightest that meets the limits" : "meets the limits"),
+                           Colour::green)
+             : style.paint(fmt::format("{}no value meets the limits; here they are missed least", who),
+                           Colour::red)) +
+        "\n" + limits_table(found.judged);
+    if (!found.judged.why_not.empty()) text += "  " + printable(found.judged.why_not) + "\n";
+    if (!found.judged.record.estimates.empty())
+        text += "\n" + style.paint("peak force by formula", Colour::bold) + "\n" +
+                estimates_text(found.judged.record, style);
+    return text + "\n" + notes_text(scene, sized, *best) +
+           warnings_text(found.judged.record.warnings, "", style);
+}
+
+nlohmann::ordered_json size_json(const Scene& scene, const Sized& sized) {
+    const Candidate* best = sized.best();
+    ordered_json candidates = ordered_json::array();
+    for (const Candidate& candidate : sized.candidates)
+        candidates.push_back(candidate_json(sized, candidate));
+    return {{"generator", "twinchute"},
+            {"schema", 1},
+            {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+            {"meets", best != nullptr && best->meets()},
+            {"candidates", std::move(candidates)}};
+}
+
+}  // namespace twinchute::rom

@@ -1,0 +1,133 @@
+#include "rom/size/vary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "lib/math/vec.hpp"
+#include "lib/scene/drag_area.hpp"
+#include "lib/scene/needs.hpp"
+
+namespace twinchute::rom {
+namespace {
+
+/// Largest diameter that a scene may say [m].
+constexpr double largest_diameter = 199.0;
+/// [m/s] The models are subsonic.
+constexpr double fastest_release = 340.0;
+
+/// Mass [kg] of cloth, tapes, lines and risers; what a nominal area alone has to stand for, in m^2, where
+/// they are not all given. Only its ratio for two diameters is used.
+double mass_measure(const Parachute& p) {
+    const double d = p.nominal_diameter, v = p.vent_diameter;
+    if (!missing_structure(p).empty()) return d * d;
+    return 0.25 * pi * (d * d - v * v) * p.fabric.density * p.fabric.thickness +
+           0.5 * p.gores * (d - v) * p.tapes.radial.linear_density() +
+           pi * (d * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
+           (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
+}
+
+double diameter(const Scene& scene) {
+    return scene.parachutes.front().nominal_diameter;
+}
+
+/// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
+void set_diameter(Scene& scene, double value) {
+    Parachute& p = scene.parachutes.front();
+    const double measure = mass_measure(p), factor = value / p.nominal_diameter;
+    const double area = stated_drag_area(p) * factor * factor;
+    p.nominal_diameter = value;
+    p.vent_diameter *= factor;
+    p.line_length *= factor;
+    p.riser_length *= factor;
+    p.mass *= mass_measure(p) / measure;
+    set_drag_area(scene, p, area);
+}
+
+/// Where a descent rate is asked for the smallest canopy that has it; otherwise the largest that the forces
+/// allow.
+Goal goal_of_diameter(const SizeSpec& size) {
+    return size.max_descent_rate ? Goal::smallest : Goal::largest;
+}
+
+Bounds bounds_of_diameter(const Scene& scene) {
+    const double near = scene.size->max_descent_rate ? diameter_by_descent_rate(scene) : diameter(scene);
+    const double width = scene.size->max_descent_rate ? 4.0 : 10.0;
+    return {near / width, std::min(near * width, largest_diameter)};
+}
+
+std::array<VaryRow, 2> rows_{{
+    {"nominal_diameter", "m", "nominal diameter D0",
+     "vent, lines, risers and drag area grow with it, C_D0 and gores stay", goal_of_diameter,
+     bounds_of_diameter, diameter, set_diameter},
+    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene",
+     [](const SizeSpec&) { return Goal::largest; },
+     [](const Scene&) {
+         return Bounds{1.0, fastest_release};
+     },
+     [](const Scene& scene) { return scene.release.speed; },
+     [](Scene& scene, double value) { scene.release.speed = value; }},
+}};
+
+}  // namespace
+
+std::span<const VaryRow> vary_rows() {
+    return rows_;
+}
+
+const VaryRow* find_vary(std::string_view name) {
+    const auto row = std::ranges::find(rows_, name, &VaryRow::name);
+    return row == rows_.end() ? nullptr : &*row;
+}
+
+double diameter_by_descent_rate(const Scene& scene) {
+    const Parachute& p = scene.parachutes.front();
+    const Environment& e = scene.environment;
+    const double speed = *scene.size->max_descent_rate;
+    const double coefficient = p.drag_area / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    const double weight = (scene.payload.mass + p.mass) * e.gravity;
+    const double carried = std::max(weight - 0.5 * e.atmosphere.at(e.ground).density * speed * speed *
+                                                 scene.payload.drag_area.value_or(0.0),
+                                    0.01 * weight);
+    return std::sqrt(8.0 * carried / (pi * e.atmosphere.at(e.ground).density * coefficient)) / speed;
+}
+
+Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::string>& kept) {
+    Scene changed = scene;
+    Parachute& p = changed.parachutes.front();
+    if (p.type && p.type->name == type.name) return changed;
+    p.type = type;
+    const auto take = [&](const std::optional<TypeRange>& range, const char* name, auto&& set) {
+        if (range && range->may_be_default())
+            set(range->middle());
+        else
+            kept.emplace_back(name);
+    };
+    take(type.projected_diameter_ratio, "D_p/D0", [&](double ratio) { p.projected_diameter_ratio = ratio; });
+    take(type.drag_coefficient, "C_D0", [&](double coefficient) {
+        set_drag_area(changed, p, coefficient * 0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    });
+    p.opening_force_coefficient.reset();  // another type's would be wrong
+    if (type.opening_force_coefficient && type.opening_force_coefficient->may_be_default())
+        p.opening_force_coefficient = type.opening_force_coefficient->middle();
+    take(type.fill_constant, "n", [&](double n) {
+        p.fill_time = {};
+        p.fill_time.model = find_fill_time("fill-constant");
+        p.fill_time.n = n;
+    });
+    take(type.growth_exponent, "j", [&](double j) {
+        if (const DragAreaLaw* law = find_drag_area_law("power-" + std::to_string(static_cast<int>(j))))
+            p.drag_area_law = law;
+    });
+    return changed;
+}
+
+std::string mass_text(const Parachute& chute) {
+    return missing_structure(chute).empty()
+               ? "the scene's mass, scaled by cloth, tapes, lines and risers of its materials"
+               : "the scene's mass, scaled by the nominal area: a canopy for larger loads is heavier for its "
+                 "area";
+}
+
+}  // namespace twinchute::rom
