@@ -164,6 +164,7 @@ private:
             model_.extraction = piece_of(chute_.deploy.extraction, begin_, solver.time(), bend);
             solver.restart(solver.time(), y);
             watch(solver);
+            if (canopies_.watches_pressure()) solver.limit_step(pressure_step);
             course_.observer.mark(solver.time(), y);
             openings_.after_stage(done, solver.time());
             const Leg leg = course_.integrate_to(solver, std::min(next, end));

@@ -140,6 +140,10 @@ private:
                        [this](double t, std::span<const double> state, std::span<double> g) {
                            look(t, motion_of<dimensions>(state), g);
                        });
+        if (canopies_.watches_pressure() != is_limited_) {
+            is_limited_ = !is_limited_;
+            solver_->limit_step(is_limited_ ? pressure_step : 0.0);
+        }
         course_.observer.mark(solver_->time(), y);
     }
 
@@ -274,6 +278,7 @@ private:
     std::unique_ptr<OdeSolver> solver_;
     RunStatus refusal_;        // of an opening that cannot take place
     std::vector<Root> roots_;  // of the stage, in the solver's order
+    bool is_limited_ = false;  // the length of steps
     bool is_steady_ = false;   // since the last event of a canopy
 };
 

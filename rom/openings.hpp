@@ -19,6 +19,9 @@ Situation situation_of(const Scene& scene, double time, const Motion<dimensions>
             scene.environment.atmosphere.at(motion.altitude()).density};
 }
 
+/// [s] Longest step while something waits for a dynamic pressure, which a longer one could see fall and rise.
+inline constexpr double pressure_step = 0.2;
+
 class Openings {
 public:
     Openings(const Scene& scene, Course& course, const Canopies& canopies, OpeningResult& to)

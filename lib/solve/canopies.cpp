@@ -78,7 +78,7 @@ bool Canopies::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index)
 double Canopies::left(const Wait& wait, const Situation& now) const {
     switch (wait.trigger->kind) {
         case Trigger::Kind::altitude:
-            return now.altitude - wait.trigger->value;
+            return std::max(now.altitude - wait.trigger->value, now.climb);  // not on the way up
         case Trigger::Kind::apogee:
             return now.climb;
         case Trigger::Kind::dynamic_pressure:
@@ -148,6 +148,12 @@ void Canopies::met(std::size_t watched, const Situation& now) {
 std::size_t Canopies::watch_count() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(waits_, [this](const Wait& wait) { return is_watched(wait); }));
+}
+
+bool Canopies::watches_pressure() const {
+    return std::ranges::any_of(waits_, [this](const Wait& wait) {
+        return is_watched(wait) && wait.trigger->kind == Trigger::Kind::dynamic_pressure;
+    });
 }
 
 bool Canopies::waits_for_steady_descent() const {

@@ -80,6 +80,8 @@ public:
     /// [Pa]
     std::vector<double> watch(const Situation& now) const;
     std::size_t watch_count() const;
+    /// Whether one of them may be met for a short while only, so that a long step could miss it.
+    bool watches_pressure() const;
     /// The condition of that number among watch() is met.
     void met(std::size_t watched, const Situation& now);
     bool waits_for_steady_descent() const;

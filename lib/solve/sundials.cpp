@@ -35,6 +35,7 @@ struct Calls {
     decltype(&ERKStepSetInitStep) set_first_step;
     decltype(&ERKStepSetStopTime) set_stop_time;
     decltype(&ERKStepSetFixedStep) set_fixed_step;
+    decltype(&ERKStepSetMaxStep) set_longest_step;
     decltype(&ERKStepRootInit) watch_roots;
     decltype(&ERKStepSetNoInactiveRootWarn) silence_inactive_roots;
     decltype(&ERKStepEvolve) evolve;
@@ -49,7 +50,7 @@ struct Calls {
     {                                                                                                       \
         step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetInterpolantType, \
             step##SetMaxNumSteps, step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep,    \
-            step##RootInit, step##SetNoInactiveRootWarn, step##Evolve, step##GetLastStep,                   \
+            step##SetMaxStep, step##RootInit, step##SetNoInactiveRootWarn, step##Evolve, step##GetLastStep, \
             step##GetCurrentTime, step##GetDky, step##GetRootInfo, step##GetNumSteps                        \
     }
 constexpr Calls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
@@ -65,6 +66,7 @@ constexpr Calls multistep_calls = {CVodeFree,
                                    CVodeSetInitStep,
                                    CVodeSetStopTime,
                                    nullptr,
+                                   CVodeSetMaxStep,
                                    CVodeRootInit,
                                    CVodeSetNoInactiveRootWarn,
                                    CVode,
@@ -309,6 +311,10 @@ void OdeSolver::stop_at(double t) {
 void OdeSolver::fix_step(double dt) {
     if (!impl_->calls.set_fixed_step) throw std::invalid_argument("multistep methods have no fixed steps");
     impl_->require(impl_->calls.set_fixed_step(impl_->memory, dt), "SetFixedStep");
+}
+
+void OdeSolver::limit_step(double dt) {
+    impl_->require(impl_->calls.set_longest_step(impl_->memory, dt), "SetMaxStep");
 }
 
 void OdeSolver::watch(int count, Roots roots) {

@@ -53,6 +53,9 @@ public:
     /// Steps of this length [s] from here on, without error control; 0 brings it back. Shorter only to
     /// end on a stop time. Throws std::invalid_argument for multistep methods.
     void fix_step(double dt);
+    /// No step longer than this [s] from here on; 0 takes the limit away. For roots that a long step could
+    /// cross twice.
+    void limit_step(double dt);
     /// Looks for sign changes of `count` functions from here on; count = 0 ends the search.
     void watch(int count, Roots roots);
 

@@ -14,11 +14,9 @@ namespace twinchute {
 namespace {
 
 Scene reefed(const std::string& delay = "4 s") {
-    return read_scene(
-        TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
-        {"parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = \"" + delay +
-             "\" } }]",
-         "full.mesh.gore_rows=8"});
+    const std::string until = "{ at = \"line-stretch\", delay = \"" + delay + "\" }";
+    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+                      {"parachute.reefing=[{ drag_area_ratio = 0.1, until = " + until + " }]"});
 }
 
 TEST(Reefing, BothFidelitiesPeakWithinFivePerCentInEachStage) {

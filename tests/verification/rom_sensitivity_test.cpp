@@ -75,6 +75,8 @@ TEST(RomSensitivity, DimensionsAddUp) {
         for (const InputSensitivity& input : s.inputs) {
             ASSERT_TRUE(units.contains(input.unit)) << input.key << " " << input.unit;
             const Exponents u = units.at(input.unit);
+            if (input.unit == "rad")
+                continue;  // straight down: at the end of its range, and without a dimension
             const double e = elasticity(s, input.key, metric);
             sum = {sum.mass + e * u.mass, sum.length + e * u.length, sum.time + e * u.time};
         }

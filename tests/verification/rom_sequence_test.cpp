@@ -85,7 +85,9 @@ TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
     const auto& area = record.find_channel("drag_area")->values;
     const double open = area.back();
     for (std::size_t i = 1; i < time.size(); ++i)
-        if (time[i] == 4.0) EXPECT_NEAR(area[i], 0.1 * open, 1e-12 * open);
+        if (time[i] == 4.0) {
+            EXPECT_NEAR(area[i], 0.1 * open, 1e-12 * open);
+        }
 }
 
 TEST(RomSequence, StagesTakeTheirPartsOfOneFilling) {
@@ -151,7 +153,9 @@ TEST(RomSequence, TheOneThatOpensFirstCarriesMore) {
     double most = 0.0;
     for (std::size_t i = 0; i < time.size(); ++i) {
         if (time[i] < snatch_to_full && all[i] > 0.0) most = std::max(most, each[i] / all[i]);
-        if (time[i] > snatch_to_full + 1.0) EXPECT_NEAR(each[i], 0.5 * all[i], 1e-12 * all[i]);
+        if (time[i] > snatch_to_full + 1.0) {
+            EXPECT_NEAR(each[i], 0.5 * all[i], 1e-12 * all[i]);
+        }
     }
     // At 1.2 s the first has 0.5 of its drag area and the second, a second behind, still 0.04.
     EXPECT_GT(most, 0.85);
