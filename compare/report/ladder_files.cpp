@@ -16,8 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int ladder_schema = 1;
-
 std::string number(const std::optional<double>& value) {
     return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
 }
@@ -58,6 +56,7 @@ Json rung_json(const RungResult& result) {
     const Rung& rung = result.rung;
     Json json;
     json["name"] = rung.name;
+    json["label"] = rung.label;
     json["family"] = rung.family;
     json["why"] = rung.why;
     if (!rung.fidelity.empty()) json["fidelity"] = rung.fidelity;
@@ -136,8 +135,9 @@ std::string ladder_csv(const Ladder& ladder) {
 std::string ladder_json(const Ladder& ladder) {
     Json json;
     json["generator"] = "twinchute";
-    json["schema"] = ladder_schema;
+    json["schema"] = Ladder::schema;
     json["scene"] = scene_json(ladder.scene);
+    json["inputs"] = inputs_json(ladder.inputs);
     json["exit_code"] = static_cast<int>(exit_code(ladder));
     json["quick"] = ladder.quick;
     json["threads"] = ladder.threads;
