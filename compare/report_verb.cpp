@@ -91,7 +91,10 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     require_same_scene(comparison, place);
     std::map<std::string, Tolerance> tolerances = asked;  // they win
     tolerances.merge(recorded_tolerances(comparison.reference, summary_of(place, reference)));
-    comparison.gap = measure_gap(comparison.reference, comparison.candidate, tolerances);
+    auto of_command_line = command_line_tolerances(comparison.reference);
+    for (const auto& [name, tolerance] : asked)
+        of_command_line.insert(name);
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, tolerances, of_command_line);
     comparison.attribution = attribution_in(place, comparison);
     return comparison;
 }

@@ -111,7 +111,8 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
                                                       &of_candidate, &comparison.candidate_frames));
         comparison.reference = as_written(run_watched(reference, scene, interrupt.token(), quiet, threads,
                                                       &of_reference, &comparison.reference_frames));
-        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances,
+                                     command_line_tolerances(comparison.reference));
         std::optional<Trend> trend;
         if (baseline.asked()) trend = baseline.trend_of(i, comparison);
         if (why.asked && !interrupt.token().stop_requested())

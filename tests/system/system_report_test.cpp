@@ -126,6 +126,46 @@ TEST_F(SystemReport, AnotherToleranceIsAnotherVerdictAndIsNotRemembered) {
     EXPECT_EQ(files("out"), before);
 }
 
+TEST_F(SystemReport, SaysWhereEachToleranceIsFrom) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "max_force=0%", "--tolerance",
+         "force_history=0%", "--set", "compare.tolerance.speed_history=500%", "--set",
+         "compare.tolerance={impulse=\"0 %\"}"});
+    const auto from = [&](const std::string& metric) {
+        return read("out/gap.json")["metrics"][metric]["tolerance"]["from"].get<std::string>();
+    };
+    const auto all = [&](const std::string& peak) {
+        EXPECT_EQ(from("peak_force_N"), peak);
+        EXPECT_EQ(from("projected_diameter_ratio"), "scene");
+        EXPECT_EQ(from("max_force_N"), "command line");
+        EXPECT_EQ(from("impulse_N_s"), "command line");
+        const json histories = read("out/gap.json")["histories"];
+        EXPECT_EQ(histories["force_history"]["tolerance_from"], "command line");
+        EXPECT_EQ(histories["speed_history"]["tolerance_from"], "command line");
+    };
+    all("scene");
+    const auto before = files("out");
+    const std::string page = before.at("report.html"), markdown = before.at("report.md"),
+                      junit = before.at("junit.xml");
+    EXPECT_NE(page.find("tolerance \u00b11000 %, of the scene"), page.npos);
+    EXPECT_NE(page.find("tolerance 0: any difference counts, from the command line"), page.npos);
+    EXPECT_NE(markdown.find("| 1000 % (scene) |"), markdown.npos) << markdown;
+    EXPECT_NE(markdown.find("| 0.0 % (command line) |"), markdown.npos) << markdown;  // of the history
+    EXPECT_NE(junit.find("tolerance 0 % (from the command line)"), junit.npos) << junit;
+    EXPECT_NE(junit.find("tolerance 0.0 % (from the command line)"), junit.npos) << junit;
+    remove_report("out");
+    run({"report", "out", "--quiet"});
+    EXPECT_EQ(files("out"), before);  // the records know
+    run({"report", "out", "--quiet", "--tolerance", "peak_force=1%"});
+    all("command line");
+    EXPECT_NE(content_of(here_ / "out/junit.xml").find("tolerance 1 % (from the command line)"), junit.npos);
+
+    const std::string demo = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    run({"compare", demo, "--quiet", "--out", "out", "--set", "full.mesh={gore_columns=1, gore_rows=4}"});
+    EXPECT_EQ(from("filling_time_s"), "default");
+    EXPECT_EQ(from("peak_force_N"), "scene");  // the demo has one of its own
+    EXPECT_NE(content_of(here_ / "out/report.html").find("tolerance \u00b110 %, by default"), page.npos);
+}
+
 TEST_F(SystemReport, TakesSeveralDirectoriesAndSeries) {
     here_.write(
         "series.toml",
