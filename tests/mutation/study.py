@@ -3,13 +3,14 @@
 
 Each mutation is made in a copy of the tree. Made in one fidelity alone, the gate of a shipped scene has to close
 (`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
-tolerance is exceeded. Made in lib, both fidelities agree on it: the law's own tests have to fail, and
+tolerance is exceeded, and of the sign of that gap. Made in lib, both fidelities agree on it: the law's own tests have to fail, and
 `twinchute compare --baseline` has to find that the scene has moved from what the sound program made of it.
 
 usage: study.py SOURCE BUILD [--only WORDS] [--keep]
 
 SOURCE: the tree. BUILD: a folder for the copy and what is built of it; made when it is not there, used again when it is.
-Exits 1 where a mutation gets through. The table of what each gave goes to standard output.
+Exits 1 where a mutation gets through. The table of what each gave goes to standard output, a row as soon as it is
+known; docs/guide/gap.md keeps it.
 """
 
 import argparse
@@ -164,7 +165,8 @@ def look_at_gate(tree, mutation):
     terms = largest_terms(gap)
     words = "; ".join(f"{name}: gap {gap_:+.4g} {unit}, largest term {piece} {effect:+.4g} {unit}".rstrip()
                       for name, piece, effect, gap_, unit in terms)
-    caught = code == 1 and any(piece == mutation.piece for _, piece, _, _, _ in terms)
+    # A term against the gap does not make it: what does is the interaction.
+    caught = code == 1 and any(piece == mutation.piece and effect * gap_ > 0 for _, piece, effect, gap_, _ in terms)
     return caught, f"{scene}: exit {code}; {words or 'nothing exceeded'}"
 
 
@@ -202,6 +204,12 @@ def sound(tree, mutations):
             sys.exit(f"study.py: {scene} exits {code} without any mutation {error or gap['summary']}")
 
 
+def commit_of(source):
+    done = subprocess.run(["git", "-C", str(source), "describe", "--always", "--dirty"], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True)
+    return done.stdout.strip() or "unknown"
+
+
 def main():
     parser = argparse.ArgumentParser(description="breaks laws of physics and looks who notices")
     parser.add_argument("source")
@@ -223,6 +231,7 @@ def main():
             (tree.top / mutation.file).write_text(text, encoding="utf-8")
         through += not caught
         print(f"| {mutation.name} | `{mutation.where}` | {'yes' if caught else '**no**'} | {words} |", flush=True)
+    print(f"\ncommit {commit_of(tree.source)}: {len(mutations) - through} of {len(mutations)} caught", flush=True)
     if not options.keep:
         shutil.rmtree(tree.top)
     sys.exit(1 if through else 0)
