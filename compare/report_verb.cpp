@@ -17,6 +17,7 @@
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
+#include "compare/trend.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
@@ -67,7 +68,7 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
         refuse("the SHA-256 of their scenes differ");
     for (const Input& input : comparison.reference.inputs) {
         const Input* other = comparison.candidate.find_input(input.key);
-        if (other != nullptr && other->value != input.value) refuse("they differ in " + input.key);
+        if (other != nullptr && !same_value(*other, input)) refuse("they differ in " + input.key);
     }
 }
 

@@ -115,6 +115,11 @@ std::vector<std::string> names_of(const Trend& trend, Verdict verdict) {
 
 }  // namespace
 
+bool same_value(const Input& one, const Input& other) {
+    const auto *a = std::get_if<double>(&one.value), *b = std::get_if<double>(&other.value);
+    return one.value == other.value || (a && b && std::isnan(*a) && std::isnan(*b));
+}
+
 std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now) {
     const auto find = [](const std::vector<Input>& inputs, const std::string& key) {
         const auto found = std::ranges::find(inputs, key, &Input::key);
@@ -123,7 +128,7 @@ std::vector<OtherChange> input_changes(const std::vector<Input>& before, const s
     std::vector<OtherChange> changes;
     for (const Input& input : now) {
         const Input* old = find(before, input.key);
-        if (is_physics(input) && (!old || old->value != input.value))
+        if (is_physics(input) && (!old || !same_value(*old, input)))
             changes.push_back({input.key, input_text(old), input_text(&input)});
     }
     for (const Input& input : before)
