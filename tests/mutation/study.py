@@ -7,8 +7,10 @@ tolerance is exceeded, and of the sign of that gap. Made in lib, both fidelities
 `twinchute compare --baseline` has to find that the scene has moved from what the sound program made of it.
 
 usage: study.py SOURCE BUILD [--only WORDS] [--keep]
+       study.py SOURCE --check
 
 SOURCE: the tree. BUILD: a folder for the copy and what is built of it; made when it is not there, used again when it is.
+--check: runs nothing and looks only whether each mutation still finds, once, what it replaces.
 Exits 1 where a mutation gets through. The table of what each gave goes to standard output, a row as soon as it is
 known; docs/guide/gap.md keeps it.
 """
@@ -199,6 +201,14 @@ def look_at_tests(tree, mutation):
     return caught, "; ".join(words)
 
 
+def lost(source):
+    """Rows whose text does not stand once in its file, and why."""
+    for mutation in MUTATIONS:
+        count = (pathlib.Path(source) / mutation.file).read_text(encoding="utf-8").count(mutation.old)
+        if count != 1:
+            yield f"{mutation.name}, {mutation.where}: {mutation.file} holds '{mutation.old}' {count} times, not once"
+
+
 def sound(tree, mutations):
     """Without any mutation every gate is open: otherwise a closed one would say nothing."""
     for scene in sorted({m.scene for m in mutations if m.scene}):
@@ -216,10 +226,17 @@ def commit_of(source):
 def main():
     parser = argparse.ArgumentParser(description="breaks laws of physics and looks who notices")
     parser.add_argument("source")
-    parser.add_argument("build")
+    parser.add_argument("build", nargs="?")
+    parser.add_argument("--check", action="store_true", help="only look whether the mutations still find their place")
     parser.add_argument("--only", default="", help="mutations with this in 'name, place', e.g. 'wind, rom'")
     parser.add_argument("--keep", action="store_true", help="leave the copy and its build where they are")
     options = parser.parse_args()
+    if options.check:
+        found = list(lost(options.source))
+        print("\n".join(found) or f"{len(MUTATIONS)} mutations find their place")
+        sys.exit(1 if found else 0)
+    if options.build is None:
+        parser.error("BUILD is missing")
     mutations = [m for m in MUTATIONS if options.only in f"{m.name}, {m.where}"]
     tree = Tree(options.source, options.build)
     tree.begin("twinchute", *(["unit_tests"] if any(m.tests for m in mutations) else []))
