@@ -67,8 +67,16 @@ Verdict held_against(double score, const Tolerance& tolerance) {
     return score <= tolerance.value * (1 + round_off) ? Verdict::within : Verdict::exceeded;
 }
 
+using Names = std::set<std::string, std::less<>>;
+
+/// Of one that is asked for.
+ToleranceOrigin origin_of(std::string_view name, const Names& of_command_line) {
+    return of_command_line.contains(name) ? ToleranceOrigin::command_line : ToleranceOrigin::scene;
+}
+
 std::vector<HistoryGap> histories_of(const RunRecord& reference, const RunRecord& candidate,
-                                     const std::map<std::string, Tolerance>& tolerances, bool both_ended) {
+                                     const std::map<std::string, Tolerance>& tolerances,
+                                     const Names& of_command_line, bool both_ended) {
     std::vector<HistoryGap> histories;
     for (const HistoryRow& row : history_rows()) {
         HistoryGap history;
@@ -77,6 +85,7 @@ std::vector<HistoryGap> histories_of(const RunRecord& reference, const RunRecord
         history.score = judged_score(history.phases);
         if (const auto asked = tolerances.find(std::string(row.name)); asked != tolerances.end())
             history.tolerance = asked->second;
+        history.origin = origin_of(row.name, of_command_line);
         if (history.phases.empty() && !history.tolerance) continue;
         if (!history.score) history.note = "the two have no common time of it from snatch on";
         if (history.tolerance && both_ended)
@@ -103,8 +112,20 @@ std::string_view verdict_name(Verdict verdict) {
     return "unknown";
 }
 
+std::string_view origin_name(ToleranceOrigin origin) {
+    switch (origin) {
+        case ToleranceOrigin::scene:
+            return "scene";
+        case ToleranceOrigin::command_line:
+            return "command line";
+        case ToleranceOrigin::fallback:
+            return "default";
+    }
+    return "unknown";
+}
+
 FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
-                        const std::map<std::string, Tolerance>& tolerances) {
+                        const std::map<std::string, Tolerance>& tolerances, const Names& of_command_line) {
     FidelityGap gap;
     const bool both_ended = ended(reference) && ended(candidate);
     for (const MetricRow& row : metric_rows()) {
@@ -117,6 +138,7 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
         const bool wanted = row.show == Show::always && (metric.reference || metric.candidate);
         if (!wanted && asked == tolerances.end()) continue;
         metric.tolerance = asked == tolerances.end() ? row.tolerance : asked->second;
+        if (asked != tolerances.end()) metric.origin = origin_of(row.name, of_command_line);
         if (metric.reference && metric.candidate) {
             metric.difference = metric.candidate->value - metric.reference->value;
             if (metric.reference->value != 0)
@@ -126,7 +148,7 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
         metric.note = note_of(metric, reference, candidate);
         gap.metrics.push_back(std::move(metric));
     }
-    gap.histories = histories_of(reference, candidate, tolerances, both_ended);
+    gap.histories = histories_of(reference, candidate, tolerances, of_command_line, both_ended);
     if (reference.cost.wall_s > 0 && candidate.cost.wall_s > 0) {
         gap.cost_ratio = reference.cost.wall_s / candidate.cost.wall_s;
     }

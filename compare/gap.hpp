@@ -1,8 +1,10 @@
 // How far two records are apart, metric by metric, and what each cost.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,12 @@ enum class Verdict {
 /// "within", "exceeded", "missing", "not judged".
 std::string_view verdict_name(Verdict verdict);
 
+/// Where a tolerance is from.
+enum class ToleranceOrigin { scene, command_line, fallback };
+
+/// "scene", "command line", "default".
+std::string_view origin_name(ToleranceOrigin origin);
+
 /// One side's value, or nothing when its physics was left out or the run did not get that far.
 struct SideValue {
     double value = 0.0;
@@ -39,6 +47,7 @@ struct MetricGap {
     std::optional<double> difference;    ///< candidate - reference, in the row's unit
     std::optional<double> relative;      ///< difference over |reference|; absent when that is zero
     std::optional<Tolerance> tolerance;  ///< scene or command line, else the row's
+    ToleranceOrigin origin = ToleranceOrigin::fallback;  ///< of the tolerance, where there is one
     Verdict verdict = Verdict::not_judged;
     std::string note;  ///< e.g. that only one side has it; empty when there is nothing to say
 };
@@ -49,6 +58,7 @@ struct HistoryGap {
     std::vector<PhaseScore> phases;
     std::optional<double> score;         ///< judged_score of the phases
     std::optional<Tolerance> tolerance;  ///< where asked for; "10 %" and "0.1" are the same, of a norm
+    ToleranceOrigin origin = ToleranceOrigin::scene;  ///< of the tolerance, where there is one
     Verdict verdict = Verdict::not_judged;
     std::string note;
 };
@@ -69,9 +79,11 @@ struct Comparison {
 };
 
 /// `tolerances`: by metric name; they replace the default of a row. A relative one is a share of
-/// |reference|; a difference exactly at the tolerance is within.
+/// |reference|; a difference exactly at the tolerance is within. `of_command_line`: those among them that the
+/// scene does not ask for.
 FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
-                        const std::map<std::string, Tolerance>& tolerances);
+                        const std::map<std::string, Tolerance>& tolerances,
+                        const std::set<std::string, std::less<>>& of_command_line = {});
 
 /// Of one phase of a history, by its own L2; deployment is not judged.
 Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase);

@@ -2,6 +2,7 @@
 // physics. The gap to other physics is kept beside that, never in it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -85,7 +86,10 @@ struct LadderReference {
 };
 
 struct Ladder {
+    static constexpr int schema = 1;
+
     SceneId scene;
+    std::vector<Input> inputs;  ///< of the scene as it is
     Provenance provenance;
     int threads = 1;
     bool quick = false;
@@ -113,6 +117,10 @@ Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, co
 
 /// Fills in references, errors, estimates, gaps and fronts from the metrics of the rungs.
 void evaluate(Ladder& ladder, const Scene& scene);
+
+/// Errors that somebody may be content with, and their words.
+inline constexpr std::array<std::pair<double, std::string_view>, 4> wanted_accuracies{
+    {{1e-2, "1 %"}, {1e-3, "0.1 %"}, {1e-4, "1e-4"}, {1e-6, "1e-6"}}};
 
 /// The cheapest rung of a fidelity whose error is no larger than `wanted`, or null.
 const RungResult* cheapest(const Ladder& ladder, std::string_view fidelity, double wanted);

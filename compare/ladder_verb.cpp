@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "compare/ladder.hpp"
@@ -15,6 +17,13 @@
 
 namespace twinchute::compare {
 namespace {
+
+/// Where a comparison lies there, too: what brings the ladder into its page.
+std::string report_hint(const std::filesystem::path& place) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(place / "gap.json", ignored)) return {};
+    return fmt::format("report    twinchute report {} shows it in report.html\n", printable(place.string()));
+}
 
 ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Arguments& arguments) {
     const std::vector<Scene> scenes = scenes_of(arguments);
@@ -54,6 +63,7 @@ ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Argume
             if (&scene != &scenes.front()) print("\n");
             print(fmt::format("ladder    {}\n\n", printable((place / "ladder.md").string())));
             print(ladder_text(ladder, output_style()));
+            print(report_hint(place));
         }
         code = gravest(code, exit_code(ladder));
         if (code == ExitCode::interrupted) break;

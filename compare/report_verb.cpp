@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -16,6 +17,7 @@
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
+#include "compare/trend.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
@@ -66,7 +68,7 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
         refuse("the SHA-256 of their scenes differ");
     for (const Input& input : comparison.reference.inputs) {
         const Input* other = comparison.candidate.find_input(input.key);
-        if (other != nullptr && other->value != input.value) refuse("they differ in " + input.key);
+        if (other != nullptr && !same_value(*other, input)) refuse("they differ in " + input.key);
     }
 }
 
@@ -90,7 +92,10 @@ Comparison comparison_of(const fs::path& place, const Fidelity& reference, const
     require_same_scene(comparison, place);
     std::map<std::string, Tolerance> tolerances = asked;  // they win
     tolerances.merge(recorded_tolerances(comparison.reference, summary_of(place, reference)));
-    comparison.gap = measure_gap(comparison.reference, comparison.candidate, tolerances);
+    auto of_command_line = command_line_tolerances(comparison.reference);
+    for (const auto& [name, tolerance] : asked)
+        of_command_line.insert(name);
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, tolerances, of_command_line);
     comparison.attribution = attribution_in(place, comparison);
     return comparison;
 }
@@ -129,15 +134,17 @@ struct Told {
     std::string last_text;  ///< of the only comparison, where there is one
 };
 
-void tell(Told& told, const Comparison& comparison, const fs::path& place, bool alone) {
+void tell(Told& told, const Comparison& comparison, const LadderBeside& beside, const fs::path& place,
+          bool alone) {
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
         told.rows.push_back(record_row(*side, place.string()));
     told.code = gravest(told.code, exit_code(comparison));
     told.json.push_back(gap_json(comparison));
     told.verdicts +=
         fmt::format("verdict   {}: {}\n", printable(place.string()), printable(verdict_line(comparison)));
+    if (!beside.why_not.empty()) told.verdicts += ladder_line(beside, place);
     if (alone)
-        told.last_text = terminal_text(comparison, output_style()) +
+        told.last_text = terminal_text(comparison, output_style()) + ladder_line(beside, place) +
                          fmt::format("report    {}\n", printable((place / "report.html").string()));
 }
 
@@ -159,6 +166,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
     const std::vector<Place> places = places_of(arguments, reference, candidate);
     const bool alone = places.size() == 1 && places.front().comparison && !out;
     const bool one = places.size() == 1 && places.front().directory == arguments.operand;
+    const std::array<std::string_view, 2> fidelities{candidate.name, reference.name};
     FileBatch batch;  // all of them or none
     Told told;
     for (const Place& place : places) {
@@ -169,8 +177,12 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
             continue;
         }
         const Comparison comparison = comparison_of(place.directory, reference, candidate, asked);
-        if (!out) add_gap_files(batch, comparison, place.directory);
-        tell(told, comparison, place.directory, alone);
+        LadderBeside beside;
+        if (!out) {
+            beside = ladder_beside(place.directory, comparison.reference, fidelities);
+            add_gap_files(batch, comparison, place.directory, beside);
+        }
+        tell(told, comparison, beside, place.directory, alone);
     }
     if (out) add_table(batch, told.rows, *out);
     batch.commit();

@@ -176,10 +176,6 @@ void add_without(std::vector<Rung>& rungs, const Scene& scene, std::string_view 
 
 }  // namespace
 
-std::vector<std::string_view> rung_families() {
-    return {closed, rom, methods, rom_without, full, in_time, full_without};
-}
-
 std::vector<Rung> ladder_rungs(const Scene& scene) {
     std::vector<Rung> rungs;
     add_closed_forms(rungs, scene);

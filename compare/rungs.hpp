@@ -22,7 +22,7 @@ enum class Physics {
 struct Rung {
     std::string name = {};           ///< unique in a ladder, e.g. "full, mesh x2"
     std::string label = {};          ///< the same beside its family's colour, e.g. "x2"
-    std::string family = {};         ///< what is drawn in one colour, e.g. "full"
+    std::string family = {};         ///< what is drawn in one colour, e.g. "full": one of drawn_families
     std::string why = {};            ///< what it shows
     std::string_view fidelity = {};  ///< that runs it; empty: `closed_form` answers
     std::function<void(Scene&)> change = {};
@@ -35,9 +35,6 @@ struct Rung {
     std::string_view key = {};     ///< where a run computes it: its key in the record
     std::function<double()> closed_form = {};
 };
-
-/// Families in the order of the plot.
-std::vector<std::string_view> rung_families();
 
 /// Predicted cost from which on --quick leaves a rung out.
 inline constexpr double quick_cost = 4.0;

@@ -50,6 +50,14 @@ std::vector<std::string> tolerance_overrides(const Arguments& arguments, std::st
     return overrides;
 }
 
+std::set<std::string, std::less<>> command_line_tolerances(const RunRecord& record) {
+    std::set<std::string, std::less<>> names;
+    for (const Input& input : record.inputs)
+        if (input.key.starts_with(prefix) && input.source.starts_with(command_line_source))
+            names.insert(input.key.substr(prefix.size()));
+    return names;
+}
+
 std::map<std::string, Tolerance> recorded_tolerances(const RunRecord& record, const std::string& file) {
     std::vector<std::string> overrides;
     for (const Input& input : record.inputs) {

@@ -1,7 +1,9 @@
 // The tolerances of a comparison: asked for on the command line, or told by a record.
 #pragma once
 
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,5 +25,8 @@ std::vector<std::string> tolerance_overrides(const Arguments& arguments,
 /// What was asked for when a record was made, by metric: its inputs hold it. Metrics that this version does
 /// not know are left out. `file` stands for the record in messages. Throws RecordError.
 std::map<std::string, Tolerance> recorded_tolerances(const RunRecord& record, const std::string& file);
+
+/// The metrics among them that the command line asked for, not the scene.
+std::set<std::string, std::less<>> command_line_tolerances(const RunRecord& record);
 
 }  // namespace twinchute::compare

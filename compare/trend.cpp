@@ -85,17 +85,6 @@ bool is_physics(const Input& input) {
     return !input.key.starts_with("compare.");
 }
 
-void add_inputs(Trend& trend, const RunRecord& before, const RunRecord& now) {
-    for (const Input& input : now.inputs) {
-        const Input* old = before.find_input(input.key);
-        if (is_physics(input) && (!old || old->value != input.value))
-            trend.inputs.push_back({input.key, input_text(old), input_text(&input)});
-    }
-    for (const Input& input : before.inputs)
-        if (is_physics(input) && !now.find_input(input.key))
-            trend.inputs.push_back({input.key, input_text(&input), {}});
-}
-
 void add_if_other(std::vector<OtherChange>& list, std::string what, const std::string& before,
                   const std::string& now) {
     if (before != now) list.push_back({std::move(what), before, now});
@@ -126,6 +115,28 @@ std::vector<std::string> names_of(const Trend& trend, Verdict verdict) {
 
 }  // namespace
 
+bool same_value(const Input& one, const Input& other) {
+    const auto *a = std::get_if<double>(&one.value), *b = std::get_if<double>(&other.value);
+    return one.value == other.value || (a && b && std::isnan(*a) && std::isnan(*b));
+}
+
+std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now) {
+    const auto find = [](const std::vector<Input>& inputs, const std::string& key) {
+        const auto found = std::ranges::find(inputs, key, &Input::key);
+        return found == inputs.end() ? nullptr : &*found;
+    };
+    std::vector<OtherChange> changes;
+    for (const Input& input : now) {
+        const Input* old = find(before, input.key);
+        if (is_physics(input) && (!old || !same_value(*old, input)))
+            changes.push_back({input.key, input_text(old), input_text(&input)});
+    }
+    for (const Input& input : before)
+        if (is_physics(input) && !find(now, input.key))
+            changes.push_back({input.key, input_text(&input), {}});
+    return changes;
+}
+
 Trend measure_trend(const Comparison& before, const Comparison& now, const Tolerances& asked) {
     Trend trend;
     const Tolerances judged = judged_metrics(now.gap, asked);
@@ -140,7 +151,7 @@ Trend measure_trend(const Comparison& before, const Comparison& now, const Toler
         add_changes(trend, then, today, judged, both_ended);
     }
     std::ranges::stable_sort(trend.changes, std::greater{}, size_of);
-    add_inputs(trend, before.reference, now.reference);
+    trend.inputs = input_changes(before.reference.inputs, now.reference.inputs);
     add_provenance(trend, before, now);
     if (trend.note.empty() && trend.judged == 0) trend.note = "no metric has a tolerance";
     return trend;

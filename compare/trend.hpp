@@ -35,6 +35,12 @@ struct Trend {
     std::string note;                   ///< why nothing is judged; empty when something is
 };
 
+/// Two that a record does not know (not a number) are the same.
+bool same_value(const Input& one, const Input& other);
+
+/// Inputs that differ, those of `now` first and in its order. A tolerance that is asked for is none.
+std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now);
+
 /// [-] A relative change up to this is none: the last digits that a rearranged sum may move.
 inline constexpr double trend_threshold = 1e-6;
 

@@ -13,6 +13,7 @@
 #include "compare/attribute.hpp"
 #include "compare/baseline.hpp"
 #include "compare/gap.hpp"
+#include "compare/ladder_beside.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/trend_text.hpp"
@@ -23,6 +24,7 @@
 #include "lib/cli/progress.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/record_error.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -59,6 +61,17 @@ Attribution explained(const Comparison& comparison, const Scene& scene, const Fi
     ProgressLine line("why", !quiet && progress_is_seen());
     return attribute(comparison, scene, reference, candidate,
                      {why.seeds, why.threads, interrupt.token(), line.reporter()});
+}
+
+/// Runs are not lost for a ladder that is broken.
+LadderBeside ladder_there(const std::filesystem::path& place, const Comparison& comparison) {
+    const std::array<std::string_view, 2> fidelities{comparison.candidate.fidelity,
+                                                     comparison.reference.fidelity};
+    try {
+        return ladder_beside(place, comparison.reference, fidelities);
+    } catch (const RecordError& error) {
+        return {{}, error.what()};
+    }
 }
 
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
@@ -98,13 +111,15 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
                                                       &of_candidate, &comparison.candidate_frames));
         comparison.reference = as_written(run_watched(reference, scene, interrupt.token(), quiet, threads,
                                                       &of_reference, &comparison.reference_frames));
-        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances);
+        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances,
+                                     command_line_tolerances(comparison.reference));
         std::optional<Trend> trend;
         if (baseline.asked()) trend = baseline.trend_of(i, comparison);
         if (why.asked && !interrupt.token().stop_requested())
             comparison.attribution =
                 explained(comparison, scene, reference, candidate, why, interrupt, quiet);
-        add_report(batch, comparison, place);
+        const LadderBeside beside = ladder_there(place, comparison);
+        add_report(batch, comparison, place, beside);
         baseline.add_files(batch, trend, comparison, place);
         batch.commit();
 
@@ -113,7 +128,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         } else if (!quiet) {
             print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
             if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
-            print(fields_text(of_reference) + fields_text(of_candidate));
+            print(fields_text(of_reference) + fields_text(of_candidate) + ladder_line(beside, place));
             print(fmt::format("report    {}\n", printable((place / "report.html").string())));
         }
         code = gravest(code, exit_code(comparison));

@@ -28,7 +28,9 @@ Json metric_json(const MetricGap& metric) {
     put(json, "difference", metric.difference);
     put(json, "relative", metric.relative);
     if (metric.tolerance) {
-        json["tolerance"] = {{"value", metric.tolerance->value}, {"relative", metric.tolerance->relative}};
+        json["tolerance"] = {{"value", metric.tolerance->value},
+                             {"relative", metric.tolerance->relative},
+                             {"from", origin_name(metric.origin)}};
     }
     json["verdict"] = verdict_name(metric.verdict);
     Json& standing = json["input_or_result"] = Json::object();
@@ -55,7 +57,10 @@ Json history_json(const HistoryGap& history) {
                                                       {"relative_l2", phase.l2},
                                                       {"relative_infinity", phase.infinity}};
     put(json, "score", history.score);
-    if (history.tolerance) json["tolerance"] = history.tolerance->value;
+    if (history.tolerance) {
+        json["tolerance"] = history.tolerance->value;
+        json["tolerance_from"] = origin_name(history.origin);
+    }
     json["verdict"] = verdict_name(history.verdict);
     if (!history.note.empty()) json["note"] = history.note;
     return json;

@@ -55,14 +55,14 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view html)
 
 }  // namespace
 
-std::string report_html(const Comparison& comparison) {
+std::string report_html(const Comparison& comparison, const LadderBeside& beside) {
     const ShapeFrames* shape = nullptr;
     for (const PageSide& side : page_sides(comparison))
         if (!side.frames->empty()) shape = side.frames;
 
     std::string body = summary_section(comparison) + histories_section(comparison) +
                        events_section_html(comparison) + attribution_section(comparison) +
-                       energy_section_html(comparison) + canopy_section(comparison) +
+                       energy_section_html(comparison) + canopy_section(comparison) + ladder_section(beside) +
                        notes_sections(comparison);
     const std::string name = xml_text(comparison.reference.scene.name);
     std::string page =

@@ -4,11 +4,12 @@
 #include <string>
 
 #include "compare/gap.hpp"
+#include "compare/ladder_beside.hpp"
 
 namespace twinchute::compare {
 
-/// The text of report.html. It depends on nothing but the comparison, so that records give the same page
-/// again.
-std::string report_html(const Comparison& comparison);
+/// The text of report.html. It depends on nothing but the comparison and the ladder that lies beside it, so
+/// that their files give the same page again.
+std::string report_html(const Comparison& comparison, const LadderBeside& beside = {});
 
 }  // namespace twinchute::compare

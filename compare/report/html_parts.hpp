@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compare/gap.hpp"
+#include "compare/ladder_beside.hpp"
 
 namespace twinchute::compare {
 
@@ -43,6 +44,7 @@ std::string histories_section(const Comparison& comparison);    ///< curves over
 std::string events_section_html(const Comparison& comparison);  ///< what happened when
 std::string attribution_section(const Comparison& comparison);  ///< why the two differ
 std::string energy_section_html(const Comparison& comparison);
+std::string ladder_section(const LadderBeside& beside);  ///< error against run time, where there is a ladder
 std::string canopy_section(const Comparison& comparison);  ///< the shape, moving and still
 std::string notes_sections(
     const Comparison& comparison);  ///< left out, warnings, inputs, provenance, licences

@@ -66,17 +66,18 @@ std::string gauge(const MetricGap& metric) {
 
 std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
     const auto sides = page_sides(comparison);
-    std::string text = fmt::format("<li class=\"card\"><h3>{} {}</h3>\n<dl>\n", xml_text(metric.row->title),
-                                   chip(metric.verdict));
+    std::string text = fmt::format("<li class=\"card\"><h3>{}</h3>\n<dl>\n", xml_text(metric.row->title));
     const std::array values{&metric.candidate, &metric.reference};
     for (std::size_t i = 0; i < 2; ++i)
         text += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", side_name(sides[i]),
                             xml_text(value_text(*values[i], metric.row->unit)));
-    text += fmt::format("</dl>\n{}<p>{}</p><p class=\"quiet\">tolerance {}</p></li>\n", gauge(metric),
-                        xml_text(difference_words(metric, comparison)),
-                        metric.tolerance->value == 0
-                            ? "0: any difference counts"
-                            : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)));
+    text +=
+        fmt::format("</dl>\n{}<p>{}</p><p class=\"judged-by\">{} <span>tolerance {}, {}</span></p></li>\n",
+                    gauge(metric), xml_text(difference_words(metric, comparison)), chip(metric.verdict),
+                    metric.tolerance->value == 0
+                        ? "0: any difference counts"
+                        : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)),
+                    origin_text(metric.origin));
     return text;
 }
 

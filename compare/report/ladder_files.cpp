@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/report/escape.hpp"
+#include "lib/record/file_sums.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
@@ -14,8 +15,6 @@ namespace twinchute::compare {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int ladder_schema = 1;
 
 std::string number(const std::optional<double>& value) {
     return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
@@ -57,6 +56,7 @@ Json rung_json(const RungResult& result) {
     const Rung& rung = result.rung;
     Json json;
     json["name"] = rung.name;
+    json["label"] = rung.label;
     json["family"] = rung.family;
     json["why"] = rung.why;
     if (!rung.fidelity.empty()) json["fidelity"] = rung.fidelity;
@@ -135,8 +135,9 @@ std::string ladder_csv(const Ladder& ladder) {
 std::string ladder_json(const Ladder& ladder) {
     Json json;
     json["generator"] = "twinchute";
-    json["schema"] = ladder_schema;
+    json["schema"] = Ladder::schema;
     json["scene"] = scene_json(ladder.scene);
+    json["inputs"] = inputs_json(ladder.inputs);
     json["exit_code"] = static_cast<int>(exit_code(ladder));
     json["quick"] = ladder.quick;
     json["threads"] = ladder.threads;
@@ -169,7 +170,7 @@ void add_ladder(FileBatch& batch, const Ladder& ladder, const std::filesystem::p
     batch.add(directory / "ladder.svg", ladder_svg(ladder));
     batch.add(directory / "ladder.md", ladder_markdown(ladder));
     batch.add(directory / "ladder.csv", ladder_csv(ladder));
-    batch.add(directory / "ladder.json", ladder_json(ladder), FileBatch::Kind::marker);
+    batch.add(directory / "ladder.json", sealed(ladder_json(ladder)), FileBatch::Kind::marker);
 }
 
 }  // namespace twinchute::compare

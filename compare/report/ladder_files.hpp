@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "compare/ladder.hpp"
 #include "lib/cli/text.hpp"
@@ -15,6 +17,20 @@ std::string ladder_csv(const Ladder& ladder);
 std::string ladder_json(const Ladder& ladder);
 std::string ladder_markdown(const Ladder& ladder);
 std::string ladder_svg(const Ladder& ladder);
+
+/// Families of rungs that the picture knows, in its order.
+std::vector<std::string_view> drawn_families();
+
+/// Plain text in rows and columns.
+struct LadderTable {
+    std::vector<std::string> header;
+    std::vector<bool> right;  ///< by column: of numbers
+    std::vector<std::vector<std::string>> rows;
+};
+/// A row for each rung: what it cost and how far it is from its reference.
+LadderTable rungs_table(const Ladder& ladder);
+/// What errors are held against; not `all`: of the judged metrics alone.
+LadderTable references_table(const Ladder& ladder, bool all);
 
 /// For the terminal: a line for each rung, the references, and the advice as the last line.
 std::string ladder_text(const Ladder& ladder, const Style& style);

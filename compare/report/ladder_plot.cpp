@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "compare/report/cost_plot.hpp"
 #include "compare/report/escape.hpp"
@@ -28,11 +30,11 @@ constexpr std::array looks{Look{"closed form", "#222222", Shape::square, false},
                            Look{"full", "#0072b2", Shape::circle, true},
                            Look{"full, time step", "#009e73", Shape::triangle, false},
                            Look{"full, without a piece", "#56b4e9", Shape::square, false}};
-constexpr Look unknown{"", "#777777", Shape::circle, false};
 
 const Look& look_of(std::string_view family) {
     const auto found = std::ranges::find(looks, family, &Look::family);
-    return found == looks.end() ? unknown : *found;
+    assert(found != looks.end());
+    return *found;
 }
 
 /// The first fidelity that a closed form can be held against; an input that is handed through has no gap and
@@ -87,6 +89,13 @@ std::optional<CostPoint> point_of(const RungResult& result, std::string& why_not
 
 }  // namespace
 
+std::vector<std::string_view> drawn_families() {
+    std::vector<std::string_view> families;
+    for (const Look& look : looks)
+        families.push_back(look.family);
+    return families;
+}
+
 std::string ladder_svg(const Ladder& ladder) {
     CostPlot plot;
     plot.title = "Error against run time";
@@ -101,11 +110,11 @@ std::string ladder_svg(const Ladder& ladder) {
     for (const std::string_view metric : ladder.judged)
         if (plot.notes.size() < 14) plot.notes.push_back("  " + std::string(find_metric_row(metric)->title));
     int missing = 0;
-    for (const std::string_view family : rung_families()) {
-        const Look& look = look_of(family);
-        CostFamily drawn{std::string(family), std::string(look.colour), look.shape, true, look.joined, {}};
+    for (const Look& look : looks) {
+        CostFamily drawn{
+            std::string(look.family), std::string(look.colour), look.shape, true, look.joined, {}};
         for (const RungResult& result : ladder.rungs) {
-            if (result.rung.family != family) continue;
+            if (result.rung.family != look.family) continue;
             std::string why;
             if (auto point = point_of(result, why)) {
                 drawn.filled = point->filled || point->shape == Shape::cross;

@@ -28,44 +28,6 @@ std::string status_text(const RungResult& result) {
     return result.rung.given ? status + ", as given" : status;
 }
 
-struct Cells {
-    std::vector<std::string> header;
-    std::vector<bool> right;
-    std::vector<std::vector<std::string>> rows;
-};
-
-Cells cells_of(const Ladder& ladder) {
-    Cells cells;
-    cells.header = {"rung", "time", "steps", "calls", "error", "in", "estimate"};
-    cells.right = {false, true, true, true, true, false, true};
-    for (const std::string_view fidelity : ladder.fidelities) {
-        cells.header.push_back(fmt::format("gap to {}", fidelity));
-        cells.right.push_back(true);
-    }
-    if (ladder.test) {
-        cells.header.emplace_back("to test");
-        cells.right.push_back(true);
-    }
-    cells.header.insert(cells.header.end(), {"effect", "front", "status"});
-    cells.right.insert(cells.right.end(), {true, false, false});
-    for (const RungResult& result : ladder.rungs) {
-        const bool counts = result.was_run && result.steps > 0;
-        std::vector<std::string> row{result.rung.name,
-                                     result.was_run ? time_text(result.wall_s) : "-",
-                                     counts ? fmt::format("{}", result.steps) : "-",
-                                     counts ? fmt::format("{}", result.rhs_calls) : "-",
-                                     worst_text(result.error),
-                                     result.error ? std::string(result.error->metric) : "-",
-                                     worst_text(result.estimate)};
-        for (const std::string_view fidelity : ladder.fidelities)
-            row.push_back(worst_text(result.gap_to(fidelity)));
-        if (ladder.test) row.push_back(worst_text(result.to_test));
-        row.insert(row.end(), {worst_text(result.effect), result.on_front ? "*" : "", status_text(result)});
-        cells.rows.push_back(std::move(row));
-    }
-    return cells;
-}
-
 std::string markdown_row(const std::vector<std::string>& cells) {
     std::string line = "|";
     for (const std::string& cell : cells)
@@ -73,7 +35,7 @@ std::string markdown_row(const std::vector<std::string>& cells) {
     return line + "\n";
 }
 
-std::string markdown_table(const Cells& cells) {
+std::string markdown_table(const LadderTable& cells) {
     std::string text = markdown_row(cells.header) + "|";
     for (const bool right : cells.right)
         text += right ? " ---: |" : " --- |";
@@ -95,8 +57,8 @@ std::string value_of(const RungMetric* metric) {
     return text;
 }
 
-Cells values_of(const Ladder& ladder) {
-    Cells cells{{"rung", "setting", "shows"}, {false, false, false}, {}};
+LadderTable values_of(const Ladder& ladder) {
+    LadderTable cells{{"rung", "setting", "shows"}, {false, false, false}, {}};
     for (const std::string_view name : ladder.judged) {
         cells.header.emplace_back(find_metric_row(name)->title);
         cells.right.push_back(true);
@@ -106,17 +68,6 @@ Cells values_of(const Ladder& ladder) {
         for (const std::string_view name : ladder.judged)
             row.push_back(value_of(result.find(name)));
         cells.rows.push_back(std::move(row));
-    }
-    return cells;
-}
-
-Cells references_of(const Ladder& ladder, bool all) {
-    Cells cells{{"fidelity", "metric", "value", "reference"}, {false, false, true, false}, {}};
-    for (const LadderReference& reference : ladder.references) {
-        if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
-        const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";
-        cells.rows.push_back({std::string(reference.fidelity), std::string(reference.row->title),
-                              with_unit(reference.value, reference.row->unit), reference.how + note});
     }
     return cells;
 }
@@ -152,6 +103,49 @@ std::string seeds_text(const Ladder& ladder) {
 
 }  // namespace
 
+LadderTable rungs_table(const Ladder& ladder) {
+    LadderTable cells;
+    cells.header = {"rung", "time", "steps", "calls", "error", "in", "estimate"};
+    cells.right = {false, true, true, true, true, false, true};
+    for (const std::string_view fidelity : ladder.fidelities) {
+        cells.header.push_back(fmt::format("gap to {}", fidelity));
+        cells.right.push_back(true);
+    }
+    if (ladder.test) {
+        cells.header.emplace_back("to test");
+        cells.right.push_back(true);
+    }
+    cells.header.insert(cells.header.end(), {"effect", "front", "status"});
+    cells.right.insert(cells.right.end(), {true, false, false});
+    for (const RungResult& result : ladder.rungs) {
+        const bool counts = result.was_run && result.steps > 0;
+        std::vector<std::string> row{result.rung.name,
+                                     result.was_run ? time_text(result.wall_s) : "-",
+                                     counts ? fmt::format("{}", result.steps) : "-",
+                                     counts ? fmt::format("{}", result.rhs_calls) : "-",
+                                     worst_text(result.error),
+                                     result.error ? std::string(result.error->metric) : "-",
+                                     worst_text(result.estimate)};
+        for (const std::string_view fidelity : ladder.fidelities)
+            row.push_back(worst_text(result.gap_to(fidelity)));
+        if (ladder.test) row.push_back(worst_text(result.to_test));
+        row.insert(row.end(), {worst_text(result.effect), result.on_front ? "*" : "", status_text(result)});
+        cells.rows.push_back(std::move(row));
+    }
+    return cells;
+}
+
+LadderTable references_table(const Ladder& ladder, bool all) {
+    LadderTable cells{{"fidelity", "metric", "value", "reference"}, {false, false, true, false}, {}};
+    for (const LadderReference& reference : ladder.references) {
+        if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
+        const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";
+        cells.rows.push_back({std::string(reference.fidelity), std::string(reference.row->title),
+                              with_unit(reference.value, reference.row->unit), reference.how + note});
+    }
+    return cells;
+}
+
 std::string ladder_markdown(const Ladder& ladder) {
     const Provenance& p = ladder.provenance;
     std::string text = fmt::format("# Error against run time: {}\n\n", markdown_text(ladder.scene.name));
@@ -173,16 +167,16 @@ std::string ladder_markdown(const Ladder& ladder) {
         "least of several\nruns where they are short. A star marks what no cheaper rung of its model "
         "matches. ";
     text += seeds_text(ladder) + test_text(ladder) + "\n\n";
-    text += markdown_table(cells_of(ladder)) + "\n";
+    text += markdown_table(rungs_table(ladder)) + "\n";
     if (const std::string failures = failures_of(ladder, "- "); !failures.empty())
         text += "Not answered:\n\n" + failures + "\n";
-    text += "## References\n\n" + markdown_table(references_of(ladder, true)) + "\n";
+    text += "## References\n\n" + markdown_table(references_table(ladder, true)) + "\n";
     text += "## Values\n\n" + markdown_table(values_of(ladder)) + "\n";
     return text + "## Which rung\n\n" + markdown_text(advice(ladder)) + "\n";
 }
 
 std::string ladder_text(const Ladder& ladder, const Style& style) {
-    const auto table = [&](const Cells& cells) {
+    const auto table = [&](const LadderTable& cells) {
         Table lines{cells.header, cells.rows, cells.right};
         for (auto& row : lines.rows)
             for (std::string& cell : row)
@@ -190,9 +184,9 @@ std::string ladder_text(const Ladder& ladder, const Style& style) {
         return aligned(lines, style);
     };
     std::string text = style.paint(printable(ladder.scene.name), Colour::bold) + "\n\n";
-    text += table(cells_of(ladder)) + "\n";
+    text += table(rungs_table(ladder)) + "\n";
     text += printable(failures_of(ladder, "failed    "), Newlines::keep);
-    text += table(references_of(ladder, false)) + "\n";
+    text += table(references_table(ladder, false)) + "\n";
     return text + printable(advice(ladder)) + "\n";
 }
 

@@ -63,7 +63,9 @@ std::string metrics_section(const Comparison& comparison) {
         const std::string_view unit = metric.row->unit;
         text += row({std::string(metric.row->title), value_text(metric.candidate, unit),
                      value_text(metric.reference, unit), difference_text(metric),
-                     metric.tolerance ? tolerance_text(*metric.tolerance, unit) : "-",
+                     metric.tolerance ? fmt::format("{} ({})", tolerance_text(*metric.tolerance, unit),
+                                                    origin_name(metric.origin))
+                                      : "-",
                      std::string(metric.verdict == Verdict::not_judged ? "-" : verdict_name(metric.verdict)),
                      standing_text(metric.candidate), standing_text(metric.reference)});
         notes += notes_of(metric, comparison);
@@ -87,7 +89,10 @@ std::string histories_section(const FidelityGap& gap) {
     std::string notes;
     for (const HistoryGap& history : gap.histories) {
         const std::string title(history.row->title);
-        const std::string tolerance = history.tolerance ? share_text(history.tolerance->value, false) : "-";
+        const std::string tolerance =
+            history.tolerance ? fmt::format("{} ({})", share_text(history.tolerance->value, false),
+                                            origin_name(history.origin))
+                              : "-";
         for (const PhaseScore& phase : history.phases) {
             const bool judged = phase.phase != HistoryPhase::deployment;
             text +=

@@ -37,13 +37,27 @@ std::string difference_text(const MetricGap& metric) {
     return text;
 }
 
+std::string_view origin_text(ToleranceOrigin origin) {
+    switch (origin) {
+        case ToleranceOrigin::scene:
+            return "of the scene";
+        case ToleranceOrigin::command_line:
+            return "from the command line";
+        case ToleranceOrigin::fallback:
+            return "by default";
+    }
+    return "";
+}
+
 std::string standing_text(const std::optional<SideValue>& side) {
     return side ? std::string(standing_name(side->standing)) : "-";
 }
 
 std::string failure_text(const MetricGap& metric, const Comparison& comparison) {
     const std::string tolerance =
-        metric.tolerance ? tolerance_text(*metric.tolerance, metric.row->unit) : "none";
+        metric.tolerance ? fmt::format("{} ({})", tolerance_text(*metric.tolerance, metric.row->unit),
+                                       origin_text(metric.origin))
+                         : "none";
     if (metric.verdict == Verdict::missing) {
         return fmt::format("{}: {}, so that the tolerance of {} cannot be judged", metric.row->title,
                            metric.note, tolerance);
@@ -55,7 +69,10 @@ std::string failure_text(const MetricGap& metric, const Comparison& comparison) 
 }
 
 std::string failure_text(const HistoryGap& history) {
-    const std::string tolerance = history.tolerance ? share_text(history.tolerance->value, false) : "none";
+    const std::string tolerance =
+        history.tolerance
+            ? fmt::format("{} ({})", share_text(history.tolerance->value, false), origin_text(history.origin))
+            : "none";
     if (!history.score)
         return fmt::format("{} over time: {}, so that the tolerance of {} cannot be judged",
                            history.row->title, history.note, tolerance);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "compare/gap.hpp"
 
@@ -12,6 +13,9 @@ std::string value_text(const std::optional<SideValue>& side, std::string_view un
 
 /// "-94.3 N (-1.9 %)", or "-" where there is none.
 std::string difference_text(const MetricGap& metric);
+
+/// "of the scene", "from the command line", "by default".
+std::string_view origin_text(ToleranceOrigin origin);
 
 /// "input", "result", "mixed", or "-".
 std::string standing_text(const std::optional<SideValue>& side);

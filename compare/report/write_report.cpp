@@ -5,30 +5,34 @@
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
+#include "lib/record/file_sums.hpp"
 #include "lib/record/write_record.hpp"
 
 namespace twinchute::compare {
 
-void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
+void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
+                   const LadderBeside& beside) {
     batch.add(directory / "force.svg", force_svg(comparison));
     batch.add(directory / "speed.svg", speed_svg(comparison));
     batch.add(directory / "report.md", report_markdown(comparison));
-    batch.add(directory / "report.html", report_html(comparison));
+    batch.add(directory / "report.html", report_html(comparison, beside));
     batch.add(directory / "junit.xml", junit_xml(comparison));
-    batch.add(directory / "gap.json", gap_json(comparison), FileBatch::Kind::marker);
+    batch.add(directory / "gap.json", sealed(gap_json(comparison)), FileBatch::Kind::marker);
 }
 
-void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory) {
+void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
+                const LadderBeside& beside) {
     add_record(batch, comparison.candidate, directory / comparison.candidate.fidelity,
                comparison.candidate_frames);
     add_record(batch, comparison.reference, directory / comparison.reference.fidelity,
                comparison.reference_frames);
-    add_gap_files(batch, comparison, directory);
+    add_gap_files(batch, comparison, directory, beside);
 }
 
-void write_report(const Comparison& comparison, const std::filesystem::path& directory) {
+void write_report(const Comparison& comparison, const std::filesystem::path& directory,
+                  const LadderBeside& beside) {
     FileBatch batch;
-    add_report(batch, comparison, directory);
+    add_report(batch, comparison, directory, beside);
     batch.commit();
 }
 

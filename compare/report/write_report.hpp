@@ -4,19 +4,23 @@
 #include <filesystem>
 
 #include "compare/gap.hpp"
+#include "compare/ladder_beside.hpp"
 #include "lib/record/file_batch.hpp"
 
 namespace twinchute::compare {
 
-/// Writes both records (each in the directory of its fidelity's name), report.html, report.md with
-/// force.svg and speed.svg, junit.xml and, last, gap.json. Throws WriteError; then nothing that stood there
-/// before has changed.
-void write_report(const Comparison& comparison, const std::filesystem::path& directory);
+/// Writes both records (each in the directory of its fidelity's name), report.html, with the ladder that lies
+/// beside it, report.md with force.svg and speed.svg, junit.xml and, last, gap.json. Throws WriteError; then
+/// nothing that stood there before has changed.
+void write_report(const Comparison& comparison, const std::filesystem::path& directory,
+                  const LadderBeside& beside = {});
 
 /// The same as part of a larger batch.
-void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory);
+void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
+                const LadderBeside& beside = {});
 
 /// The same without the records: what can be made again from them.
-void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory);
+void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
+                   const LadderBeside& beside = {});
 
 }  // namespace twinchute::compare

@@ -111,6 +111,11 @@ bool JsonNode::is_text() const {
     return json_.is_string();
 }
 
+bool JsonNode::truth() const {
+    require(json_.is_boolean(), "true or false");
+    return json_.get<bool>();
+}
+
 double JsonNode::number() const {
     require(json_.is_number(), "a number");
     return json_.get<double>();

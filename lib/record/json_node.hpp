@@ -46,6 +46,7 @@ public:
 
     std::string text() const;
     bool is_text() const;
+    bool truth() const;
     double number() const;
     /// A count: whole and not negative.
     std::int64_t count(std::int64_t largest = std::numeric_limits<std::int64_t>::max()) const;

@@ -14,9 +14,9 @@ namespace twinchute {
 /// A record that was written reads back to the same bits, but for what as_written says. Keys of the JSON and
 /// columns of events.csv that this version does not know are skipped; a schema or a word (status, standing,
 /// origin) that it does not know is refused.
-/// A file that summary.json vouches for and that is not the one it was written with is refused; records of
-/// versions that did not vouch are read. Throws RecordError for everything that is wrong, with file, and line
-/// and column where it is a table.
+/// A file that summary.json vouches for, itself among them, and that is not the one that was written is
+/// refused; records of versions that did not vouch are read. Throws RecordError for everything that is wrong,
+/// with file, and line and column where it is a table.
 RunRecord read_record(const std::filesystem::path& directory);
 
 /// The same from the texts of the three files; `directory` stands before their names in messages.

@@ -15,24 +15,6 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<Input> read_inputs(const JsonNode& node) {
-    std::vector<Input> inputs;
-    node.each_key([&](const std::string& key, const JsonNode& row) {
-        Input input{key, not_a_number, "", InputOrigin::given, ""};
-        if (const auto value = row.find("value")) {
-            if (value->is_text())
-                input.value = value->text();
-            else
-                input.value = value->number();
-        }
-        if (const auto unit = row.find("unit")) input.unit = unit->text();
-        input.origin = json_word(row.at("origin"), origin_name);
-        if (const auto source = row.find("source")) input.source = source->text();
-        inputs.push_back(std::move(input));
-    });
-    return inputs;
-}
-
 std::vector<Metric> read_metrics(const JsonNode& values, const JsonNode& standings) {
     std::vector<Metric> metrics;
     values.each_key([&](const std::string& key, const JsonNode& value) {
@@ -80,19 +62,6 @@ Cost read_cost(const JsonNode& node) {
     return cost;
 }
 
-Provenance read_provenance(const JsonNode& node) {
-    Provenance made;
-    made.version = node.text_at("version");
-    made.commit = node.text_at("commit");
-    made.compiler = node.text_at("compiler");
-    made.flags = node.text_at("flags");
-    made.instruction_set = node.text_at("instruction_set");
-    made.host_cpu = node.text_at("host_cpu");
-    made.date = node.text_at("date");
-    made.threads = static_cast<int>(node.at("threads").count(std::numeric_limits<int>::max()));
-    return made;
-}
-
 /// Names of files in the record's own directory: nothing else is ever looked at.
 FileSums read_sums(const JsonNode& node) {
     FileSums sums;
@@ -107,27 +76,62 @@ FileSums read_sums(const JsonNode& node) {
     return sums;
 }
 
-void require_schema(const JsonNode& top) {
-    const auto generator = top.find("generator");
-    if (!generator || !generator->is_text() || generator->text() != "twinchute")
-        throw RecordError({top.file()}, "is not of a record of twinchute", "its generator is another one",
-                          "name a directory that twinchute wrote");
-    const std::int64_t schema = top.at("schema").count();
-    if (schema != RunRecord::schema)
-        top.at("schema").refuse(fmt::format("{} is not known", schema),
-                                fmt::format("this version reads {}", RunRecord::schema),
-                                "read it with the version that wrote it");
+}  // namespace
+
+std::vector<Input> read_inputs(const JsonNode& node) {
+    std::vector<Input> inputs;
+    node.each_key([&](const std::string& key, const JsonNode& row) {
+        Input input{key, not_a_number, "", InputOrigin::given, ""};
+        if (const auto value = row.find("value")) {
+            if (value->is_text())
+                input.value = value->text();
+            else
+                input.value = value->number();
+        }
+        if (const auto unit = row.find("unit")) input.unit = unit->text();
+        input.origin = json_word(row.at("origin"), origin_name);
+        if (const auto source = row.find("source")) input.source = source->text();
+        inputs.push_back(std::move(input));
+    });
+    return inputs;
 }
 
-}  // namespace
+Provenance read_provenance(const JsonNode& node) {
+    Provenance made;
+    made.version = node.text_at("version");
+    made.commit = node.text_at("commit");
+    made.compiler = node.text_at("compiler");
+    made.flags = node.text_at("flags");
+    made.instruction_set = node.text_at("instruction_set");
+    made.host_cpu = node.text_at("host_cpu");
+    made.date = node.text_at("date");
+    made.threads = static_cast<int>(node.at("threads").count(std::numeric_limits<int>::max()));
+    return made;
+}
+
+SceneId read_scene_id(const JsonNode& node) {
+    return {node.text_at("name"), node.text_at("file"), node.text_at("sha256")};
+}
+
+void require_schema(const JsonNode& top, std::string_view what, std::int64_t known) {
+    const auto generator = top.find("generator");
+    if (!generator || !generator->is_text() || generator->text() != "twinchute")
+        throw RecordError({top.file()}, fmt::format("is not of a {} of twinchute", what),
+                          "its generator is another one", "name a directory that twinchute wrote");
+    const std::int64_t schema = top.at("schema").count();
+    if (schema != known)
+        top.at("schema").refuse(fmt::format("{} is not known", schema),
+                                fmt::format("this version reads {}", known),
+                                "read it with the version that wrote it");
+}
 
 RunRecord read_summary(std::string_view text, const std::string& file, FileSums& sums) {
     const JsonDocument document(text, file);
     const JsonNode top = document.top();
-    require_schema(top);
+    require_schema(top, "record", RunRecord::schema);
     RunRecord record;
-    const JsonNode scene = top.at("scene"), status = top.at("status");
-    record.scene = {scene.text_at("name"), scene.text_at("file"), scene.text_at("sha256")};
+    const JsonNode status = top.at("status");
+    record.scene = read_scene_id(top.at("scene"));
     record.inputs = read_inputs(top.at("inputs"));
     record.fidelity = top.text_at("fidelity");
     record.status = {json_word(status.at("code"), status_name), status.text_at("detail")};
@@ -149,6 +153,8 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileSums&
     });
     record.provenance = read_provenance(top.at("provenance"));
     if (const auto files = top.find("files")) sums = read_sums(*files);
+    // Last: what is wrong in it is said with its key; only then, that it is another one.
+    if (const auto sum = top.find("sha256")) require_seal(text, sum->text(), file);
     return record;
 }
 

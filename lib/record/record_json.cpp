@@ -21,23 +21,6 @@ void put_unless_zero(Json& object, const std::string& key, double value) {
     if (value != 0.0) put(object, key, value);
 }
 
-Json inputs_json(const std::vector<Input>& inputs) {
-    Json json = Json::object();
-    for (const Input& input : inputs) {
-        Json row;
-        if (const auto* number = std::get_if<double>(&input.value)) {
-            put(row, "value", *number);
-        } else {
-            row["value"] = std::get<std::string>(input.value);
-        }
-        if (!input.unit.empty()) row["unit"] = input.unit;
-        row["origin"] = origin_name(input.origin);
-        if (!input.source.empty()) row["source"] = input.source;
-        json[input.key] = std::move(row);
-    }
-    return json;
-}
-
 Json metrics_json(const std::vector<Metric>& metrics) {
     Json json = Json::object();
     for (const Metric& metric : metrics)
@@ -93,6 +76,23 @@ Json energy_json(const EnergyLedger& energy) {
 
 nlohmann::ordered_json scene_json(const SceneId& scene) {
     return {{"name", scene.name}, {"file", scene.file}, {"sha256", scene.sha256}};
+}
+
+nlohmann::ordered_json inputs_json(const std::vector<Input>& inputs) {
+    Json json = Json::object();
+    for (const Input& input : inputs) {
+        Json row;
+        if (const auto* number = std::get_if<double>(&input.value)) {
+            put(row, "value", *number);
+        } else {
+            row["value"] = std::get<std::string>(input.value);
+        }
+        if (!input.unit.empty()) row["unit"] = input.unit;
+        row["origin"] = origin_name(input.origin);
+        if (!input.source.empty()) row["source"] = input.source;
+        json[input.key] = std::move(row);
+    }
+    return json;
 }
 
 nlohmann::ordered_json status_json(const RunStatus& status) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "lib/record/file_sums.hpp"
 #include "lib/record/run_record.hpp"
@@ -21,6 +22,7 @@ RunRecord as_written(RunRecord record);
 
 /// Its parts, for reports that hold more than one record.
 nlohmann::ordered_json scene_json(const SceneId& scene);
+nlohmann::ordered_json inputs_json(const std::vector<Input>& inputs);
 nlohmann::ordered_json status_json(const RunStatus& status);
 nlohmann::ordered_json cost_json(const Cost& cost);
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings);

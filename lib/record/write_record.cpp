@@ -21,7 +21,7 @@ void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem
         batch.remove(directory / "frames.bin");
     else
         add("frames.bin", frames_bytes(frames));
-    batch.add(directory / "summary.json", summary_json(record, sums), FileBatch::Kind::marker);
+    batch.add(directory / "summary.json", sealed(summary_json(record, sums)), FileBatch::Kind::marker);
 }
 
 void write_record(const RunRecord& record, const std::filesystem::path& directory,

@@ -11,9 +11,11 @@
 #include "lib/scene/nearest.hpp"
 
 namespace twinchute {
-namespace {
 
 const std::string override_file = "--set";
+
+namespace {
+
 constexpr std::size_t most_cases = 1000;
 constexpr std::size_t most_members = 999;  // of a list: row_path() knows three digits
 constexpr std::size_t most_parachutes = 20;

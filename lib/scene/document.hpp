@@ -17,6 +17,9 @@
 
 namespace twinchute {
 
+/// Where overrides stand, in messages.
+extern const std::string override_file;
+
 /// What a value is before its key has had a say.
 using RawValue = std::variant<std::int64_t, double, std::string, std::vector<std::string>>;
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lib/scene/scene.hpp"
@@ -30,6 +31,9 @@ std::vector<Scene> read_scenes(const std::filesystem::path& file,
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,
                                     const std::filesystem::path& directory,
                                     const std::vector<std::string>& overrides = {});
+
+/// What an input that an override gives says of its source, before what the override itself says of it.
+inline constexpr std::string_view command_line_source = "command line";
 
 /// The tolerances among such overrides, by metric: {"compare.tolerance.peak_force=10 %"}. Any other key is
 /// unknown here. Throws SceneError.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/scene/nearest.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/scene/units.hpp"
 
 namespace twinchute {
@@ -315,12 +316,18 @@ SourcePlace Values::place(std::string_view path) const {
     return found == values_.end() ? place_of_absent(path) : found->second.place;
 }
 
+std::string Values::source_of(const Value& value) {
+    // A default stands where its table does.
+    if (value.place.file != override_file || value.origin == InputOrigin::fallback) return value.source;
+    return std::string(command_line_source) + (value.source.empty() ? "" : ": " + value.source);
+}
+
 std::vector<Input> Values::inputs() const {
     std::vector<Input> list;
     for (const Key& row : kind_.keys)
         for (const auto& [path, value] : values_) {
             if (value.key->path != row.path) continue;
-            Input input{path, {}, std::string(row.record_unit()), value.origin, value.source};
+            Input input{path, {}, std::string(row.record_unit()), value.origin, source_of(value)};
             if (const auto* number = std::get_if<double>(&value.value)) {
                 input.value = *number;
             } else if (const auto* whole = std::get_if<std::int64_t>(&value.value)) {

@@ -60,6 +60,7 @@ private:
         std::filesystem::path directory;
     };
 
+    static std::string source_of(const Value& value);
     Value checked(const std::string& path, const Entry& entry) const;
     double checked_number(const std::string& path, const Entry& entry) const;
     std::vector<std::string> checked_list(const std::string& path, const Entry& entry) const;

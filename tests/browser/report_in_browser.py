@@ -89,6 +89,16 @@ def canopy_plays(page):
     expect(page.ask("(report.canopy.draw(), report.canopy.canvas.toDataURL())") != before, "an arrow key turns the canopy")
 
 
+def ladder_is_shown(page):
+    expect(page.ask("document.querySelectorAll('#ladder tbody tr').length") > 20, "the ladder has its rungs")
+    centre(page, "#ladder svg")
+    size = page.ask("(() => { const r = document.querySelector('#ladder svg').getBoundingClientRect(); return [r.width, r.height]; })()")
+    expect(size[0] > 600 and size[1] > 300, f"the plot of the ladder is large enough to be read: {size}")
+    seen = page.ask("(() => { const t = document.querySelector('#ladder svg text'); return [getComputedStyle(t).fill, getComputedStyle(t).fontSize]; })()")
+    expect(seen == ["rgb(34, 34, 34)", "16px"], f"its words are as dark and as large as the plot has them: {seen}")
+    expect(page.ask("[...document.querySelectorAll('nav a')].some(a => a.hash === '#ladder')"), "the navigation leads to it")
+
+
 def is_accessible(page):
     nameless = page.ask("""[...document.querySelectorAll('button, input, select, canvas, a, [role=img], [role=region]')].filter(e =>
         !e.parentElement.closest('[role=img]') && !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || (e.labels && e.labels.length) || e.textContent.trim()))
@@ -103,15 +113,25 @@ def is_accessible(page):
     expect("skip" in (page.ask("document.activeElement.className") or ""), "the first stop of the keyboard skips the navigation")
 
 
+def made(twinchute, work, name, verb, *words):
+    """The address of the page that a verb leaves, or brings its ladder to."""
+    out = pathlib.Path(work) / name
+    done = subprocess.run([twinchute, verb, *words, "--quiet", "--out", str(out)], check=False)
+    expect(done.returncode in (0, 1), f"{verb} ended with {done.returncode}")
+    return (out / "report.html").resolve().as_uri()
+
+
 def main():
     twinchute, scene, work = sys.argv[1:]
     if not program():
         print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the HTML report")
         return 77
-    done = subprocess.run([twinchute, "compare", scene, "--quiet", "--out", work, "--set", "full.mesh.gore_columns=1", "--set",
-                           "full.mesh.gore_rows=6"], check=False)
-    expect(done.returncode in (0, 1), f"compare ended with {done.returncode}")
-    url = (pathlib.Path(work) / "report.html").resolve().as_uri()
+    coarse = ["--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=6"]
+    url = made(twinchute, work, "whole", "compare", scene, *coarse)
+    # A quarter of a second: a ladder of the whole opening takes longer than all else here.
+    short = [scene, *coarse, "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.25"]
+    made(twinchute, work, "short", "ladder", *short, "--quick")
+    with_ladder = made(twinchute, work, "short", "compare", *short)
     with Chromium(240) as page:
         page.open(url, width=1000, height=800)
         is_accessible(page)
@@ -122,8 +142,11 @@ def main():
         expect(page.ask("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out of a telephone")
         light = page.ask("getComputedStyle(document.body).backgroundColor")
         expect(light != "rgb(255, 255, 255)", f"dark is dark: {light}")
+        page.open(with_ladder, width=360, height=700, scheme="dark")
+        is_accessible(page)
+        ladder_is_shown(page)
         expect(page.log == [], f"the page logs no error and no warning: {page.log}")
-        expect(set(page.requests) == {url}, f"nothing is fetched: {page.requests}")
+        expect(set(page.requests) == {url, with_ladder}, f"nothing is fetched: {page.requests}")
     return 1 if failures else 0
 
 

@@ -1,6 +1,7 @@
 // Any bytes as a record, its three files one after the other with a NUL between them, after a fourth a
 // gap.json that may hold an attribution, and what is left as its frames: a record that survives being written
-// and read again, of which every report can be made, or a RecordError with a place.
+// and read again, of which every report can be made and which can be a baseline, or a RecordError with a
+// place.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,8 @@
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
 #include "compare/report/terminal.hpp"
+#include "compare/report/trend_text.hpp"
+#include "compare/trend.hpp"
 #include "lib/record/read_record.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
@@ -31,6 +34,23 @@ bool holds_null(const nlohmann::json& json) {
     return json.is_null() || (json.is_structured() && std::ranges::any_of(json, holds_null));
 }
 
+/// The record as a baseline that later runs are held against.
+void follow(const compare::Comparison& now) {
+    compare::Comparison before;
+    before.reference = before.candidate = now.reference;
+    for (const bool itself : {false, true}) {
+        const compare::Trend trend =
+            compare::measure_trend(itself ? now : before, now, {{"peak_force", {1e-2, true}}});
+        const auto json = compare::trend_json(trend, "d");
+        fuzz::require(!holds_null(nlohmann::json::parse(json.dump())), "what is absent has no key");
+        fuzz::require(!compare::trend_markdown(trend, "d", now.reference.scene.name).empty() &&
+                          !compare::trend_terminal(trend, "d", {}).empty(),
+                      "a trend says something");
+        fuzz::require(!itself || (trend.changes.empty() && trend.inputs.empty()),
+                      "a record has not moved from itself");
+    }
+}
+
 /// The record beside itself one metric further: differences and quotients of whatever it holds.
 void report(const RunRecord& record, std::string_view foreign_gap, const ShapeFrames& frames) {
     compare::Comparison comparison;
@@ -45,6 +65,7 @@ void report(const RunRecord& record, std::string_view foreign_gap, const ShapeFr
         } catch (const RecordError& error) {
             fuzz::require(error.place().file == "d/gap.json", "an error has a place");
         }
+    follow(comparison);
     const std::string gap = compare::gap_json(comparison);
     fuzz::require(!holds_null(nlohmann::json::parse(gap)), "what is absent has no key");
     fuzz::require(!compare::report_markdown(comparison).empty() && !compare::junit_xml(comparison).empty() &&

@@ -29,6 +29,19 @@ protected:
     std::string text(const std::string& file) const { return content_of(here_ / file); }
     nlohmann::json read(const std::string& file) const { return nlohmann::json::parse(text(file)); }
 
+    /// A file of results as standard output has it: only files vouch for themselves.
+    nlohmann::json printed(const std::string& file) const {
+        nlohmann::json content = read(file);
+        EXPECT_EQ(content.erase("sha256"), 1u) << file;
+        return content;
+    }
+    /// Writes what a test has changed as a version that did not vouch for its files would have: an edited one
+    /// is refused.
+    void write_unsealed(const std::string& file, nlohmann::ordered_json content) const {
+        content.erase("sha256");
+        here_.write(file, content.dump());
+    }
+
     /// Every file below a directory, by name.
     std::map<std::string, std::string> files(const std::string& directory) const {
         std::map<std::string, std::string> contents;

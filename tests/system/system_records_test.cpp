@@ -166,10 +166,55 @@ TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
     // A record of an earlier version vouches for nothing and is read.
     auto old = nlohmann::ordered_json::parse(summary);
     old.erase("files");
+    refused("rom/summary.json", old.dump(2));  // the seal is still there
     std::filesystem::remove_all(here_ / "bad");
     std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
-    here_.write("bad/rom/summary.json", old.dump());
+    write_unsealed("bad/rom/summary.json", old);
     EXPECT_EQ(run({"report", "bad", "--quiet"}).err, "");
+}
+
+TEST_F(SystemRecords, AnEditedSummaryIsRefusedWhereverItIsRead) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out"});
+    std::string summary = text("out/full/summary.json");
+    const std::string mass = "\"value\": 152.4";
+    ASSERT_NE(summary.find(mass), std::string::npos);
+    here_.write("out/full/summary.json",
+                summary.replace(summary.find(mass), mass.size(), "\"value\": 152.5"));
+    const auto before = files("out");
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"report", "out"},
+          {"report", "out/full"},
+          {"report", "out", "--out", "new"},
+          {"compare", "scene.toml", "--out", "new", "--baseline", "out"}}) {
+        const Ended ended = run(words);
+        EXPECT_EQ(ended.code, 2) << testing::PrintToString(words);
+        EXPECT_TRUE(ended.err.starts_with(
+            "twinchute: out/full/summary.json: is not the file that was written (its SHA-256 without"))
+            << ended.err;
+        EXPECT_FALSE(std::filesystem::exists(here_ / "new"));
+    }
+    EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemRecords, PythonChecksASealInThreeLines) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out"});
+    // As docs/guide/ci.md has them.
+    const std::string guide = content_of(TWINCHUTE_SOURCE_DIR "/docs/guide/ci.md");
+    const std::string begin = "```python\n";
+    const std::size_t from = guide.find(begin) + begin.size();
+    const std::string lines_of_guide = guide.substr(from, guide.find("```", from) - from);
+    EXPECT_EQ(lines(lines_of_guide), 4u) << lines_of_guide;  // an import, and three
+    for (const std::string file : {"out/rom/summary.json", "out/full/summary.json", "out/gap.json"}) {
+        const auto check = [&](const std::string& content) {
+            here_.write("summary.json", content);
+            return test::Process({"/usr/bin/env", "python3", "-c", lines_of_guide}, here_.path()).wait();
+        };
+        const Ended good = check(text(file));
+        if (test::lacks_python(good)) GTEST_SKIP() << "no Python";
+        EXPECT_EQ(good.code, 0) << good.err;
+        std::string edited = text(file);
+        EXPECT_EQ(check(edited.replace(edited.find("twinchute"), 1, "T")).code, 1);
+    }
 }
 
 TEST_F(SystemRecords, AreWhatTheSchemasSay) {

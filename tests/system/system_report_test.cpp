@@ -26,8 +26,6 @@ protected:
                     "max_line_tension = \"3 kN\"\n"  // which one side lacks
                     "projected_diameter_ratio = \"0.5\"\n");
     }
-    void write(const std::string& file, const json& content) { here_.write(file, content.dump()); }
-
     /// All but the records.
     void remove_report(const std::string& directory) const {
         for (const char* name :
@@ -79,7 +77,7 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
     // A record of a version that had none says nothing of it.
     auto summary = nlohmann::json::parse(before.at("full/summary.json"));
     summary["files"].erase("frames.bin");
-    here_.write("out/full/summary.json", summary.dump());
+    write_unsealed("out/full/summary.json", summary);
     EXPECT_LT(run({"report", "out", "--quiet"}).code, 2);
     const std::string page = content_of(here_ / "out/report.html");
     EXPECT_EQ(page.find("id=\"canopy-section\""), page.npos);
@@ -113,7 +111,7 @@ TEST_F(SystemReport, AnotherToleranceIsAnotherVerdictAndIsNotRemembered) {
     const Ended narrow = run({"report", "out", "--json", "--tolerance", "max_force=0%"});
     EXPECT_EQ(narrow.code, 1) << narrow.err;
     EXPECT_EQ(json::parse(narrow.out)["metrics"]["max_force_N"]["verdict"], "exceeded");
-    EXPECT_EQ(json::parse(narrow.out), read("out/gap.json"));
+    EXPECT_EQ(json::parse(narrow.out), printed("out/gap.json"));
     EXPECT_EQ(json::parse(narrow.out)["metrics"]["peak_force_N"]["tolerance"]["value"], 10);
     EXPECT_EQ(run({"report", "out", "--quiet"}).code, 1);
     EXPECT_EQ(files("out"), before);
@@ -126,6 +124,46 @@ TEST_F(SystemReport, AnotherToleranceIsAnotherVerdictAndIsNotRemembered) {
         EXPECT_NE(wrong.err, "");
     }
     EXPECT_EQ(files("out"), before);
+}
+
+TEST_F(SystemReport, SaysWhereEachToleranceIsFrom) {
+    run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "max_force=0%", "--tolerance",
+         "force_history=0%", "--set", "compare.tolerance.speed_history=500%", "--set",
+         "compare.tolerance={impulse=\"0 %\"}"});
+    const auto from = [&](const std::string& metric) {
+        return read("out/gap.json")["metrics"][metric]["tolerance"]["from"].get<std::string>();
+    };
+    const auto all = [&](const std::string& peak) {
+        EXPECT_EQ(from("peak_force_N"), peak);
+        EXPECT_EQ(from("projected_diameter_ratio"), "scene");
+        EXPECT_EQ(from("max_force_N"), "command line");
+        EXPECT_EQ(from("impulse_N_s"), "command line");
+        const json histories = read("out/gap.json")["histories"];
+        EXPECT_EQ(histories["force_history"]["tolerance_from"], "command line");
+        EXPECT_EQ(histories["speed_history"]["tolerance_from"], "command line");
+    };
+    all("scene");
+    const auto before = files("out");
+    const std::string page = before.at("report.html"), markdown = before.at("report.md"),
+                      junit = before.at("junit.xml");
+    EXPECT_NE(page.find("tolerance \u00b11000 %, of the scene"), page.npos);
+    EXPECT_NE(page.find("tolerance 0: any difference counts, from the command line"), page.npos);
+    EXPECT_NE(markdown.find("| 1000 % (scene) |"), markdown.npos) << markdown;
+    EXPECT_NE(markdown.find("| 0.0 % (command line) |"), markdown.npos) << markdown;  // of the history
+    EXPECT_NE(junit.find("tolerance 0 % (from the command line)"), junit.npos) << junit;
+    EXPECT_NE(junit.find("tolerance 0.0 % (from the command line)"), junit.npos) << junit;
+    remove_report("out");
+    run({"report", "out", "--quiet"});
+    EXPECT_EQ(files("out"), before);  // the records know
+    run({"report", "out", "--quiet", "--tolerance", "peak_force=1%"});
+    all("command line");
+    EXPECT_NE(content_of(here_ / "out/junit.xml").find("tolerance 1 % (from the command line)"), junit.npos);
+
+    const std::string demo = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    run({"compare", demo, "--quiet", "--out", "out", "--set", "full.mesh={gore_columns=1, gore_rows=4}"});
+    EXPECT_EQ(from("filling_time_s"), "default");
+    EXPECT_EQ(from("peak_force_N"), "scene");  // the demo has one of its own
+    EXPECT_NE(content_of(here_ / "out/report.html").find("tolerance \u00b110 %, by default"), page.npos);
 }
 
 TEST_F(SystemReport, TakesSeveralDirectoriesAndSeries) {
@@ -145,9 +183,9 @@ TEST_F(SystemReport, TakesSeveralDirectoriesAndSeries) {
     EXPECT_EQ(files("one"), one);
     const json gaps = json::parse(all.out);
     ASSERT_EQ(gaps.size(), 3u);  // each once
-    EXPECT_EQ(gaps[0], read("one/gap.json"));
-    EXPECT_EQ(gaps[1], read("s/a/gap.json"));
-    EXPECT_EQ(gaps[2], read("s/b/gap.json"));
+    EXPECT_EQ(gaps[0], printed("one/gap.json"));
+    EXPECT_EQ(gaps[1], printed("s/a/gap.json"));
+    EXPECT_EQ(gaps[2], printed("s/b/gap.json"));
     EXPECT_EQ(run({"report", "one", "./one/", "--quiet"}).code, 1);  // the same under two names
     EXPECT_EQ(files("one"), one);
 }
@@ -173,7 +211,7 @@ TEST_F(SystemReport, BadRecordsAreExitTwoAndChangeNothing) {
         return [this, file, pointer, value] {
             json content = read(file);
             content[json::json_pointer(pointer)] = value;
-            write(file, content);
+            write_unsealed(file, content);
         };
     };
     breaking("'bad' holds no comparison", [&] {
@@ -215,7 +253,7 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
         auto content = nlohmann::ordered_json::parse(content_of(here_ / file));
         content["later"] = {1, 2, 3};
         content["provenance"]["later"] = "words";
-        here_.write(file, content.dump());
+        write_unsealed(file, content);
     }
     const Ended again = run({"report", "out", "--quiet"});
     EXPECT_EQ(again.err, "");

@@ -88,6 +88,7 @@ TEST_F(SystemWhy, AnEditedGapIsRefusedAndNothingIsChanged) {
     refused(with((peak + "/interaction").c_str(), 1e9), "does not add up");
     refused(with((peak + "/terms/0/effect").c_str(), "much"), "is text where a number belongs");
     refused(with("/attribution/notes", 3), "is a number where an array belongs");
+    refused(with((peak + "/terms/0/title").c_str(), "Nothing"), "it was edited");
     refused(good.dump().substr(0, 200), "is not JSON");
     // Without the file there is nothing to say why, and nothing else is lost.
     std::filesystem::remove(here_ / "out/gap.json");

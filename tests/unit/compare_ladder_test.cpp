@@ -13,43 +13,10 @@
 #include "compare/ladder.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "lib/scene/scene_error.hpp"
-#include "tests/support/c9_scene.hpp"
+#include "tests/support/made_up_ladder.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-const Fidelity rom_row{"rom", "made-up quick model", nullptr, nullptr};
-const Fidelity full_row{"full", "made-up dear model", nullptr, nullptr};
-const std::array<const Fidelity*, 2> both{&rom_row, &full_row};
-
-constexpr double rom_limit = 5000.0, full_limit = 4000.0;
-
-/// The quick model is wrong by its tolerance, the dear one by 0.08 (h/h_0)^2, half of that in time; without
-/// added mass both pull 10 % harder.
-RunRecord made_up(const Fidelity& fidelity, const Scene& scene) {
-    RunRecord record;
-    record.fidelity = fidelity.name;
-    record.status = {StatusCode::completed, "steady descent"};
-    const double harder = scene.aerodynamics.added_mass ? 1.0 : 1.1;
-    if (fidelity.name == "rom") {
-        record.add_metric("peak_force_N", rom_limit * harder * (1.0 + scene.rom.rtol));
-        record.cost.wall_s = 1e-3 * std::pow(scene.rom.rtol, -0.2);
-        record.cost.steps = 10;
-    } else {
-        const double h = mesh_size(scene) / mesh_size(test::c9_scene());
-        const double noise = scene.full.noise ? 1e-3 * static_cast<double>(scene.full.noise->seed) : 0.0;
-        record.add_metric("peak_force_N", full_limit * harder * (1.0 + 0.08 * h * h + noise));
-        record.cost.wall_s = 1.0 / (h * h * h);
-        record.cost.steps = 1000;
-    }
-    record.add_metric("filling_time_s", 1.6, Standing::input);
-    return record;
-}
-
-Ladder made_up_ladder(const LadderOptions& options = {}, const Scene& scene = test::c9_scene(),
-                      const RunOne& run = made_up) {
-    return climb(scene, both, options, run);
-}
 
 const RungResult& rung(const Ladder& ladder, const std::string& name) {
     const auto found =
@@ -66,7 +33,7 @@ TEST(CompareLadder, RungsHaveNamesOfTheirOwn) {
         for (const Rung& r : ladder_rungs(scene)) {
             EXPECT_TRUE(names.insert(r.name).second) << r.name;
             EXPECT_FALSE(r.why.empty()) << r.name;
-            EXPECT_EQ(std::ranges::count(rung_families(), r.family), 1) << r.name;
+            EXPECT_EQ(std::ranges::count(drawn_families(), r.family), 1) << r.name;
             // What is not the scene as it is says what it changes.
             EXPECT_EQ(setting_of(r, scene) == "as given", r.given) << r.name;
             given += r.given;

@@ -125,7 +125,7 @@ TEST(CompareReport, GapJsonHasTheKeysOfTheContract) {
     EXPECT_EQ(peak["candidate"], 4800.0);
     EXPECT_EQ(peak["difference"], -200.0);
     EXPECT_EQ(peak["relative"], -0.04);
-    EXPECT_EQ(peak["tolerance"], (json{{"value", 150.0}, {"relative", false}}));
+    EXPECT_EQ(peak["tolerance"], (json{{"value", 150.0}, {"relative", false}, {"from", "scene"}}));
     EXPECT_EQ(peak["verdict"], "exceeded");
     EXPECT_EQ(gap["metrics"]["snatch_speed_m_s"]["input_or_result"],
               (json{{"reference", "input"}, {"candidate", "input"}}));

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "compare/report/trend_text.hpp"
 #include "tests/support/compare_records.hpp"
 
@@ -86,6 +88,16 @@ TEST(CompareTrend, ARunThatBrokeOffIsNotJudged) {
     EXPECT_EQ(overall_verdict(trend), Verdict::within);
     EXPECT_EQ(trend.note, "full of the baseline ended as energy_grew");
     EXPECT_NE(verdict_line(trend).find(trend.note), std::string::npos);
+}
+
+TEST(CompareTrend, AnInputWithoutANumberHasNotMovedFromItself) {
+    Comparison before = made_up_comparison(), now = made_up_comparison();
+    const Input unknown{"parachute.porosity", std::nan(""), "", InputOrigin::given, ""};
+    before.reference.inputs.push_back(unknown);
+    now.reference.inputs.push_back(unknown);
+    EXPECT_TRUE(measure_trend(before, now, {}).inputs.empty());
+    now.reference.inputs.back().value = 0.1;
+    EXPECT_EQ(measure_trend(before, now, {}).inputs.size(), 1u);
 }
 
 TEST(CompareTrend, NamesInputsProgramAndMachineThatDiffer) {

@@ -24,7 +24,11 @@ TEST(Overrides, AreInputsThatWereGiven) {
         read_text(good_scene, {"rom.rtol=1e-10", "parachute.mass={value=4,source=\"scale\"}"});
     EXPECT_EQ(find_input(scene, "rom.rtol")->origin, InputOrigin::given);
     EXPECT_EQ(find_input(scene, "parachute.mass")->origin, InputOrigin::given);
-    EXPECT_EQ(find_input(scene, "parachute.mass")->source, "scale");
+    EXPECT_EQ(find_input(scene, "rom.rtol")->source, "command line");
+    EXPECT_EQ(find_input(scene, "parachute.mass")->source, "command line: scale");
+    // What the scene gives, and what is a default, says nothing of it.
+    EXPECT_EQ(find_input(scene, "payload.mass")->source.find("command line"), std::string::npos);
+    EXPECT_EQ(find_input(scene, "rom.method")->source.find("command line"), std::string::npos);
 }
 
 TEST(Overrides, TakeThePlaceOfTheOtherWayToSayIt) {
