@@ -14,6 +14,8 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/needs.hpp"
+#include "lib/solve/fidelity.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -160,6 +162,11 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
 ExitCode run_mesh(const Arguments& arguments) {
     const std::optional<fs::path> out = wanted_file(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments);
+    for (const Scene& scene : scenes)
+        if (const auto missing = missing_structure(scene.parachutes.front()); !missing.empty())
+            throw UsageError(
+                fmt::format("{}: the parachute has no structure to mesh ({}), give these keys or a design",
+                            scene.file.string(), lacking_text(scene, missing)));
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;

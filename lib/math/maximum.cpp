@@ -15,7 +15,8 @@ double negated(double x, void* f) {
 
 }  // namespace
 
-Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples) {
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples,
+                   double closeness) {
     const double spacing = (b - a) / samples;
     Maximum best{a, f(a)};
     int index = 0;
@@ -47,8 +48,7 @@ Maximum maximum_on(const std::function<double(double)>& f, double a, double b, i
             if (gsl_min_fminimizer_iterate(search.get()) != GSL_SUCCESS) break;
             const double left = gsl_min_fminimizer_x_lower(search.get());
             const double right = gsl_min_fminimizer_x_upper(search.get());
-            // Closer than sqrt(epsilon) the values no longer tell.
-            if (gsl_min_test_interval(left, right, 0.0, 1e-8) == GSL_SUCCESS) break;
+            if (gsl_min_test_interval(left, right, 0.0, closeness) == GSL_SUCCESS) break;
         }
         const double value = -gsl_min_fminimizer_f_minimum(search.get());
         if (value > best.value) best = {gsl_min_fminimizer_x_minimum(search.get()), value};

@@ -12,7 +12,9 @@ struct Maximum {
 
 /// Largest value of f on [a, b], ends included: the best of `samples` + 1 equidistant points,
 /// refined by GSL's Brent minimiser where that point is inside the interval.
+/// `closeness` [-] is that of the place; closer than the root of epsilon values no longer tell it.
 /// Finds the right hump when humps are wider than (b - a)/samples.
-Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples);
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples,
+                   double closeness = 1e-8);
 
 }  // namespace twinchute

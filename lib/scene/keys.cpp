@@ -70,7 +70,7 @@ Words wakes() {
     return names_of(forebody_wake_models());
 }
 Words varied() {
-    return {"nominal_diameter", "release_speed"};
+    return {"nominal_diameter", "release_speed", "reefing_ratio", "cutter_delay"};
 }
 Words line_drags() {
     return {"cylinder"};
@@ -419,7 +419,7 @@ constexpr Key scene_rows[] = {
     {.path = "size.max_deceleration", .unit = "m/s^2", .need = optional, .fallback = "no limit", .range = above(0, 1e5), .user = KeyUser::size,
      .meaning = "of the payload, e.g. \"5 g0\""},
     {.path = "size.vary", .kind = list, .need = defaulted, .fallback = "nominal_diameter", .choices = varied, .user = KeyUser::size,
-     .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed"},
+     .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed; ratio and delay of the first reefed stage with the least load"},
     {.path = "size.types", .kind = list, .need = optional, .fallback = "the scene's canopy alone", .folder = "parachutes/types", .user = KeyUser::size,
      .meaning = "types of canopy to compare"},
 };

@@ -194,14 +194,16 @@ namespace {
 /// Filling constants of types were found in tests at 150 to 500 ft/s (Knacke, p. 5-43).
 constexpr double slowest_test = 150.0 * 0.3048, fastest_test = 500.0 * 0.3048;
 
-void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double speed) {
+void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double speed,
+                             const std::string& whose) {
     const bool typical = chute.type && chute.type->fill_constant &&
                          chute.fill_time.model->name == "fill-constant" &&
                          chute.fill_time.n == chute.type->fill_constant->middle();
     if (!typical || (speed >= slowest_test && speed <= fastest_test)) return;
     const bool slow = speed < slowest_test;
     record.warnings.push_back(
-        {fmt::format("n = {:g} of {} canopies at {:.3g} m/s", chute.fill_time.n, chute.type->title, speed),
+        {fmt::format("{}n = {:g} of {} canopies at {:.3g} m/s", whose, chute.fill_time.n, chute.type->title,
+                     speed),
          slow ? "it was found between 45.7 and 152.4 m/s; five small canopies measured below that pulled "
                 "about three times as hard as n = 8 says (docs/validation.md)"
               : "it was found between 45.7 and 152.4 m/s; above that no test says how the canopy opens",
@@ -209,11 +211,14 @@ void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double s
               : "open more slowly, or give fill_time.n from tests"});
 }
 
-/// A canopy is opened by air that is faster than it will be at last.
+/// A canopy is opened by air that is faster than it will be at last. Those before the last parachute need not
+/// carry the payload.
 void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute& chute, double speed,
                          double density) {
+    if (&chute != &scene.parachutes.back()) return;
     const double weight = (scene.payload.mass + chute.count * chute.mass) * scene.environment.gravity;
-    const double steady = std::sqrt(2.0 * weight / (density * chute.count * chute.drag_area));
+    const double area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
+    const double steady = std::sqrt(2.0 * weight / (density * area));
     if (speed < steady)
         record.warnings.push_back(
             {fmt::format("too slow to inflate: {:.3g} m/s at snatch", speed),
@@ -238,7 +243,7 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
     warn_of_slow_snatch(record, scene, chute, speed, density);
-    warn_of_typical_filling(record, chute, speed);
+    warn_of_typical_filling(record, chute, speed, whose);
     if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
         record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,
                                                100.0 * inflation.initial_time / inflation.filling_time),

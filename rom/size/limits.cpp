@@ -13,10 +13,10 @@ namespace twinchute::rom {
 namespace {
 
 constexpr std::array<LimitRow, 3> rows{{
-    {"max_descent_rate", "m/s", "descent rate", &SizeSpec::max_descent_rate, "descent_rate_m_s", 1.0},
-    {"max_force", "N", "largest force", &SizeSpec::max_force, "max_force_N", 1.0},
+    {"max_descent_rate", "m/s", "descent rate", &SizeSpec::max_descent_rate, "descent_rate_m_s", 1.0, false},
+    {"max_force", "N", "largest force", &SizeSpec::max_force, "max_force_N", 1.0, true},
     {"max_deceleration", "m/s^2", "deceleration", &SizeSpec::max_deceleration, "max_deceleration_g",
-     standard_gravity},
+     standard_gravity, true},
 }};
 
 }  // namespace
@@ -28,6 +28,13 @@ std::span<const LimitRow> limit_rows() {
 const Met* Judged::binding() const {
     const auto worst = std::ranges::max_element(limits, {}, &Met::share);
     return worst == limits.end() ? nullptr : &*worst;
+}
+
+double Judged::loaded() const {
+    double share = 0.0;
+    for (const Met& met : limits)
+        if (met.row->is_load) share = std::max(share, met.share());
+    return why_not.empty() && share > 0.0 ? std::min(share, nowhere) : used;
 }
 
 Judged judge(const Scene& scene, const std::stop_token& stop) {

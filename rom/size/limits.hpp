@@ -19,6 +19,7 @@ struct LimitRow {
     std::optional<double> SizeSpec::*limit;  ///< in `unit`
     std::string_view metric;
     double to_unit;  ///< value in `unit` over the metric's
+    bool is_load;    ///< a force or a deceleration: what an opening does
 };
 
 std::span<const LimitRow> limit_rows();
@@ -40,6 +41,8 @@ struct Judged {
     RunRecord record;
 
     bool meets() const { return used <= 1.0; }
+    /// Largest share of the limits on loads [-], of all where there is none on loads.
+    double loaded() const;
     /// The limit that the run uses most; null where it comes to none.
     const Met* binding() const;
 };

@@ -14,23 +14,80 @@ namespace {
 
 using Rows = std::span<const VaryRow* const>;
 
-/// [-] to which an edge of what meets the limits is found.
-constexpr double closeness = 1e-7;
-/// Samples between the bounds: of the row that is decided on first, and of each that follows inside it.
-constexpr int outer_samples = 40, inner_samples = 12;
+/// [-] to which an edge of what meets the limits is found, where others are decided on after it, and where a
+/// load is least.
+constexpr double closeness = 1e-7, closeness_before = 1e-4, closeness_least = 1e-5;
+/// [-] of its value by which a row stays inside its edge when others are decided on after it: with what they
+/// change the edge itself moves a little, and would leave them no room.
+constexpr double room = 5e-3;
+/// Samples between the bounds: of a row alone, of one that others follow, of those others meanwhile.
+constexpr int samples_alone = 40, samples_before = 16, samples_inside = 6;
+/// [-] share of the limits up to which a minimum between such samples may still meet them.
+constexpr double unclear = 1.3;
+
+/// Of all limits and of those on loads [-].
+struct Share {
+    double used, loaded;
+};
+
+/// Shares of the limits at values between the bounds, from low to high.
+struct Samples {
+    std::vector<double> at, used;
+
+    std::size_t size() const { return at.size(); }
+    bool meet(std::size_t i) const { return used[i] <= 1.0; }
+    /// The first from i on that meets the limits, or does not; size() where there is none.
+    std::size_t next(std::size_t i, bool meeting) const {
+        while (i < size() && meet(i) != meeting)
+            ++i;
+        return i;
+    }
+    void add(double value, double share) {
+        const auto above = std::ranges::upper_bound(at, value);
+        used.insert(used.begin() + (above - at.begin()), share);
+        at.insert(above, value);
+    }
+};
+
+Samples sample(const auto& used, const Bounds& bounds, int count) {
+    Samples samples;
+    for (int i = 0; i <= count; ++i) {
+        const double value = bounds.low * std::pow(bounds.high / bounds.low, static_cast<double>(i) / count);
+        samples.add(value, used(value));
+    }
+    return samples;
+}
+
+/// The value between the neighbours of the best sample that misses the limits least.
+double least_missed(const auto& used, const Samples& samples) {
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(samples.used) - samples.used.begin());
+    const double low = samples.at[best == 0 ? 0 : best - 1];
+    const double high = samples.at[std::min(best + 1, samples.size() - 1)];
+    return maximum_on([&](double value) { return -used(value); }, low, high, 4, closeness_least).at;
+}
+
+/// The last value, from one that meets the limits toward one that does not, that still meets them.
+double edge(const auto& used, double inside, double outside, double relative) {
+    const auto miss = [&](double value) { return std::log(std::max(used(value), 1e-9)); };
+    const double root = root_between(miss, std::min(inside, outside), std::max(inside, outside), relative);
+    if (!std::isfinite(root)) return inside;
+    // The root is found to its closeness, on either side.
+    for (double back = relative * root; back < std::abs(inside - root); back *= 2.0)
+        if (const double value = root + std::copysign(back, inside - root); used(value) <= 1.0) return value;
+    return inside;
+}
 
 class Search {
 public:
     explicit Search(const std::stop_token& stop) : stop_(stop) {}
 
     Found find(Scene scene, Rows vary) {
-        std::vector<std::string> notes;
         for (; !vary.empty(); vary = vary.subspan(1)) {
             const VaryRow& row = *vary.front();
-            row.set(scene, decide(scene, row, vary.subspan(1), notes));
+            row.set(scene, decide(scene, row, vary.subspan(1)));
         }
         Judged judged = judge_now(scene);
-        return {std::move(scene), std::move(judged), std::move(notes)};
+        return {std::move(scene), std::move(judged), std::move(notes_)};
     }
 
 private:
@@ -41,100 +98,75 @@ private:
         return judged;
     }
 
-    /// Least share of the limits that `rest` can bring a scene to.
-    double least_used(const Scene& scene, Rows rest) {
-        if (rest.empty()) return judge_now(scene).used;
-        const VaryRow& row = *rest.front();
-        const Bounds bounds = row.bounds(scene);
-        return -maximum_on(
-                    [&](double logarithm) {
-                        return -used_at(scene, row, std::exp(logarithm), rest.subspan(1));
-                    },
-                    std::log(bounds.low), std::log(bounds.high), inner_samples)
-                    .value;
-    }
-
-    double used_at(Scene scene, const VaryRow& row, double value, Rows rest) {
+    /// Shares that a scene with this value uses at least, whatever `rest` is.
+    Share used_at(Scene scene, const VaryRow& row, double value, Rows rest) {
         row.set(scene, value);
-        return least_used(scene, rest);
-    }
-
-    /// The value of a row that its goal asks for.
-    double decide(const Scene& scene, const VaryRow& row, Rows rest, std::vector<std::string>& notes) {
-        const auto used = [&](double value) { return used_at(scene, row, value, rest); };
-        const Bounds bounds = row.bounds(scene);
-        std::vector<double> at, share;
-        for (int i = 0; i <= outer_samples; ++i) {
-            at.push_back(bounds.low *
-                         std::pow(bounds.high / bounds.low, static_cast<double>(i) / outer_samples));
-            share.push_back(used(at.back()));
+        if (rest.empty()) {
+            const Judged judged = judge_now(scene);
+            return {judged.used, judged.loaded()};
         }
-        const auto meets = [&](std::size_t i) { return share[i] <= 1.0; };
-        std::size_t first = 0;
-        while (first < at.size() && !meets(first))
-            ++first;
-        if (first == at.size()) {  // between samples, perhaps
-            const double least = least_between(at, share, used);
-            if (used(least) > 1.0) return least;
-            const auto above = std::ranges::upper_bound(at, least);
-            first = static_cast<std::size_t>(above - at.begin());
-            at.insert(above, least);
-            share.insert(share.begin() + static_cast<std::ptrdiff_t>(first), used(least));
+        const VaryRow& inner = *rest.front();
+        const auto share = [&](double v) { return used_at(scene, inner, v, rest.subspan(1)); };
+        const Bounds bounds = inner.bounds(scene);
+        Share least{nowhere, nowhere};
+        const Samples samples = sample(
+            [&](double v) {
+                const Share one = share(v);
+                if (one.used < least.used) least = one;
+                return one.used;
+            },
+            bounds, samples_inside);
+        // Where it is not clear from the samples whether the loads can be borne.
+        if (least.loaded <= 1.0 || least.used >= unclear) return least;
+        return share(least_missed([&](double v) { return share(v).used; }, samples));
+    }
+
+    /// The value of a row that its goal asks for; where none meets the limits, the one that misses them
+    /// least.
+    double decide(const Scene& scene, const VaryRow& row, Rows rest) {
+        const Goal goal = row.goal(*scene.size);
+        const auto used = [&](double value) {
+            const Share share = used_at(scene, row, value, rest);
+            return goal == Goal::least_load ? share.loaded : share.used;
+        };
+        Samples samples = sample(used, row.bounds(scene), rest.empty() ? samples_alone : samples_before);
+        if (goal == Goal::least_load) return least_missed(used, samples);
+        if (samples.next(0, true) == samples.size()) {  // between samples, perhaps
+            const double least = least_missed(used, samples), share = used(least);
+            if (share > 1.0) return least;
+            samples.add(least, share);
         }
-        std::size_t last = first;
-        while (last + 1 < at.size() && meets(last + 1))
-            ++last;
-        note_others(row, at, share, last, notes);
-        const bool smallest = row.goal(*scene.size) == Goal::smallest;
-        const std::size_t in = smallest ? first : last;
-        if (smallest ? in == 0 : in + 1 == at.size()) {
-            notes.push_back(fmt::format("{}: no limit binds down or up to {:.4g} {}, where the search ends",
-                                        row.title, at[in], row.unit));
-            return at[in];
+        const std::size_t first = samples.next(0, true), behind = samples.next(first, false);
+        note_others(row, samples, behind);
+        const bool smallest = goal == Goal::smallest;
+        if (smallest ? first == 0 : behind == samples.size()) {
+            const double end = smallest ? samples.at.front() : samples.at.back();
+            notes_.push_back(fmt::format("{}: no limit binds {} {:.4g} {}, where the search ends", row.title,
+                                         smallest ? "down to" : "up to", end, row.unit));
+            return end;
         }
-        return edge(used, at[in], at[smallest ? in - 1 : in + 1]);
+        const std::size_t in = smallest ? first : behind - 1, out = smallest ? first - 1 : behind;
+        const double found =
+            edge(used, samples.at[in], samples.at[out], rest.empty() ? closeness : closeness_before);
+        if (rest.empty()) return found;
+        notes_.push_back(fmt::format("{}: {:.1f} % inside its edge, room for what is decided after it",
+                                     row.title, 100.0 * room));
+        return found * (smallest ? 1.0 + room : 1.0 - room);
     }
 
-    /// The value that misses the limits least.
-    static double least_between(const std::vector<double>& at, const std::vector<double>& share,
-                                const auto& used) {
-        const auto best = static_cast<std::size_t>(std::ranges::min_element(share) - share.begin());
-        const double low = at[best == 0 ? 0 : best - 1], high = at[std::min(best + 1, at.size() - 1)];
-        return maximum_on([&](double value) { return -used(value); }, low, high, 4).at;
-    }
-
-    /// The last value, from one that meets the limits toward one that does not, that still meets them.
-    static double edge(const auto& used, double inside, double outside) {
-        const auto miss = [&](double value) { return std::log(std::max(used(value), 1e-9)); };
-        const double root =
-            root_between(miss, std::min(inside, outside), std::max(inside, outside), closeness);
-        if (!std::isfinite(root)) return inside;
-        // The root is met to rounding, on either side.
-        double back = closeness * (inside - root) / std::max(std::abs(inside - root), 1e-300) * root;
-        for (double value = root; std::abs(value - root) < std::abs(inside - root);
-             value = root + back, back *= 2.0)
-            if (used(value) <= 1.0) return value;
-        return inside;
-    }
-
-    /// Ranges beyond the lowest that meet the limits as well.
-    static void note_others(const VaryRow& row, const std::vector<double>& at,
-                            const std::vector<double>& share, std::size_t last,
-                            std::vector<std::string>& notes) {
-        for (std::size_t i = last + 1; i < at.size(); ++i) {
-            if (share[i] > 1.0) continue;
-            std::size_t end = i;
-            while (end + 1 < at.size() && share[end + 1] <= 1.0)
-                ++end;
-            notes.push_back(
-                fmt::format("{}: from about {:.3g} to {:.3g} {} would meet the limits, too; the lowest range "
-                            "was taken",
-                            row.title, at[i], at[end], row.unit));
-            i = end;
+    /// Ranges beyond the lowest that meet the limits as well: loads need not grow with what varies.
+    void note_others(const VaryRow& row, const Samples& samples, std::size_t behind) {
+        for (std::size_t i = samples.next(behind, true); i < samples.size();) {
+            const std::size_t end = samples.next(i, false);
+            notes_.push_back(fmt::format(
+                "{}: from about {:.3g} to {:.3g} {} would meet the limits, too; the lowest range was taken",
+                row.title, samples.at[i], samples.at[end - 1], row.unit));
+            i = samples.next(end, true);
         }
     }
 
     const std::stop_token& stop_;
+    std::vector<std::string> notes_;
 };
 
 }  // namespace

@@ -1,9 +1,5 @@
 #include "rom/size/size.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 namespace twinchute::rom {
 namespace {
 
@@ -13,18 +9,14 @@ Candidate candidate_of(const Scene& scene, const CanopyType* type, const std::ve
     Scene start = scene;
     if (type != nullptr) {
         candidate.type = type->name;
-        std::vector<std::string> kept;
-        start = with_type(scene, *type, kept);
-        if (std::ranges::count(kept, "C_D0") != 0) {
+        if (!type->drag_coefficient || !type->drag_coefficient->may_be_default()) {
             candidate.why_not =
                 "the catalogue has no drag coefficient of it that is more than a recollection";
             return candidate;
         }
-        if (!kept.empty())
-            candidate.notes.push_back(fmt::format("the scene's own {}: the catalogue has none of this type",
-                                                  fmt::join(kept, ", ")));
-    } else if (scene.parachutes.front().type) {
-        candidate.type = scene.parachutes.front().type->name;
+        start = with_type(scene, *type, candidate.notes);
+    } else if (sized_parachute(scene).type) {
+        candidate.type = sized_parachute(scene).type->name;
     }
     candidate.found = search(start, vary, stop);
     candidate.notes.insert(candidate.notes.end(), candidate.found->notes.begin(),

@@ -20,7 +20,7 @@ struct Candidate {
     std::optional<Found> found;
 
     bool meets() const { return found && found->judged.meets(); }
-    double mass() const { return found->scene.parachutes.front().mass; }  ///< estimated [kg], of a found one
+    double mass() const { return sized_parachute(found->scene).mass; }  ///< estimated [kg], of a found one
 };
 
 struct Sized {

@@ -89,7 +89,7 @@ std::string notes_text(const Scene& scene, const Sized& sized, const Candidate& 
             diameter_by_descent_rate(best.found->scene)));
     for (const VaryRow* row : sized.vary)
         line(fmt::format("{} varies: {}", row->title, row->what));
-    line("mass: " + mass_text(best.found->scene.parachutes.front()));
+    line("mass: " + mass_text(sized_parachute(best.found->scene)));
     for (const Candidate& candidate : sized.candidates) {
         const std::string who = sized.candidates.size() > 1 ? type_cell(candidate) + ": " : "";
         for (const std::string& note : candidate.notes)
@@ -119,7 +119,7 @@ ordered_json candidate_json(const Sized& sized, const Candidate& candidate) {
     for (const VaryRow* row : sized.vary)
         json["varied"][row->name] = {{"value", row->get(found.scene)}, {"unit", row->unit}};
     json["parachute_mass_kg"] = candidate.mass();
-    json["drag_area_m2"] = found.scene.parachutes.front().drag_area;
+    json["drag_area_m2"] = sized_parachute(found.scene).drag_area;
     ordered_json limits = ordered_json::array(), estimates = limits;
     for (const Met& met : found.judged.limits)
         limits.push_back(limit_json(met));
@@ -148,15 +148,15 @@ std::string size_text(const Scene& scene, const Sized& sized, const Style& style
     const Found& found = *best->found;
     const bool several = sized.candidates.size() > 1;
     const std::string who = several ? type_cell(*best) + ", " : "";
-    text +=
-        "\n" +
-        (best->meets()
-             ? style.paint(fmt::format("{}{}", who,
-                                       several ? "the lightest that meets the limits" : "meets the limits"),
-                           Colour::green)
-             : style.paint(fmt::format("{}no value meets the limits; here they are missed least", who),
-                           Colour::red)) +
-        "\n" + limits_table(found.judged);
+    text += "\n" +
+            (best->meets()
+                 ? style.paint(fmt::format("{}{}", who,
+                                           several ? "the lightest by the estimate that meets the limits"
+                                                   : "meets the limits"),
+                               Colour::green)
+                 : style.paint(fmt::format("{}no value meets the limits; here they are missed least", who),
+                               Colour::red)) +
+            "\n" + limits_table(found.judged);
     if (!found.judged.why_not.empty()) text += "  " + printable(found.judged.why_not) + "\n";
     if (!found.judged.record.estimates.empty())
         text += "\n" + style.paint("peak force by formula", Colour::bold) + "\n" +

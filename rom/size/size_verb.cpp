@@ -60,6 +60,11 @@ void check(const std::vector<Scene>& scenes) {
                 fmt::format("{}: there is no [size] (it holds the limits), add e.g. [size] with "
                             "max_descent_rate = \"6 m/s\"",
                             scene.file.string()));
+        for (const std::string& name : scene.size->vary)
+            if (const std::string why = find_vary(name)->lacks(scene); !why.empty())
+                throw UsageError(
+                    fmt::format("{}: size.vary: '{}' cannot vary ({}), add it or take the word out",
+                                scene.file.string(), name, why));
     }
 }
 

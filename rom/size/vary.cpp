@@ -1,9 +1,10 @@
 #include "rom/size/vary.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/drag_area.hpp"
@@ -28,19 +29,29 @@ double mass_measure(const Parachute& p) {
            (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
 }
 
+/// By the scene itself, rather than a type, a design or a default.
+bool is_given(const Scene& scene, std::string_view name) {
+    const std::string whose = scene.parachutes.size() > 1 ? sized_parachute(scene).name + "." : "";
+    const std::string key = fmt::format("parachute.{}{}", whose, name);
+    const auto input = std::ranges::find(scene.inputs, key, &Input::key);
+    return input != scene.inputs.end() && input->origin == InputOrigin::given;
+}
+
 double diameter(const Scene& scene) {
-    return scene.parachutes.front().nominal_diameter;
+    return sized_parachute(scene).nominal_diameter;
 }
 
 /// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
 void set_diameter(Scene& scene, double value) {
-    Parachute& p = scene.parachutes.front();
+    Parachute& p = scene.parachutes.back();
     const double measure = mass_measure(p), factor = value / p.nominal_diameter;
     const double area = stated_drag_area(p) * factor * factor;
     p.nominal_diameter = value;
     p.vent_diameter *= factor;
     p.line_length *= factor;
     p.riser_length *= factor;
+    for (Reefing& stage : p.reefing)
+        if (stage.line_length) *stage.line_length *= factor;
     p.mass *= mass_measure(p) / measure;
     set_drag_area(scene, p, area);
 }
@@ -53,51 +64,89 @@ Goal goal_of_diameter(const SizeSpec& size) {
 
 Bounds bounds_of_diameter(const Scene& scene) {
     const double near = scene.size->max_descent_rate ? diameter_by_descent_rate(scene) : diameter(scene);
-    const double width = scene.size->max_descent_rate ? 4.0 : 10.0;
-    return {near / width, std::min(near * width, largest_diameter)};
+    // The closed form is a few per cent off, so that smaller ones need no search; larger ones open
+    // differently.
+    const double below = scene.size->max_descent_rate ? 1.5 : 10.0,
+                 above = scene.size->max_descent_rate ? 4.0 : 10.0;
+    return {near / below, std::min(near * above, largest_diameter)};
 }
 
-std::array<VaryRow, 2> rows_{{
+std::string has_all(const Scene&) {
+    return {};
+}
+
+std::string lacks_reefing(const Scene& scene) {
+    return sized_parachute(scene).reefing.empty() ? "the scene has no [[parachute.reefing]]" : "";
+}
+
+Goal least_load(const SizeSpec&) {
+    return Goal::least_load;
+}
+
+/// From just above what the canopy begins with to just below what comes next.
+Bounds bounds_of_ratio(const Scene& scene) {
+    const Parachute& p = sized_parachute(scene);
+    const double next = p.reefing.size() > 1 ? p.reefing[1].drag_area_ratio : 1.0;
+    return {std::max(1.01 * p.initial_drag_area_ratio, 0.005), 0.95 * next};
+}
+
+constexpr std::array<VaryRow, 4> rows{{
     {"nominal_diameter", "m", "nominal diameter D0",
-     "vent, lines, risers and drag area grow with it, C_D0 and gores stay", goal_of_diameter,
-     bounds_of_diameter, diameter, set_diameter},
-    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene",
+     "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", has_all,
+     goal_of_diameter, bounds_of_diameter, diameter, set_diameter},
+    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", has_all,
      [](const SizeSpec&) { return Goal::largest; },
      [](const Scene&) {
          return Bounds{1.0, fastest_release};
      },
      [](const Scene& scene) { return scene.release.speed; },
      [](Scene& scene, double value) { scene.release.speed = value; }},
+    {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
+     lacks_reefing, least_load, bounds_of_ratio,
+     [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
+     [](Scene& scene, double value) { scene.parachutes.back().reefing.front().drag_area_ratio = value; }},
+    {"cutter_delay", "s", "delay of the first cutter", "with the least load", lacks_reefing, least_load,
+     [](const Scene&) {
+         return Bounds{0.2, 30.0};
+     },
+     [](const Scene& scene) { return sized_parachute(scene).reefing.front().until.delay; },
+     [](Scene& scene, double value) { scene.parachutes.back().reefing.front().until.delay = value; }},
 }};
 
 }  // namespace
 
 std::span<const VaryRow> vary_rows() {
-    return rows_;
+    return rows;
 }
 
 const VaryRow* find_vary(std::string_view name) {
-    const auto row = std::ranges::find(rows_, name, &VaryRow::name);
-    return row == rows_.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(rows, name, &VaryRow::name);
+    return row == rows.end() ? nullptr : &*row;
+}
+
+const Parachute& sized_parachute(const Scene& scene) {
+    return scene.parachutes.back();
 }
 
 double diameter_by_descent_rate(const Scene& scene) {
-    const Parachute& p = scene.parachutes.front();
+    const Parachute& p = sized_parachute(scene);
     const Environment& e = scene.environment;
     const double speed = *scene.size->max_descent_rate;
-    const double coefficient = p.drag_area / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
-    const double weight = (scene.payload.mass + p.mass) * e.gravity;
+    const double coefficient =
+        p.count * p.cluster_drag_ratio * p.drag_area / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    const double weight = (scene.payload.mass + p.count * p.mass) * e.gravity;
     const double carried = std::max(weight - 0.5 * e.atmosphere.at(e.ground).density * speed * speed *
                                                  scene.payload.drag_area.value_or(0.0),
                                     0.01 * weight);
     return std::sqrt(8.0 * carried / (pi * e.atmosphere.at(e.ground).density * coefficient)) / speed;
 }
 
-Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::string>& kept) {
+Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::string>& notes) {
     Scene changed = scene;
-    Parachute& p = changed.parachutes.front();
+    Parachute& p = changed.parachutes.back();
     if (p.type && p.type->name == type.name) return changed;
     p.type = type;
+    std::vector<std::string> kept;
     const auto take = [&](const std::optional<TypeRange>& range, const char* name, auto&& set) {
         if (range && range->may_be_default())
             set(range->middle());
@@ -111,15 +160,20 @@ Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::str
     p.opening_force_coefficient.reset();  // another type's would be wrong
     if (type.opening_force_coefficient && type.opening_force_coefficient->may_be_default())
         p.opening_force_coefficient = type.opening_force_coefficient->middle();
-    take(type.fill_constant, "n", [&](double n) {
-        p.fill_time = {};
-        p.fill_time.model = find_fill_time("fill-constant");
-        p.fill_time.n = n;
-    });
-    take(type.growth_exponent, "j", [&](double j) {
-        if (const DragAreaLaw* law = find_drag_area_law("power-" + std::to_string(static_cast<int>(j))))
-            p.drag_area_law = law;
-    });
+    if (!is_given(scene, "fill_time.n") && !is_given(scene, "fill_time.time"))
+        take(type.fill_constant, "n", [&](double n) {
+            p.fill_time = {};
+            p.fill_time.model = find_fill_time("fill-constant");
+            p.fill_time.n = n;
+        });
+    if (!is_given(scene, "drag_area_law"))
+        take(type.growth_exponent, "law of growth", [&](double j) {
+            if (const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", j)))
+                p.drag_area_law = law;
+        });
+    if (!kept.empty())
+        notes.push_back(
+            fmt::format("{} as in the scene: the catalogue has none for this type", fmt::join(kept, ", ")));
     return changed;
 }
 

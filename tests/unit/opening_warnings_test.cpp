@@ -1,0 +1,66 @@
+// What a run says of an opening that its inputs do not fit.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rom/run_rom.hpp"
+#include "tests/unit/scene_text.hpp"
+
+namespace twinchute::test {
+namespace {
+
+const std::string typed = R"(schema = 1
+name = "typed"
+[environment]
+atmosphere = { density = 1.225 }
+[payload]
+mass = 5
+[release]
+height = 2000
+speed = 60
+path_angle = "90 deg"
+[[parachute]]
+type = "flat-circular"
+nominal_diameter = 2
+mass = 0.3
+deploy = { by = "line-stretch" }
+)";
+
+std::string said(const std::string& text) {
+    twinchute::Run run;
+    std::string all;
+    for (const Warning& warning : rom::run_rom(read_text(text), run).warnings)
+        all += warning.what + " (" + warning.why + ")\n";
+    return all;
+}
+
+bool says(const std::string& text, const char* what) {
+    return said(text).find(what) != std::string::npos;
+}
+
+TEST(OpeningWarnings, TheFillConstantOfATypeHasARangeOfSpeeds) {
+    // 150 to 500 ft/s = 45.7 to 152.4 m/s, Knacke p. 5-43 (data of the filling-time correlations).
+    const auto at = [](const char* speed) {
+        return edited(typed, "speed = 60", std::string("speed = ") + speed);
+    };
+    EXPECT_EQ(said(at("45.8")), "");
+    EXPECT_EQ(said(at("152.3")), "");
+    EXPECT_TRUE(says(at("45.6"), "n = 8 of flat circular canopies at 45.6 m/s (it was found between"));
+    EXPECT_TRUE(says(at("152.5"), "above that no test says"));
+    // Somebody's own constant is not the type's.
+    EXPECT_EQ(said(edited(at("30"), "mass = 0.3", "mass = 0.3\nfill_time.n = 7.9")), "");
+}
+
+TEST(OpeningWarnings, ASnatchSlowerThanTheDescentIsTooSlowToInflate) {
+    // sqrt(2 m g/(rho C_D S)) with 5.3 kg and 0.775 pi m^2 in 1.225 kg/m^3.
+    const double steady = std::sqrt(2 * 5.3 * 9.80665 / (1.225 * 0.775 * std::acos(-1.0)));
+    const auto at = [](double speed) {
+        return edited(typed, "speed = 60", fmt::format("speed = {}", speed));
+    };
+    EXPECT_TRUE(says(at(0.99 * steady), "too slow to inflate"));
+    EXPECT_FALSE(says(at(1.01 * steady), "too slow to inflate"));
+}
+
+}  // namespace
+}  // namespace twinchute::test
