@@ -66,8 +66,8 @@ Bounds bounds_of_diameter(const Scene& scene) {
     const double near = scene.size->max_descent_rate ? diameter_by_descent_rate(scene) : diameter(scene);
     // The closed form is a few per cent off, so that smaller ones need no search; larger ones open
     // differently.
-    const double below = scene.size->max_descent_rate ? 1.5 : 10.0,
-                 above = scene.size->max_descent_rate ? 4.0 : 10.0;
+    const double below = scene.size->max_descent_rate ? 2.0 : 10.0,
+                 above = scene.size->max_descent_rate ? 3.0 : 10.0;
     return {near / below, std::min(near * above, largest_diameter)};
 }
 

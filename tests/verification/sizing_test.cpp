@@ -144,10 +144,11 @@ TEST(Sizing, ForceThatFallsAndRisesWithSpeedIsSearchedThrough) {
 }
 
 TEST(Sizing, LimitsThatContradictEachOtherAreMissedEqually) {
-    // In a given time the force grows with D0 while the descent rate falls: the largest share of the two is
-    // least where they are equal.
-    const std::string text = edited(falling, "fill_time.n = 8", "fill_time.time = 1");
-    const Sized all = sized(edited(text, "max_descent_rate = 6", "max_descent_rate = 6\nmax_force = 2500"));
+    // A ton that fills its canopy in 0.2 s hardly slows down meanwhile, so that the force grows with D0 while
+    // the descent rate falls: the largest share of the two is least where they are equal.
+    std::string text = edited(edited(falling, "mass = 100", "mass = 1000"), "mass = 4", "mass = 1e-6");
+    text = edited(text, "fill_time.n = 8", "fill_time.time = 0.2\ninitial_phase = 0");
+    const Sized all = sized(edited(text, "max_descent_rate = 6", "max_descent_rate = 12\nmax_force = 30000"));
     ASSERT_NE(all.best(), nullptr);
     EXPECT_FALSE(all.best()->meets());
     const rom::Judged& judged = all.best()->found->judged;
@@ -173,7 +174,8 @@ TEST(Sizing, DecidesOnOneAfterTheOther) {
     ASSERT_TRUE(all.best() != nullptr && all.best()->meets());
     const Scene& scene = all.best()->found->scene;
     // The smallest diameter, half a per cent inside its edge: that of the descent rate alone, as above.
-    EXPECT_NEAR(chute(*all.best()).nominal_diameter / (1.005 * steady_diameter(0.75)), 1.0, 1e-5);
+    // It is found to 1e-4 where another one is decided on after it, on its safe side by as much.
+    EXPECT_NEAR(chute(*all.best()).nominal_diameter / (1.005 * steady_diameter(0.75)), 1.0, 2.1e-4);
     // Then the speed, up to its own limit.
     const auto* binding = all.best()->found->judged.binding();
     EXPECT_EQ(binding->row->name, "max_force");
