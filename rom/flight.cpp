@@ -95,7 +95,8 @@ private:
         if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.opening_force(t, m);
         r.drag_area = canopies_.drag_area(t);
-        if (r.drag_area > 0.0) r.canopy_force = r.force * canopies_.largest_drag_area(t) / r.drag_area;
+        if (has_cluster_ && r.drag_area > 0.0)
+            r.canopy_force = r.force * canopies_.largest_drag_area(t) / r.drag_area;
         r.dynamic_pressure = 0.5 * rho * model_.airspeed(m).squaredNorm();
         r.acceleration = model_.acceleration(t, m).norm();
         r.separation = separation_;
@@ -189,7 +190,7 @@ private:
         if (!seeks_steady || !(unsteadiness() < 0.0)) {
             const Leg leg =
                 course_.integrate_to(*solver_, std::min(canopies_.next_time(), course_.stop_time));
-            if (leg == Leg::reached_end && solver_->time() < course_.stop_time) return std::nullopt;
+            if (leg == Leg::reached_end && goes_on()) return std::nullopt;
             if (leg != Leg::root) return leg;
             const auto root = static_cast<std::size_t>(solver_->root());
             if (roots_[root] == Root::ground) return leg;
@@ -200,6 +201,11 @@ private:
             }
         }
         return verify_steady();
+    }
+
+    /// What happens at the very end of a run has happened, too.
+    bool goes_on() const {
+        return solver_->time() < course_.stop_time || canopies_.next_time() <= solver_->time();
     }
 
     /// Steady by its rate now; declared so after a second of it (see steady_descent_change).
@@ -213,8 +219,7 @@ private:
             return std::nullopt;
         }
         if (leg != Leg::reached_end) return leg;
-        if (solver_->time() < steady_since)
-            return solver_->time() >= course_.stop_time ? std::optional(leg) : std::nullopt;
+        if (solver_->time() < steady_since) return goes_on() ? std::nullopt : std::optional(leg);
         if (unsteadiness() >= 0.0) return std::nullopt;  // a turning point of the speed, no steady descent
         is_steady_ = true;
         const bool last = canopies_.is_settled();
@@ -278,6 +283,8 @@ private:
     std::unique_ptr<OdeSolver> solver_;
     RunStatus refusal_;        // of an opening that cannot take place
     std::vector<Root> roots_;  // of the stage, in the solver's order
+    const bool has_cluster_ =
+        std::ranges::any_of(scene_.parachutes, [](const Parachute& p) { return p.count > 1; });
     bool is_limited_ = false;  // the length of steps
     bool is_steady_ = false;   // since the last event of a canopy
 };

@@ -13,6 +13,11 @@
 namespace twinchute {
 namespace {
 
+/// "a.b.c" below "a" and "a.b".
+bool is_below(std::string_view path, std::string_view table) {
+    return path.size() > table.size() && path[table.size()] == '.' && path.starts_with(table);
+}
+
 std::string with_unit(double value, const Key& key) {
     const bool bare = key.record_unit().empty();
     return bare ? fmt::format("{}", value) : fmt::format("{} {}", value, key.unit);
@@ -182,7 +187,7 @@ void Values::read_tolerance(const std::string& path, const Entry& entry) {
 /// Part of physics that is present, and of the model that is chosen.
 bool Values::is_active(const Key& key, std::string_view path) const {
     for (const Key& row : kind_.keys)
-        if (row.kind == KeyKind::table && key.path.starts_with(std::string(row.path) + ".") &&
+        if (row.kind == KeyKind::table && is_below(key.path, row.path) &&
             !tables_.contains(beside(row.path, path)))
             return false;
     if (key.only_with.empty()) return true;
@@ -193,9 +198,9 @@ bool Values::is_active(const Key& key, std::string_view path) const {
 /// Members of a list are counted from 1 without gaps.
 void Values::require_members_before(const std::string& path, const Entry& entry) const {
     for (const Key& list : kind_.keys) {
-        const std::string head = std::string(list.path) + ".";
-        if (!list.has_members() || !path.starts_with(head)) continue;
-        const std::string number = path.substr(head.size(), path.find('.', head.size()) - head.size());
+        if (!list.has_members() || !is_below(path, list.path)) continue;
+        const std::size_t begin = list.path.size() + 1;
+        const std::string number = path.substr(begin, path.find('.', begin) - begin);
         const int members = count(list.path);
         if (plain_number(number) > members)
             refuse(entry.key_place, path, fmt::format("there is no member {} of {}", number, list.path),
@@ -225,7 +230,7 @@ SourcePlace Values::place_of_absent(std::string_view path) const {
 void Values::fill_in(const Key& key) {
     if (key.has_members()) return;
     const auto list = std::ranges::find_if(kind_.keys, [&](const Key& row) {
-        return row.kind == KeyKind::tables && key.path.starts_with(std::string(row.path) + ".");
+        return row.kind == KeyKind::tables && is_below(key.path, row.path);
     });
     if (list == kind_.keys.end()) return fill_in(key, std::string(key.path));
     for (int i = 1; i <= count(list->path); ++i)

@@ -36,6 +36,7 @@ Canopies::Canopies(const Scene& scene) : scene_(scene) {
             c.chute = &chute;
             c.index = k;
             c.count = count;
+            c.steady_radius = steady_radius(chute);
             c.lag = lag;
             all_.push_back(c);
         }
@@ -179,18 +180,6 @@ double Canopies::largest_drag_area(double time) const {
     for (const Canopy& c : all_)
         if (c.is_out()) largest = std::max(largest, drag_area_of(c, time));
     return largest;
-}
-
-ValueAndRate Canopies::added_mass(const AddedMassSpec& spec, double time, double density) const {
-    ValueAndRate sum;
-    for (const Canopy& c : all_) {
-        if (!c.is_out()) continue;
-        const ValueAndRate one =
-            c.inflation.added_mass(spec, c.phase, time, density, steady_radius(*c.chute));
-        sum.value += c.count * one.value;
-        sum.rate += c.count * one.rate;
-    }
-    return sum;
 }
 
 std::vector<Occurrence> Canopies::advance(const Situation& now) {

@@ -34,7 +34,8 @@ struct Canopy {
     State state = State::packed;
     std::size_t stage = 0;  ///< below reefing.size(): reefed
     Phase phase = Phase::initial;
-    Inflation inflation;  ///< of one of them; set once it is open
+    Inflation inflation;         ///< of one of them; set once it is open
+    double steady_radius = 0.0;  ///< R_0 [m]
     double snatch_speed = 0.0, snatch_density = 0.0;
 
     bool is_out() const { return state == State::open; }
@@ -103,7 +104,16 @@ public:
     /// C_D S [m^2] of the one canopy that has most.
     double largest_drag_area(double time) const;
     /// Added mass [kg] and rate [kg/s] of all that are out.
-    ValueAndRate added_mass(const AddedMassSpec& spec, double time, double density) const;
+    ValueAndRate added_mass(const AddedMassSpec& spec, double time, double density) const {
+        ValueAndRate sum;
+        for (const Canopy& c : all_) {
+            if (!c.is_out()) continue;
+            const ValueAndRate one = c.inflation.added_mass(spec, c.phase, time, density, c.steady_radius);
+            sum.value += c.count * one.value;
+            sum.rate += c.count * one.rate;
+        }
+        return sum;
+    }
     double out_mass() const { return out_mass_; }        ///< [kg] of canopies that are out
     double packed_mass() const { return packed_mass_; }  ///< [kg] of those that the payload still carries
 

@@ -275,8 +275,11 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
     const auto is_put = [&](std::string_view path) {
         return std::ranges::any_of(lines_, [&](const SceneLine& line) { return line.path == path; });
     };
-    if (by != "static-line" && chance(0.2))
-        put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
+    if (chance(0.3)) {
+        put("parachute.count", "2");
+        if (by != "inflated" && chance(0.5)) put("parachute.lag", "[0, \"500 ms\"]");
+    }
+    if (by != "static-line" && chance(0.2)) put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
     if (chance(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
     if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || chance(0.6)) return;
     std::string stages;
@@ -321,6 +324,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "stop.altitude",
                                                     "stop.height",
                                                     "full.symmetry",
+                                                    "parachute.count",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
                                                     "parachute.fill_time.model",
@@ -383,7 +387,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     const std::string& by = words["parachute.deploy.by"];
     if (by == "extraction") put_extraction();
     const bool disturbed =
-        has_wind_ || by == "pilot" || by == "mortar" || by == "static-line" || by == "extraction" || by == "free" ||
+        has_wind_ || by == "pilot" || by == "mortar" || by == "static-line" || by == "extraction" ||
+        by == "free" ||
         std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; });
     const bool sector = !disturbed && chance(0.5);
     if (sector || chance(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
