@@ -31,7 +31,8 @@ Motion<dimensions> motion_of(std::span<const double> y) {
 template <int dimensions>
 Vec<dimensions> airspeed_of(const Vec<dimensions>& velocity, double altitude,
                             [[maybe_unused]] const Wind* wind) {
-    if constexpr (dimensions == 3) return velocity - wind->at(altitude);
+    if constexpr (dimensions == 3)
+        if (wind) return velocity - wind->at(altitude);
     return velocity;
 }
 
