@@ -58,7 +58,10 @@ public:
             canopies_.emplace(scene);
             canopies_->release(situation());
         }
-        if (packed()) observer_.count_peak_from(never);
+        if (packed()) {
+            snatch_ = never;
+            observer_.count_peak_from(never);
+        }
         if (packed())
             frames_.begin(0.0, deployment_frames);
         else if (inflated())
@@ -238,6 +241,7 @@ private:
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
         if (canopies_) canopies_->snatched(0, situation());
+        snatch_ = now;
         add_event("snatch");
         begin_opening_frames();
         met(Trigger::Kind::line_stretch);
@@ -361,6 +365,7 @@ private:
     bool switched_late_ = false;
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     std::optional<double> line_stretch_time_;
+    double snatch_ = 0.0;  // [s]
     double snatch_speed_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
     std::optional<Canopies> canopies_;                   // of a reefed parachute
@@ -391,7 +396,7 @@ ParachuteResult FullRun::opening_in_stages(double snatch) const {
 void FullRun::fill_results() {
     const auto& rows = observer_.rows();
     const Parachute& chute = scene_.parachutes.front();
-    const double snatch = packed() ? simulation_.inflation().snatch : 0.0;
+    const double snatch = snatch_;
     const double filled = full_open();
     const HistoryRow& last = rows.back();
 
@@ -479,7 +484,7 @@ void FullRun::add_warnings() {
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
         record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
-    const bool opened = std::isfinite(simulation_.inflation().snatch);
+    const bool opened = std::isfinite(snatch_);
     if (opened && !inflated() && !canopies_)
         add_opening_warnings(record_, scene_, scene_.parachutes.front(), simulation_.inflation(),
                              packed() ? snatch_speed_ : release_airspeed(scene_).norm(),
@@ -525,7 +530,7 @@ void FullRun::add_warnings() {
              "gores are folded inside out; the model has no contact that would prevent it",
              "look at the shape before trusting the loads");
     if (const auto filled = record_.metric("filling_time_s")) {
-        const double snatch = simulation_.inflation().snatch;
+        const double snatch = snatch_;
         const auto nearly = observer_.first_time_of_area(nearly_filled * *steady_area_, last_stage(snatch));
         if (nearly && *nearly - snatch < 0.9 * *filled)
             warn(

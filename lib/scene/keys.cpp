@@ -444,6 +444,7 @@ constexpr ToleranceMetric metric_rows[] = {
     {"line_stretch_time", "s"}, {"snatch_time", "s"}, {"payload_snatch_speed", "m/s"}, {"snatch_force", "N"},
     {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"},
     {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
+    {"stage_1_peak_force", "N"}, {"stage_2_peak_force", "N"}, {"stage_3_peak_force", "N"}, {"stage_4_peak_force", "N"},
     {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
     {"opening_shock_coefficient", "1"}, {"impulse", "N s"}, {"max_deceleration", "g0"},
     {"descent_rate", "m/s"}, {"descent_altitude", "m"}, {"altitude_loss", "m"}, {"flight_time", "s"},

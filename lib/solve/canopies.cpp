@@ -22,7 +22,7 @@ double phase_end(const Canopy& c) {
 
 }  // namespace
 
-Canopies::Canopies(const Scene& scene) : scene_(scene) {
+Canopies::Canopies(const Scene& scene) : scene_(&scene) {
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
         const Parachute& chute = scene.parachutes[k];
         std::map<double, int> alike;  // those of one lag do the same
@@ -41,6 +41,18 @@ Canopies::Canopies(const Scene& scene) : scene_(scene) {
             all_.push_back(c);
         }
     }
+    weigh();
+}
+
+Canopies::Canopies(const Parachute& chute, const Inflation& inflation, Phase phase) {
+    Canopy c;
+    c.chute = &chute;
+    c.state = Canopy::State::open;
+    c.stage = chute.reefing.size();
+    c.phase = phase;
+    c.inflation = inflation;
+    c.steady_radius = steady_radius(chute);
+    all_.push_back(c);
     weigh();
 }
 
@@ -72,7 +84,7 @@ bool Canopies::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index)
     const bool of_parachute =
         kind == Trigger::Kind::line_stretch || kind == Trigger::Kind::full_open || kind == Trigger::Kind::cut;
     if (!of_parachute) return true;
-    return t.of.empty() ? all_[wait.canopy].index == index : scene_.parachutes[index].name == t.of;
+    return t.of.empty() ? all_[wait.canopy].index == index : scene_->parachutes[index].name == t.of;
 }
 
 /// [m], [m/s] or [Pa] until the condition on the flight is met.
@@ -275,7 +287,7 @@ void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence
 void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurrence>& done) {
     done.push_back({Occurrence::Kind::snatch, index});
     occurred(Trigger::Kind::line_stretch, index, now.time);
-    const bool is_open = scene_.parachutes[index].deploy.by == DeployBy::inflated;
+    const bool is_open = scene_->parachutes[index].deploy.by == DeployBy::inflated;
     bool fills_at_once = false;
     for (std::size_t i = 0; i < all_.size(); ++i) {
         Canopy& c = all_[i];

@@ -61,6 +61,11 @@ class Canopies {
 public:
     /// All in their packs. The scene outlives it.
     explicit Canopies(const Scene& scene);
+    /// None: nothing ever happens.
+    Canopies() = default;
+    /// One that is out and stays in its phase: a right-hand side without events, for integrators alone. The
+    /// parachute outlives it.
+    Canopies(const Parachute& chute, const Inflation& inflation, Phase phase);
 
     /// Release: what waits for nothing happens, and is told by advance().
     void release(const Situation& now);
@@ -143,7 +148,7 @@ private:
     void act(const Wait& wait, const Situation& now, std::vector<Occurrence>& done);
     void weigh();
 
-    const Scene& scene_;
+    const Scene* scene_ = nullptr;
     std::vector<Canopy> all_;
     std::vector<Wait> waits_;
     struct Past {

@@ -5,6 +5,7 @@
 #include <array>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -42,12 +43,18 @@ Model c9(const char* air, Phase phase) {
     model.atmosphere = {find_atmosphere(air), 1.225};
     model.gravity = standard_gravity;
     model.payload_mass = 152.4;
-    model.parachute_mass = 5.19;
-    model.inflation.filling_time = 1.625;
-    model.inflation.steady_drag_area = 42.56;
-    model.inflation.eta = 0.2;
-    model.inflation.law = find_drag_area_law("ludtke");
-    model.phase = phase;
+    static const Parachute chute = [] {
+        Parachute p;
+        p.mass = 5.19;
+        return p;
+    }();
+    Inflation inflation;
+    inflation.filling_time = 1.625;
+    inflation.steady_drag_area = 42.56;
+    inflation.eta = 0.2;
+    inflation.law = find_drag_area_law("ludtke");
+    static std::deque<Canopies> kept;  // by the models of all problems
+    model.canopies = &kept.emplace_back(chute, inflation, phase);
     return model;
 }
 

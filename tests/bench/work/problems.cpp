@@ -26,13 +26,10 @@ struct Models {
 };
 
 Composite composite_of(const Scene& scene) {
-    const Parachute& chute = scene.parachutes.front();
     Composite model;
     model.atmosphere = scene.environment.atmosphere;
     model.gravity = scene.environment.gravity;
     model.payload_mass = scene.payload.mass;
-    model.parachute_mass = chute.mass;
-    model.steady_radius = steady_radius(chute);
     model.added_mass = &*scene.aerodynamics.added_mass;
     return model;
 }
@@ -47,13 +44,17 @@ Bodies bodies_of(const Scene& scene) {
     model.stiffness = rom::line_stiffness(chute);
     model.taut_distance = rom::taut_distance(chute);
     model.behind = rom::Vec<1>::Unit(0);
+    static const Canopies none;
+    model.canopies = &none;
     return model;
 }
 
 /// y: altitude and its rate.
-Stage flight(const Problem& problem, Composite model, Phase phase, double end) {
-    model.phase = phase;
-    return {end, [&problem, model](double t, const double* y, double* dydt) {
+Stage flight(const Problem& problem, Composite model, const Scene& scene, const Inflation& inflation,
+             Phase phase, double end) {
+    const auto canopies = std::make_shared<Canopies>(scene.parachutes.front(), inflation, phase);
+    model.canopies = canopies.get();
+    return {end, [&problem, model, canopies](double t, const double* y, double* dydt) {
                 ++problem.calls;
                 dydt[0] = y[1];
                 dydt[1] = model.acceleration(t, rom::motion_of<1>({y, 2}))[0];
@@ -68,7 +69,7 @@ Stage apart(const Problem& problem, Bodies model, rom::Bond bond, double end) {
                 const auto motion = rom::motion_of<1>({y, 4});
                 const auto separation = Bodies::separation_of({y, 4});
                 dydt[0] = y[1];
-                dydt[1] = model.payload_acceleration(motion, separation)[0];
+                dydt[1] = model.payload_acceleration(t, motion, separation)[0];
                 dydt[2] = y[3];
                 dydt[3] = model.parachute_acceleration(t, motion, separation)[0] - dydt[1];
             }};
@@ -95,16 +96,16 @@ std::unique_ptr<Problem> crane_drop() {
     Bodies bodies = bodies_of(scene);
     const double taut = std::sqrt(2.0 * bodies.taut_distance / bodies.gravity);
     const double snatch = taut + quarter_period(bodies);
-    Composite composite = composite_of(scene);
-    composite.inflation = make_inflation(scene.parachutes.front(), snatch, bodies.gravity * taut, 1.225);
+    const Composite composite = composite_of(scene);
+    const Inflation inflation =
+        make_inflation(scene.parachutes.front(), snatch, bodies.gravity * taut, 1.225);
     problem->start = {85.0, 0.0, 0.0, 0.0};
     problem->scale = {85.0, 8.0};
     problem->stages.push_back(apart(*problem, bodies, rom::Bond::held, taut));
     problem->stages.push_back(apart(*problem, bodies, rom::Bond::taut, snatch));
     for (const Phase phase : {Phase::initial, Phase::filling, Phase::open})
-        problem->stages.push_back(
-            flight(*problem, composite, phase,
-                   phase == Phase::open ? snatch + 8.0 : composite.inflation.end_of(phase)));
+        problem->stages.push_back(flight(*problem, composite, scene, inflation, phase,
+                                         phase == Phase::open ? snatch + 8.0 : inflation.end_of(phase)));
     problem->stages[2].enter = [bodies, models](const Values& y) {
         const auto locked =
             bodies.locked_velocity(rom::motion_of<1>({y.data(), 4}), Bodies::separation_of({y.data(), 4}));
@@ -121,11 +122,11 @@ std::unique_ptr<Problem> descent() {
     problem->error = "altitude and speed";
     const auto models = std::make_shared<Models>();
     models->scene.environment.atmosphere = {find_atmosphere("us76"), 1.225};
-    Composite composite = composite_of(models->scene);
-    composite.inflation = inflated(models->scene.parachutes.front());
+    const Scene& scene = models->scene;
     problem->start = {1500.0, -21.0};
     problem->scale = {800.0, 8.0};
-    problem->stages.push_back(flight(*problem, composite, Phase::open, 100.0));
+    problem->stages.push_back(
+        flight(*problem, composite_of(scene), scene, inflated(scene.parachutes.front()), Phase::open, 100.0));
     problem->stages[0].enter = [models](const Values& y) { return y; };  // keeps them
     return problem;
 }
