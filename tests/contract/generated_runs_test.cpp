@@ -35,6 +35,16 @@ void expect_sound(const RunRecord& record, const std::string& text) {
         ASSERT_TRUE(std::isfinite(event.time) && std::isfinite(event.speed)) << event.name << '\n' << text;
 }
 
+/// Air that joins a canopy whose drag area begins to rise with infinite rate: a force that no method
+/// integrates to the last digits, and which a run that asks for them has to give up on.
+bool begins_infinitely_fast(const Scene& scene) {
+    const auto& added = scene.aerodynamics.added_mass;
+    return added && added->momentum == AddedMassMomentum::accreting &&
+           std::ranges::any_of(scene.parachutes, [](const Parachute& p) {
+               return p.drag_area_law == find_drag_area_law("power-0.5");
+           });
+}
+
 class GeneratedRuns : public testing::Test {
 protected:
     GeneratedRuns() { write_generated_tables(directory_); }
@@ -52,6 +62,11 @@ TEST_F(GeneratedRuns, RomEndsSoundly) {
         const RunRecord record = run_rom(scene);
         deployed += scene.parachutes.front().deploy.starts_packed() && record.find_event("snatch") != nullptr;
         ++endings[record.status.code];
+        if (record.status.code == StatusCode::solver_failed) {
+            EXPECT_TRUE(begins_infinitely_fast(scene) && scene.rom.rtol < 1e-12)
+                << record.status.detail << '\n'
+                << text;
+        }
         expect_sound(record, text);
         if (HasFatalFailure()) return;
     }
@@ -61,7 +76,6 @@ TEST_F(GeneratedRuns, RomEndsSoundly) {
     EXPECT_GT(endings[StatusCode::completed], 500);
     EXPECT_GT(deployed, 300);
     // A tolerance of 1e-14 by a method of order two takes more steps than there are; nothing else may fail.
-    EXPECT_EQ(endings[StatusCode::solver_failed], 0);
     EXPECT_LT(endings[StatusCode::step_limit], 40);
 }
 
