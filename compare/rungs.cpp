@@ -59,7 +59,7 @@ double filling_time(const Scene& scene) {
     Vec3 velocity = velocity_over_ground(scene.release);
     if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
     const double density = scene.environment.atmosphere.at(scene.release.altitude).density;
-    return chute.fill_time.seconds({chute.nominal_diameter, velocity.norm(), density});
+    return chute.fill_time.seconds(fill_inputs(scene, chute, velocity.norm(), density));
 }
 
 void add_closed_forms(std::vector<Rung>& rungs, const Scene& scene) {

@@ -66,7 +66,8 @@ Course course_of(const Scene& scene, const RunRecord* expected) {
             }
         }
         const double snatch = std::isfinite(course.snatch) ? course.snatch : 0.0;
-        course.inflation = make_inflation(chute, snatch, course.speed, density_at(scene, course.altitude));
+        course.inflation =
+            make_inflation(scene, chute, snatch, course.speed, density_at(scene, course.altitude));
     }
     course.full_open = std::isfinite(course.snatch) ? course.inflation.end_of(Phase::filling) : course.snatch;
     // A descent is found steady by the means of two seconds, both with the canopy open.
@@ -79,12 +80,9 @@ Course course_of(const Scene& scene, const RunRecord* expected) {
 double added_mass_at(const Scene& scene, const Course& course, double time) {
     if (!scene.aerodynamics.added_mass) return 0.0;
     const Inflation& inflation = course.inflation;
-    const Phase phase = time < inflation.end_of(Phase::initial)   ? Phase::initial
-                        : time < inflation.end_of(Phase::filling) ? Phase::filling
-                                                                  : Phase::open;
     return inflation
-        .added_mass(*scene.aerodynamics.added_mass, phase, time, density_at(scene, course.altitude),
-                    steady_radius(scene.parachutes.front()))
+        .added_mass(*scene.aerodynamics.added_mass, inflation.phase_at(time), time,
+                    density_at(scene, course.altitude), steady_radius(scene.parachutes.front()))
         .value;
 }
 

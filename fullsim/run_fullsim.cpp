@@ -105,6 +105,10 @@ private:
     bool inflated() const { return deploy().by == DeployBy::inflated; }
     /// [s] of the open canopy; infinite as long as it is reefed.
     double full_open() const { return reefed() ? never : simulation_.inflation().end_of(Phase::filling); }
+    /// [s] from which on the drag area is steady; infinite as long as the canopy is reefed.
+    double drag_area_steady() const {
+        return reefed() ? never : simulation_.inflation().end_of(Phase::overshoot);
+    }
     /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
     /// canopy from that.
     double last_stage(double snatch) const { return std::max(snatch, stages_.back().begin); }
@@ -197,6 +201,8 @@ private:
                 return "initial phase";
             case Phase::filling:
                 return "filling";
+            case Phase::overshoot:
+                return "over-inflation";
             case Phase::open:
                 break;
         }
@@ -254,11 +260,12 @@ private:
         if (now >= simulation_.inflation().end_of(state().phase)) {
             opens = state().phase == Phase::filling;
             if (opens && !stages_.empty() && !stages_.back().full) stages_.back().full = now;
-            add_event(!opens ? "end-of-initial-phase" : reefed() ? "reefed-open" : "full-open");
+            if (state().phase != Phase::overshoot)
+                add_event(!opens ? "end-of-initial-phase" : reefed() ? "reefed-open" : "full-open");
             if (opens && !reefed()) met(Trigger::Kind::full_open);
             // Drag area and phi are continuous here, only their rates jump: the forces just
             // evaluated are those of the phase that begins, too.
-            simulation_.begin(opens ? Phase::open : Phase::filling);
+            simulation_.begin(simulation_.inflation().after(state().phase));
         }
         if (canopies_) look_for_disreef();
         if (state().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
@@ -270,7 +277,7 @@ private:
             add_event("finite-elements-alone");
         }
         if (state().phase == Phase::open && !descent_altitude_ && state().step % steps_between_checks == 0 &&
-            observer_.is_steady(full_open())) {
+            observer_.is_steady(drag_area_steady())) {
             add_event("steady-descent");
             descent_altitude_ = state().node[simulation_.mesh().payload()].x[2];
             if (scene_.stop.kind == Trigger::Kind::steady_descent ||
@@ -278,7 +285,7 @@ private:
                 event_stop_ = now + scene_.stop.delay;
         }
         if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
-            now > full_open() && observer_.filtered_force() < past_peak * observer_.peak().value)
+            now > drag_area_steady() && observer_.filtered_force() < past_peak * observer_.peak().value)
             event_stop_ = now + scene_.stop.delay;
     }
 
@@ -496,10 +503,8 @@ void FullRun::add_warnings() {
     if (packed() && opened && !canopies_ && record_.metric("peak_force_N")) {
         const Inflation& inflation = simulation_.inflation();
         const double time = largest_peak().time;
-        const Phase then = time < inflation.end_of(Phase::initial)   ? Phase::initial
-                           : time < inflation.end_of(Phase::filling) ? Phase::filling
-                                                                     : Phase::open;
-        if (const double ratio = inflation.drag_area_ratio(then, time).value; ratio < early_peak)
+        if (const double ratio = inflation.drag_area_ratio(inflation.phase_at(time), time).value;
+            ratio < early_peak)
             warn(
                 fmt::format("the peak force comes {:.3g} s after snatch, at {:.0f} % of the steady drag area",
                             time - inflation.snatch, 100.0 * ratio),

@@ -40,7 +40,7 @@ Inflation first_inflation(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     if (chute.deploy.by == DeployBy::inflated) return inflated(chute);
     if (chute.deploy.by == DeployBy::line_stretch)
-        return make_inflation(chute, 0.0, release_airspeed(scene).norm(),
+        return make_inflation(scene, chute, 0.0, release_airspeed(scene).norm(),
                               scene.environment.atmosphere.at(scene.release.altitude).density);
     Inflation inflation;
     inflation.snatch = never;
@@ -230,7 +230,7 @@ bool Simulation::lines_are_taut() const {
 std::optional<RunStatus> Simulation::snatch() {
     const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
     const Inflation inflation =
-        make_inflation(scene_.parachutes.front(), state_.time, airspeed.norm(), state_.air.density);
+        make_inflation(scene_, scene_.parachutes.front(), state_.time, airspeed.norm(), state_.air.density);
     if (!(inflation.initial_time < inflation.filling_time) || !std::isfinite(inflation.filling_time))
         return RunStatus{StatusCode::refused,
                          fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "

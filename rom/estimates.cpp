@@ -10,7 +10,7 @@ namespace {
 OpeningForceInputs inputs_of(const RunRecord& record, const Scene& scene, const OpeningResult& result) {
     const Parachute& chute = scene.parachutes.front();
     const Inflation inflation =
-        make_inflation(chute, result.snatch_time, result.snatch_speed, result.snatch_density);
+        make_inflation(scene, chute, result.snatch_time, result.snatch_speed, result.snatch_density);
     OpeningForceInputs in;
     in.speed = result.snatch_speed;
     in.density = result.snatch_density;
@@ -23,6 +23,7 @@ OpeningForceInputs inputs_of(const RunRecord& record, const Scene& scene, const 
     in.initial_time = inflation.initial_time;
     in.eta = inflation.eta;
     in.law = inflation.law;
+    in.table = inflation.table;
     in.coefficient = chute.opening_force_coefficient;
     if (scene.aerodynamics.added_mass)
         in.added_mass =

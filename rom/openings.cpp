@@ -124,7 +124,7 @@ void Openings::note_event(const Occurrence& what, double time) {
             return;
         case Occurrence::Kind::full_open:
             course_.add_event(what.index, "full-open");
-            if (canopies_.is_settled()) course_.met(Trigger::Kind::full_open, time);
+            if (canopies_.is_filled()) course_.met(Trigger::Kind::full_open, time);
             return;
         case Occurrence::Kind::cut:
             course_.add_event(what.index, "cut");

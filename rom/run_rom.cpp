@@ -76,13 +76,20 @@ void judge(const Scene& scene, int dimensions, Course& course, Openings& opening
     result.end_position = place_of(last, scene, dimensions);
 }
 
+/// What the filling time goes by.
+std::string filling_note(const Parachute& chute) {
+    const FillTime& fill = chute.fill_time;
+    if (!chute.reefing.empty()) return "prescribed stage by stage; when lines are cut is part of it";
+    if (fill.model->name == "given") return "given in the scene";
+    if (fill.table) return fmt::format("prescribed: n of {} and the snatch speed", fill.table->file);
+    if (fill.balance) return "a balance of the mass of air in the canopy, from the snatch speed";
+    if (fill.porosity > 0.0)
+        return fmt::format("prescribed: lambda_g = {:g} and the snatch speed", fill.porosity);
+    return fmt::format("prescribed: n = {:g} and the snatch speed", fill.n);
+}
+
 void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result) {
-    const FillTime& fill = scene.parachutes.front().fill_time;
-    const Metric filling{"", 0.0, Standing::input,
-                         fill.model->name == "given" ? std::string("given in the scene")
-                         : fill.porosity > 0.0
-                             ? fmt::format("prescribed: lambda_g = {:g} and the snatch speed", fill.porosity)
-                             : fmt::format("prescribed: n = {:g} and the snatch speed", fill.n)};
+    const Metric filling{"", 0.0, Standing::input, filling_note(scene.parachutes.front())};
     const Metric descent{"", 0.0, Standing::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record, scene, result, filling, descent);

@@ -84,7 +84,7 @@ std::vector<Finding> of_ludtke(const Trial& trial) {
     const Parachute& chute = scene.parachutes.front();
     const double v = scene.release.speed, rho = density_of(scene), mass = mass_of(scene);
     const double eta = std::sqrt(chute.initial_drag_area_ratio);
-    const double filling = chute.fill_time.seconds({chute.nominal_diameter, v, rho});
+    const double filling = chute.fill_time.seconds(fill_inputs(scene, chute, v, rho));
     const double m = 2.0 * mass / (rho * v * filling * chute.drag_area);  // mass parameter
     const auto speed = [&](double x) {
         const double integral =

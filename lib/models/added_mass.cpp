@@ -30,9 +30,23 @@ ValueAndRate half_ellipsoid(const AddedMassSpec& spec, double rho, ValueAndRate 
     return filled((2.0 / 3.0) * pi * 2.0 * spec.depth_ratio, rho, radius, ramp);
 }
 
-constexpr std::array<AddedMassModel, 2> models{{
+/// k_a(lambda) rho 4/3 pi R^2 h, of all the air in and around the canopy: it follows the radius alone.
+ValueAndRate porous(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate) {
+    const double p = spec.porosity;
+    const double k = 1.068 * (1.0 + p * (-1.465 + p * (-0.25975 + p * 1.2626)));
+    const double per_radius_cubed = k * rho * (4.0 / 3.0) * pi * 2.0 * spec.depth_ratio;
+    const double square = radius.value * radius.value;
+    return {per_radius_cubed * square * radius.value, 3.0 * per_radius_cubed * square * radius.rate};
+}
+
+constexpr std::array<AddedMassModel, 3> models{{
     {"hemisphere", "paper Eqs 16 and 18, k' = 0.25 (solid flat circular canopy)", hemisphere},
-    {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid},
+    {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid,
+     true},
+    {"porosity",
+     "k_a of a cubic in the porosity, by one transcription that lost its leading 1 (grade B): for slotted "
+     "canopies, to compare with",
+     porous, true},
 }};
 
 }  // namespace

@@ -17,6 +17,7 @@ struct AddedMassModel {
     /// Included plus apparent mass [kg] for air of density rho [kg/m^3], canopy radius R [m] and
     /// apparent-mass ramp phi' [-], each with its rate per second.
     ValueAndRate (*at)(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp);
+    bool uses_depth = false;  ///< AddedMassSpec::depth_ratio
 };
 
 /// What becomes of the momentum of air that joins the canopy.
@@ -36,7 +37,8 @@ struct AddedMassSpec {
     const AddedMassModel* model = nullptr;
     AddedMassMomentum momentum = AddedMassMomentum::inertia_only;
     AddedMassRadius open_radius = AddedMassRadius::shape_once_open;
-    double depth_ratio = 0.41;  ///< h_p/D_p [-], for "half-ellipsoid" (Ewing, quoted in the paper, 5.2)
+    double depth_ratio = 0.41;  ///< h_p/D_p [-] (Ewing, quoted in the paper, 5.2)
+    double porosity = 0.0;      ///< open over total area [-], for "porosity"
 
     ValueAndRate mass(double rho, ValueAndRate radius, ValueAndRate ramp) const {
         return model->at(*this, rho, radius, ramp);
@@ -44,7 +46,6 @@ struct AddedMassSpec {
     bool operator==(const AddedMassSpec&) const = default;
 };
 
-/// "hemisphere" and "half-ellipsoid".
 std::span<const AddedMassModel> added_mass_models();
 const AddedMassModel* find_added_mass(std::string_view name);
 

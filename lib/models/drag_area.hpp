@@ -1,8 +1,11 @@
 // Growth of the drag area during filling: value and rate, so that no caller differentiates.
 #pragma once
 
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace twinchute {
 
@@ -24,5 +27,41 @@ struct DragAreaLaw {
 
 std::span<const DragAreaLaw> drag_area_laws();
 const DragAreaLaw* find_drag_area_law(std::string_view name);
+
+/// A measured growth in place of a law, between its points by Steffen's cubics: smooth in value and slope,
+/// and never beyond the points on either side (Steffen, Astron. Astrophys. 239 (1990) 443; GSL).
+class DragAreaTable {
+public:
+    /// `ratio`: (C_D S)_t/(C_D S)_0 at the fill fractions `fraction`, which rise from 0. At fraction 1 the
+    /// ratio is 1; beyond, while the canopy over-inflates, it ends at 1 again. Three points or more.
+    DragAreaTable(std::string file, std::vector<double> fraction, std::vector<double> ratio);
+
+    ValueAndRate at(double x) const;
+    double integral(double x) const;  ///< from 0
+    double end() const { return fraction_.back(); }
+    double start_ratio() const { return ratio_.front(); }
+    const std::string& file() const { return file_; }
+
+    bool operator==(const DragAreaTable& other) const {
+        return file_ == other.file_ && fraction_ == other.fraction_ && ratio_ == other.ratio_;
+    }
+
+private:
+    std::string file_;  ///< as the scene names it
+    std::vector<double> fraction_, ratio_;
+    std::shared_ptr<const void> cubics_;  ///< gsl_interp
+};
+
+/// How one drag area grows: by a law, or by a table where there is one.
+struct DragAreaGrowth {
+    const DragAreaLaw* law = nullptr;
+    double eta = 0.0;
+    const DragAreaTable* table = nullptr;
+
+    ValueAndRate at(double x) const { return table != nullptr ? table->at(x) : law->at(x, eta); }
+    double integral(double x) const { return table != nullptr ? table->integral(x) : law->integral(x, eta); }
+    /// The fill fraction from which on the drag area is steady; 1 unless the canopy over-inflates.
+    double end() const { return table != nullptr ? table->end() : 1.0; }
+};
 
 }  // namespace twinchute

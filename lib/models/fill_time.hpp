@@ -1,17 +1,29 @@
 // Filling time: from line stretch until the drag area first reaches its steady value.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace twinchute {
 
-/// What a filling-time correlation may depend on.
+/// What a filling-time correlation may depend on; of one canopy and its share of the payload.
 struct FillTimeInputs {
     double nominal_diameter = 0.0;  ///< D0 [m]
     double snatch_speed = 0.0;      ///< v_s [m/s], airspeed
     double density = 0.0;           ///< [kg/m^3] at snatch
+    double payload_mass = 0.0;      ///< m_l [kg]
+    double mass = 0.0;              ///< [kg] of payload and canopy
+    double gravity = 0.0;           ///< [m/s^2]
+    double drag_area = 0.0;         ///< (C_D S)_0 [m^2]
+    double steady_radius = 0.0;     ///< D_p/2 [m]; 0 where the scene has none
+
+    double froude_number() const { return snatch_speed * snatch_speed / (gravity * nominal_diameter); }
+    double mass_ratio() const {
+        return payload_mass / (density * nominal_diameter * nominal_diameter * nominal_diameter);
+    }
 };
 
 struct FillTime;
@@ -24,15 +36,51 @@ struct FillTimeModel {
     double (*seconds)(const FillTime&, const FillTimeInputs&);
     /// Its constant has a unit: the correlation does not scale as times of lengths over speeds do.
     bool dimensional = false;
+    /// t_f v_s/D0 is the same at any snatch speed.
+    bool by_diameters = false;
 };
+
+/// Measured fill constants n = t_f v_s/D0 against one number of the opening.
+struct FillTable {
+    enum class By { froude_number, mass_ratio };
+
+    std::string file;  ///< as the scene names it
+    By by = By::froude_number;
+    std::vector<double> at;  ///< [-] rising
+    std::vector<double> n;   ///< [-]
+
+    double abscissa(const FillTimeInputs& in) const {
+        return by == By::froude_number ? in.froude_number() : in.mass_ratio();
+    }
+    bool covers(const FillTimeInputs& in) const {
+        return abscissa(in) >= at.front() && abscissa(in) <= at.back();
+    }
+    bool operator==(const FillTable&) const = default;
+};
+
+/// What Ludtke's balance of mass asks for beside the opening. Sizes of the open canopy; those that are absent
+/// follow from the steady radius.
+struct FillBalance {
+    std::optional<double> volume;       ///< V_0 [m^3]; absent: half a sphere, 2/3 pi R_0^3
+    std::optional<double> mouth_area;   ///< A_M0 [m^2]; absent: pi R_0^2
+    double permeability = 0.0;          ///< [m/s] through the cloth at `permeability_pressure`
+    double pressure_coefficient = 1.0;  ///< C_p [-] of the pressure across the cloth
+
+    bool operator==(const FillBalance&) const = default;
+};
+
+/// [Pa] half an inch of water, at which cloth is tested.
+inline constexpr double permeability_pressure = 0.5 * 249.08891;
 
 /// A choice of row with its parameters.
 struct FillTime {
     const FillTimeModel* model = nullptr;
-    double n = 0.0;                 ///< fill constant, for "fill-constant" [-] and "knacke-0.85" [ft, ft/s]
-    double density_exponent = 0.0;  ///< k of (rho/rho_0)^k [-], for the same two
+    double n = 0.0;                 ///< fill constant [-], [ft, ft/s] with the correlations that have a unit
+    double density_exponent = 0.0;  ///< k of (rho/rho_0)^k [-], beside n
     double given = 0.0;             ///< [s], for "given"
     double porosity = 0.0;          ///< lambda_g [-], geometric, for "ribbon"
+    std::optional<FillTable> table = {};      ///< for "table"
+    std::optional<FillBalance> balance = {};  ///< for "ludtke"
 
     double seconds(const FillTimeInputs& inputs) const { return model->seconds(*this, inputs); }
     bool operator==(const FillTime&) const = default;

@@ -11,19 +11,42 @@ double Inflation::end_of(Phase phase) const {
             return snatch + initial_time;
         case Phase::filling:
             return snatch + filling_time;
+        case Phase::overshoot:
+            return snatch + initial_time + growth().end() * (filling_time - initial_time);
         case Phase::open:
             break;
     }
     return std::numeric_limits<double>::infinity();
 }
 
+Phase Inflation::after(Phase phase) const {
+    switch (phase) {
+        case Phase::initial:
+            return Phase::filling;
+        case Phase::filling:
+            return growth().end() > 1.0 ? Phase::overshoot : Phase::open;
+        case Phase::overshoot:
+        case Phase::open:
+            break;
+    }
+    return Phase::open;
+}
+
+Phase Inflation::phase_at(double time) const {
+    Phase phase = Phase::initial;
+    while (phase != Phase::open && time >= end_of(phase))
+        phase = after(phase);
+    return phase;
+}
+
 ValueAndRate Inflation::drag_area_ratio(Phase phase, double time) const {
     switch (phase) {
         case Phase::initial:
             return {eta * eta, 0.0};
-        case Phase::filling: {
+        case Phase::filling:
+        case Phase::overshoot: {
             const double duration = filling_time - initial_time;
-            const ValueAndRate ratio = law->at((time - snatch - initial_time) / duration, eta);
+            const ValueAndRate ratio = growth().at((time - snatch - initial_time) / duration);
             return {ratio.value, ratio.rate / duration};
         }
         case Phase::open:
@@ -33,7 +56,7 @@ ValueAndRate Inflation::drag_area_ratio(Phase phase, double time) const {
 }
 
 ValueAndRate Inflation::ramp(Phase phase, double time) const {
-    if (phase == Phase::open) return {1.0, 0.0};
+    if (phase == Phase::open || phase == Phase::overshoot) return {1.0, 0.0};
     const double rest = 1.0 - ramp_start;
     return {ramp_start + rest * ((time - snatch) / filling_time), rest / filling_time};
 }

@@ -12,9 +12,10 @@ namespace twinchute {
 /// Phases after snatch. They are separate functions of time: a solver stops at each boundary
 /// and goes on in the next phase, so that none is ever stepped across.
 enum class Phase {
-    initial,  ///< t_s to t_s + t_i: constant drag area
-    filling,  ///< t_s + t_i to t_s + t_f: the drag-area law
-    open      ///< after t_s + t_f: constant drag area
+    initial,    ///< t_s to t_s + t_i: constant drag area
+    filling,    ///< t_s + t_i to t_s + t_f: the drag-area law
+    overshoot,  ///< from t_s + t_f on while the canopy over-inflates, by a table of growth that says so
+    open        ///< after that: constant drag area
 };
 
 struct Inflation {
@@ -27,9 +28,16 @@ struct Inflation {
     // Of a stage of a reefed opening; what is above is then the stage's own.
     double share = 1.0;       ///< drag area that it ends with over (C_D S)_0 of the open canopy [-]
     double ramp_start = 0.0;  ///< phi' at its beginning [-]
+    const DragAreaTable* table = nullptr;  ///< in place of the law; the parachute's
+
+    DragAreaGrowth growth() const { return {law, eta, table}; }
 
     /// [s] since release at which a phase ends; infinite for Phase::open.
     double end_of(Phase phase) const;
+    /// The phase that begins where `phase` ends.
+    Phase after(Phase phase) const;
+    /// The phase at `time` [s]; at the end of one the next.
+    Phase phase_at(double time) const;
 
     /// (C_D S)_t/(C_D S)_0 [-] and its rate [1/s] (paper, Eq. 14, on t - (t_s + t_i)).
     ValueAndRate drag_area_ratio(Phase phase, double time) const;

@@ -46,6 +46,30 @@ double reduction_by_pflanz(const OpeningForceInputs& in) {
     return drag_only_peak(power_law(in), 0.0, ballistic_parameter(in, in.filling_time));
 }
 
+/// R_m and n of the momentum-impulse theorem.
+double impulse_mass_ratio(const OpeningForceInputs& in) {
+    return in.density * std::pow(in.drag_area, 1.5) / in.mass;
+}
+
+/// With the shape of the opening that goes with the mass ratio (OSCalc).
+double impulse_diameters(const OpeningForceInputs& in) {
+    const double ratio = impulse_mass_ratio(in);
+    const double shape = ratio > 0.1 ? 0.5 : ratio > 0.01 ? 0.35 : 0.2;
+    return in.speed * in.filling_time * shape / std::sqrt(in.drag_area);
+}
+
+double momentum_impulse(const OpeningForceInputs& in) {
+    return steady_drag(in) * momentum_impulse_coefficient(impulse_mass_ratio(in), impulse_diameters(in));
+}
+
+/// (t/t_f)^j goes on until it reaches C_x.
+double overshooting(const OpeningForceInputs& in) {
+    const DragAreaLaw& law = power_law(in);
+    const double exponent = law.at(1.0, 0.0).rate;  // of x^j
+    return steady_drag(in) * drag_only_peak({&law, 0.0}, ballistic_parameter(in, in.filling_time),
+                                            std::pow(coefficient(in), 1.0 / exponent));
+}
+
 double infinite_mass(const OpeningForceInputs& in) {
     return coefficient(in) * steady_drag(in);
 }
@@ -64,7 +88,7 @@ double ludtke(const OpeningForceInputs& in) {
     const double left =
         1.0 / (1.0 + (in.initial_time > 0.0 ? start / ballistic_parameter(in, in.initial_time) : 0.0));
     const double ballistic = ballistic_parameter(in, in.filling_time - in.initial_time) / left;
-    const double later = left * left * drag_only_peak(*in.law, in.eta, ballistic);
+    const double later = left * left * drag_only_peak({in.law, in.eta, in.table}, ballistic, 1.0);
     return steady_drag(in) * std::max(start, later);
 }
 
@@ -107,13 +131,26 @@ std::string beyond_pflanz(const OpeningForceInputs& in) {
     return missing.empty() ? beyond_drag_only(in) : missing;
 }
 
-constexpr std::array<OpeningForceForm, 4> forms{{
+std::string beyond_impulse(const OpeningForceInputs& in) {
+    const double ratio = impulse_mass_ratio(in), diameters = impulse_diameters(in);
+    if (ratio < 1e-4 || ratio > 10.0)
+        return fmt::format("R_m = {:.3g}, the curves reach from 1e-4 to 10", ratio);
+    if (diameters < 1.0)
+        return fmt::format("n = {:.2g} generalised diameters, the curves begin at 1", diameters);
+    return "for orientation: a third hand's fit to a digitised figure, two curves for all n";
+}
+
+constexpr std::array<OpeningForceForm, 6> forms{{
     {"infinite-mass", "infinite mass: C_x q (C_D S)_0", "Knacke NWC TP 6575, C_x of Table 5-1", infinite_mass,
      beyond_infinite_mass},
     {"canopy-loading", "canopy loading: C_x q (C_D S)_0 X_1(W/(C_D S)_0)", "Knacke NWC TP 6575, Fig. 5-48",
      by_loading, beyond_loading},
     {"pflanz", "Pflanz: C_x q (C_D S)_0 X_1(A)", "Pflanz; Knacke NWC TP 6575, Fig. 5-51, in closed form",
      pflanz, beyond_pflanz},
+    {"pflanz-overshoot", "Pflanz with overshoot: (C_D S)_0 (t/t_f)^j up to C_x",
+     "Pflanz and Ludtke, generalised; in closed form", overshooting, beyond_pflanz},
+    {"momentum-impulse", "momentum and impulse: C_k(R_m) q (C_D S)_0", "Potvin's theorem, OSCalc's curves",
+     momentum_impulse, beyond_impulse},
     {"ludtke", "Ludtke: the scene's drag-area law without gravity",
      "the paper, Eqs 14-15, with drag and inertia alone: in closed form", ludtke, beyond_drag_only},
 }};
@@ -128,15 +165,25 @@ double ballistic_parameter(const OpeningForceInputs& in, double t) {
     return 2.0 * in.mass / (in.drag_area * in.density * in.speed * t);
 }
 
-double drag_only_peak(const DragAreaLaw& law, double eta, double ballistic) {
+double drag_only_peak(const DragAreaGrowth& growth, double ballistic, double last) {
     // Over the square root of tau, so that the early peak of a light payload is wide: with a power of 1/2
     // and A = 1e-4 it stands at tau = 5e-4.
     const auto ratio = [&](double root) {
         const double tau = root * root;
-        const double slowed = 1.0 + law.integral(tau, eta) / ballistic;
-        return law.at(tau, eta).value / (slowed * slowed);
+        const double slowed = 1.0 + growth.integral(tau) / ballistic;
+        return growth.at(tau).value / (slowed * slowed);
     };
-    return maximum_on(ratio, 0.0, 1.0, 64).value;
+    return maximum_on(ratio, 0.0, std::sqrt(last), 64).value;
+}
+
+double drag_only_peak(const DragAreaLaw& law, double eta, double ballistic) {
+    return drag_only_peak({&law, eta}, ballistic, 1.0);
+}
+
+double momentum_impulse_coefficient(double mass_ratio, double diameters) {
+    const double x = std::log10(mass_ratio);
+    if (diameters < 4.0) return 0.647104 + x * (-0.361679 + x * (-0.0263548 + x * 0.00513730));
+    return 0.125520 + x * (-0.213092 + x * (0.179838 + x * (-0.0181437 + x * (-0.0335675 - x * 0.00483469))));
 }
 
 double force_reduction_by_loading(double loading) {

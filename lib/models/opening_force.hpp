@@ -24,7 +24,8 @@ struct OpeningForceInputs {
     double eta = 0.0;           ///< sqrt((C_D S)_i/(C_D S)_0) [-]
     double added_mass = 0.0;    ///< [kg] of the open canopy; 0 where the scene has none
     const DragAreaLaw* law = nullptr;
-    std::optional<double> coefficient;  ///< C_x [-] of the canopy's type
+    const DragAreaTable* table = nullptr;  ///< in place of the law
+    std::optional<double> coefficient;     ///< C_x [-] of the canopy's type
 };
 
 /// A row of the table of formulas.
@@ -42,9 +43,16 @@ std::span<const OpeningForceForm> opening_force_forms();
 /// Ludtke's M where t is the time of filling. Large for a payload that does not slow down meanwhile.
 double ballistic_parameter(const OpeningForceInputs& in, double t);
 
-/// Largest D/((C_D S)_0 q_s) [-] of an opening by `law` from eta^2 on that nothing but drag brakes:
-/// v/v_s = 1/(1 + I(tau)/A), I the integral of the law. Exact.
+/// Largest D/((C_D S)_0 q_s) [-] until the fill fraction `last` of an opening that nothing but drag brakes:
+/// v/v_s = 1/(1 + I(tau)/A), I the integral of the growth. Exact.
+double drag_only_peak(const DragAreaGrowth& growth, double ballistic, double last);
+/// The same of an opening by `law` from eta^2 on, until it is full.
 double drag_only_peak(const DragAreaLaw& law, double eta, double ballistic);
+
+/// C_k = F/((C_D S)_0 q_s) [-] against the mass ratio R_m = rho (C_D S)_0^1.5/m, of a canopy that fills over
+/// `diameters` of sqrt((C_D S)_0): two curves of the momentum-impulse theorem (Potvin), as fitted by a third
+/// hand to a digitised figure. R_m from 1e-4 to 10.
+double momentum_impulse_coefficient(double mass_ratio, double diameters);
 
 /// X_1 [-] by canopy loading W/(C_D S)_0 [Pa]: Knacke, Fig. 5-48, straight between its readings at grid
 /// lines over the logarithm of the loading.

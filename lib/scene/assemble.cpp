@@ -10,6 +10,7 @@
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
+#include "lib/scene/opening_tables.hpp"
 #include "lib/scene/soundings.hpp"
 
 namespace twinchute {
@@ -131,6 +132,13 @@ FillTime fill_time(const Values& v, const std::string& table) {
     const auto key = [&](const char* name) { return table + "." + name; };
     FillTime f;
     f.model = find_fill_time(v.word(key("model")));
+    if (const std::string csv = key("table"); v.is_effective(csv)) {
+        const auto file = table_file(v, csv);
+        f.table = read_fill_table(read_text_file(file), file.string(), v.word(csv));
+    }
+    if (f.model->name == "ludtke")
+        f.balance = {optional_number(v, key("volume")), optional_number(v, key("mouth_area")),
+                     v.number(key("permeability")), v.number(key("pressure_coefficient"))};
     if (v.is_effective(key("n"))) {
         f.n = v.number(key("n"));
         f.density_exponent = v.number(key("density_exponent"));
@@ -260,6 +268,20 @@ void add_structure(const Values& v, Materials& materials, Parachute& p) {
     p.tapes = {cord("parachute.tapes.radial"), cord("parachute.tapes.skirt"), cord("parachute.tapes.vent")};
 }
 
+/// Of a table the law's name means nothing; it begins where the table does.
+void add_growth(const Values& v, Parachute& p) {
+    constexpr const char* key = "parachute.drag_area_table";
+    if (!v.given(key)) {
+        p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
+        p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
+        return;
+    }
+    const auto file = table_file(v, key);
+    p.drag_area_law = &drag_area_laws().front();
+    p.drag_area_table = read_drag_area_table(read_text_file(file), file.string(), v.word(key));
+    p.initial_drag_area_ratio = p.drag_area_table->start_ratio();
+}
+
 Parachute parachute(const Values& v, Materials& materials, const Environment& environment) {
     Parachute p;
     p.name = v.word("parachute.name");
@@ -285,8 +307,7 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
     if (v.has_table("parachute.cut")) p.cut = trigger(v, "parachute.cut", environment);
     p.reefing = reefing(v, environment);
     p.fill_time = fill_time(v, "parachute.fill_time");
-    p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
-    p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
+    add_growth(v, p);
     p.initial_phase.transit = v.is_word("parachute.initial_phase");
     if (!p.initial_phase.transit) p.initial_phase.seconds = v.number("parachute.initial_phase");
     return p;
@@ -294,7 +315,7 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
 
 Aerodynamics aerodynamics(const Values& v) {
     Aerodynamics a;
-    if (v.has_table("aerodynamics.added_mass")) {
+    if (v.has_table("aerodynamics.added_mass") && v.word("aerodynamics.added_mass.model") != "none") {
         AddedMassSpec& spec = a.added_mass.emplace();
         spec.model = find_added_mass(v.word("aerodynamics.added_mass.model"));
         if (v.word("aerodynamics.added_mass.momentum") == "accreting")
@@ -303,6 +324,8 @@ Aerodynamics aerodynamics(const Values& v) {
             spec.open_radius = AddedMassRadius::drag_area;
         if (v.is_effective("aerodynamics.added_mass.depth_ratio"))
             spec.depth_ratio = v.number("aerodynamics.added_mass.depth_ratio");
+        if (v.is_effective("aerodynamics.added_mass.porosity"))
+            spec.porosity = v.number("aerodynamics.added_mass.porosity");
     }
     if (v.has_table("aerodynamics.line_drag")) a.line_drag = LineDrag{};
     if (v.has_table("aerodynamics.breathing_damping"))

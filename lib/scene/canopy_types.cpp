@@ -97,8 +97,10 @@ public:
     Below(Document& scene, const CanopyType& type, const Entry& asked_by)
         : scene_(scene), type_(type), asked_by_(asked_by) {}
 
+    bool has(std::string_view path) const { return scene_.entries.contains(std::string(path)); }
+
     void put(std::string_view path, RawValue value, std::string source) {
-        if (scene_.entries.contains(std::string(path))) return;
+        if (has(path)) return;
         Entry entry = asked_by_;
         entry.key = find_key(scene_keys(), path);
         entry.value = std::move(value);
@@ -161,6 +163,7 @@ bool takes_fill_constant(const Document& document) {
 
 void put_law(Below& below, const CanopyType& type) {
     const auto& exponent = type.growth_exponent;
+    if (below.has("parachute.drag_area_table")) return;
     if (!exponent || !exponent->may_be_default()) return;
     const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", exponent->middle()));
     if (law) below.put("parachute.drag_area_law", std::string(law->name), source_text(type, *exponent));

@@ -143,21 +143,38 @@ void check_canopy(const Parachute& p, const Complain& complain) {
                        "check drag_area and nominal_diameter");
 }
 
+/// The key that a filling time comes from.
+const char* fill_time_key(const FillTime& fill) {
+    if (fill.given > 0.0) return "parachute.fill_time.time";
+    if (fill.porosity > 0.0) return "parachute.fill_time.geometric_porosity";
+    if (fill.table) return "parachute.fill_time.table";
+    return fill.balance ? "parachute.fill_time.model" : "parachute.fill_time.n";
+}
+
+void check_growth(const Parachute& p, const Complain& complain) {
+    if (p.drag_area_table && !p.reefing.empty())
+        complain.about("parachute.drag_area_table", "a table of growth stands beside reefing",
+                       "it is that of a whole opening; stages grow by a law", "write drag_area_law instead");
+    const auto& balance = p.fill_time.balance;
+    if (balance && !(balance->volume && balance->mouth_area) && !(p.projected_diameter_ratio > 0.0))
+        complain.about("parachute.projected_diameter_ratio", "is missing",
+                       "it gives volume and mouth of the open canopy",
+                       "give it, or fill_time.volume and fill_time.mouth_area");
+}
+
 /// A packed start finds its snatch speed while it runs; that a filling time of n diameters outlasts an
 /// initial phase of half a diameter holds at any speed, or at none.
 void check_packed_opening(const Scene& scene, const Parachute& p, const Complain& complain) {
     const double speed = 1.0, density = scene.environment.atmosphere.at(scene.release.altitude).density;
-    const double filling = p.fill_time.seconds({p.nominal_diameter, speed, density});
-    const bool has_given = p.fill_time.given > 0.0, has_porosity = p.fill_time.porosity > 0.0;
-    const bool both_scale = p.initial_phase.transit && !has_given && !p.fill_time.model->dimensional;
+    const double filling = p.fill_time.seconds(fill_inputs(scene, p, speed, density));
+    const bool has_given = p.fill_time.given > 0.0;
+    const bool both_scale = p.initial_phase.transit && p.fill_time.model->by_diameters;
     const bool both_given = !p.initial_phase.transit && has_given;
     const double initial =
         p.initial_phase.transit ? 0.5 * p.nominal_diameter / speed : p.initial_phase.seconds;
     if ((both_scale || both_given) && initial >= filling)
         complain.about(
-            both_given     ? "parachute.initial_phase"
-            : has_porosity ? "parachute.fill_time.geometric_porosity"
-                           : "parachute.fill_time.n",
+            both_given ? "parachute.initial_phase" : fill_time_key(p.fill_time),
             "the initial phase is not shorter than the filling time",
             both_given ? fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling)
                        : fmt::format("it lasts half a diameter, the filling {:.3g} diameters, at any speed",
@@ -175,17 +192,15 @@ void check_opening(const Scene& scene, const Parachute& p, const Values& values,
         complain.about(key, "a line-stretch start needs a speed", "lines and canopy are drawn out by the air",
                        "give the snatch speed");
     const double density = scene.environment.atmosphere.at(scene.release.altitude).density;
-    const double filling = p.fill_time.seconds({p.nominal_diameter, speed, density});
+    const double filling = p.fill_time.seconds(fill_inputs(scene, p, speed, density));
     const double initial =
         p.initial_phase.transit ? 0.5 * p.nominal_diameter / speed : p.initial_phase.seconds;
     if (!(filling > 0.0) || !std::isfinite(filling))
         complain.about("parachute.fill_time.model", fmt::format("a filling time of {} s", filling),
                        "it has to be positive", "check fill_time and release.speed");
     if (initial >= filling) {
-        const char* given = values.given("parachute.initial_phase") ? "parachute.initial_phase"
-                            : p.fill_time.given > 0.0               ? "parachute.fill_time.time"
-                            : p.fill_time.porosity > 0.0            ? "parachute.fill_time.geometric_porosity"
-                                                                    : "parachute.fill_time.n";
+        const char* given =
+            values.given("parachute.initial_phase") ? "parachute.initial_phase" : fill_time_key(p.fill_time);
         complain.about(given, "the initial phase is not shorter than the filling time",
                        fmt::format("t_i = {:.4g} s, t_f = {:.4g} s", initial, filling),
                        "shorten initial_phase or lengthen fill_time");
@@ -317,6 +332,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     const Complain complain(values);
     check_needs(scene, p, complain);
     check_canopy(p, complain);
+    check_growth(p, complain);
     check_reefing(p, complain);
     check_cluster(p, complain);
     if (p.deploy.starts_packed())

@@ -28,6 +28,19 @@ double mouth_radius_at_line_stretch(const Parachute& chute) {
     return std::sqrt(mouth_area_at_line_stretch(chute) / polygon);
 }
 
+FillTimeInputs fill_inputs(const Scene& scene, const Parachute& chute, double speed, double density) {
+    FillTimeInputs in;
+    in.nominal_diameter = chute.nominal_diameter;
+    in.snatch_speed = speed;
+    in.density = density;
+    in.payload_mass = scene.payload.mass / chute.count;
+    in.mass = in.payload_mass + chute.mass;
+    in.gravity = scene.environment.gravity;
+    in.drag_area = chute.drag_area * chute.cluster_drag_ratio;
+    in.steady_radius = 0.5 * chute.projected_diameter_ratio * chute.nominal_diameter;
+    return in;
+}
+
 double reefing_line_length(const Parachute& chute, std::size_t stage) {
     const Reefing& reefing = chute.reefing[stage];
     const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;

@@ -136,7 +136,8 @@ struct Parachute {
     std::vector<Reefing> reefing;        ///< stages before the canopy may open fully
     FillTime fill_time;                  ///< of the whole opening; after reefing, of the rest
     const DragAreaLaw* drag_area_law = nullptr;
-    double initial_drag_area_ratio = 0.0;  ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
+    std::optional<DragAreaTable> drag_area_table;  ///< of a whole opening, in place of the law
+    double initial_drag_area_ratio = 0.0;          ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
 
     bool operator==(const Parachute&) const = default;

@@ -106,6 +106,13 @@ void write_fill_time(Writer& w, const std::string& table, const FillTime& f) {
         w.number(table + ".time", f.given);
     } else if (f.model->name == "ribbon") {
         w.number(table + ".geometric_porosity", f.porosity);
+    } else if (f.table) {
+        w.words(table + ".table", f.table->file);
+    } else if (f.balance) {
+        if (f.balance->volume) w.number(table + ".volume", *f.balance->volume);
+        if (f.balance->mouth_area) w.number(table + ".mouth_area", *f.balance->mouth_area);
+        w.number(table + ".permeability", f.balance->permeability);
+        w.number(table + ".pressure_coefficient", f.balance->pressure_coefficient);
     } else {
         w.number(table + ".n", f.n);
         w.number(table + ".density_exponent", f.density_exponent);
@@ -200,8 +207,12 @@ void write_parachute(Writer& w, const Parachute& p) {
     if (p.deploy_when) write_trigger(w, "deploy.when", *p.deploy_when);
     if (p.cut) write_trigger(w, "cut", *p.cut);
     write_fill_time(w, "fill_time", p.fill_time);
-    w.words("drag_area_law", p.drag_area_law->name);
-    w.number("initial_drag_area_ratio", p.initial_drag_area_ratio);
+    if (p.drag_area_table) {
+        w.words("drag_area_table", p.drag_area_table->file());
+    } else {
+        w.words("drag_area_law", p.drag_area_law->name);
+        w.number("initial_drag_area_ratio", p.initial_drag_area_ratio);
+    }
     if (p.initial_phase.transit)
         w.words("initial_phase", "transit");
     else
@@ -218,8 +229,8 @@ void write_aerodynamics(Writer& w, const Aerodynamics& a) {
         w.words("added_mass.momentum", accreting ? "accreting" : "inertia-only");
         const bool drag_area = a.added_mass->open_radius == AddedMassRadius::drag_area;
         w.words("added_mass.radius", drag_area ? "drag-area" : "shape-once-open");
-        if (a.added_mass->model->name == "half-ellipsoid")
-            w.number("added_mass.depth_ratio", a.added_mass->depth_ratio);
+        if (a.added_mass->model->uses_depth) w.number("added_mass.depth_ratio", a.added_mass->depth_ratio);
+        if (a.added_mass->model->name == "porosity") w.number("added_mass.porosity", a.added_mass->porosity);
     }
     if (a.line_drag) w.words("line_drag.model", "cylinder");
     if (a.breathing_damping) w.number("breathing_damping.k", *a.breathing_damping);

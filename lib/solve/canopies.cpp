@@ -20,6 +20,10 @@ double phase_end(const Canopy& c) {
     return c.is_out() ? c.inflation.end_of(c.phase) : never;
 }
 
+bool is_filling(const Canopy& c) {
+    return c.is_out() && (c.phase == Phase::initial || c.phase == Phase::filling);
+}
+
 }  // namespace
 
 Canopies::Canopies(const Scene& scene) : scene_(&scene) {
@@ -179,6 +183,10 @@ bool Canopies::is_quiet() const {
     return std::ranges::none_of(all_, [](const Canopy& c) { return c.is_out() && c.phase != Phase::open; });
 }
 
+bool Canopies::is_filled() const {
+    return waits_.empty() && std::ranges::none_of(all_, is_filling);
+}
+
 bool Canopies::is_settled() const {
     return waits_.empty() && is_quiet();
 }
@@ -240,13 +248,13 @@ void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrenc
         case Wait::What::disreef:
             ++c.stage;
             if (c.phase == Phase::initial) {  // it has not begun to fill: as if that line had not been there
-                c.inflation =
-                    make_inflation(*c.chute, c.inflation.snatch, c.snatch_speed, c.snatch_density, c.stage);
+                c.inflation = make_inflation(*scene_, *c.chute, c.inflation.snatch, c.snatch_speed,
+                                             c.snatch_density, c.stage);
                 c.inflation.initial_time += c.lag;
                 c.inflation.filling_time += c.lag;
             } else {
-                c.inflation =
-                    next_stage(*c.chute, c.stage, c.inflation, c.phase, now.time, now.airspeed, now.density);
+                c.inflation = next_stage(*scene_, *c.chute, c.stage, c.inflation, c.phase, now.time,
+                                         now.airspeed, now.density);
                 c.phase = Phase::filling;
             }
             if (std::ranges::none_of(all_, [&](const Canopy& o) {
@@ -262,13 +270,17 @@ void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence
         return std::ranges::any_of(
             all_, [&](const Canopy& o) { return &o != &c && o.index == c.index && o.is_out() && is(o); });
     };
+    if (c.phase == Phase::overshoot) {
+        c.phase = Phase::open;
+        return;
+    }
     if (c.phase == Phase::initial) {
         c.phase = Phase::filling;
         if (!others([](const Canopy& o) { return o.phase != Phase::initial; }))
             done.push_back({Occurrence::Kind::filling, c.index, c.stage});
         return;
     }
-    c.phase = Phase::open;
+    c.phase = c.inflation.after(c.phase);
     if (c.is_reefed()) {
         if (!others([&](const Canopy& o) { return o.stage == c.stage && o.phase != Phase::open; }))
             done.push_back({Occurrence::Kind::reefed_open, c.index, c.stage});
@@ -279,7 +291,7 @@ void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence
                 wait.due = now.time + wait.trigger->delay;
         return;
     }
-    if (others([](const Canopy& o) { return o.phase != Phase::open || o.is_reefed(); })) return;
+    if (others([](const Canopy& o) { return is_filling(o) || o.is_reefed(); })) return;
     done.push_back({Occurrence::Kind::full_open, c.index, c.stage});
     occurred(Trigger::Kind::full_open, c.index, now.time);
 }
@@ -295,8 +307,8 @@ void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurre
         c.state = Canopy::State::open;
         c.snatch_speed = now.airspeed;
         c.snatch_density = now.density;
-        c.inflation =
-            is_open ? inflated(*c.chute) : make_inflation(*c.chute, now.time, now.airspeed, now.density);
+        c.inflation = is_open ? inflated(*c.chute)
+                              : make_inflation(*scene_, *c.chute, now.time, now.airspeed, now.density);
         c.inflation.initial_time += c.lag;
         c.inflation.filling_time += c.lag;
         c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;

@@ -92,9 +92,11 @@ public:
     void met(std::size_t watched, const Situation& now);
     bool waits_for_steady_descent() const;
 
-    /// Nothing fills.
+    /// No drag area changes.
     bool is_quiet() const;
     /// Nothing fills, and nothing will.
+    bool is_filled() const;
+    /// No drag area changes, and none will.
     bool is_settled() const;
     /// Whether any has yet to snatch.
     bool any_waits_to_leave() const;

@@ -32,12 +32,12 @@ double filled(const Parachute& chute, double share) {
 }
 
 /// A stage from `share` of the open canopy's drag area on; t_i is part of its filling time.
-Inflation stage_of(const Parachute& chute, std::size_t stage, double share, double initial_time, double speed,
-                   double density) {
+Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage, double share,
+                   double initial_time, double speed, double density) {
     const bool reefed = stage < chute.reefing.size();
     const FillTime& fill =
         reefed && chute.reefing[stage].fill_time ? *chute.reefing[stage].fill_time : chute.fill_time;
-    const double whole = fill.seconds({chute.nominal_diameter, speed, density});
+    const double whole = fill.seconds(fill_inputs(scene, chute, speed, density));
     Inflation inflation;
     inflation.share = share_of(chute, stage);
     const double part = filled(chute, inflation.share) - filled(chute, share);
@@ -47,24 +47,26 @@ Inflation stage_of(const Parachute& chute, std::size_t stage, double share, doub
     inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio * inflation.share;
     inflation.eta = std::sqrt(share / inflation.share);
     inflation.law = chute.drag_area_law;
+    if (chute.drag_area_table) inflation.table = &*chute.drag_area_table;
     return inflation;
 }
 
 }  // namespace
 
-Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density,
-                         std::size_t stage) {
+Inflation make_inflation(const Scene& scene, const Parachute& chute, double snatch, double speed,
+                         double density, std::size_t stage) {
     const double initial_time =
         chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
-    Inflation inflation = stage_of(chute, stage, chute.initial_drag_area_ratio, initial_time, speed, density);
+    Inflation inflation =
+        stage_of(scene, chute, stage, chute.initial_drag_area_ratio, initial_time, speed, density);
     inflation.snatch = snatch;
     return inflation;
 }
 
-Inflation next_stage(const Parachute& chute, std::size_t stage, const Inflation& before, Phase phase,
-                     double time, double speed, double density) {
+Inflation next_stage(const Scene& scene, const Parachute& chute, std::size_t stage, const Inflation& before,
+                     Phase phase, double time, double speed, double density) {
     const double share = before.share * before.drag_area_ratio(phase, time).value;
-    Inflation inflation = stage_of(chute, stage, share, 0.0, speed, density);
+    Inflation inflation = stage_of(scene, chute, stage, share, 0.0, speed, density);
     inflation.snatch = time;
     inflation.ramp_start = before.ramp(phase, time).value;
     return inflation;
@@ -211,6 +213,24 @@ void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double s
               : "open more slowly, or give fill_time.n from tests"});
 }
 
+void warn_of_fill_table(RunRecord& record, const Parachute& chute, const FillTimeInputs& in,
+                        const std::string& whose) {
+    if (!chute.fill_time.table || chute.fill_time.table->covers(in)) return;
+    const FillTable& table = *chute.fill_time.table;
+    const bool froude = table.by == FillTable::By::froude_number;
+    record.warnings.push_back(
+        {fmt::format("{}{} {:.3g} is beyond {}", whose, froude ? "Froude number" : "mass ratio",
+                     table.abscissa(in), table.file),
+         fmt::format("its points reach from {:g} to {:g}; the nearer end is held", table.at.front(),
+                     table.at.back()),
+         "add points to the table, or choose another fill_time.model"});
+}
+
+/// The scene says itself how its canopy over-inflates.
+bool overshoots(const Parachute& chute) {
+    return chute.drag_area_table && chute.drag_area_table->end() > 1.0;
+}
+
 /// A canopy is opened by air that is faster than it will be at last. Those before the last parachute need not
 /// carry the payload.
 void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute& chute, double speed,
@@ -237,12 +257,13 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
     // Of one of a cluster: the part of the payload that it carries.
     const double mass_ratio =
         scene.payload.mass / chute.count / (density * std::pow(chute.nominal_diameter, 3));
-    if (mass_ratio > 1.0)
+    if (mass_ratio > 1.0 && !overshoots(chute))
         record.warnings.push_back(
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
     warn_of_slow_snatch(record, scene, chute, speed, density);
+    warn_of_fill_table(record, chute, fill_inputs(scene, chute, speed, density), whose);
     warn_of_typical_filling(record, chute, speed, whose);
     if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
         record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,

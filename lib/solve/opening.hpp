@@ -18,8 +18,8 @@ Vec3 release_airspeed(const Scene& scene);
 /// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
 /// in air of `density` [kg/m^3]; of a reefed one its first stage, with `stage` one whose lines before have
 /// been cut before it began to fill. Drag area: of one canopy, in its cluster.
-Inflation make_inflation(const Parachute& chute, double snatch, double speed, double density,
-                         std::size_t stage = 0);
+Inflation make_inflation(const Scene& scene, const Parachute& chute, double snatch, double speed,
+                         double density, std::size_t stage = 0);
 
 /// The stage of a reefed opening that begins where the one before has come to when its line is cut at `time`
 /// [s], at airspeed `speed` [m/s] in air of `density` [kg/m^3]. Stages: those of Parachute::reefing, then the
@@ -30,8 +30,8 @@ Inflation make_inflation(const Parachute& chute, double snatch, double speed, do
 /// stage sqrt((C_D S)_r/(C_D S)_0), so that a reefed canopy fills over as many of its own diameters as an
 /// open one over its; nothing for a stage that adds nothing, all of it for one that begins at (C_D S)_i. A
 /// definition of this toolkit; a fill_time of the stage is taken in the same way, a given time as it stands.
-Inflation next_stage(const Parachute& chute, std::size_t stage, const Inflation& before, Phase phase,
-                     double time, double speed, double density);
+Inflation next_stage(const Scene& scene, const Parachute& chute, std::size_t stage, const Inflation& before,
+                     Phase phase, double time, double speed, double density);
 /// The opening of a canopy that starts inflated: over at time 0.
 Inflation inflated(const Parachute& chute);
 

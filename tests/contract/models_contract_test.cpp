@@ -114,26 +114,68 @@ TEST(AddedMassContract, GrowsWithRadiusAndRampAndRatesFollow) {
     }
 }
 
+/// Every parameter that a row may ask for.
+FillTime fill_time_of(const FillTimeModel& model) {
+    FillTime choice{&model, 8.0, 0.0, 1.4, 0.2};
+    choice.table = FillTable{"a table", FillTable::By::froude_number, {10.0, 100.0}, {12.0, 6.0}};
+    choice.balance.emplace();
+    return choice;
+}
+
+constexpr FillTimeInputs snatch{8.5, 60.0, 1.0, 150.0, 155.0, 9.8, 42.0, 2.8};
+
+/// The same snatch in units of length and time that are so many metres and seconds.
+FillTimeInputs in_units(const FillTimeInputs& in, double length, double time) {
+    return {in.nominal_diameter / length,
+            in.snatch_speed * time / length,
+            in.density * length * length * length,
+            in.payload_mass,
+            in.mass,
+            in.gravity * time * time / length,
+            in.drag_area / (length * length),
+            in.steady_radius / length};
+}
+
 TEST(FillTimeContract, IsATime) {
-    // In units of length twice as large, lengths and speeds halve and seconds stay; in units of time twice
-    // as large, speeds double and seconds halve (a given time is told in the same units).
+    // The same seconds in whatever unit of length; in units of time twice as large half as many (a given time
+    // is told in the same units).
     for (const FillTimeModel& model : fill_time_models()) {
-        const FillTime choice{&model, 8.0, 0.5, 1.4, 0.2};
-        const double seconds = choice.seconds({8.5, 60.0, 1.0});
+        const FillTime choice = fill_time_of(model);
+        const double seconds = choice.seconds(snatch);
         EXPECT_GT(seconds, 0.0) << model.name;
         EXPECT_FALSE(model.range.empty());
         if (model.dimensional) continue;
-        EXPECT_NEAR(choice.seconds({4.25, 30.0, 1.0}), seconds, 1e-13) << model.name;
-        const FillTime halved{&model, 8.0, 0.5, 0.7, 0.2};
-        EXPECT_NEAR(halved.seconds({8.5, 120.0, 1.0}), 0.5 * seconds, 1e-13) << model.name;
+        EXPECT_NEAR(choice.seconds(in_units(snatch, 2.0, 1.0)), seconds, 1e-13) << model.name;
+        FillTime halved = choice;
+        halved.given *= 0.5;
+        EXPECT_NEAR(halved.seconds(in_units(snatch, 1.0, 2.0)), 0.5 * seconds, 1e-13) << model.name;
     }
 }
 
 TEST(FillTimeContract, IsNeverLongerForFasterAirOrAThinnerOne) {
+    FillTimeInputs fast = snatch, thin = snatch;
+    fast.snatch_speed = 90.0;
+    thin.density = 0.5;
     for (const FillTimeModel& model : fill_time_models()) {
-        const FillTime choice{&model, 8.0, 0.5, 1.4, 0.2};
-        EXPECT_LE(choice.seconds({8.5, 90.0, 1.0}), choice.seconds({8.5, 60.0, 1.0})) << model.name;
-        EXPECT_LE(choice.seconds({8.5, 60.0, 0.5}), choice.seconds({8.5, 60.0, 1.0})) << model.name;
+        FillTime choice = fill_time_of(model);
+        choice.density_exponent = 0.5;
+        EXPECT_LE(choice.seconds(fast), choice.seconds(snatch)) << model.name;
+        EXPECT_LE(choice.seconds(thin), choice.seconds(snatch)) << model.name;
+    }
+}
+
+TEST(FillTimeContract, GoesByDiametersWhereItSaysSo) {
+    FillTimeInputs fast = snatch;
+    fast.snatch_speed *= 1.5;
+    for (const FillTimeModel& model : fill_time_models()) {
+        const FillTime choice = fill_time_of(model);
+        const double ratio = choice.seconds(snatch) / choice.seconds(fast);
+        if (model.by_diameters) {
+            EXPECT_NEAR(ratio, 1.5, 1e-14) << model.name;
+        }
+        if (model.dimensional || model.name == "given") {
+            EXPECT_GT(std::abs(ratio - 1.5), 0.01) << model.name;
+        }
     }
 }
 

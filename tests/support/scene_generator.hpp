@@ -47,6 +47,10 @@ inline void write_generated_tables(const ScratchDir& directory) {
                     "30000,226,12\n86000,190,0.004\n");
     directory.write("generated-wind.csv",
                     "altitude,speed,from\nft,knot,deg\n0,5,270\n3000,25,280\n40000,90,250\n");
+    directory.write("generated-froude.csv", "froude_number,fill_constant\n1,1\n0.1,30\n10,8\n1000,6\n");
+    directory.write("generated-mass.csv", "fill_constant,mass_ratio\n1,%\n4,1\n9,200\n");
+    directory.write("generated-growth.csv",
+                    "fill_fraction,drag_area_ratio\n1,%\n0,2\n0.6,30\n1,100\n1.1,115\n1.4,100\n");
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
 
@@ -241,12 +245,21 @@ inline void SceneGenerator::put_opening() {
         if (!corrected && airspeed_) filling = n * diameter_ / *airspeed_;
         transit = !corrected && n > 0.6;
         if (chance(0.3)) {
-            put("parachute.fill_time.model", "\"knacke-0.85\"");
-            if (filling) filling = n * (diameter_ / 0.3048) / std::pow(*airspeed_ / 0.3048, 0.85);
+            const bool cross = chance(0.5);
+            put("parachute.fill_time.model", cross ? "\"knacke-0.9\"" : "\"knacke-0.85\"");
+            const double power = cross ? 0.9 : 0.85;
+            if (filling) filling = n * (diameter_ / 0.3048) / std::pow(*airspeed_ / 0.3048, power);
             transit = filling && 0.5 * diameter_ / *airspeed_ < 0.9 * *filling;
         } else if (chance(0.5)) {
             put("parachute.fill_time.model", "\"fill-constant\"");
         }
+    } else if (chance(0.2)) {
+        put("parachute.fill_time.table", chance(0.5) ? "\"generated-froude.csv\"" : "\"generated-mass.csv\"");
+    } else if (chance(0.2)) {  // so small a canopy that the lightest payload lets it fill
+        put_number("parachute.fill_time.volume", number_in(1e-7, 1e-6));
+        put_number("parachute.fill_time.mouth_area", number_in(10.0, 20.0));
+        if (chance(0.5)) put_number("parachute.fill_time.permeability", number_in(0.0, 1e-3));
+        if (chance(0.5)) put_number("parachute.fill_time.pressure_coefficient", number_in(0.0, 2.0));
     } else if (chance(0.3)) {
         const double porosity = number_in(0.001, 0.999);
         put("parachute.fill_time.model", "\"ribbon\"");
@@ -281,6 +294,8 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
     }
     if (by != "static-line" && chance(0.2)) put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
     if (chance(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
+    if (!is_put("parachute.initial_drag_area_ratio") && !is_put("parachute.drag_area_law") && chance(0.3))
+        return put("parachute.drag_area_table", "\"generated-growth.csv\"");
     if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || chance(0.6)) return;
     std::string stages;
     double ratio = 0.05;
@@ -327,11 +342,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.count",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
-                                                    "parachute.fill_time.model",
-                                                    "parachute.fill_time.n",
-                                                    "parachute.fill_time.density_exponent",
-                                                    "parachute.fill_time.time",
-                                                    "parachute.fill_time.geometric_porosity",
+                                                    "parachute.drag_area_table",
                                                     "parachute.initial_phase",
                                                     "parachute.nominal_diameter",
                                                     "parachute.vent_diameter",
@@ -367,7 +378,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                 left_out.push_back(std::string(key.path) + ".");
             continue;
         }
-        if (by_hand.contains(key.path)) continue;
+        if (by_hand.contains(key.path) || key.path.starts_with("parachute.fill_time.")) continue;
         if (std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); }))
             continue;
         if (!key.instead_of.empty()) {  // one of a group, or none

@@ -19,6 +19,7 @@ TEST(PowerLaws, HaveTheValueAndRateOfTheirFormula) {
     constexpr Row rows[] = {{"power-0.5", 0.04 + 0.96 * 0.70710678118654752, 0.96 * 0.70710678118654752},
                             {"power-1", 0.52, 0.96},
                             {"power-2", 0.28, 0.96},
+                            {"power-3", 0.16, 0.72},
                             {"power-6", 0.055, 0.18}};
     for (const Row& row : rows) {
         const DragAreaLaw* law = find_drag_area_law(row.name);
@@ -62,6 +63,17 @@ TEST(HalfEllipsoid, IsTheVolumeOfItsDepth) {
     EXPECT_DOUBLE_EQ(spec.mass(rho, {R, 0.3}, {0.4, 0.2}).value,
                      sphere.mass(rho, {R, 0.3}, {0.4, 0.2}).value);
     EXPECT_DOUBLE_EQ(spec.mass(rho, {R, 0.3}, {0.4, 0.2}).rate, sphere.mass(rho, {R, 0.3}, {0.4, 0.2}).rate);
+}
+
+TEST(PorousAddedMass, FollowsItsCubic) {
+    // k_a = 1.068 (1 - 1.465 p - 0.25975 p^2 + 1.2626 p^3) on 4/3 pi R^2 h, h = 0.41 2 R; by hand at p = 0.2:
+    // 1 - 0.293 - 0.01039 + 0.0101008 = 0.7067108.
+    const double R = 2.77, rho = 1.225;
+    AddedMassSpec spec{find_added_mass("porosity")};
+    const double whole = rho * 4.0 / 3.0 * pi * R * R * (0.41 * 2.0 * R);
+    EXPECT_NEAR(spec.mass(rho, {R, 0.0}, {0.3, 1.0}).value, 1.068 * whole, 1e-12 * whole);
+    spec.porosity = 0.2;
+    EXPECT_NEAR(spec.mass(rho, {R, 0.0}, {0.3, 1.0}).value, 1.068 * 0.7067108 * whole, 1e-7 * whole);
 }
 
 TEST(HalfEllipsoid, ReachesTheInflationWithItsDepth) {

@@ -160,6 +160,34 @@ TEST(RomReference, DragOnlyInflationFollowsThePowerFamily) {
             }
 }
 
+TEST(RomReference, OvershootByATableFollowsPflanzAndLudtke) {
+    // The drag area grows with t beyond its steady value: a table that is straight, so that its cubics are,
+    // to 1.35 and back. Without gravity the largest force comes at tau = sqrt(2 A/3) with 3 A/8/tau of the
+    // drag at snatch: 0.649519 at A = 2, tau = 1.1547 (pflanz_ludtke_overshoot.csv, j = 1, C_x from 1.4 on).
+    Scene scene = bare_scene();
+    scene.environment.gravity = 1e-12;
+    scene.release.speed = 30.0;
+    Parachute& chute = scene.parachutes.front();
+    const double filling = 0.4;
+    chute.fill_time = {find_fill_time("given"), 0.0, 0.0, filling};
+    chute.drag_area = 2.0 * scene.payload.mass / (1.225 * 30.0 * filling * 2.0);  // A = 2
+    chute.drag_area_table.emplace("t.csv", std::vector<double>{0.0, 0.5, 1.0, 1.3, 1.35, 1.4, 1.7, 2.0},
+                                  std::vector<double>{0.0, 0.5, 1.0, 1.3, 1.35, 1.3, 1.1, 1.0});
+    chute.initial_drag_area_ratio = 0.0;
+    scene.stop = {Trigger::Kind::time, 1.0, 0.0};
+    scene.rom.rtol = 1e-10;
+    const RunRecord record = run_rom(scene);
+    const double drag = 0.5 * 1.225 * 30.0 * 30.0 * chute.drag_area;
+    EXPECT_NEAR(*record.metric("peak_force_N") / drag, 0.649519, 0.51e-6);
+    EXPECT_NEAR(*record.metric("time_to_peak_force_s") / filling, std::sqrt(4.0 / 3.0), 1e-4);
+    // Full is where it first is steady; what comes after is steady again.
+    EXPECT_NEAR(*record.metric("filling_time_s"), filling, 1e-12);
+    EXPECT_NEAR(record.find_event("full-open")->time, filling, 1e-12);
+    EXPECT_NEAR(test::last(record, "drag_area"), chute.drag_area, 1e-12);
+    const auto& area = record.find_channel("drag_area")->values;
+    EXPECT_NEAR(*std::ranges::max_element(area), 1.35 * chute.drag_area, 0.01 * chute.drag_area);
+}
+
 TEST(RomReference, FallsAsTanhWithConstantDragArea) {
     // eta = 1: the drag area never changes. v = v_e tanh(g t/v_e + atanh(v_0/v_e)), exactly.
     Scene scene = bare_scene();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
 #include "rom/fidelity.hpp"
@@ -93,23 +94,22 @@ TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
 TEST(RomSequence, StagesTakeTheirPartsOfOneFilling) {
     // Of stages that follow each other without a wait at one speed the squares of the fillings add up to the
     // square of the whole: g goes from 0 to 1.
-    const Parachute chute = read_text(with(R"([[parachute.reefing]]
+    const Scene scene = read_text(with(R"([[parachute.reefing]]
 drag_area_ratio = 0.2
 until = { time = "9 s" }
 [[parachute.reefing]]
 drag_area_ratio = 0.6
 until = { time = "9 s" }
-)"))
-                                .parachutes.front();
-    Parachute without = chute;
+)"));
+    Parachute without = scene.parachutes.front();
     without.initial_phase = {false, 0.0};
-    Inflation stage = make_inflation(without, 0.0, 30.0, 1.0);
+    Inflation stage = make_inflation(scene, without, 0.0, 30.0, 1.0);
     double squares = stage.filling_time * stage.filling_time;
     for (std::size_t k = 1; k <= 2; ++k) {
-        stage = next_stage(without, k, stage, Phase::open, 10.0 * static_cast<double>(k), 30.0, 1.0);
+        stage = next_stage(scene, without, k, stage, Phase::open, 10.0 * static_cast<double>(k), 30.0, 1.0);
         squares += stage.filling_time * stage.filling_time;
     }
-    const double whole = without.fill_time.seconds({without.nominal_diameter, 30.0, 1.0});
+    const double whole = without.fill_time.seconds(fill_inputs(scene, without, 30.0, 1.0));
     EXPECT_NEAR(squares, whole * whole, 1e-12 * whole * whole);
     EXPECT_DOUBLE_EQ(stage.steady_drag_area, without.drag_area);
 }

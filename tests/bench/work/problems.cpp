@@ -98,7 +98,7 @@ std::unique_ptr<Problem> crane_drop() {
     const double snatch = taut + quarter_period(bodies);
     const Composite composite = composite_of(scene);
     const Inflation inflation =
-        make_inflation(scene.parachutes.front(), snatch, bodies.gravity * taut, 1.225);
+        make_inflation(scene, scene.parachutes.front(), snatch, bodies.gravity * taut, 1.225);
     problem->start = {85.0, 0.0, 0.0, 0.0};
     problem->scale = {85.0, 8.0};
     problem->stages.push_back(apart(*problem, bodies, rom::Bond::held, taut));

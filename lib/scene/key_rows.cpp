@@ -1,0 +1,540 @@
+// The rows of the table of keys.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <deque>
+#include <string>
+
+#include "lib/math/vec.hpp"
+#include "lib/models/added_mass.hpp"
+#include "lib/models/atmosphere.hpp"
+#include "lib/models/drag_area.hpp"
+#include "lib/models/drag_correction.hpp"
+#include "lib/models/fill_time.hpp"
+#include "lib/scene/deployment.hpp"
+#include "lib/scene/keys.hpp"
+
+namespace twinchute {
+namespace {
+
+using enum KeyKind;
+using enum KeyNeed;
+using enum KeyUser;
+using Words = std::vector<std::string_view>;
+
+/// Deployments that start from a pack, as `only_with` wants them.
+constexpr std::string_view packed = "static-line|free|extraction|pilot|mortar";
+
+constexpr KeyRange above(double low, double high) {
+    return {low, high, true, false};
+}
+constexpr KeyRange from(double low, double high) {
+    return {low, high, false, false};
+}
+constexpr KeyRange below(double low, double high) {
+    return {low, high, false, true};
+}
+
+Words names_of(const auto& rows) {
+    Words names;
+    for (const auto& row : rows)
+        names.push_back(row.name);
+    return names;
+}
+
+// Choices come from the tables that run, so that a new row is known here at once.
+Words atmospheres() {
+    return names_of(atmosphere_models());
+}
+Words fill_times() {
+    return names_of(fill_time_models());
+}
+Words laws() {
+    return names_of(drag_area_laws());
+}
+Words winds() {
+    return {"uniform", "components", "table"};
+}
+Words added_masses() {
+    Words names = names_of(added_mass_models());
+    names.emplace_back("none");
+    return names;
+}
+Words momentums() {
+    return {"inertia-only", "accreting"};
+}
+Words radii() {
+    return {"shape-once-open", "drag-area"};
+}
+Words line_ratios() {
+    return names_of(line_ratio_models());
+}
+Words wakes() {
+    return names_of(forebody_wake_models());
+}
+Words varied() {
+    return {"nominal_diameter", "release_speed", "reefing_ratio", "cutter_delay"};
+}
+Words line_drags() {
+    return {"cylinder"};
+}
+Words deployments() {
+    return names_of(deployment_rows());
+}
+Words far_ends() {
+    return {"aircraft", "fixed"};
+}
+Words extraction_loads() {
+    return {"point", "distributed"};
+}
+Words stops() {
+    return {"steady-descent", "peak-force", "full-open", "line-stretch", "ground"};
+}
+Words occurrences() {
+    return {"release", "apogee", "line-stretch", "full-open", "steady-descent"};
+}
+Words gradings() {
+    return {"graded", "uniform"};
+}
+Words symmetries() {
+    return {"none", "sector"};
+}
+Words structures() {
+    return {"msd-fe", "fe"};
+}
+Words alpha_begins() {
+    return {"snatch", "release"};
+}
+Words phases() {
+    return {"transit"};
+}
+Words methods() {
+    return {"auto",  "heun-euler", "bogacki-shampine", "zonneveld", "dormand-prince",
+            "adams", "kvaerno-3",  "kvaerno-4",        "kvaerno-5", "bdf"};
+}
+Words fabrics() {
+    return {"fabric"};
+}
+Words cords() {
+    return {"cord"};
+}
+
+// clang-format off
+/// Conditions of a trigger, below the table that it stands in.
+constexpr Key trigger_rows[] = {
+    {.path = "at", .kind = word, .choices = occurrences, .meaning = "the event of this parachute, or of the flight"},
+    {.path = "time", .unit = "s", .need = optional, .range = from(0, 36000), .meaning = "since release"},
+    {.path = "altitude", .unit = "m", .need = optional, .range = from(-5000, 86000), .meaning = "above sea level that the payload falls to"},
+    {.path = "height", .unit = "m", .need = optional, .range = from(0, 86000), .meaning = "above ground that the payload falls to"},
+    {.path = "dynamic_pressure", .unit = "Pa", .need = optional, .range = above(0, 1e6), .meaning = "that it falls to"},
+    {.path = "after", .kind = text, .need = optional, .meaning = "an event of another parachute: \"drogue.full-open\", line-stretch or cut"},
+    {.path = "delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
+};
+
+constexpr std::string_view with_n = "fill-constant|knacke-0.85|knacke-0.9";
+
+/// A filling time, below the table that it stands in.
+constexpr Key fill_time_rows[] = {
+    {.path = "model", .kind = word, .need = defaulted, .fallback = "fill-constant", .choices = fill_times,
+     .meaning = "time from snatch to full drag area; of a reefed stage its part of that, but given is the time of the stage itself", .source = "paper Eq. 13"},
+    {.path = "n", .unit = "1", .range = above(0, 200), .only_with = with_n,
+     .meaning = "fill constant: t_f = n D0/v_s; with knacke-0.85 and -0.9 n D0/v_s^0.85 in feet and feet per second", .source = "paper Eq. 13; Knacke NWC TP 6575, Table 5-6"},
+    {.path = "density_exponent", .unit = "1", .need = defaulted, .fallback = "0", .range = from(-5, 5), .only_with = with_n,
+     .meaning = "k of the altitude correction (rho/rho_0)^k", .source = "paper 5.2 (0.8 there)"},
+    {.path = "table", .kind = csv_file, .only_with = "table",
+     .meaning = "columns froude_number or mass_ratio, and fill_constant; makes the model \"table\"; its ends hold beyond them"},
+    {.path = "volume", .unit = "m^3", .need = optional, .fallback = "2/3 pi (D_p/2)^3", .range = above(0, 1e6), .only_with = "ludtke",
+     .meaning = "of the open canopy"},
+    {.path = "mouth_area", .unit = "m^2", .need = optional, .fallback = "pi (D_p/2)^2", .range = above(0, 1e5), .only_with = "ludtke",
+     .meaning = "that air enters by, of the open canopy"},
+    {.path = "permeability", .unit = "m/s", .need = defaulted, .fallback = "0", .range = from(0, 100), .only_with = "ludtke",
+     .meaning = "of the cloth, speed through it at 124.5 Pa (half an inch of water)", .source = "no leak: our assumption; it belongs to the cloth"},
+    {.path = "pressure_coefficient", .unit = "1", .need = defaulted, .fallback = "1", .range = from(0, 5), .only_with = "ludtke",
+     .meaning = "C_p of the pressure across the cloth, which drives the leak", .source = "dynamic pressure: our assumption"},
+    {.path = "time", .unit = "s", .range = above(0, 1000), .only_with = "given", .meaning = "the filling time itself"},
+    {.path = "geometric_porosity", .unit = "1", .range = above(0, 1), .only_with = "ribbon",
+     .meaning = "lambda_g, open over total area of the canopy: t_f = 65 lambda_g D0/v_s", .source = "Knacke NWC TP 6575"},
+};
+
+constexpr Key scene_rows[] = {
+    {.path = "schema", .kind = integer, .range = from(1, 1), .meaning = "version of this list of keys"},
+    {.path = "name", .kind = text, .meaning = "what the scene is called in tables and reports"},
+
+    {.path = "base", .kind = text, .need = optional, .fallback = "all keys given here",
+     .meaning = "the file of a scene that this one starts from; keys given here override it"},
+    {.path = "case", .kind = table, .need = optional, .meaning = "[[case]], a series: every case is run for itself"},
+    {.path = "case.name", .kind = text, .meaning = "unique, and fit for the name of a directory"},
+    {.path = "case.set", .kind = table, .need = optional, .meaning = "what differs in it: { \"release.altitude\" = \"60 m\" }"},
+
+    {.path = "environment.atmosphere.model", .kind = word, .need = defaulted, .fallback = "us76", .choices = atmospheres,
+     .meaning = "the air; atmosphere = \"us76\" is short for it", .source = "US Standard Atmosphere 1976"},
+    {.path = "environment.atmosphere.density", .unit = "kg/m^3", .range = above(0, 100), .only_with = "constant",
+     .meaning = "uniform density; makes the model \"constant\""},
+    {.path = "environment.atmosphere.temperature_offset", .unit = "K", .need = defaulted, .fallback = "0", .range = from(-100, 100),
+     .only_with = "us76", .meaning = "warmer than standard at the same pressure altitude; a difference, in K"},
+    {.path = "environment.atmosphere.table", .kind = csv_file, .only_with = "table",
+     .meaning = "columns altitude, temperature, and pressure or density; makes the model \"table\""},
+    {.path = "environment.gravity", .unit = "m/s^2", .need = defaulted, .fallback = "9.80665", .range = above(0, 100),
+     .meaning = "downward acceleration", .source = "standard gravity, ISO 80000-3"},
+    {.path = "environment.ground", .unit = "m", .need = defaulted, .fallback = "0", .range = from(-1000, 80000),
+     .meaning = "elevation of the ground above sea level"},
+    {.path = "environment.wind", .kind = table, .need = optional, .meaning = "the air moves; absent: it is at rest"},
+    {.path = "environment.wind.model", .kind = word, .choices = winds,
+     .meaning = "follows from the keys below: uniform by speed and from, components, or a table"},
+    {.path = "environment.wind.speed", .unit = "m/s", .range = from(0, 200), .only_with = "uniform", .meaning = "horizontal"},
+    {.path = "environment.wind.from", .unit = "rad", .range = from(-2 * pi, 2 * pi), .only_with = "uniform",
+     .meaning = "where it comes from, from north, clockwise; 270 deg blows toward the east"},
+    {.path = "environment.wind.east", .unit = "m/s", .range = from(-200, 200), .only_with = "components", .meaning = "toward the east"},
+    {.path = "environment.wind.north", .unit = "m/s", .range = from(-200, 200), .only_with = "components", .meaning = "toward the north"},
+    {.path = "environment.wind.up", .unit = "m/s", .need = defaulted, .fallback = "0", .range = from(-100, 100),
+     .only_with = "components", .meaning = "upward"},
+    {.path = "environment.wind.table", .kind = csv_file, .only_with = "table",
+     .meaning = "columns altitude, and speed and from, or east, north and perhaps up; its ends hold beyond them"},
+
+    {.path = "payload.mass", .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
+    {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
+    {.path = "payload.diameter", .unit = "m", .need = optional, .fallback = "required by a forebody wake", .range = above(0, 1000),
+     .meaning = "of a disc with its frontal area, for its wake"},
+
+    {.path = "release.altitude", .unit = "m", .range = from(-5000, 86000), .instead_of = "release.height",
+     .meaning = "of the payload above sea level"},
+    {.path = "release.height", .unit = "m", .range = above(0, 86000), .instead_of = "release.altitude",
+     .meaning = "of the payload above ground"},
+    {.path = "release.speed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.airspeed",
+     .meaning = "over ground"},
+    {.path = "release.airspeed", .unit = "m/s", .range = from(0, 1000), .instead_of = "release.speed",
+     .meaning = "relative to the air; path angle and heading are then through the air too"},
+    {.path = "release.path_angle", .unit = "rad", .need = optional, .fallback = "required when speed > 0",
+     .range = from(-pi / 2, pi / 2), .meaning = "of the flight path below the horizon, 90 deg is straight down"},
+    {.path = "release.heading", .unit = "rad", .need = defaulted, .fallback = "1.5707963267948966",
+     .range = from(-2 * pi, 2 * pi), .meaning = "from north, clockwise; 90 deg is east"},
+
+    {.path = "parachute", .kind = table, .meaning = "[[parachute]], one for each that opens by itself"},
+    {.path = "parachute.design", .kind = data_file, .need = optional, .fallback = "all keys given here", .folder = "parachutes",
+     .meaning = "a design file; keys given beside it override it"},
+    {.path = "parachute.type", .kind = data_file, .need = optional, .fallback = "no type", .folder = "parachutes/types",
+     .meaning = "of canopy: C_D0, C_x, D_p/D0 and n in the middle of its ranges and the law of growth, where neither scene nor design give them"},
+    {.path = "parachute.name", .kind = text, .need = defaulted, .fallback = "main", .meaning = "what the parachute is called; with several, keys and metrics carry it"},
+    {.path = "parachute.count", .kind = integer, .need = defaulted, .fallback = "1", .range = from(1, 100),
+     .meaning = "parachutes of this kind that open together, a cluster; all other keys are those of one"},
+    {.path = "parachute.lag", .kind = quantities, .unit = "s", .need = optional, .fallback = "none", .range = from(0, 1000), .user = rom,
+     .meaning = "of each in a cluster: by how much later its filling begins; as many as there are"},
+    {.path = "parachute.cluster_drag_ratio", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1.5), .user = rom,
+     .meaning = "drag coefficient of one in the cluster over that of one alone", .source = "nothing taken off: our assumption; spread canopies lose some drag"},
+    {.path = "parachute.nominal_diameter", .unit = "m", .range = above(0, 200), .meaning = "D0"},
+    {.path = "parachute.drag_area", .unit = "m^2", .range = above(0, 1e5), .instead_of = "parachute.drag_coefficient",
+     .meaning = "(C_D S)_0 of the steady canopy"},
+    {.path = "parachute.drag_coefficient", .unit = "1", .range = above(0, 5), .instead_of = "parachute.drag_area",
+     .meaning = "C_D0 on the nominal area pi/4 D0^2"},
+    {.path = "parachute.projected_diameter_ratio", .unit = "1", .need = optional, .fallback = "required by added mass and the full model", .range = above(0, 1),
+     .meaning = "D_p/D0 of the steady canopy, sets the added mass while it fills"},
+    {.path = "parachute.opening_force_coefficient", .unit = "1", .need = optional, .fallback = "no formulas with it", .range = above(0, 5),
+     .user = rom, .meaning = "C_x of the canopy's type at infinite mass, for estimates by formula; multiplies no integrated force"},
+    {.path = "parachute.mass", .unit = "kg", .range = above(0, 1e4), .user = rom,
+     .meaning = "canopy, lines and risers; the full model weighs its mesh"},
+    {.path = "parachute.gores", .kind = integer, .need = optional, .fallback = "required by packed starts and the full model", .range = from(3, 400), .meaning = "gores, and as many lines"},
+    {.path = "parachute.vent_diameter", .unit = "m", .need = optional, .fallback = "required by the full model", .range = above(0, 200), .user = full, .meaning = "of the flat pattern"},
+    {.path = "parachute.line_length", .unit = "m", .need = optional, .fallback = "required by packed starts and the full model", .range = above(0, 1000), .meaning = "suspension line, skirt to link"},
+    {.path = "parachute.riser_length", .unit = "m", .need = optional, .fallback = "required by packed starts and the full model", .range = above(0, 1000), .meaning = "link to confluence"},
+    {.path = "parachute.risers", .kind = integer, .need = optional, .fallback = "required by the full model", .range = from(1, 400), .user = full, .meaning = "links; a divisor of gores"},
+    {.path = "parachute.fabric", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "canopy fabric"},
+    {.path = "parachute.line", .kind = data_file, .need = optional, .fallback = "required by packed starts and the full model", .folder = "materials", .meaning = "suspension line and riser cord"},
+    {.path = "parachute.tapes.radial", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
+    {.path = "parachute.tapes.skirt", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the skirt"},
+    {.path = "parachute.tapes.vent", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.joint_efficiency", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1), .user = full,
+     .meaning = "strength of seams and joints over that of fabric and line, for the margins", .source = "nothing taken off: our assumption; it belongs to the joint"},
+    {.path = "parachute.design_factor", .unit = "1", .need = defaulted, .fallback = "1", .range = from(1, 100), .user = full,
+     .meaning = "loads times this are held against the strength, for the margins", .source = "nothing added: our assumption; safety, uneven load and wear belong here"},
+    {.path = "parachute.deploy.by", .kind = word, .choices = deployments,
+     .meaning = "how it leaves its pack; line-stretch and inflated: the scene starts with lines and canopy drawn out"},
+    {.path = "parachute.deploy.length", .unit = "m", .range = above(0, 1000), .only_with = "static-line",
+     .meaning = "of the static line, from its far end to the apex"},
+    {.path = "parachute.deploy.far_end", .kind = word, .need = defaulted, .fallback = "aircraft", .choices = far_ends,
+     .only_with = "static-line", .meaning = "of the static line: flies on at the speed of the release, or stands still"},
+    {.path = "parachute.deploy.force", .unit = "N", .range = above(0, 1e7), .instead_of = "parachute.deploy.force_table",
+     .only_with = "extraction", .meaning = "pulls the parachute straight behind the release, until snatch at the latest",
+     .source = "paper 2.1"},
+    {.path = "parachute.deploy.duration", .unit = "s", .need = defaulted, .fallback = "36000", .range = above(0, 36000),
+     .only_with = "extraction", .meaning = "of that force, from release; beside a force_table it cuts it short"},
+    {.path = "parachute.deploy.force_table", .kind = csv_file, .need = optional, .fallback = "deploy.force",
+     .instead_of = "parachute.deploy.force", .only_with = "extraction", .meaning = "columns time and force; none after its end"},
+    {.path = "parachute.deploy.load", .kind = word, .need = defaulted, .fallback = "point", .choices = extraction_loads,
+     .only_with = "extraction", .user = full, .meaning = "where it acts: on the apex, or on the canopy by area"},
+    {.path = "parachute.deploy.pitch", .unit = "rad", .need = defaulted, .fallback = "0", .range = from(-pi, pi),
+     .only_with = packed, .user = full, .meaning = "of the pack from the line straight behind the release, apex up"},
+    {.path = "parachute.deploy.pack_ratio", .unit = "1", .need = defaulted, .fallback = "0.01", .range = above(0, 0.5),
+     .only_with = packed, .user = full, .meaning = "length of the pack over that of the parachute drawn out",
+     .source = "paper 4: compressed to a very small length"},
+    {.path = "parachute.deploy.drag_coefficient", .unit = "1", .need = defaulted, .fallback = "0.1", .range = from(0, 5),
+     .only_with = packed, .user = full, .meaning = "of the canopy's cloth until snatch, on its area across the air",
+     .source = "paper 3.2.1; flags and windsocks, assumption of this toolkit"},
+    {.path = "parachute.deploy.pack_drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4),
+     .only_with = "static-line|free|extraction|mortar", .user = rom, .meaning = "C_D S of the pack until line stretch"},
+    {.path = "parachute.deploy.fold_repulsion", .unit = "1", .need = defaulted, .fallback = "1e-5", .range = from(0, 1),
+     .only_with = packed, .user = full, .meaning = "of folded cloth, over its stiffness in tension", .source = "paper 2.1"},
+    {.path = "parachute.deploy.fold_resistance", .unit = "N/m", .need = defaulted, .fallback = "2", .range = from(0, 1e5),
+     .only_with = packed, .user = full, .meaning = "of folded cloth against being drawn out, per width; lines come first",
+     .source = "paper 5.2: a small force, value not printed; assumption of this toolkit"},
+    {.path = "parachute.deploy.pilot_drag_area", .unit = "m^2", .range = above(0, 1e4), .only_with = "pilot", .user = rom,
+     .meaning = "C_D S of the pilot chute that draws the pack out"},
+    {.path = "parachute.deploy.muzzle_speed", .unit = "m/s", .range = above(0, 200), .only_with = "mortar", .user = rom,
+     .meaning = "of the pack relative to the payload, straight behind it; the payload recoils"},
+    {.path = "parachute.deploy.when", .kind = table, .need = optional, .user = rom,
+     .meaning = "what deployment waits for; absent: it begins at release"},
+    {.path = "parachute.drag_area_law", .kind = word, .need = defaulted, .fallback = "ludtke", .choices = laws,
+     .instead_of = "parachute.drag_area_table", .meaning = "growth of the drag area", .source = "paper Eqs 14-15; power laws: Knacke NWC TP 6575, Fig. 5-51"},
+    {.path = "parachute.drag_area_table", .kind = csv_file, .need = optional, .fallback = "drag_area_law",
+     .instead_of = "parachute.drag_area_law|parachute.initial_drag_area_ratio",
+     .meaning = "columns fill_fraction and drag_area_ratio: (C_D S)/(C_D S)_0 from snatch or the end of the initial phase, at 0, to full open, at 1, and back to 1 beyond that where the canopy over-inflates"},
+    {.path = "parachute.initial_drag_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.04", .range = below(0, 1),
+     .instead_of = "parachute.drag_area_table", .meaning = "(C_D S)_i/(C_D S)_0 = eta^2; dominates the peak force", .source = "assumption of this toolkit, eta = 0.2"},
+    {.path = "parachute.initial_phase", .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
+     .range = from(0, 1000), .choices = phases, .meaning = "t_i from snatch to the rise of the drag area; transit: 0.5 D0/v_s",
+     .source = "paper 3.2.2"},
+    {.path = "parachute.reefing", .kind = tables, .need = optional,
+     .meaning = "[[parachute.reefing]], stages with the mouth held together, from the first on; absent: none"},
+    {.path = "parachute.reefing.drag_area_ratio", .unit = "1", .range = {0, 1, true, true},
+     .meaning = "(C_D S) of the reefed canopy over (C_D S)_0; rises from stage to stage"},
+    {.path = "parachute.reefing.line_length", .unit = "m", .need = optional, .fallback = "pi D_p sqrt(drag_area_ratio)",
+     .range = above(0, 1000), .user = full, .meaning = "of the reefing line, once around the mouth"},
+    {.path = "parachute.reefing.fill_time", .kind = table, .need = optional,
+     .meaning = "time of the filling to this stage; absent: as parachute.fill_time"},
+    {.path = "parachute.cut", .kind = table, .need = optional, .user = rom,
+     .meaning = "when the parachute is let go; absent: never"},
+
+    {.path = "aerodynamics.added_mass", .kind = table, .need = optional, .meaning = "air that moves with the canopy"},
+    {.path = "aerodynamics.added_mass.model", .kind = word, .need = defaulted, .fallback = "hemisphere", .choices = added_masses,
+     .meaning = "volume of that air", .source = "paper Eqs 16 and 18"},
+    {.path = "aerodynamics.added_mass.momentum", .kind = word, .need = defaulted, .fallback = "inertia-only", .choices = momentums,
+     .meaning = "what becomes of the momentum of air that joins", .source = "paper 3.3"},
+    {.path = "aerodynamics.added_mass.radius", .kind = word, .need = defaulted, .fallback = "shape-once-open", .choices = radii,
+     .user = full, .meaning = "of the open canopy: of its own shape, or R_0 = D_p/2 as in the reduced-order model", .source = "paper 3.3"},
+    {.path = "aerodynamics.added_mass.depth_ratio", .unit = "1", .need = defaulted, .fallback = "0.41", .range = above(0, 2),
+     .only_with = "half-ellipsoid|porosity", .meaning = "depth of the canopy over its projected diameter, h_p/D_p",
+     .source = "Ewing, quoted in the paper, 5.2 (its own simulation: 0.45)"},
+    {.path = "aerodynamics.added_mass.porosity", .unit = "1", .need = defaulted, .fallback = "0", .range = from(0, 0.5),
+     .only_with = "porosity", .meaning = "open over total area, of slots and cloth together", .source = "solid cloth"},
+    {.path = "aerodynamics.line_drag", .kind = table, .need = optional, .user = full, .meaning = "drag of the suspension lines"},
+    {.path = "aerodynamics.line_drag.model", .kind = word, .need = defaulted, .fallback = "cylinder", .choices = line_drags,
+     .user = full, .meaning = "cross-flow drag against Reynolds number", .source = "paper Eq. 10; Wieselsberger"},
+    {.path = "aerodynamics.breathing_damping", .kind = table, .need = optional, .user = full,
+     .meaning = "air resists fabric that moves relative to the canopy"},
+    {.path = "aerodynamics.breathing_damping.k", .unit = "1", .need = defaulted, .fallback = "0.5", .range = from(0, 100),
+     .user = full, .meaning = "its coefficient", .source = "assumption of this toolkit; 0.2 to 2 give the same peak"},
+    {.path = "aerodynamics.radial_pressure", .unit = "1", .need = defaulted, .fallback = "0.8", .range = from(0, 5), .user = full,
+     .meaning = "phi(t_f) of Eq. 12", .source = "gives the paper's steady shape; the paper prints 0.5"},
+
+    {.path = "aerodynamics.line_ratio", .kind = table, .need = optional,
+     .meaning = "corrects (C_D S)_0, as of lines of D0, for lines and risers of another length"},
+    {.path = "aerodynamics.line_ratio.model", .kind = word, .need = defaulted, .fallback = "flat-circular", .choices = line_ratios,
+     .meaning = "kind of canopy", .source = "Knacke NWC TP 6575, Fig. 5-20"},
+    {.path = "aerodynamics.forebody_wake", .kind = table, .need = optional,
+     .meaning = "corrects (C_D S)_0, as of a canopy in free air, for the wake of the payload"},
+    {.path = "aerodynamics.forebody_wake.model", .kind = word, .need = defaulted, .fallback = "knacke", .choices = wakes,
+     .meaning = "loss against distance and size", .source = "Knacke NWC TP 6575, Fig. 5-21"},
+
+    {.path = "stop.at", .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = stops,
+     .instead_of = "stop.time|stop.altitude|stop.height", .meaning = "the event that ends the run; line-stretch: the snatch"},
+    {.path = "stop.time", .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000),
+     .instead_of = "stop.at|stop.altitude|stop.height", .meaning = "since release"},
+    {.path = "stop.altitude", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(-5000, 86000),
+     .instead_of = "stop.at|stop.time|stop.height", .meaning = "above sea level that the payload falls to"},
+    {.path = "stop.height", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(0, 86000),
+     .instead_of = "stop.at|stop.time|stop.altitude", .meaning = "above ground that the payload falls to"},
+    {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
+
+    {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "auto", .choices = methods, .user = rom,
+     .meaning = "auto: bogacki-shampine, zonneveld or dormand-prince by tolerance, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
+    {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
+     .meaning = "relative tolerance of position and velocity"},
+
+    {.path = "full.mesh.gore_columns", .kind = integer, .need = defaulted, .fallback = "2", .range = from(1, 64), .user = full,
+     .meaning = "elements across a gore"},
+    {.path = "full.mesh.gore_rows", .kind = integer, .need = defaulted, .fallback = "17", .range = from(2, 1000), .user = full,
+     .meaning = "elements from vent to skirt", .source = "about the paper's 1932 triangles on 28 gores"},
+    {.path = "full.mesh.grading", .kind = word, .need = defaulted, .fallback = "graded", .choices = gradings, .user = full,
+     .meaning = "uniform: as many across at the vent as at the skirt, all equally long; graded: one across a gore at the vent, longer ones beside it",
+     .source = "docs/theory/full-model.md"},
+    {.path = "full.mesh.line_elements", .kind = integer, .need = defaulted, .fallback = "31", .range = from(1, 2000), .user = full,
+     .meaning = "cables a suspension line", .source = "about the paper's 1461 cables on 28 gores"},
+    {.path = "full.mesh.riser_elements", .kind = integer, .need = defaulted, .fallback = "5", .range = from(1, 2000), .user = full,
+     .meaning = "cables a riser"},
+    {.path = "full.symmetry", .kind = word, .need = defaulted, .fallback = "none", .choices = symmetries, .user = full,
+     .meaning = "none: the whole canopy; sector: one gore under one riser, else the gores of one riser, without folds that differ between sectors",
+     .source = "docs/theory/full-model.md"},
+    {.path = "full.structure", .kind = word, .need = defaulted, .fallback = "msd-fe", .choices = structures, .user = full,
+     .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
+     .source = "paper 2"},
+    {.path = "full.switch_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.12", .range = from(0, 1), .user = full,
+     .meaning = "mouth over steady projected area at which finite elements take over", .source = "paper 4: 10 to 20 %"},
+    {.path = "full.ramp_time", .unit = "s", .need = defaulted, .fallback = "0.15", .range = above(0, 10), .user = full,
+     .meaning = "over which their stiffness grows", .source = "docs/theory/deployment.md"},
+    {.path = "full.beta", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 10), .user = full,
+     .meaning = "stiffness-proportional damping of cables and of spring-dashpot edges", .source = "paper Eq. 3"},
+    {.path = "full.alpha", .unit = "1/s", .need = defaulted, .fallback = "0", .range = from(0, 1e4), .user = full,
+     .meaning = "mass-proportional damping about the mean motion", .source = "paper Eq. 4"},
+    {.path = "full.alpha_from", .kind = word, .need = defaulted, .fallback = "snatch", .choices = alpha_begins, .user = full,
+     .meaning = "when it begins: while the parachute is drawn out it would hold it back", .source = "docs/theory/deployment.md"},
+    {.path = "full.bulk_viscosity", .unit = "1", .need = defaulted, .fallback = "0.06", .range = from(0, 2), .user = full,
+     .meaning = "b1 of the cables", .source = "paper Eq. 3"},
+    {.path = "full.time_step_factor", .unit = "1", .need = defaulted, .fallback = "0.95", .range = above(0, 4), .user = full,
+     .meaning = "share of the bound on the stable step; above 1 is for tests of stability", .source = "docs/theory/full-model.md"},
+    {.path = "full.line_substeps", .kind = integer, .need = defaulted, .fallback = "4", .range = from(1, 100), .user = full,
+     .meaning = "most steps that lines and risers take within one of the canopy, where theirs is shorter", .source = "docs/theory/full-model.md"},
+    {.path = "full.mass_scaling", .unit = "1", .need = defaulted, .fallback = "0", .range = from(0, 1e-3), .user = full,
+     .meaning = "share of the mass of canopy and steady air that is added to the nodes that set the step", .source = "docs/theory/full-model.md"},
+    {.path = "full.strain_limit", .unit = "1", .need = defaulted, .fallback = "0.5", .range = above(0, 10), .user = full,
+     .meaning = "a run that strains an element further ends", .source = "nylon cord breaks at about 0.3"},
+    {.path = "full.output_rate", .unit = "1/s", .need = defaulted, .fallback = "200", .range = above(0, 1e5), .user = full,
+     .meaning = "rows of the history per second"},
+    {.path = "full.fields_rate", .unit = "1/s", .need = optional, .fallback = "no fields", .range = above(0, 1e5), .user = full,
+     .meaning = "frames of the fields per second, for VTK"},
+    {.path = "full.noise", .kind = table, .need = optional, .user = full, .meaning = "initial disturbance of the canopy nodes"},
+    {.path = "full.noise.amplitude", .unit = "m", .range = from(0, 1), .user = full, .meaning = "half edge of the cube it is drawn from"},
+    {.path = "full.noise.seed", .kind = integer, .need = defaulted, .fallback = "1", .range = from(0, 9e15), .user = full,
+     .meaning = "of the random numbers"},
+
+    {.path = "compare.tolerance", .kind = tolerance, .need = optional, .range = from(0, 1e12), .user = compare,
+     .meaning = "by metric: \"10 %\" of the full model, or a value in the metric's unit"},
+
+    {.path = "size", .kind = table, .need = optional, .meaning = "what `twinchute size` has to meet: at least one limit"},
+    {.path = "size.max_descent_rate", .unit = "m/s", .need = optional, .fallback = "no limit", .range = above(0, 1000), .user = KeyUser::size,
+     .meaning = "mean of the last second of the run, once it is steady"},
+    {.path = "size.max_force", .unit = "N", .need = optional, .fallback = "no limit", .range = above(0, 1e9), .user = KeyUser::size,
+     .meaning = "largest opening force of the run, snatch included"},
+    {.path = "size.max_deceleration", .unit = "m/s^2", .need = optional, .fallback = "no limit", .range = above(0, 1e5), .user = KeyUser::size,
+     .meaning = "of the payload, e.g. \"5 g0\""},
+    {.path = "size.vary", .kind = list, .need = defaulted, .fallback = "nominal_diameter", .choices = varied, .user = KeyUser::size,
+     .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed; ratio and delay of the first reefed stage with the least load"},
+    {.path = "size.types", .kind = list, .need = optional, .fallback = "the scene's canopy alone", .folder = "parachutes/types", .user = KeyUser::size,
+     .meaning = "types of canopy to compare"},
+};
+
+constexpr Key material_rows[] = {
+    {.path = "fabric.kind", .kind = word, .choices = fabrics, .user = full, .meaning = "\"fabric\""},
+    {.path = "fabric.density", .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the material"},
+    {.path = "fabric.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in both directions"},
+    {.path = "fabric.poisson_ratio", .unit = "1", .range = below(0, 0.5), .user = full, .meaning = "in the plane"},
+    {.path = "fabric.thickness", .unit = "m", .range = above(0, 0.1), .user = full, .meaning = "of the sheet"},
+    {.path = "fabric.strength", .unit = "N/m", .need = optional, .fallback = "no margin", .range = above(0, 1e7), .user = full,
+     .meaning = "at which a strip breaks, over its width"},
+    {.path = "cord.kind", .kind = word, .choices = cords, .user = full, .meaning = "\"cord\""},
+    {.path = "cord.density", .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the solid round section"},
+    {.path = "cord.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in tension"},
+    {.path = "cord.diameter", .unit = "m", .range = above(0, 1), .user = full, .meaning = "of that section, and what the air sees"},
+    {.path = "cord.strength", .unit = "N", .need = optional, .fallback = "no margin", .range = above(0, 1e8), .user = full,
+     .meaning = "at which it breaks"},
+};
+
+constexpr ToleranceMetric metric_rows[] = {
+    {"line_stretch_time", "s"}, {"snatch_time", "s"}, {"payload_snatch_speed", "m/s"}, {"snatch_force", "N"},
+    {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"},
+    {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
+    {"stage_1_peak_force", "N"}, {"stage_2_peak_force", "N"}, {"stage_3_peak_force", "N"}, {"stage_4_peak_force", "N"},
+    {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
+    {"opening_shock_coefficient", "1"}, {"impulse", "N s"}, {"max_deceleration", "g0"},
+    {"descent_rate", "m/s"}, {"descent_altitude", "m"}, {"altitude_loss", "m"}, {"flight_time", "s"},
+    {"landing_east", "m"}, {"landing_north", "m"}, {"projected_diameter_ratio", "1"},
+    {"seam_diameter_ratio", "1"}, {"canopy_depth_ratio", "1"}, {"signed_area_ratio", "1"},
+    {"max_line_tension", "N"}, {"max_membrane_stress", "N/m"},
+    {"line_strength_margin", "1"}, {"membrane_strength_margin", "1"},
+    {"force_history", "1"}, {"speed_history", "1"}, {"drag_area_history", "1"}, {"projected_area_history", "1"},
+};
+// clang-format on
+
+}  // namespace
+
+namespace {
+
+/// Keys that stand below several tables: which, below what, behind which row, and who reads them.
+struct Family {
+    std::span<const Key> rows;
+    std::string_view table;
+    std::string_view behind;
+    KeyUser user;
+};
+
+constexpr Family families[] = {
+    {trigger_rows, "parachute.deploy.when", "parachute.deploy.when", rom},
+    {fill_time_rows, "parachute.fill_time", "parachute.deploy.when", both},
+    {fill_time_rows, "parachute.reefing.fill_time", "parachute.reefing.fill_time", both},
+    {trigger_rows, "parachute.reefing.until", "parachute.reefing.fill_time", both},
+    {trigger_rows, "parachute.cut", "parachute.cut", rom},
+};
+
+/// Rows with the names that were put together for them.
+struct SceneRows {
+    std::deque<std::string> names;
+    std::vector<Key> rows;
+
+    std::string_view keep(std::string name) { return names.emplace_back(std::move(name)); }
+
+    void add(const Family& family) {
+        const auto path = [&](const Key& row) { return fmt::format("{}.{}", family.table, row.path); };
+        std::vector<std::string> conditions;  // a trigger has exactly one
+        if (family.rows.data() == trigger_rows)
+            for (const Key& row : family.rows)
+                if (row.path != "delay") conditions.push_back(path(row));
+        for (Key row : family.rows) {
+            const std::string full = path(row);
+            if (std::ranges::count(conditions, full) != 0) {
+                std::vector<std::string> others = conditions;
+                std::erase(others, full);
+                row.instead_of = keep(fmt::format("{}", fmt::join(others, "|")));
+                if (row.need == optional)
+                    row.fallback =
+                        keep(fmt::format("{}.at", family.table.substr(family.table.rfind('.') + 1)));
+            }
+            row.path = keep(full);
+            row.user = family.user;
+            rows.push_back(row);
+        }
+    }
+};
+
+}  // namespace
+
+std::span<const Key> scene_keys() {
+    static const SceneRows all = [] {
+        SceneRows built;
+        for (const Key& row : scene_rows) {
+            built.rows.push_back(row);
+            for (const Family& family : families)
+                if (family.behind == row.path) built.add(family);
+        }
+        return built;
+    }();
+    return all.rows;
+}
+
+std::span<const Key> design_keys() {
+    static const std::vector<Key> rows = [] {
+        std::vector<Key> chosen;
+        for (const Key& row : scene_keys())
+            if (row.path.starts_with("parachute.") && row.path != "parachute.design" &&
+                !row.path.starts_with("parachute.deploy.") && !row.path.starts_with("parachute.cut"))
+                chosen.push_back(row);
+        return chosen;
+    }();
+    return rows;
+}
+
+std::span<const Key> material_keys() {
+    return material_rows;
+}
+
+std::span<const Key> fabric_keys() {
+    const auto split = std::ranges::find(material_rows, "cord.kind", &Key::path);
+    return {std::begin(material_rows), split};
+}
+
+std::span<const Key> cord_keys() {
+    return material_keys().subspan(fabric_keys().size());
+}
+std::span<const ToleranceMetric> tolerance_metrics() {
+    return metric_rows;
+}
+
+}  // namespace twinchute

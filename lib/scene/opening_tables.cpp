@@ -1,0 +1,84 @@
+#include "lib/scene/opening_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lib/scene/csv_table.hpp"
+
+namespace twinchute {
+namespace {
+
+constexpr CsvColumn fill_constant{"fill_constant", "1", {0.0, 200.0, true}};
+constexpr std::array<CsvColumn, 2> by_froude{{{"froude_number", "1", {0.0, 1e7, true}}, fill_constant}};
+constexpr std::array<CsvColumn, 2> by_mass{{{"mass_ratio", "1", {0.0, 1e7, true}}, fill_constant}};
+constexpr std::array<CsvColumn, 2> growth{
+    {{"fill_fraction", "1", {0.0, 100.0}}, {"drag_area_ratio", "1", {0.0, 5.0}}}};
+
+[[noreturn]] void refuse(const std::string& file, std::size_t row, std::string problem, std::string why,
+                         std::string hint) {
+    // Names and units stand in the two lines above.
+    throw SceneError({file, static_cast<int>(row) + 3, 1}, "", std::move(problem), std::move(why),
+                     std::move(hint));
+}
+
+[[noreturn]] void refuse_columns(const std::string& file, std::string problem, std::string hint) {
+    throw SceneError({file, 1, 1}, "", std::move(problem), "", std::move(hint));
+}
+
+void require_full(const std::string& file, const std::vector<double>& ratio, std::size_t row,
+                  std::string_view where) {
+    if (ratio[row] != 1.0)
+        refuse(file, row, fmt::format("drag_area_ratio is {:g} {}", ratio[row], where),
+               "the drag area is then the steady one", "divide by the steady drag area; write 1 there");
+}
+
+}  // namespace
+
+DragAreaTable read_drag_area_table(std::string_view text, const std::string& file, const std::string& name) {
+    const CsvTable table = read_csv_table(text, file, growth);
+    if (!table.has("drag_area_ratio"))
+        refuse_columns(file, "the column 'drag_area_ratio' is missing",
+                       "the columns are fill_fraction and drag_area_ratio");
+    const std::vector<double>&x = table.at("fill_fraction"), &ratio = table.at("drag_area_ratio");
+    if (x.size() < 3)
+        refuse(file, x.size() - 1, fmt::format("{} points", x.size()), "a curve needs three",
+               "add one in between");
+    if (x.front() != 0.0)
+        refuse(file, 0, fmt::format("fill_fraction begins at {:g}", x.front()),
+               "0 is where the drag area begins to rise", "begin at 0");
+    const auto full = std::ranges::find(x, 1.0);
+    if (full == x.end())
+        refuse(file, x.size() - 1, "there is no fill_fraction of 1",
+               "that is where the drag area first is the steady one", "add a line for it");
+    const auto at_full = static_cast<std::size_t>(full - x.begin());
+    require_full(file, ratio, at_full, "at fill_fraction 1");
+    require_full(file, ratio, x.size() - 1, "at the end");
+    for (std::size_t i = 0; i < at_full; ++i)
+        if (ratio[i] >= 1.0)
+            refuse(file, i, fmt::format("drag_area_ratio is {:g} before fill_fraction 1", ratio[i]),
+                   "full open is where it first reaches 1", "stretch fill_fraction, so that this is 1");
+    return {name, x, ratio};
+}
+
+FillTable read_fill_table(std::string_view text, const std::string& file, const std::string& name) {
+    const std::string_view names = text.substr(0, text.find('\n'));
+    const bool mass = names.find("mass_ratio") != std::string_view::npos;
+    const bool froude = names.find("froude_number") != std::string_view::npos;
+    constexpr const char* hint = "the columns are froude_number or mass_ratio, and fill_constant";
+    if (mass == froude)
+        refuse_columns(
+            file, mass ? "both froude_number and mass_ratio" : "neither froude_number nor mass_ratio", hint);
+    const CsvTable table = mass ? read_csv_table(text, file, by_mass) : read_csv_table(text, file, by_froude);
+    if (!table.has("fill_constant")) refuse_columns(file, "the column 'fill_constant' is missing", hint);
+    FillTable read;
+    read.file = name;
+    read.by = mass ? FillTable::By::mass_ratio : FillTable::By::froude_number;
+    read.at = table.at(mass ? "mass_ratio" : "froude_number");
+    read.n = table.at("fill_constant");
+    return read;
+}
+
+}  // namespace twinchute

@@ -1,0 +1,19 @@
+// Filling times and growing drag areas as a CSV file gives them.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "lib/models/drag_area.hpp"
+#include "lib/models/fill_time.hpp"
+
+namespace twinchute {
+
+/// Columns fill_fraction and drag_area_ratio; see DragAreaTable. `file` stands for it in messages, `name` is
+/// what a scene calls it. Throws SceneError.
+DragAreaTable read_drag_area_table(std::string_view text, const std::string& file, const std::string& name);
+
+/// Columns froude_number or mass_ratio, and fill_constant. Throws SceneError.
+FillTable read_fill_table(std::string_view text, const std::string& file, const std::string& name);
+
+}  // namespace twinchute

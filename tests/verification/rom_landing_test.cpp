@@ -1,0 +1,146 @@
+// Time, place and speed of landings against exact solutions.
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_sf_expint.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
+
+namespace twinchute {
+namespace {
+
+using test::last;
+using test::run_rom;
+
+constexpr double g = standard_gravity, mass = 152.4 + 5.19, drag_area = 42.56;
+
+/// An open C-9 to the ground, without added mass; `height` [m] above it.
+Scene open_canopy(double height, double speed) {
+    Scene scene = test::c9_scene();
+    scene.aerodynamics.added_mass.reset();
+    scene.parachutes.front().deploy.by = DeployBy::inflated;
+    scene.release = {height, speed, 0.5 * pi, 0.5 * pi};
+    scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
+    scene.rom.rtol = 1e-10;
+    return scene;
+}
+
+TEST(RomLanding, WithConstantDragAreaAsLogCosh) {
+    // From rest: z_0 - z = v_e^2/g ln cosh(g t/v_e), so that it lands after v_e/g arcosh(exp(g h/v_e^2)) with
+    // v_e tanh of that. Tolerances: a thousand rtol, for the errors of all steps and of the root in time.
+    const double v_e = std::sqrt(2.0 * mass * g / (1.225 * drag_area));
+    for (const double h : {2.0, 10.0, 60.0}) {
+        const RunRecord record = run_rom(open_canopy(h, 0.0));
+        const double t = v_e / g * std::acosh(std::exp(g * h / (v_e * v_e)));
+        EXPECT_NEAR(*record.metric("flight_time_s"), t, 1e-7 * t) << h;
+        EXPECT_NEAR(last(record, "speed"), v_e * std::tanh(g * t / v_e), 1e-7 * v_e) << h;
+    }
+}
+
+/// A fall from h [m] at v_0 [m/s] through air of density rho_0 exp(-z/H), exactly: with
+/// s = H rho_0 (C_D S)/m exp(-z/H) it is d(v^2)/ds = 2 g H/s - v^2.
+struct IsothermalFall {
+    double h, v_0, rho_0, H, area;
+
+    double s(double z) const { return H * rho_0 * area / mass * std::exp(-z / H); }
+    double speed(double z) const {
+        const double s_0 = s(h), here = s(z);
+        const double grown = 2.0 * g * H * (gsl_sf_expint_Ei(here) - gsl_sf_expint_Ei(s_0));
+        return std::sqrt(v_0 * v_0 * std::exp(s_0 - here) + std::exp(-here) * grown);
+    }
+    /// [s] to the ground, by quadrature of 1/v.
+    double duration() const {
+        gsl_integration_workspace* space = gsl_integration_workspace_alloc(1000);
+        gsl_function slowness;
+        slowness.params = const_cast<IsothermalFall*>(this);
+        slowness.function = [](double z, void* fall) {
+            return 1.0 / static_cast<const IsothermalFall*>(fall)->speed(z);
+        };
+        double seconds = 0.0, error = 0.0;
+        gsl_integration_qag(&slowness, 0.0, h, 0.0, 1e-11, 1000, GSL_INTEG_GAUSS31, space, &seconds, &error);
+        gsl_integration_workspace_free(space);
+        return seconds;
+    }
+};
+
+constexpr double gas_constant = 8314.32 / 28.9644;  // [J/(kg K)] US76
+constexpr double temperature = 250.0, ground_pressure = 90000.0;
+constexpr double scale_height = gas_constant * temperature / g;
+
+/// One temperature, and the pressure that is in balance with it: its logarithm is straight in altitude, as
+/// the table's own interpolation is, so that two levels are the exact atmosphere.
+Scene in_isothermal_air(double area) {
+    Scene scene = open_canopy(3000.0, 80.0);
+    Atmosphere& air = scene.environment.atmosphere;
+    air.model = find_atmosphere("table");
+    air.table.altitude = {0.0, 5000.0};
+    air.table.temperature = {temperature, temperature};
+    air.table.logarithm = {std::log(ground_pressure), std::log(ground_pressure) - 5000.0 / scale_height};
+    scene.parachutes.front().drag_area = area;
+    return scene;
+}
+
+TEST(RomLanding, OfALoadUnderADrogueThroughIsothermalAir) {
+    const double area = 0.01 * drag_area;  // s = 25 at the ground
+    const Scene scene = in_isothermal_air(area);
+    const RunRecord record = run_rom(scene);
+    const double rho_0 = scene.environment.atmosphere.at(0.0).density;
+    EXPECT_NEAR(rho_0, ground_pressure / (gas_constant * temperature), 1e-6);
+    const IsothermalFall fall{3000.0, 80.0, rho_0, scale_height, area};
+    EXPECT_NEAR(last(record, "speed"), fall.speed(0.0), 1e-6);
+    EXPECT_NEAR(*record.metric("flight_time_s"), fall.duration(), 1e-6);
+}
+
+TEST(RomLanding, OfAnOpenCanopyThroughIsothermalAir) {
+    // s is near 2 500 at the ground: the exponential is no number, but the start is long forgotten, and
+    // v^2 = 2 g H/s (1 + 1/s + 2/s^2 + ...), the asymptotic series of Ei; six terms leave 720/s^6.
+    const Scene scene = in_isothermal_air(drag_area);
+    const RunRecord record = run_rom(scene);
+    const IsothermalFall fall{3000.0, 80.0, scene.environment.atmosphere.at(0.0).density, scale_height,
+                              drag_area};
+    const double s = fall.s(0.0);
+    double series = 1.0, term = 1.0;
+    for (int k = 1; k < 6; ++k)
+        series += term *= k / s;
+    EXPECT_NEAR(last(record, "speed"), std::sqrt(2.0 * g * scale_height / s * series), 1e-7);
+}
+
+TEST(RomLanding, DriftsThroughALinearWindWithItsResponseLimit) {
+    // Wind a z toward the east. A body that falls at v meets a wind that falls by a v a second; it follows
+    // once drag slows it at that rate, with the lag r = a v^2/g, since m a v across is to m g down as r is to
+    // v: exact and steady, with v from m g = 1/2 rho (C_D S) v sqrt(v^2 + r^2).
+    const double a = 0.05, h = 400.0;
+    const double v_e2 = 2.0 * mass * g / (1.225 * drag_area);
+    double v = std::sqrt(v_e2);
+    for (int i = 0; i < 60; ++i)  // contracts by (a v/g)^2/2 a turn
+        v = std::sqrt(v_e2 / std::sqrt(1.0 + a * v / g * a * v / g));
+    const double r = a * v * v / g;
+    Scene scene = open_canopy(h, 0.0);
+    scene.environment.wind = Wind{{{0.0, {0.0, 0.0, 0.0}}, {1000.0, {1000.0 * a, 0.0, 0.0}}}};
+    const double east = a * h + r;  // over ground: the wind there and the lag, which carries it on
+    scene.release = {h, std::hypot(east, v), std::atan2(v, east), 0.5 * pi};
+    const RunRecord record = run_rom(scene);
+    const double t = h / v;
+    EXPECT_NEAR(*record.metric("flight_time_s"), t, 1e-7 * t);
+    EXPECT_NEAR(*record.metric("landing_east_m"), (a * h + r) * t - 0.5 * a * v * t * t, 1e-5);
+    EXPECT_NEAR(*record.metric("landing_north_m"), 0.0, 1e-9);
+    EXPECT_NEAR(last(record, "speed"), std::hypot(r, v), 1e-7);  // at the ground only the lag is left
+    EXPECT_GT(r, 0.25);                                          // and it is worth something
+}
+
+TEST(RomLanding, ForgetsItsStartAtTheRateOfItsResponse) {
+    // Still air, steady descent at v_e, a small speed u across: it dies out as exp(-g t/v_e), but for terms
+    // of (u/v_e)^2, 1e-8 here.
+    const double v_e = std::sqrt(2.0 * mass * g / (1.225 * drag_area)), u = 1e-4 * v_e;
+    Scene scene = open_canopy(60.0, 0.0);
+    scene.release = {60.0, std::hypot(u, v_e), std::atan2(v_e, u), 0.5 * pi};
+    scene.rom.rtol = 1e-12;
+    const RunRecord record = run_rom(scene);
+    const double t = *record.metric("flight_time_s");
+    EXPECT_NEAR(*record.metric("landing_east_m") / (u * v_e / g * -std::expm1(-g * t / v_e)), 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace twinchute
