@@ -39,6 +39,7 @@ constexpr std::array rows{
     MetricRow{"projected_diameter_ratio", "projected_diameter_ratio", "", "Projected diameter ratio D_p/D0"},
     MetricRow{"mass_ratio", "mass_ratio", "", "Mass ratio"},
     MetricRow{"froude_number", "froude_number", "", "Froude number"},
+    MetricRow{"operational_froude_number", "operational_froude_number", "", "Operational Froude number", none, Show::when_judged},
     MetricRow{"peak_force_raw", "peak_force_raw_N", "N", "Peak opening force, unfiltered", none, Show::when_judged},
     MetricRow{"max_force", "max_force_N", "N", "Maximum force", none, Show::when_judged},
     MetricRow{"descent_altitude", "descent_altitude_m", "m", "Altitude of steady descent", none, Show::when_judged},

@@ -243,7 +243,9 @@ private:
         line_stretch_time_ = now - taut_hold;
         payload_snatch_speed_ =
             (to_vec3(state().node[simulation_.mesh().payload()].v) - state().air.wind_at_payload).norm();
-        snatch_speed_ = (state().sums.system_velocity - state().air.wind).norm();
+        const Vec3 airspeed = state().sums.system_velocity - state().air.wind;
+        snatch_speed_ = airspeed.norm();
+        snatch_path_angle_ = angle_below_horizon(airspeed);
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
         if (canopies_) canopies_->snatched(0, situation());
@@ -373,7 +375,7 @@ private:
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     std::optional<double> line_stretch_time_;
     double snatch_ = 0.0;  // [s]
-    double snatch_speed_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
+    double snatch_speed_ = 0.0, snatch_path_angle_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
     std::optional<Canopies> canopies_;                   // of a reefed parachute
     std::vector<ParachuteResult::Stage> stages_ = {{}};  // of its opening
@@ -413,6 +415,8 @@ void FullRun::fill_results() {
         result.line_stretch_time = line_stretch_time_;
         result.snatch_time = snatch;
         result.snatch_speed = packed() ? snatch_speed_ : release_airspeed(scene_).norm();
+        result.snatch_path_angle =
+            packed() ? snatch_path_angle_ : angle_below_horizon(release_airspeed(scene_));
         result.payload_snatch_speed = packed() ? payload_snatch_speed_ : result.snatch_speed;
         result.snatch_density = packed() ? snatch_density_ : rows.front().density;
     }

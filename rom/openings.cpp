@@ -58,6 +58,8 @@ void Openings::note_snatch(const Occurrence& what, const Situation& now) {
         result.snatched = true;
         result.snatch_time = now.time;
         result.snatch_speed = now.airspeed;
+        if (now.airspeed > 0.0)
+            result.snatch_path_angle = std::asin(std::clamp(-now.climb / now.airspeed, -1.0, 1.0));
         result.snatch_density = now.density;
         if (!packed) result.payload_snatch_speed = now.airspeed;
     }

@@ -96,6 +96,16 @@ Scene CaseScene::scene(std::optional<std::size_t> line, const std::vector<std::s
     }
 }
 
+std::vector<Scene> CaseScene::series(const std::vector<std::string>& more) const {
+    std::vector<std::string> overrides = case_.set;
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    try {
+        return read_scenes_text(case_.scene, suite_.file.string(), suite_.file.parent_path(), overrides);
+    } catch (const SceneError& error) {
+        refuse(error);
+    }
+}
+
 void CaseScene::refuse(const SceneError& error) const {
     const std::string& file = error.place().file;
     if (file != suite_.file.string() && file != "--set") throw error.within("case '" + case_.name + "'");

@@ -69,9 +69,36 @@ const Key& number_key(const SuiteTable& reader, std::string_view owner, std::str
     return *key;
 }
 
-ExpectedRow read_row(SuiteTable& reader, const ValidationCase& owner) {
-    ExpectedRow row;
-    row.place = reader.place();
+const MetricRow& metric_named(const SuiteTable& reader, std::string_view key, const std::string& name) {
+    if (const MetricRow* row = find_metric_row(name)) return *row;
+    std::vector<std::string_view> names;
+    for (const MetricRow& known : metric_rows())
+        names.push_back(known.name);
+    reader.refuse(key, fmt::format("'{}' is no metric", name), "", suggest(name, names));
+}
+
+TrendAsked read_trend(SuiteTable& reader) {
+    constexpr std::array kinds{TrendAsked::Kind::rises, TrendAsked::Kind::falls, TrendAsked::Kind::spread};
+    TrendAsked asked;
+    const std::string kind = reader.needed_text("trend", "how it goes over the cases");
+    const auto known = std::ranges::find(kinds, kind, trend_name);
+    if (known == kinds.end())
+        reader.refuse("trend", fmt::format("'{}' is unknown", kind), "", "write rises, falls or spread");
+    asked.kind = *known;
+    asked.y = reader.needed_text("y", "which metric");
+    metric_named(reader, "y", asked.y);
+    if (asked.kind != TrendAsked::Kind::spread) {
+        asked.x = reader.needed_text("x", "with which metric");
+        metric_named(reader, "x", asked.x);
+    }
+    asked.within = reader.text("within");
+    if (!asked.within.empty() && asked.within != "group") metric_named(reader, "within", asked.within);
+    asked.cases = reader.texts("cases");
+    return asked;
+}
+
+/// What a row compares: a quantity of one run, or a trend of a series. Returns its unit.
+std::string_view read_quantity(SuiteTable& reader, ExpectedRow& row) {
     row.quantity = reader.needed_text("quantity", "what is compared");
     const std::string_view unit = quantity_unit(row.quantity);
     if (unit.empty()) {
@@ -99,6 +126,14 @@ ExpectedRow read_row(SuiteTable& reader, const ValidationCase& owner) {
     argument("to", row.arguments.to, "m");
     if (!(row.arguments.window > 0.0)) reader.refuse("window", "is not positive", "", "give e.g. \"100 ms\"");
 
+    return unit;
+}
+
+ExpectedRow read_row(SuiteTable& reader, const ValidationCase& owner) {
+    ExpectedRow row;
+    row.place = reader.place();
+    if (owner.is_series) row.trend = read_trend(reader);
+    const std::string_view unit = owner.is_series ? "1" : read_quantity(reader, row);
     row.fidelities = reader.texts("fidelities");
     for (const std::string& name : row.fidelities)
         if (std::ranges::find(owner.fidelities, name) == owner.fidelities.end())
@@ -185,6 +220,13 @@ ValidationCase read_case(SuiteTable& reader) {
     found.name = reader.needed_text("name", "results are listed by it");
     found.what = reader.text("what");
     found.scene = scene_text(reader);
+    if (const std::string series = reader.text("series"); !series.empty()) {
+        if (!found.scene.empty())
+            reader.refuse("series", "stands beside base or scene", "one of them says what is run",
+                          "keep one");
+        found.scene = "base = " + toml_text(toml::value<std::string>(series)) + "\n";
+        found.is_series = true;
+    }
     found.set = overrides(reader);
     found.canopy_type = reader.text("canopy_type");
     found.fidelities = reader.texts("fidelities");

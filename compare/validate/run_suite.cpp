@@ -8,6 +8,7 @@
 
 #include "compare/validate/case_scene.hpp"
 #include "compare/validate/parallel.hpp"
+#include "compare/validate/series_run.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -315,11 +316,17 @@ SuiteResult run_suite(const ValidationSuite& suite, std::span<const Fidelity* co
             continue;
         }
         std::vector<RowResult> rows;
-        for (const std::string& name : one.fidelities)
+        for (const std::string& name : one.fidelities) {
+            if (one.is_series) {
+                std::ranges::move(run_series(one, scenes, fidelity_of(one, name, fidelities), options),
+                                  std::back_inserter(rows));
+                continue;
+            }
             for (const auto line : scenes.lines())
                 std::ranges::move(
                     CaseRun(one, scenes, line, fidelity_of(one, name, fidelities), options).results(),
                     std::back_inserter(rows));
+        }
         interrupted = interrupted || options.stop.stop_requested();
         if (interrupted) break;
         add(std::move(rows));

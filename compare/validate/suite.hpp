@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compare/validate/quantities.hpp"
+#include "compare/validate/trends.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/scene/scene_error.hpp"
 
@@ -29,6 +30,7 @@ std::string_view agreement_word(Evidence evidence);  ///< "verified", "reproduce
 struct ExpectedRow {
     std::string quantity;  ///< a row of quantities(), or a metric's name
     QuantityArguments arguments;
+    std::optional<TrendAsked> trend;      ///< over the cases of a series, in place of a quantity of one run
     std::vector<std::string> fidelities;  ///< among those of the case; empty: all of them
     /// In SI. Absent: from `column` of the case's table, or from the case's recording.
     std::optional<double> expected;
@@ -54,6 +56,7 @@ struct ValidationCase {
     SourcePlace place;
 
     std::string scene;             ///< the text of a scene file; empty where the case cannot be run
+    bool is_series = false;        ///< it is a series: rows are trends over its cases
     std::vector<std::string> set;  ///< "key=value" over it
     std::string canopy_type;       ///< row of reference/parachute_types.csv, under `set`
     std::vector<std::string> fidelities;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "lib/math/vec.hpp"
@@ -306,6 +307,13 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
         p.deploy_when = trigger(v, "parachute.deploy.when", environment);
     if (v.has_table("parachute.cut")) p.cut = trigger(v, "parachute.cut", environment);
     p.reefing = reefing(v, environment);
+    // "main.full-open" of main itself is its own, which a stage has, too.
+    const auto is_own = [&](Trigger& t) {
+        if (t.of == p.name && t.kind != Trigger::Kind::cut) t.of.clear();
+    };
+    if (p.cut) is_own(*p.cut);
+    for (Reefing& stage : p.reefing)
+        is_own(stage.until);
     p.fill_time = fill_time(v, "parachute.fill_time");
     add_growth(v, p);
     p.initial_phase.transit = v.is_word("parachute.initial_phase");
@@ -370,10 +378,24 @@ SizeSpec size(const Values& v) {
     s.max_descent_rate = optional_number(v, "size.max_descent_rate");
     s.max_force = optional_number(v, "size.max_force");
     s.max_deceleration = optional_number(v, "size.max_deceleration");
+    if (v.given("size.parachute")) s.parachute = v.word("size.parachute");
     s.vary = v.list("size.vary");
     if (constexpr const char* key = "size.types"; v.given(key))
         for (const std::string& name : v.list(key))
             s.types.push_back(read_canopy_type(name, key, v.place(key), v.directory(key)));
+    return s;
+}
+
+SeriesSpec series(const Values& v) {
+    SeriesSpec s;
+    s.x = v.word("series.x");
+    s.y = v.word("series.y");
+    if (v.given("series.group")) s.group = v.word("series.group");
+    if (constexpr const char* key = "series.test"; v.given(key)) {
+        const auto file = table_file(v, key);
+        s.test = v.word(key);
+        std::tie(s.test_x, s.test_y) = read_test_points(read_text_file(file), file.string(), s.x, s.y);
+    }
     return s;
 }
 
@@ -405,6 +427,7 @@ Scene assemble_scene(const Values& v) {
     scene.full = full(v);
     scene.tolerances = v.tolerances();
     if (v.has_table("size")) scene.size = size(v);
+    if (v.has_table("series")) scene.series = series(v);
     return scene;
 }
 

@@ -111,6 +111,10 @@ void check_size(const Scene& scene, const Complain& complain) {
     if (s && !s->max_descent_rate && !s->max_force && !s->max_deceleration)
         complain.about("size.max_descent_rate", "no limit is given", "there is nothing to meet",
                        "give max_descent_rate, max_force or max_deceleration");
+    if (s && !s->parachute.empty() &&
+        std::ranges::find(scene.parachutes, s->parachute, &Parachute::name) == scene.parachutes.end())
+        complain.about("size.parachute", fmt::format("there is no parachute '{}'", s->parachute), "",
+                       "write the name of one of [[parachute]]");
     using enum Trigger::Kind;
     const Trigger::Kind stop = scene.stop.kind;
     if (s && s->max_descent_rate && (stop == peak_force || stop == full_open || stop == line_stretch))
@@ -290,6 +294,9 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
         const bool its_own = trigger.of.empty() ? trigger.kind == Trigger::Kind::line_stretch ||
                                                       trigger.kind == Trigger::Kind::full_open
                                                 : trigger.of == own;
+        if (its_own && trigger.kind == Trigger::Kind::cut)
+            complain.about(key, "a parachute cannot wait for its own cut", "it is gone then",
+                           "name another one with after");
         if (its_own && !may_be_own)
             complain.about(key, "a parachute cannot wait for its own opening", "",
                            "name another one with after");

@@ -67,6 +67,12 @@ Words momentums() {
 Words radii() {
     return {"shape-once-open", "drag-area"};
 }
+Words metrics() {
+    Words names;
+    for (const ToleranceMetric& metric : tolerance_metrics())
+        if (!metric.name.ends_with("_history")) names.push_back(metric.name);
+    return names;
+}
 Words line_ratios() {
     return names_of(line_ratio_models());
 }
@@ -399,6 +405,16 @@ constexpr Key scene_rows[] = {
     {.path = "compare.tolerance", .kind = tolerance, .need = optional, .range = from(0, 1e12), .user = compare,
      .meaning = "by metric: \"10 %\" of the full model, or a value in the metric's unit"},
 
+    {.path = "series", .kind = table, .need = optional, .meaning = "how the cases of a series are shown together"},
+    {.path = "series.x", .kind = word, .need = defaulted, .fallback = "froude_number", .choices = metrics, .user = compare,
+     .meaning = "metric along the plot's axis"},
+    {.path = "series.y", .kind = word, .need = defaulted, .fallback = "peak_force_ratio", .choices = metrics, .user = compare,
+     .meaning = "metric up the plot's axis"},
+    {.path = "series.group", .kind = text, .need = optional, .fallback = "all cases are one", .user = compare,
+     .meaning = "of a case, in its set: cases of one group are joined by lines and stand in the legend"},
+    {.path = "series.test", .kind = csv_file, .need = optional, .fallback = "no test data", .user = compare,
+     .meaning = "points of a test to show beside the runs: columns named as the metrics of x and y, sorted by x"},
+
     {.path = "size", .kind = table, .need = optional, .meaning = "what `twinchute size` has to meet: at least one limit"},
     {.path = "size.max_descent_rate", .unit = "m/s", .need = optional, .fallback = "no limit", .range = above(0, 1000), .user = KeyUser::size,
      .meaning = "mean of the last second of the run, once it is steady"},
@@ -406,6 +422,8 @@ constexpr Key scene_rows[] = {
      .meaning = "largest opening force of the run, snatch included"},
     {.path = "size.max_deceleration", .unit = "m/s^2", .need = optional, .fallback = "no limit", .range = above(0, 1e5), .user = KeyUser::size,
      .meaning = "of the payload, e.g. \"5 g0\""},
+    {.path = "size.parachute", .kind = text, .need = optional, .fallback = "the last", .user = KeyUser::size,
+     .meaning = "name of the one that is sized"},
     {.path = "size.vary", .kind = list, .need = defaulted, .fallback = "nominal_diameter", .choices = varied, .user = KeyUser::size,
      .meaning = "in the order in which they are decided on: the smallest diameter, the largest speed; ratio and delay of the first reefed stage with the least load"},
     {.path = "size.types", .kind = list, .need = optional, .fallback = "the scene's canopy alone", .folder = "parachutes/types", .user = KeyUser::size,
@@ -430,7 +448,7 @@ constexpr Key material_rows[] = {
 
 constexpr ToleranceMetric metric_rows[] = {
     {"line_stretch_time", "s"}, {"snatch_time", "s"}, {"payload_snatch_speed", "m/s"}, {"snatch_force", "N"},
-    {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"},
+    {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"}, {"operational_froude_number", "1"},
     {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
     {"stage_1_peak_force", "N"}, {"stage_2_peak_force", "N"}, {"stage_3_peak_force", "N"}, {"stage_4_peak_force", "N"},
     {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},

@@ -81,4 +81,20 @@ FillTable read_fill_table(std::string_view text, const std::string& file, const 
     return read;
 }
 
+std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string_view text,
+                                                                     const std::string& file,
+                                                                     const std::string& x,
+                                                                     const std::string& y) {
+    const auto column = [](const std::string& name) {
+        const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
+        return CsvColumn{metric->name, metric->unit};
+    };
+    const std::array<CsvColumn, 2> known{column(x), column(y)};
+    const CsvTable table = read_csv_table(text, file, known);
+    if (!table.has(y))
+        refuse_columns(file, fmt::format("the column '{}' is missing", y),
+                       fmt::format("the columns are {} and {}", x, y));
+    return {table.at(x), table.at(y)};
+}
+
 }  // namespace twinchute

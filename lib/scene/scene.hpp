@@ -241,10 +241,21 @@ struct SizeSpec {
     std::optional<double> max_descent_rate;  ///< [m/s]
     std::optional<double> max_force;         ///< [N] largest opening force
     std::optional<double> max_deceleration;  ///< [m/s^2]
+    std::string parachute;                   ///< name of the one that is sized; empty: the last
     std::vector<std::string> vary;           ///< in the order in which it is decided on them
     std::vector<CanopyType> types;           ///< to compare; empty: the scene's own canopy alone
 
     bool operator==(const SizeSpec&) const = default;
+};
+
+/// How the cases of a series are shown together. Metrics by name without unit.
+struct SeriesSpec {
+    std::string x, y;   ///< metrics of the plot
+    std::string group;  ///< of this case: cases of one group are joined; empty: all are one
+    std::string test;   ///< name of the CSV file with points of a test; empty: none
+    std::vector<double> test_x, test_y;
+
+    bool operator==(const SeriesSpec&) const = default;
 };
 
 struct Scene {
@@ -263,6 +274,7 @@ struct Scene {
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
     std::optional<SizeSpec> size;
+    std::optional<SeriesSpec> series;
 
     std::vector<Input> inputs;      ///< every effective key, for the record
     std::vector<Warning> warnings;  ///< about the inputs, for the record

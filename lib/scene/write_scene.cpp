@@ -298,11 +298,20 @@ void write_tolerances(Writer& w, const std::map<std::string, Tolerance>& toleran
     }
 }
 
+void write_series(Writer& w, const SeriesSpec& s) {
+    w.table("[series]");
+    w.words("x", s.x);
+    w.words("y", s.y);
+    if (!s.group.empty()) w.words("group", s.group);
+    if (!s.test.empty()) w.words("test", s.test);
+}
+
 void write_size(Writer& w, const SizeSpec& s) {
     w.table("[size]");
     if (s.max_descent_rate) w.number("max_descent_rate", *s.max_descent_rate);
     if (s.max_force) w.number("max_force", *s.max_force);
     if (s.max_deceleration) w.number("max_deceleration", *s.max_deceleration);
+    if (!s.parachute.empty()) w.words("parachute", s.parachute);
     w.list("vary", s.vary);
     std::vector<std::string> names;
     for (const CanopyType& type : s.types)
@@ -333,6 +342,7 @@ std::string write_scene(const Scene& scene) {
     write_settings(w, scene.rom, scene.full);
     write_tolerances(w, scene.tolerances);
     if (scene.size) write_size(w, *scene.size);
+    if (scene.series) write_series(w, *scene.series);
     return std::move(w).text();
 }
 

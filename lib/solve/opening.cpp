@@ -121,10 +121,15 @@ void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningR
 
 }  // namespace
 
+namespace {
+constexpr double smallest_path_angle = 0.01;  // [rad] below which v^2/sin(gamma) says nothing
+}
+
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
                          const Metric& descent) {
     const Parachute& chute = scene.parachutes.front();
     const bool packed = chute.deploy.starts_packed(), one = scene.parachutes.size() == 1;
+    const bool in_flight = packed || chute.deploy_when;  // its snatch is a result
     const double weight = scene.payload.mass * scene.environment.gravity;
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
@@ -132,10 +137,10 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
                          const char* note = "") { record.add_metric(key, value, standing, note); };
 
     if (r.line_stretch_time && one) add("line_stretch_time_s", *r.line_stretch_time);
-    if (r.snatched && packed && one) {
+    if (r.snatched && in_flight && one) {
         add("snatch_time_s", r.snatch_time);
         add("snatch_speed_m_s", r.snatch_speed);
-        add("payload_snatch_speed_m_s", r.payload_snatch_speed);
+        if (packed) add("payload_snatch_speed_m_s", r.payload_snatch_speed);
         if (r.snatch_force)
             add("snatch_force_N", *r.snatch_force, Standing::result, "until the end of the initial phase");
     } else if (r.snatched && one) {
@@ -152,11 +157,15 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         add("opening_shock_coefficient", *r.peak_force / (pressure * area));
     }
     if (r.snatched && one) {
-        add("mass_ratio", scene.payload.mass / (r.snatch_density * std::pow(chute.nominal_diameter, 3)),
-            Standing::input, "m_l/(rho D0^3) at snatch");
-        add("froude_number",
-            r.snatch_speed * r.snatch_speed / (scene.environment.gravity * chute.nominal_diameter),
-            packed ? Standing::result : Standing::input, "v_s^2/(g D0)");
+        const FillTimeInputs in = fill_inputs(scene, chute, r.snatch_speed, r.snatch_density);
+        add("mass_ratio", in.mass_ratio(), Standing::input,
+            chute.count == 1 ? "m_l/(rho D0^3) at snatch"
+                             : "m_l/(rho D0^3) at snatch, of each parachute's share of the payload");
+        const Standing standing = in_flight ? Standing::result : Standing::input;
+        add("froude_number", in.froude_number(), standing, "v_s^2/(g D0)");
+        if (r.snatch_path_angle > smallest_path_angle)
+            add("operational_froude_number", in.froude_number() / std::sin(r.snatch_path_angle), standing,
+                "v_s^2/(g D0 sin gamma)");
     }
     if (r.impulse && one)
         add("impulse_N_s", *r.impulse, Standing::result,
@@ -254,16 +263,15 @@ void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute&
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
                           const Inflation& inflation, double speed, double density) {
     const std::string whose = scene.parachutes.size() > 1 ? chute.name + ": " : "";
-    // Of one of a cluster: the part of the payload that it carries.
-    const double mass_ratio =
-        scene.payload.mass / chute.count / (density * std::pow(chute.nominal_diameter, 3));
+    const FillTimeInputs in = fill_inputs(scene, chute, speed, density);
+    const double mass_ratio = in.mass_ratio();
     if (mass_ratio > 1.0 && !overshoots(chute))
         record.warnings.push_back(
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
     warn_of_slow_snatch(record, scene, chute, speed, density);
-    warn_of_fill_table(record, chute, fill_inputs(scene, chute, speed, density), whose);
+    warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);
     if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
         record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,

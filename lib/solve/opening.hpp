@@ -1,6 +1,7 @@
 // What an opening prescribes and what it is judged by, the same for every fidelity.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "lib/math/vec.hpp"
@@ -77,6 +78,7 @@ struct OpeningResult {
     std::optional<double> line_stretch_time;  ///< packed starts
     double snatch_time = 0.0;
     double snatch_speed = 0.0;           ///< [m/s] airspeed of the system's centre of mass
+    double snatch_path_angle = 0.0;      ///< [rad] of that airspeed below the horizon
     double payload_snatch_speed = 0.0;   ///< [m/s] airspeed
     double snatch_density = 0.0;         ///< [kg/m^3]
     std::optional<double> snatch_force;  ///< [N] packed starts
@@ -92,6 +94,11 @@ struct OpeningResult {
     Vec3 end_position = Vec3::Zero();         ///< [m] of the payload at the end of the run
     std::vector<ParachuteResult> parachutes;  ///< in the order of their snatches
 };
+
+/// Angle [rad] of a velocity below the horizon; 0 of none.
+inline double angle_below_horizon(const Vec3& velocity) {
+    return std::atan2(-velocity.z(), std::hypot(velocity.x(), velocity.y()));
+}
 
 /// Adds the metrics that every fidelity reports, derived ratios included. `filling` and
 /// `descent` say how much of those two is input.

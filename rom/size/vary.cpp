@@ -29,6 +29,14 @@ double mass_measure(const Parachute& p) {
            (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
 }
 
+std::size_t sized_index(const Scene& scene) {
+    const std::size_t last = scene.parachutes.size() - 1;
+    if (!scene.size || scene.size->parachute.empty()) return last;
+    const auto named = std::ranges::find(scene.parachutes, scene.size->parachute, &Parachute::name);
+    return named == scene.parachutes.end() ? last
+                                           : static_cast<std::size_t>(named - scene.parachutes.begin());
+}
+
 /// By the scene itself, rather than a type, a design or a default.
 bool is_given(const Scene& scene, std::string_view name) {
     const std::string whose = scene.parachutes.size() > 1 ? sized_parachute(scene).name + "." : "";
@@ -43,7 +51,7 @@ double diameter(const Scene& scene) {
 
 /// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
 void set_diameter(Scene& scene, double value) {
-    Parachute& p = scene.parachutes.back();
+    Parachute& p = scene.parachutes[sized_index(scene)];
     const double measure = mass_measure(p), factor = value / p.nominal_diameter;
     const double area = stated_drag_area(p) * factor * factor;
     p.nominal_diameter = value;
@@ -104,13 +112,17 @@ constexpr std::array<VaryRow, 4> rows{{
     {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
      lacks_reefing, least_load, bounds_of_ratio,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
-     [](Scene& scene, double value) { scene.parachutes.back().reefing.front().drag_area_ratio = value; }},
+     [](Scene& scene, double value) {
+         scene.parachutes[sized_index(scene)].reefing.front().drag_area_ratio = value;
+     }},
     {"cutter_delay", "s", "delay of the first cutter", "with the least load", lacks_reefing, least_load,
      [](const Scene&) {
          return Bounds{0.2, 30.0};
      },
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().until.delay; },
-     [](Scene& scene, double value) { scene.parachutes.back().reefing.front().until.delay = value; }},
+     [](Scene& scene, double value) {
+         scene.parachutes[sized_index(scene)].reefing.front().until.delay = value;
+     }},
 }};
 
 }  // namespace
@@ -125,7 +137,7 @@ const VaryRow* find_vary(std::string_view name) {
 }
 
 const Parachute& sized_parachute(const Scene& scene) {
-    return scene.parachutes.back();
+    return scene.parachutes[sized_index(scene)];
 }
 
 double diameter_by_descent_rate(const Scene& scene) {
@@ -143,7 +155,7 @@ double diameter_by_descent_rate(const Scene& scene) {
 
 Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::string>& notes) {
     Scene changed = scene;
-    Parachute& p = changed.parachutes.back();
+    Parachute& p = changed.parachutes[sized_index(scene)];
     if (p.type && p.type->name == type.name) return changed;
     p.type = type;
     std::vector<std::string> kept;

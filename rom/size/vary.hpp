@@ -35,7 +35,7 @@ struct VaryRow {
 std::span<const VaryRow> vary_rows();
 const VaryRow* find_vary(std::string_view name);
 
-/// The parachute that is sized: the last, which in a sequence is the main one.
+/// The parachute that is sized: by its name, or the last, which in a sequence is the main one.
 const Parachute& sized_parachute(const Scene& scene);
 
 /// D0 [m] whose steady drag carries payload and parachute at max_descent_rate in the densest air of the fall,

@@ -331,6 +331,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "payload.diameter",
                                                     "size.max_descent_rate",
                                                     "size.max_force",
+                                                    "size.parachute",
+                                                    "series.test",
                                                     "release.altitude",
                                                     "release.height",
                                                     "release.speed",
@@ -413,6 +415,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     if (has("aerodynamics.forebody_wake.") || chance(0.2))
         put_number("payload.diameter", number_in(0.1, 50.0));
     if (has("size.")) put_limits(words["stop.at"]);
+    if (has("size.") && chance(0.3)) {
+        const auto named = std::ranges::find(lines_, "parachute.name", &SceneLine::path);
+        if (named != lines_.end()) put("size.parachute", std::string(named->value));
+    }
     if (chance(0.3)) put_tolerances();
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||

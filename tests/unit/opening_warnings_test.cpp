@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rom/run_rom.hpp"
+#include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
 
 namespace twinchute::test {
@@ -60,6 +61,44 @@ TEST(OpeningWarnings, ASnatchSlowerThanTheDescentIsTooSlowToInflate) {
     };
     EXPECT_TRUE(says(at(0.99 * steady), "too slow to inflate"));
     EXPECT_FALSE(says(at(1.01 * steady), "too slow to inflate"));
+}
+
+TEST(OpeningWarnings, ATableOfFillConstantsEndsSomewhere) {
+    ScratchDir here;
+    // v^2/(g D0) = 60^2/(9.80665 2) = 183.5.
+    const auto said_with = [&](const char* last) {
+        here.write("n.csv", std::string("froude_number,fill_constant\n1,1\n10,8\n") + last + ",6\n");
+        twinchute::Run run;
+        std::string all;
+        for (const Warning& w :
+             rom::run_rom(
+                 read_scene_text(edited(typed, "mass = 0.3", "mass = 0.3\nfill_time.table = \"n.csv\""),
+                                 "test.toml", here.path()),
+                 run)
+                 .warnings)
+            all += w.what;
+        return all;
+    };
+    EXPECT_EQ(said_with("184"), "");
+    EXPECT_EQ(said_with("183"), "Froude number 184 is beyond n.csv");
+}
+
+TEST(OpeningWarnings, AnOvershootThatTheSceneGivesIsNoSurprise) {
+    ScratchDir here;
+    here.write("growth.csv", "fill_fraction,drag_area_ratio\n1,1\n0,0.04\n0.6,0.3\n1,1\n1.2,1.3\n1.5,1\n");
+    here.write("plain.csv", "fill_fraction,drag_area_ratio\n1,1\n0,0.04\n0.6,0.3\n1,1\n");
+    const auto said_with = [&](const std::string& keys) {  // 12 kg: a mass ratio of 1.22
+        twinchute::Run run;
+        std::string all;
+        const std::string text =
+            edited(edited(typed, "mass = 5", "mass = 12"), "mass = 0.3", "mass = 0.3" + keys);
+        for (const Warning& w : rom::run_rom(read_scene_text(text, "test.toml", here.path()), run).warnings)
+            all += w.what;
+        return all;
+    };
+    EXPECT_EQ(said_with(""), "mass ratio 1.22");
+    EXPECT_EQ(said_with("\ndrag_area_table = \"plain.csv\""), "mass ratio 1.22");
+    EXPECT_EQ(said_with("\ndrag_area_table = \"growth.csv\""), "");
 }
 
 }  // namespace

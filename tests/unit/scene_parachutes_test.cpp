@@ -40,7 +40,7 @@ TEST(SceneParachutes, ReefingIsAListOfStages) {
     EXPECT_FALSE(p.reefing[0].line_length || p.reefing[0].fill_time);
     EXPECT_EQ(p.reefing[1].line_length, 9.0);
     EXPECT_EQ(p.reefing[1].fill_time->n, 6.0);
-    EXPECT_EQ(p.reefing[1].until, (Trigger{Trigger::Kind::line_stretch, 0.0, 8.0, "main"}));
+    EXPECT_EQ(p.reefing[1].until, (Trigger{Trigger::Kind::line_stretch, 0.0, 8.0}));  // by its own name
     EXPECT_NE(find_input(read_text(reefed), "parachute.reefing.2.fill_time.n"), nullptr);
 }
 
@@ -141,6 +141,15 @@ TEST(SceneParachutes, WhatDoesNotFitIsRefusedAtItsPlace) {
          edited(two, "when = { height = \"150 m\" }", "when = { at = \"full-open\" }"),
          {},
          {"test.toml:20", "cannot wait for its own"}},
+        {"waits for its own cut",
+         edited(two, "when = { height = \"150 m\" }",
+                "when = { height = \"150 m\" } }\ncut = { after = \"main.cut\""),
+         {},
+         {"test.toml:21", "cannot wait for its own cut"}},
+        {"sizes one that is not there",
+         edited(two, "[stop]", "[size]\nparachute = \"mian\"\nmax_force = 1000\n[stop]"),
+         {},
+         {"size.parachute", "there is no parachute 'mian'"}},
         {"wait for each other",
          edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.cut\" }"),
                 "deploy = { by = \"line-stretch\" }",

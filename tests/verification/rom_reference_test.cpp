@@ -184,6 +184,8 @@ TEST(RomReference, OvershootByATableFollowsPflanzAndLudtke) {
     EXPECT_NEAR(*record.metric("filling_time_s"), filling, 1e-12);
     EXPECT_NEAR(record.find_event("full-open")->time, filling, 1e-12);
     EXPECT_NEAR(test::last(record, "drag_area"), chute.drag_area, 1e-12);
+    scene.stop = {Trigger::Kind::full_open, 0.0, 0.1};  // 0.1 s after that, whatever the overshoot does
+    EXPECT_NEAR(test::last(run_rom(scene), "time"), filling + 0.1, 1e-12);
     const auto& area = record.find_channel("drag_area")->values;
     EXPECT_NEAR(*std::ranges::max_element(area), 1.35 * chute.drag_area, 0.01 * chute.drag_area);
 }

@@ -251,5 +251,36 @@ TEST(RomSequence, AMortarThrowsThePackToTheEndOfItsLines) {
     EXPECT_NEAR(record.find_event("drogue.snatch")->speed, g * (snatch - 50.0 / g), 1e-6);
 }
 
+TEST(RomSequence, WhatHappensAtTheVeryEndHasHappened) {
+    // The cutter fires at 4 s, and there the run ends.
+    Scene scene = read_text(with(one_stage));
+    scene.stop = {Trigger::Kind::time, 4.0, 0.0};
+    const RunRecord record = run_rom(scene);
+    EXPECT_EQ(time_of(record, "disreef"), 4.0);
+    EXPECT_EQ(last(record, "time"), 4.0);
+}
+
+TEST(RomSequence, ASnatchInFlightIsAResult) {
+    const RunRecord at_once = run_rom(read_text(with("")));
+    const RunRecord later = run_rom(read_text(
+        edited(with(""), "by = \"line-stretch\"", "by = \"line-stretch\", when = { time = \"1 s\" }")));
+    const auto standing = [](const RunRecord& record, const char* key) {
+        return std::ranges::find(record.metrics, key, &Metric::key)->standing;
+    };
+    for (const char* key : {"snatch_speed_m_s", "froude_number"}) {
+        EXPECT_EQ(standing(at_once, key), Standing::input) << key;
+        EXPECT_EQ(standing(later, key), Standing::result) << key;
+    }
+    // A second of free fall from 21 m/s.
+    EXPECT_NEAR(metric(later, "snatch_speed_m_s"), 21.0 + g, 1e-9);
+    EXPECT_EQ(metric(later, "snatch_time_s"), 1.0);
+}
+
+TEST(RomSequence, AClusterHasTheMassRatioOfEach) {
+    const RunRecord one = run_rom(read_text(with("")));
+    const RunRecord three = run_rom(read_text(with("count = 3\n")));
+    EXPECT_NEAR(metric(three, "mass_ratio"), metric(one, "mass_ratio") / 3.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace twinchute

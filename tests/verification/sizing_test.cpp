@@ -299,5 +299,19 @@ TEST(SizingTables, HaveTheWordsOfTheKeys) {
     }
 }
 
+TEST(Sizing, VariesTheParachuteThatItsNameSays) {
+    Scene scene = read_text(falling);
+    scene.parachutes.push_back(scene.parachutes.front());
+    scene.parachutes[0].name = "drogue";
+    scene.parachutes[1].name = "main";
+    for (const auto& [name, index] : {std::pair{"", 1u}, {"drogue", 0u}, {"main", 1u}}) {
+        scene.size->parachute = name;
+        Scene changed = scene;
+        rom::find_vary("nominal_diameter")->set(changed, 1.5 * scene.parachutes[0].nominal_diameter);
+        EXPECT_NE(changed.parachutes[index], scene.parachutes[index]) << name;
+        EXPECT_EQ(changed.parachutes[1 - index], scene.parachutes[1 - index]) << name;
+    }
+}
+
 }  // namespace
 }  // namespace twinchute::test
