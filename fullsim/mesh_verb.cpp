@@ -8,6 +8,9 @@
 #include <utility>
 
 #include "fullsim/fields.hpp"
+#include "fullsim/mesh/gmsh_write.hpp"
+#include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
 #include "lib/cli/scene_command.hpp"
@@ -29,8 +32,26 @@ struct View {
     fs::path file;  // empty: nowhere
 };
 
+/// Formats of the files that --out may name, by their extension.
+constexpr std::string_view vtk_file = ".vtu", gmsh_file = ".msh";
+
+/// For Gmsh: the parachute as it is made.
+View view_for_gmsh(const Scene& scene, const fs::path& file) {
+    const Parachute& chute = scene.parachutes.front();
+    const double reach = gore_pattern(chute).skirt_radius;
+    if (!chute.mesh && chute.line_length <= reach)
+        throw UsageError(
+            fmt::format("{}: the parachute cannot be laid flat for Gmsh (lines of {:g} m do not reach from "
+                        "the axis to the "
+                        "skirt at {:.4g} m), name a .vtu file",
+                        scene.file.string(), chute.line_length, reach));
+    return {"as made", built_mesh(scene), file};
+}
+
 /// As it starts, without its load: drawn out, and packed where the scene begins so. Both about the payload.
 std::vector<View> views_of(const Scene& scene, const std::optional<fs::path>& out) {
+    if (out && out->extension() == gmsh_file)
+        return {view_for_gmsh(scene, directory_of(scene, out->parent_path()) / out->filename())};
     const fs::path file = out ? directory_of(scene, out->parent_path()) / out->filename() : fs::path();
     std::vector<View> views{{"drawn out", unloaded_mesh(scene), file}};
     const Deployment& deploy = scene.parachutes.front().deploy;
@@ -52,6 +73,11 @@ std::string vtu_of(const Mesh& mesh) {
     return vtu_text(grid);
 }
 
+std::string text_of(const View& view, const Scene& scene, GmshVersion version) {
+    return view.file.extension() == gmsh_file ? gmsh_text(view.mesh, version, printable(scene.name))
+                                              : vtu_of(view.mesh);
+}
+
 /// Nobody else's file is overwritten: a mesh of ours says so in its note.
 void check_target(const fs::path& file) {
     std::error_code ignored;
@@ -59,7 +85,8 @@ void check_target(const fs::path& file) {
     std::string head(512, '\0');
     std::ifstream stream(file, std::ios::binary);
     stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-    if (fs::is_empty(file, ignored) || head.find("<!-- twinchute") != std::string::npos) return;
+    for (const char* note : {"<!-- twinchute", "$Comments\ntwinchute"})
+        if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
     throw UsageError(fmt::format(
         "'{}' is no mesh of twinchute (nothing else is overwritten), name another file with --out",
         file.string()));
@@ -69,10 +96,20 @@ std::optional<fs::path> wanted_file(const Arguments& arguments) {
     const auto text = arguments.value("out");
     if (!text) return {};
     fs::path file = *text;
-    if (file.extension() != ".vtu" || file.stem().empty())
+    if ((file.extension() != vtk_file && file.extension() != gmsh_file) || file.stem().empty())
         throw UsageError(fmt::format(
-            "'--out {}' is not understood (the name of a .vtu file is wanted), e.g. --out c9.vtu", *text));
+            "'--out {}' is not understood (the name of a .vtu file, for VTK, or of a .msh file, for "
+            "Gmsh, is wanted), e.g. --out c9.vtu",
+            *text));
     return file;
+}
+
+GmshVersion wanted_version(const Arguments& arguments) {
+    const std::string text = arguments.value("msh-version").value_or("4.1");
+    if (text != "4.1" && text != "2.2")
+        throw UsageError(
+            fmt::format("'--msh-version {}' is not understood (4.1 or 2.2), e.g. --msh-version 2.2", text));
+    return text == "4.1" ? GmshVersion::v4_1 : GmshVersion::v2_2;
 }
 
 /// Areas that the mesh is held against: of the nominal circle and of the vent.
@@ -161,6 +198,7 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
 
 ExitCode run_mesh(const Arguments& arguments) {
     const std::optional<fs::path> out = wanted_file(arguments);
+    const GmshVersion version = wanted_version(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments);
     for (const Scene& scene : scenes)
         if (const auto missing = missing_structure(scene.parachutes.front()); !missing.empty())
@@ -178,7 +216,7 @@ ExitCode run_mesh(const Arguments& arguments) {
         for (const View& view : views) {
             if (view.file.empty()) continue;
             check_target(view.file);
-            batch.add(view.file, vtu_of(view.mesh));
+            batch.add(view.file, text_of(view, scene, version));
         }
         texts.push_back(arguments.has("json") ? summary_json_of(scene, views)
                                               : summary_text_of(scene, views));
@@ -201,8 +239,11 @@ Verb mesh_verb() {
     verb.summary = "what the full model's mesh weighs and measures, and its shape for VTK";
     verb.operand = "SCENE";
     verb.example = "twinchute mesh data/scenes/c9-inflation.toml --out c9.vtu";
-    verb.options = scene_options("write the mesh there (.vtu), a packed one beside it as <name>-packed.vtu");
+    verb.options = scene_options(
+        "write the mesh there: .vtu, a packed one beside it as <name>-packed.vtu; or .msh for Gmsh, as made");
     verb.options.front().value = "FILE";
+    verb.options.insert(verb.options.begin() + 1,
+                        {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
     verb.run = &run_mesh;
     return verb;
 }

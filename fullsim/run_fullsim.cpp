@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/fields.hpp"
 #include "fullsim/frames.hpp"
+#include "fullsim/mesh/import_mesh.hpp"
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/plan.hpp"
@@ -459,7 +462,7 @@ void FullRun::fill_results() {
     if (result.peak_force) add_past_event("peak-force", result.peak_time);
     if (result.filling_time) add_past_event("canopy-filled", snatch + *result.filling_time);
     std::ranges::stable_sort(record_.events, {}, &Event::time);
-    if (steady_area_) {
+    if (steady_area_ && *steady_area_ > 0.0) {  // a canopy that fell in has no shape
         const double diameter = 2.0 * std::sqrt(*steady_area_ / pi);
         record_.add_metric("projected_diameter_ratio", diameter / chute.nominal_diameter, Standing::result,
                            "equal-area diameter over D0, mean of the last 2 s");
@@ -534,6 +537,8 @@ void FullRun::add_warnings() {
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, chute.mass),
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
+    if (chute.mesh)
+        std::ranges::copy(size_warnings(import_mesh(scene_), scene_), std::back_inserter(record_.warnings));
     if (const auto sound = record_.metric("signed_area_ratio"); sound && *sound < sound_area)
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
              "gores are folded inside out; the model has no contact that would prevent it",
@@ -577,7 +582,9 @@ std::vector<std::string> lacks(const Scene& scene) {
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
-    if (keys.empty()) return missing_structure(chute);
+    if (keys.empty()) keys = missing_structure(chute);
+    // A wrong mesh is found before anything runs.
+    if (keys.empty() && chute.mesh) unloaded_mesh(scene);
     return keys;
 }
 

@@ -4,71 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/mesh/closed_canopy.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
 namespace {
-
-/// The closed canopy as seen from its apex: a fan of rays, one per column line, each as long as its
-/// line of the cut pattern. Coordinates: z along the axis toward the payload, x and y across.
-///
-/// With an even number of columns it is pleated like an umbrella: every second ray, the seams among
-/// them, lies on an inner cone, the others on an outer one, at such angles that no panel is strained.
-/// An odd number leaves no such pleats: all rays lie on one cone, and what the cloth has too much of
-/// around it hangs in folds finer than the mesh, which a tension field carries for nothing.
-class ClosedCanopy {
-public:
-    /// seam_angle: between seams and axis [rad]; 0 is closed, pi/2 lies flat. stretch: along the rays [-].
-    ClosedCanopy(int gores, int columns, double seam_angle, double stretch)
-        : gores_(gores), columns_(columns), stretch_(stretch), inner_(seam_angle), outer_(seam_angle) {
-        if (columns % 2 != 0) return;
-        // Neighbouring rays keep the angle of the cut: A cos(outer) + B sin(outer) = cos(cut).
-        const double cut = 2.0 * pi / (gores_ * columns_), azimuth = cut;
-        const double A = std::cos(inner_), B = std::sin(inner_) * std::cos(azimuth);
-        outer_ = std::atan2(B, A) + std::acos(std::min(1.0, std::cos(cut) / std::hypot(A, B)));
-    }
-
-    /// The point of column line `column` (0 is the seam) at unit seam length.
-    Vec3 point(int gore, int column) const {
-        const double azimuth = 2.0 * pi * (gore * columns_ + column) / (gores_ * columns_);
-        const double cone = column % 2 == 0 ? inner_ : outer_;
-        return stretch_ * column_length(gores_, columns_, column) *
-               Vec3(std::sin(cone) * std::cos(azimuth), std::sin(cone) * std::sin(azimuth), std::cos(cone));
-    }
-
-    /// Area that the ring of all column lines encloses across the axis, at unit seam length.
-    double mouth() const {
-        double twice = 0.0;
-        for (int gore = 0; gore < gores_; ++gore)
-            for (int column = 0; column < columns_; ++column) {
-                const Vec3 a = point(gore, column);
-                const Vec3 b = column + 1 < columns_ ? point(gore, column + 1) : point(gore + 1, 0);
-                twice += a.x() * b.y() - a.y() * b.x();
-            }
-        return 0.5 * twice;
-    }
-
-    /// Length of a column line of the cut pattern over that of the seam: columns are equal angles.
-    static double column_length(int gores, int columns, int column) {
-        const double delta = pi / gores;
-        return std::cos(delta) / std::cos(delta * (2.0 * column / columns - 1.0));
-    }
-
-private:
-    int gores_, columns_;
-    double stretch_, inner_, outer_;
-};
-
-/// The canopy whose mouth at unit seam length has the wanted area: by bisection, the mouth opens
-/// with the seam angle.
-ClosedCanopy canopy_with_mouth(int gores, int columns, double mouth, double stretch) {
-    double low = 0.0, high = 0.5 * pi;
-    for (int i = 0; i < 60; ++i) {
-        const double middle = 0.5 * (low + high);
-        (ClosedCanopy(gores, columns, middle, stretch).mouth() < mouth ? low : high) = middle;
-    }
-    return {gores, columns, 0.5 * (low + high), stretch};
-}
 
 /// Lays three points of the plane cut pattern out as Triangle wants them.
 Triangle flat_triangle(std::array<NodeIndex, 3> node, const std::array<Eigen::Vector2d, 3>& p) {
@@ -85,9 +25,9 @@ public:
           counts_(counts),
           line_stretch_(1.0 + load / (chute.gores * chute.line.axial_stiffness())),
           pattern_(gore_pattern(chute)),
-          canopy_(canopy_with_mouth(chute.gores, pleats(),
-                                    mouth_area / (pattern_.skirt_radius * pattern_.skirt_radius),
-                                    canopy_stretch(load))) {
+          canopy_(canopy_with_mouth(
+              chute.gores, pleats(), mouth_area / (pattern_.skirt_radius * pattern_.skirt_radius),
+              closed_stretch(chute.gores, counts.gore_columns, pattern_.skirt_radius, chute.fabric, load))) {
         lay_out_rows();
         mesh_.fabric = chute.fabric;
         mesh_.cords = {chute.tapes.radial, chute.tapes.skirt, chute.tapes.vent,
@@ -97,8 +37,11 @@ public:
         along_ = axis.cross(across_);
     }
 
-    Mesh build(double payload_mass) {
-        place_canopy();
+    Mesh build(double payload_mass, bool as_built) {
+        if (as_built)
+            lay_canopy_flat();
+        else
+            place_canopy();
         sew_gores();
         sew_tapes();
         rig_lines();
@@ -124,17 +67,6 @@ private:
         const Vec3 seam = column < half ? canopy_.point(gore, 0) : canopy_.point(gore + 1, 0);
         const double angle = pattern_.half_angle * std::abs(column - half) / half;
         return middle + std::tan(angle) / std::tan(pattern_.half_angle) * (seam - middle);
-    }
-
-    /// Stretch of the rays [-]: none of a pleated canopy, whose seams are straight. Without pleats
-    /// the cloth of a column is as long in its middle as along its edges, but was cut shorter there,
-    /// by cos(delta/columns): the middle comes taut first and carries the load at the skirt.
-    double canopy_stretch(double load) const {
-        if (counts_.gore_columns % 2 == 0) return 1.0;
-        const double around =
-            2.0 * chute_.gores * pattern_.skirt_radius * std::sin(pattern_.half_angle);  // [m]
-        const double strain = load / (around * chute_.fabric.youngs_modulus * chute_.fabric.thickness);
-        return std::cos(pattern_.half_angle / counts_.gore_columns) * std::sqrt(1.0 + 2.0 * strain);
     }
 
     /// A ring of canopy nodes.
@@ -177,20 +109,14 @@ private:
         return r.first_node + (gore * r.columns + column) % (chute_.gores * r.columns);
     }
 
-    /// Seam length [m] at which a vent of one element across a gore starts so that its fabric hangs loose.
-    /// The closed canopy shortens that element. The triangle below it would have to be longer for that, were
-    /// the seams not slack by a few millimetres: so far that its height is that of the cut.
     double loose_vent() const {
         const Row& below = rows_[1];
         const int columns = below.columns;
         const Vec3 vent = 0.5 * (canopy_.point(0, 0) + canopy_.point(1, 0));
         const Vec3 foot =
             0.5 * below.radius * (closed_point(0, columns / 2) + closed_point(0, (columns + 1) / 2));
-        const double height = (below.radius - rows_[0].radius) * std::cos(pattern_.half_angle);
-        // |foot - r vent| = height, of the two roots the one above; the nearest point where there is none, on
-        // canopies of very few gores.
-        const double a = vent.squaredNorm(), b = vent.dot(foot), c = foot.squaredNorm() - height * height;
-        return (b - std::sqrt(std::max(0.0, b * b - a * c))) / a;
+        return loose_vent_radius(vent, foot,
+                                 (below.radius - rows_[0].radius) * std::cos(pattern_.half_angle));
     }
 
     /// ClosedCanopy's coordinates, z from the apex toward the payload, to world with the payload at 0.
@@ -211,6 +137,28 @@ private:
                 for (int column = 0; column < row.columns; ++column) {
                     if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
                     mesh_.position.push_back(world(row.start_radius * closed_point(gore, column)));
+                }
+        }
+        mesh_.canopy_nodes = mesh_.node_count();
+    }
+
+    /// Gore beside gore, as they are cut: they close to a disc, the apex on the axis. Lines are straight.
+    void lay_canopy_flat() {
+        across_ = Vec3::UnitX();
+        along_ = Vec3::UnitY();
+        link_height_ = chute_.riser_length;
+        const double line = chute_.line_length, reach = pattern_.skirt_radius;
+        apex_height_ = link_height_ + std::sqrt(line * line - reach * reach);
+        for (std::size_t row = 0; row < rows_.size(); ++row) {
+            const int columns = rows_[row].columns;
+            mesh_.seam_rings.emplace_back();
+            for (int gore = 0; gore < chute_.gores; ++gore)
+                for (int column = 0; column < columns; ++column) {
+                    if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
+                    const double radius = pattern_point(static_cast<int>(row), column).norm();
+                    const double azimuth = 2.0 * pi * (gore * columns + column) / (chute_.gores * columns);
+                    mesh_.position.push_back(
+                        world({radius * std::cos(azimuth), radius * std::sin(azimuth), 0.0}));
                 }
         }
         mesh_.canopy_nodes = mesh_.node_count();
@@ -351,7 +299,13 @@ GorePattern gore_pattern(const Parachute& chute) {
 
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load) {
-    return Builder(chute, counts, axis, mouth_area, load).build(payload_mass);
+    return Builder(chute, counts, axis, mouth_area, load).build(payload_mass, false);
+}
+
+Mesh make_flat_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass) {
+    // The mouth says nothing of a canopy that lies flat; any will do.
+    return Builder(chute, counts, Vec3::UnitZ(), mouth_area_at_line_stretch(chute), 0.0)
+        .build(payload_mass, true);
 }
 
 }  // namespace twinchute::fullsim

@@ -26,4 +26,9 @@ GorePattern gore_pattern(const Parachute& chute);
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load);
 
+/// The same elements as they are made, without any strain: the canopy flat, gore beside gore, lines and
+/// risers straight below it, the payload at the origin and the apex above it on z. The first seam lies toward
+/// x. Only where lines are longer than the canopy's radius.
+Mesh make_flat_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass);
+
 }  // namespace twinchute::fullsim

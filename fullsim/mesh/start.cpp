@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/mesh/draw_out.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
@@ -38,8 +39,11 @@ double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase
 }
 
 Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double load) {
-    return make_gore_mesh(scene.parachutes.front(), scene.full.mesh, scene.payload.mass, axis, mouth_area,
-                          load);
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.mesh)
+        return draw_out(import_mesh(scene), scene, axis, mouth_area, load,
+                        chute.deploy.by == DeployBy::inflated);
+    return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, axis, mouth_area, load);
 }
 
 /// Static line elements over those of suspension lines, in length: on light vent nodes, and held by many legs
@@ -48,15 +52,17 @@ constexpr double coarser_than_lines = 4.0;
 
 /// As strong as one of four risers would be: by one leg from each of the vent's seams, together as strong, to
 /// the apex, from there to the far end. `axis`: from payload to apex.
-StaticLine rig_static_line(const Mesh& mesh, const Scene& scene) {
+/// vent_radius: of the seams' ends there, as cut [m].
+StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_radius) {
     const Parachute& chute = scene.parachutes.front();
-    const double strands = std::max(1.0, 0.25 * chute.gores);
+    const auto& vent = mesh.seam_rings.front();
+    const double strands = std::max(1.0, 0.25 * static_cast<double>(mesh.seam_rings.back().size()));
     const double length = chute.deploy.static_line_length;
-    const double element = coarser_than_lines * chute.line_length / scene.full.mesh.line_elements;
+    const auto of_line = std::ranges::find(mesh.cables, CableKind::line, &Cable::kind);
+    const double element = coarser_than_lines * of_line->rest_length;
     const int elements = std::max(1, static_cast<int>(std::lround(length / element)));
     const double linear = chute.line.linear_density();
-    const auto& vent = mesh.seam_rings.front();
-    const double leg = gore_pattern(chute).vent_radius;
+    const double leg = vent_radius;
 
     StaticLine line;
     Vec3 apex = Vec3::Zero();
@@ -82,7 +88,23 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene) {
     return line;
 }
 
+/// [m] of the vent's seams, as cut.
+double cut_vent_radius(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    if (!chute.mesh) return gore_pattern(chute).vent_radius;
+    const Mesh mesh = built_mesh(scene);
+    double sum = 0.0;
+    for (const NodeIndex i : mesh.seam_rings.front())
+        sum += mesh.position[i].head<2>().norm();
+    return sum / static_cast<double>(mesh.seam_rings.front().size());
+}
+
 }  // namespace
+
+Mesh built_mesh(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    return chute.mesh ? import_mesh(scene).mesh : make_flat_mesh(chute, scene.full.mesh, scene.payload.mass);
+}
 
 Vec3 trailing_direction(const Scene& scene) {
     const Vec3 velocity = release_airspeed(scene);
@@ -105,7 +127,8 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     if (chute.deploy.starts_packed()) {
         Mesh mesh = unloaded_mesh(scene);
         pack(mesh, chute.deploy.pack_ratio);
-        if (chute.deploy.by == DeployBy::static_line) mesh.static_line = rig_static_line(mesh, scene);
+        if (chute.deploy.by == DeployBy::static_line)
+            mesh.static_line = rig_static_line(mesh, scene, cut_vent_radius(scene));
         return mesh;
     }
     const double open = 0.25 * pi * std::pow(2.0 * steady_radius(chute), 2);

@@ -11,6 +11,10 @@ namespace twinchute::fullsim {
 /// Unit vector straight behind the release, against the flight through the air; up where there is none.
 Vec3 trailing_direction(const Scene& scene);
 
+/// The parachute as it is made, without any strain: the generated one flat (make_flat_mesh), an imported one
+/// as its file has it.
+Mesh built_mesh(const Scene& scene);
+
 /// The parachute drawn out along its axis without any load, mouth as at line stretch: the shape that is
 /// packed. The axis of a pack is turned from the trailing direction by its pitch, apex up.
 Mesh unloaded_mesh(const Scene& scene);

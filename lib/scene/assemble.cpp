@@ -59,7 +59,7 @@ private:
     std::vector<Input>& inputs_;
 };
 
-/// The CSV file that a key names.
+/// The CSV or mesh file that a key names.
 std::filesystem::path table_file(const Values& v, std::string_view key) {
     const std::string& name = v.word(key);
     if (!is_data_name(name))
@@ -267,6 +267,8 @@ void add_structure(const Values& v, Materials& materials, Parachute& p) {
     if (v.given("parachute.fabric")) p.fabric = materials.fabric("parachute.fabric");
     p.line = cord("parachute.line");
     p.tapes = {cord("parachute.tapes.radial"), cord("parachute.tapes.skirt"), cord("parachute.tapes.vent")};
+    if (constexpr const char* key = "parachute.mesh"; v.given(key))
+        p.mesh = MeshFile{v.word(key), table_file(v, key)};
 }
 
 /// Of a table the law's name means nothing; it begins where the table does.

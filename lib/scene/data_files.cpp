@@ -17,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t largest_file = 4u << 20;  ///< [bytes]
-
 bool is_name_character(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
            c == '_' || c == '.';
@@ -110,7 +108,7 @@ std::string file_stem_of(std::string_view name) {
     return stem.empty() ? "scene" : stem;
 }
 
-std::string read_text_file(const fs::path& file) {
+std::string read_text_file(const fs::path& file, std::size_t largest) {
     const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
         return SceneError({file.string(), 0, 0}, "", problem, why, hint);
     };
@@ -124,11 +122,12 @@ std::string read_text_file(const fs::path& file) {
     do {  // bounded: a device has no size and no end
         stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
         text.append(chunk, 0, static_cast<std::size_t>(stream.gcount()));
-    } while (stream && text.size() <= largest_file);
+    } while (stream && text.size() <= largest);
     if (stream.bad() || !stream.is_open())
         throw refuse("cannot be read", errno ? std::strerror(errno) : "", "check its permissions");
-    if (text.size() > largest_file)
-        throw refuse("is too large", fmt::format("more than {} MiB", largest_file >> 20), "is it a scene?");
+    if (text.size() > largest)
+        throw refuse("is too large", fmt::format("more than {} MiB", largest >> 20),
+                     largest == largest_scene_file ? "is it a scene?" : "is it the right file?");
     return text;
 }
 

@@ -34,8 +34,11 @@ bool is_data_name(std::string_view name);
 /// 80 bytes; "scene" when nothing is left.
 std::string file_stem_of(std::string_view name);
 
+/// [bytes] that a scene, design, material or table may have.
+inline constexpr std::size_t largest_scene_file = 4u << 20;
+
 /// The whole file. Throws SceneError (place: the file as given) when it is not a readable regular
-/// file or larger than a scene can be.
-std::string read_text_file(const std::filesystem::path& file);
+/// file or larger than `largest` [bytes].
+std::string read_text_file(const std::filesystem::path& file, std::size_t largest = largest_scene_file);
 
 }  // namespace twinchute

@@ -249,6 +249,8 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.tapes.radial", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
     {.path = "parachute.tapes.skirt", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the skirt"},
     {.path = "parachute.tapes.vent", .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.mesh", .kind = mesh_file, .need = optional, .fallback = "generated from the sizes above", .user = full,
+     .meaning = "a mesh of one's own in place of the generated one, Gmsh 2.2 or 4.1 in ASCII", .source = "docs/guide/meshes.md"},
     {.path = "parachute.joint_efficiency", .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1), .user = full,
      .meaning = "strength of seams and joints over that of fabric and line, for the margins", .source = "nothing taken off: our assumption; it belongs to the joint"},
     {.path = "parachute.design_factor", .unit = "1", .need = defaulted, .fallback = "1", .range = from(1, 100), .user = full,

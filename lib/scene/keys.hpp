@@ -18,6 +18,7 @@ enum class KeyKind {
     data_file,         ///< the name of a file in `folder` of the data, without .toml
     list,              ///< an array of texts: words of `choices`, or names of files in `folder`
     csv_file,          ///< the name of a CSV file beside the scene or in the data
+    mesh_file,         ///< likewise, of a Gmsh file
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
     tables,            ///< a list of tables: their keys are those below it, with a number from 1 between
     quantities,        ///< a list of quantities, each with its number from 1 behind the path

@@ -93,6 +93,8 @@ std::string range_text(const Key& key) {
             return fmt::format("a file in {}/", key.folder);
         case KeyKind::csv_file:
             return "a CSV file";
+        case KeyKind::mesh_file:
+            return "a Gmsh file (.msh)";
         case KeyKind::list:
             return words.empty() ? fmt::format("a list of files in {}/", key.folder) : "a list of " + words;
         case KeyKind::table:

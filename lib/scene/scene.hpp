@@ -105,6 +105,14 @@ struct Reefing {
     bool operator==(const Reefing&) const = default;
 };
 
+/// A mesh of somebody's own, in place of the generated one.
+struct MeshFile {
+    std::string name;            ///< as the scene says it
+    std::filesystem::path file;  ///< where it was found
+
+    bool operator==(const MeshFile& other) const { return name == other.name; }
+};
+
 /// One parachute, or several alike that open together. Unless said otherwise a value is that of one of them.
 /// What only a structure needs may be absent: 0 or an empty name. See missing_structure.
 struct Parachute {
@@ -124,6 +132,7 @@ struct Parachute {
     Fabric fabric;
     Cord line;
     Tapes tapes;
+    std::optional<MeshFile> mesh;  ///< of the full model; absent: generated from the sizes above
     StrengthFactors strength;
 
     int count = 1;                    ///< of a cluster

@@ -186,6 +186,7 @@ void write_structure(Writer& w, const Parachute& p) {
     material("tapes.radial", p.tapes.radial.name);
     material("tapes.skirt", p.tapes.skirt.name);
     material("tapes.vent", p.tapes.vent.name);
+    if (p.mesh) w.words("mesh", p.mesh->name);
 }
 
 void write_parachute(Writer& w, const Parachute& p) {

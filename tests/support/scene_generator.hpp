@@ -51,6 +51,7 @@ inline void write_generated_tables(const ScratchDir& directory) {
     directory.write("generated-mass.csv", "fill_constant,mass_ratio\n1,%\n4,1\n9,200\n");
     directory.write("generated-growth.csv",
                     "fill_fraction,drag_area_ratio\n1,%\n0,2\n0.6,30\n1,100\n1.1,115\n1.4,100\n");
+    directory.write("generated-mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");  // read by a run alone
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
 
@@ -158,6 +159,9 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
         }
         case KeyKind::list:
             value = key.choices ? "[\"release_speed\", \"nominal_diameter\"]" : "[\"cross\", \"ringslot\"]";
+            break;
+        case KeyKind::mesh_file:
+            value = "\"generated-mesh.msh\"";
             break;
         case KeyKind::csv_file:
             value = path.starts_with("environment.wind") ? "\"generated-wind.csv\"" : "\"generated-air.csv\"";
@@ -463,7 +467,8 @@ inline std::optional<std::string> SceneGenerator::spoiled(const Key& key, std::s
                 return one_of(std::vector<std::string>{"\"no-such-word\"", "7", "\"\""});
             break;
         case 6:
-            if (key.kind == KeyKind::data_file || key.kind == KeyKind::csv_file)
+            if (key.kind == KeyKind::data_file || key.kind == KeyKind::csv_file ||
+                key.kind == KeyKind::mesh_file)
                 return one_of(
                     std::vector<std::string>{"\"no-such-file\"", "\"../up\"", "\"/etc/passwd\"", "\"\""});
             break;
