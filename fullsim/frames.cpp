@@ -57,7 +57,11 @@ FrameRecorder::FrameRecorder(const Mesh& mesh, bool wanted)
     if (!wanted) return;
     const auto node = [](NodeIndex i) { return static_cast<std::uint32_t>(i); };
     // The dummy has no place in a frame: what comes after it moves up by one.
-    const auto moved_up = [&](NodeIndex i) { return node(i > mesh.dummy() ? i - 1 : i); };
+    // Risers are drawn to the middle of a body.
+    const auto moved_up = [&](NodeIndex i) {
+        const NodeIndex tether = mesh.first_static_line_node();
+        return node(i >= tether ? i - tether + mesh.node_count() : std::min(i, mesh.payload()));
+    };
     shape_.nodes = node(mesh.node_count()) + static_cast<std::uint32_t>(tether_nodes_);
     shape_.payload = node(mesh.payload());
     for (const Triangle& t : mesh.triangles)

@@ -78,6 +78,9 @@ constexpr std::array pieces{
           [](const Scene& s) {
               return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
           }},
+    Piece{physics, "turning of the payload", "it is a rigid body, lumped from tetrahedra of one density",
+          [](const Scene& s) { return s.payload.body.has_value(); },
+          [](const Scene& s) { return given("payload.body", s.payload.body.has_value()); }},
     Piece{physics, "initial noise", "the canopy's nodes start a little displaced",
           [](const Scene& s) { return s.full.noise.has_value(); },
           [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},

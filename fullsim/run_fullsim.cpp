@@ -10,6 +10,7 @@
 #include "fullsim/fidelity.hpp"
 #include "fullsim/fields.hpp"
 #include "fullsim/frames.hpp"
+#include "fullsim/mesh/hang_body.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/observer.hpp"
@@ -583,8 +584,11 @@ std::vector<std::string> lacks(const Scene& scene) {
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
     if (keys.empty()) keys = missing_structure(chute);
-    // A wrong mesh is found before anything runs.
-    if (keys.empty() && chute.mesh) unloaded_mesh(scene);
+    // What cannot start is found before anything runs.
+    if (keys.empty() && (chute.mesh || scene.payload.body)) {
+        Mesh mesh = unloaded_mesh(scene);
+        if (scene.payload.body) hang_body(scene, mesh);
+    }
     return keys;
 }
 

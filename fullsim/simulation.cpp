@@ -67,7 +67,8 @@ Mesh make_mesh(const Scene& scene, const Inflation& inflation, MassScaling& scal
 State initial_state(const Scene& scene, const Mesh& mesh) {
     State state;
     const StaticLine& tether = mesh.static_line;
-    const std::size_t count = static_cast<std::size_t>(mesh.node_count()) + 1 + tether.position.size();
+    const std::size_t count =
+        static_cast<std::size_t>(mesh.first_static_line_node()) + tether.position.size();
     state.node.resize(count);
     state.v_half.resize(count);
     state.force.resize(count);
@@ -85,6 +86,13 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
     const NodeIndex dummy = mesh.dummy();
     state.node[dummy] = {splat(0.0), splat(0.0)};
     state.v_half[dummy].value = state.force[dummy].value = state.aero[dummy].value = splat(0.0);
+    for (std::size_t k = 0; k < mesh.places.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(mesh.first_place()) + k;
+        state.node[i] = {to_lanes(origin + mesh.places[k]), to_lanes(velocity)};
+        state.v_half[i].value = to_lanes(velocity);
+        state.force[i].value = state.aero[i].value = splat(0.0);
+    }
+    if (!mesh.places.empty()) state.body = RigidBody::upright(mesh.axis);
     for (std::size_t k = 0; k < tether.position.size(); ++k) {
         const std::size_t i = mesh.first_static_line_node() + k;
         const bool far_end = k + 1 == tether.position.size();
@@ -105,9 +113,16 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       inflation_(first_inflation(scene)),
       mesh_(make_mesh(scene, inflation_, mass_scaling_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
+      body_(scene.payload.body
+                ? std::optional<RigidBody>(std::in_place, scene, static_cast<int>(mesh_.places.size()))
+                : std::nullopt),
       state_(initial_state(scene, mesh_)),
       layout_(make_layout_(scene, mesh_, constants_)),
       dt_min_(never) {
+    for (const Cable& c : mesh_.cables)
+        if (c.kind == CableKind::riser)
+            riser_stiffness_ = std::max(
+                riser_stiffness_, c.strands * mesh_.cord(CableKind::riser).axial_stiffness() / c.rest_length);
     state_.phase = first_phase(scene, inflation_);
     if (scene.parachutes.front().deploy.starts_packed()) {
         state_.stage = stages_of(scene).front();
@@ -172,6 +187,7 @@ void Simulation::evaluate_forces() {
 
     clock_.begin_step(s.step % steps_between_bounds == 0);
     layout_->evaluate(s, clock_);
+    if (body_) body_->gather(s, mesh_.payload(), mesh_.first_place());
     if (s.air.pressure_capped) ++s.capped_steps;
 }
 
@@ -259,7 +275,7 @@ void Simulation::let_static_line_go() {
     state_.energy.external_work -= carried_off;
     mesh_.static_line = {};
     constants_.static_line_mass = {};
-    const std::size_t left = static_cast<std::size_t>(mesh_.dummy()) + 1;
+    const auto left = static_cast<std::size_t>(mesh_.first_static_line_node());
     state_.node.resize(left);
     state_.v_half.resize(left);
     state_.force.resize(left);
@@ -362,7 +378,9 @@ Simulation::Step Simulation::choose_step(const State& state) {
     double step = stable.all, dearness = 1.0 / step;
     const double factor = scene_.full.time_step_factor;
     const double share = state.stage == Stage::flight ? 1.0 : std::min(1.0, share_while_slapping / factor);
-    for (int count = 2; count <= scene_.full.line_substeps; ++count) {
+    if (body_) step = std::min(step, body_->stable_step(riser_stiffness_));
+    // A body takes steps with the canopy, and so does what hangs on it.
+    for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
         const double longer = std::min(share * stable.canopy, count * stable.lines);
         const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
@@ -412,7 +430,9 @@ void Simulation::step_to(double end) {
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
     most_substeps_ = std::max(most_substeps_, substeps_);
+    const double kick = 0.5 * (dt + state_.dt);
     layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
+    if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, dt);
     lags_ = true;
     element_steps_ += static_cast<std::int64_t>(elements_now_ + (substeps_ - 1) * line_elements_now_);
     state_.time = last ? end : state_.time + dt;

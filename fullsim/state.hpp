@@ -2,7 +2,9 @@
 // only, so that a state can be stored, compared and continued.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -102,6 +104,14 @@ struct LargestLoads {
     void add_stress(double stress) { fabric_stress = larger_or_none(fabric_stress, stress); }
 };
 
+/// How a payload that is a body has turned. Its place and velocity are those of the payload's node.
+struct BodyState {
+    std::array<double, 4> attitude{1.0, 0.0, 0.0, 0.0};  ///< unit quaternion w x y z, its axes to x y z
+    Vec3 half_momentum = Vec3::Zero();  ///< angular, about its centre [kg m^2/s] at time - dt/2
+    Vec3 momentum = Vec3::Zero();       ///< the same at time, extrapolated
+    Vec3 torque = Vec3::Zero();         ///< [N m] about its centre, of the risers, at time
+};
+
 struct State {
     double time = 0.0;     ///< [s] since release
     double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
@@ -111,13 +121,15 @@ struct State {
     Stage stage = Stage::flight;
     double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have
 
-    std::vector<NodeRecord> node;    ///< those of the mesh, a dummy for padding, those of the static line
+    /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
+    std::vector<NodeRecord> node;
     std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
     std::vector<NodeVector> force;   ///< [N] structural and damping forces
     std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
 
-    double added_mass_rate = 0.0;  ///< dM_a/dt [kg/s], kept only for accreting added mass
-    double added_mass = 0.0;       ///< M_a [kg]
+    double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s], kept only for accreting added mass
+    double added_mass = 0.0;             ///< M_a [kg]
+    std::optional<BodyState> body = {};  ///< of the payload; absent: it is a point mass
     NodeSums sums;
     AeroState air;
     EnergyBook energy;

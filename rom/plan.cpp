@@ -80,6 +80,9 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     if (scene.aerodynamics.breathing_damping)
         parts.add(physics, "breathing damping", "of cloth against air", false,
                   "this model has no canopy shape");
+    if (scene.payload.body)
+        parts.add(physics, "turning of the payload", "of its body", false,
+                  "this model's payload is a point mass");
     parts.optional("added mass", "air moves with the canopy", "aerodynamics.added_mass",
                    scene.aerodynamics.added_mass.has_value());
     parts.optional("payload drag", "of its body in the air", "payload.drag_area",

@@ -169,7 +169,8 @@ std::vector<FabricEdge> fabric_edges(const Mesh& mesh) {
             cloth[i] += 2.0 * mesh.fabric.youngs_modulus * e.section / e.rest_length;
     for (const Cable& c : mesh.cables)
         for (const NodeIndex i : c.node)
-            cables[i] += 2.0 * mesh.cord(c.kind).axial_stiffness() * c.strands / c.rest_length;
+            if (i < mesh.node_count())  // not a place on a body
+                cables[i] += 2.0 * mesh.cord(c.kind).axial_stiffness() * c.strands / c.rest_length;
     double fastest = 0.0;
     for (std::size_t i = 0; i < count; ++i)
         fastest = std::max(fastest, (cloth[i] + cables[i]) / mesh.mass[i]);

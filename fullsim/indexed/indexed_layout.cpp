@@ -277,7 +277,7 @@ private:
     double stable_step_of_static_line(const RowSums& sums) const {
         double least = std::numeric_limits<double>::infinity();
         const std::vector<double>& mass = constants_.static_line_mass;
-        const std::size_t first = constants_.mass.size() + 1;
+        const std::size_t first = constants_.first_static_line;
         for (std::size_t k = 0; k + 1 < mass.size(); ++k)
             least =
                 std::min(least, stable_step_of(sums.stiffness[first + k], sums.damping[first + k], mass[k]));
@@ -478,6 +478,7 @@ private:
         risers_ = list_of(cables_of(is_riser));
         for (const Cable& c : mesh_.cables)
             if (!is_tape(c.kind)) pulled_.insert(pulled_.end(), c.node.begin(), c.node.end());
+        std::erase_if(pulled_, [&](NodeIndex i) { return i > mesh_.payload(); });  // places on a body
         std::ranges::sort(pulled_);
         pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
         pulled_.shrink_to_fit();

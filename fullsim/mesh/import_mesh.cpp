@@ -624,7 +624,8 @@ std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& sc
                  "correct the scene, or the mesh"});
     if (!imported.payload.empty())
         warnings.push_back({fmt::format("{} tetrahedra of the payload are left out", imported.payload.size()),
-                            "the payload is a point mass at the confluence", "take them out of the export"});
+                            "the payload is a point mass at the confluence, or what payload.body says",
+                            "take them out of the export"});
     return warnings;
 }
 

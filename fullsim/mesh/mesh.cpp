@@ -41,7 +41,7 @@ void lump_masses(Mesh& mesh, double payload_mass) {
         }
     for (std::size_t c = 0; c < mesh.cables.size(); ++c)
         for (const NodeIndex i : mesh.cables[c].node)
-            mesh.mass[i] += 0.5 * mesh.cable_mass(c);
+            mesh.mass[std::min(i, mesh.payload())] += 0.5 * mesh.cable_mass(c);
     mesh.mass[mesh.payload()] += payload_mass;
 }
 

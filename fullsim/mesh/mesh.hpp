@@ -38,8 +38,8 @@ struct Cable {
     CableKind kind;
 };
 
-/// A line from the apex to a far end outside the system. Its nodes come after those of the mesh and the
-/// dummy: they go when it lets go, and no other number changes. First the apex, last the far end.
+/// A line from the apex to a far end outside the system. Its nodes come last: they go when it lets go, and no
+/// other number changes. First the apex, last the far end.
 struct StaticLine {
     std::vector<Vec3> position;  ///< [m] as Mesh::position
     std::vector<double> mass;    ///< [kg]; none at the far end, which nothing accelerates
@@ -53,7 +53,9 @@ public:
     NodeIndex payload() const { return node_count() - 1; }
     /// Takes the forces of padding elements.
     NodeIndex dummy() const { return node_count(); }
-    NodeIndex first_static_line_node() const { return node_count() + 1; }
+    /// Where risers are tied to a payload that is a body: after the dummy, nothing but the body moves them.
+    NodeIndex first_place() const { return node_count() + 1; }
+    NodeIndex first_static_line_node() const { return first_place() + static_cast<NodeIndex>(places.size()); }
     bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
     const Cord& cord(CableKind kind) const { return cords[static_cast<std::size_t>(kind)]; }
 
@@ -73,6 +75,7 @@ public:
     std::vector<Cable> cables;
     Fabric fabric;
     std::array<Cord, 6> cords;  ///< by CableKind
+    std::vector<Vec3> places;   ///< [m] of risers on a body, as position; empty: the payload is a point mass
     StaticLine static_line;     ///< empty where there is none
     /// Which of the cables are the reefing line, in rising order, from seam to seam around the mouth; empty
     /// where there is none.

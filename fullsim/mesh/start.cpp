@@ -6,6 +6,7 @@
 
 #include "fullsim/mesh/draw_out.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/mesh/hang_body.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -127,14 +128,17 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     if (chute.deploy.starts_packed()) {
         Mesh mesh = unloaded_mesh(scene);
         pack(mesh, chute.deploy.pack_ratio);
+        if (scene.payload.body) hang_body(scene, mesh);
         if (chute.deploy.by == DeployBy::static_line)
             mesh.static_line = rig_static_line(mesh, scene, cut_vent_radius(scene));
         return mesh;
     }
     const double open = 0.25 * pi * std::pow(2.0 * steady_radius(chute), 2);
-    return drawn_out(scene, trailing_direction(scene),
-                     chute.deploy.by == DeployBy::inflated ? open : mouth_area_at_line_stretch(chute),
-                     load_at_start(scene, inflation, phase));
+    Mesh mesh = drawn_out(scene, trailing_direction(scene),
+                          chute.deploy.by == DeployBy::inflated ? open : mouth_area_at_line_stretch(chute),
+                          load_at_start(scene, inflation, phase));
+    if (scene.payload.body) hang_body(scene, mesh);
+    return mesh;
 }
 
 }  // namespace twinchute::fullsim

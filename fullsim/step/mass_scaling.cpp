@@ -20,8 +20,9 @@ Hold hold_of(const Scene& scene, const Mesh& mesh, Stage stage) {
     State still;  // nothing is strained
     still.stage = stage;
     still.fe_weight = 1.0;
-    still.node.assign(static_cast<std::size_t>(mesh.dummy()) + 1 + mesh.static_line.position.size(),
-                      {splat(0.0), splat(0.0)});
+    still.node.assign(
+        static_cast<std::size_t>(mesh.first_static_line_node()) + mesh.static_line.position.size(),
+        {splat(0.0), splat(0.0)});
     const NodeConstants constants = node_constants(mesh, 0.0);
     const ForceModels structure = make_structure(scene, mesh, stage);
     const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);

@@ -13,6 +13,7 @@ struct NodeConstants {
     double canopy_mass = 0.0;              ///< [kg]
     double system_mass = 0.0;              ///< [kg]
     double gravity = 0.0;                  ///< [m/s^2]
+    std::size_t first_static_line = 0;     ///< its first node
     std::vector<double> static_line_mass;  ///< [kg] the far end last, which keeps its velocity
 };
 

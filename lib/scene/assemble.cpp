@@ -108,6 +108,21 @@ Environment environment(const Values& v) {
     return e;
 }
 
+PayloadBody payload_body(const Values& v) {
+    PayloadBody body;
+    const std::string& shape = v.word("payload.body.shape");
+    if (shape == "cylinder") body.shape = PayloadBody::Shape::cylinder;
+    for (int i = 1; i <= v.count("payload.body.size"); ++i)
+        body.size.push_back(v.number(fmt::format("payload.body.size.{}", i)));
+    const std::size_t wanted = body.shape == PayloadBody::Shape::box ? 3 : 2;
+    if (body.size.size() != wanted)
+        throw SceneError(
+            v.place("payload.body.shape"), "payload.body.size",
+            fmt::format("{} lengths for a {}", body.size.size(), shape), "",
+            wanted == 3 ? "give its three edges, the last along the parachute" : "give diameter and height");
+    return body;
+}
+
 Release release(const Values& v, const Environment& environment) {
     Release r;
     r.altitude = v.given("release.altitude") ? v.number("release.altitude")
@@ -422,6 +437,7 @@ Scene assemble_scene(const Values& v) {
     if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
     scene.release = release(v, scene.environment);
     scene.payload.diameter = optional_number(v, "payload.diameter");
+    if (v.has_table("payload.body")) scene.payload.body = payload_body(v);
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scene.aerodynamics = aerodynamics(v);
     scene.stop = trigger(v, "stop", scene.environment);

@@ -221,6 +221,7 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
     if (scene.parachutes.front().deploy.starts_packed())
         refuse("drawn out of its pack each gore folds in its own way", "start at line stretch");
     if (scene.full.noise) refuse("full.noise disturbs each gore in its own way", "leave full.noise out");
+    if (scene.payload.body) refuse("payload.body turns as it likes", "leave payload.body out");
     if (scene.environment.wind)
         refuse("environment.wind carries the canopy to one side", "leave environment.wind out");
     const Vec3 velocity = velocity_over_ground(scene.release);

@@ -82,6 +82,9 @@ Words wakes() {
 Words varied() {
     return {"nominal_diameter", "release_speed", "reefing_ratio", "cutter_delay"};
 }
+Words shapes() {
+    return {"box", "cylinder"};
+}
 Words line_drags() {
     return {"cylinder"};
 }
@@ -202,6 +205,10 @@ constexpr Key scene_rows[] = {
     {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
     {.path = "payload.diameter", .unit = "m", .need = optional, .fallback = "required by a forebody wake", .range = above(0, 1000),
      .meaning = "of a disc with its frontal area, for its wake"},
+    {.path = "payload.body", .kind = table, .need = optional, .user = full, .meaning = "a homogeneous body that turns; absent: a point mass"},
+    {.path = "payload.body.shape", .kind = word, .choices = shapes, .user = full, .meaning = "hangs from the four upper corners of a box, or from the upper rim of a cylinder"},
+    {.path = "payload.body.size", .kind = quantities, .unit = "m", .range = above(0, 100), .user = full,
+     .meaning = "of a box: its edges, two across and the last along the parachute; of a cylinder: diameter and height"},
 
     {.path = "release.altitude", .unit = "m", .range = from(-5000, 86000), .instead_of = "release.height",
      .meaning = "of the payload above sea level"},

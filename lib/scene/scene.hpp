@@ -33,10 +33,22 @@ struct Environment {
     bool operator==(const Environment&) const = default;
 };
 
+/// A payload that turns: a homogeneous body, of the full model.
+struct PayloadBody {
+    enum class Shape { box, cylinder };
+    Shape shape = Shape::box;
+    /// [m] A box: its edges, two across and the last along the parachute's axis. A cylinder: diameter,
+    /// height.
+    std::vector<double> size;
+
+    bool operator==(const PayloadBody&) const = default;
+};
+
 struct Payload {
-    double mass = 0.0;                    ///< [kg]
-    std::optional<double> drag_area;      ///< C_D S [m^2]; absent: no payload drag
-    std::optional<double> diameter = {};  ///< D_B [m] of a disc with its frontal area; for its wake
+    double mass = 0.0;                     ///< [kg]
+    std::optional<double> drag_area;       ///< C_D S [m^2]; absent: no payload drag
+    std::optional<double> diameter = {};   ///< D_B [m] of a disc with its frontal area; for its wake
+    std::optional<PayloadBody> body = {};  ///< absent: a point mass
 
     bool operator==(const Payload&) const = default;
 };

@@ -331,6 +331,10 @@ std::string write_scene(const Scene& scene) {
     w.number("mass", scene.payload.mass);
     if (scene.payload.drag_area) w.number("drag_area", *scene.payload.drag_area);
     if (scene.payload.diameter) w.number("diameter", *scene.payload.diameter);
+    if (scene.payload.body) {
+        w.words("body.shape", scene.payload.body->shape == PayloadBody::Shape::box ? "box" : "cylinder");
+        w.numbers("body.size", scene.payload.body->size);
+    }
     w.table("[release]");
     w.number("altitude", scene.release.altitude);
     w.number("speed", scene.release.speed);

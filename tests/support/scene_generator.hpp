@@ -406,7 +406,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     const bool disturbed =
         has_wind_ || by == "pilot" || by == "mortar" || by == "static-line" || by == "extraction" ||
         by == "free" ||
-        std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; });
+        std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; }) ||
+        std::ranges::none_of(left_out, [](const auto& table) { return table == "payload.body."; });
     const bool sector = !disturbed && chance(0.5);
     if (sector || chance(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
     put_release(by != "line-stretch", sector);
@@ -418,6 +419,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     };
     if (has("aerodynamics.forebody_wake.") || chance(0.2))
         put_number("payload.diameter", number_in(0.1, 50.0));
+    if (has("payload.body."))
+        put("payload.body.size",
+            words["payload.body.shape"] == "box" ? "[\"60 cm\", 0.5, \"2 ft\"]" : "[0.7, \"1 m\"]");
     if (has("size.")) put_limits(words["stop.at"]);
     if (has("size.") && chance(0.3)) {
         const auto named = std::ranges::find(lines_, "parachute.name", &SceneLine::path);
