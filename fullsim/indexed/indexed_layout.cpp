@@ -277,7 +277,7 @@ private:
     double stable_step_of_static_line(const RowSums& sums) const {
         double least = std::numeric_limits<double>::infinity();
         const std::vector<double>& mass = constants_.static_line_mass;
-        const std::size_t first = constants_.first_static_line;
+        const std::size_t first = constants_.first_static_line();
         for (std::size_t k = 0; k + 1 < mass.size(); ++k)
             least =
                 std::min(least, stable_step_of(sums.stiffness[first + k], sums.damping[first + k], mass[k]));

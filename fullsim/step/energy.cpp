@@ -7,7 +7,7 @@ namespace twinchute::fullsim {
 double static_line_kinetic_energy(const State& state, const NodeConstants& c) {
     double twice = 0.0;
     for (std::size_t k = 0; k < c.static_line_mass.size(); ++k) {
-        const Lanes v = state.node[c.first_static_line + k].v;
+        const Lanes v = state.node[c.first_static_line() + k].v;
         twice += c.static_line_mass[k] * sum3(v * v);
     }
     return 0.5 * twice;

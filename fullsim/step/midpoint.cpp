@@ -18,7 +18,7 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
     c.mass = mesh.mass;
     c.canopy_nodes = mesh.canopy_nodes;
     c.gravity = gravity;
-    c.first_static_line = static_cast<std::size_t>(mesh.first_static_line_node());
+    c.places = mesh.places.size();
     c.static_line_mass = mesh.static_line.mass;
     const double area = mesh.fabric_area();
     c.share.reserve(mesh.mass.size());
@@ -52,7 +52,7 @@ TWINCHUTE_FOR_EACH_CPU void NodeMover::move_others(const std::vector<NodeIndex>&
 
 TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, StepSums& sums) {
     if (c.static_line_mass.empty()) return;
-    const std::size_t first = c.first_static_line, last = first + c.static_line_mass.size() - 1;
+    const std::size_t first = c.first_static_line(), last = first + c.static_line_mass.size() - 1;
     NodeMover mover = *this;  // as above
     StepSums of_these = sums;
     for (std::size_t i = first; i < last; ++i)

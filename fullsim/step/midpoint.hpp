@@ -13,8 +13,11 @@ struct NodeConstants {
     double canopy_mass = 0.0;              ///< [kg]
     double system_mass = 0.0;              ///< [kg]
     double gravity = 0.0;                  ///< [m/s^2]
-    std::size_t first_static_line = 0;     ///< its first node
+    std::size_t places = 0;                ///< of risers on a body, which nothing accelerates here
     std::vector<double> static_line_mass;  ///< [kg] the far end last, which keeps its velocity
+
+    /// Index of its first node: after the dummy and the places.
+    std::size_t first_static_line() const { return mass.size() + 1 + places; }
 };
 
 NodeConstants node_constants(const Mesh& mesh, double gravity);

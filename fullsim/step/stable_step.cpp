@@ -27,7 +27,7 @@ std::vector<double> inertia_of(const State& state, const NodeConstants& c) {
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i)
         inertia[i] += c.share[i] * state.added_mass;
     // Neither the dummy nor the far end of a static line is accelerated, and a body moves its places.
-    inertia.resize(c.first_static_line, never);
+    inertia.resize(c.first_static_line(), never);
     if (const auto& line = c.static_line_mass; !line.empty()) {
         inertia.insert(inertia.end(), line.begin(), line.end());
         inertia.back() = never;

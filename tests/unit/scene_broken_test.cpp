@@ -27,7 +27,7 @@ const Broken cases[] = {
     {"unknown_key_far", "mass = \"152.4", "colour = \"152.4", "test.toml:6:1: payload.colour: ", "known: mass, drag_area"},
     {"unknown_table", "[payload]", "[paylod]", "test.toml:5:2: paylod: ", "did you mean 'payload'?"},
     {"key_of_another_table", "[release]", "[release]\ndensity = 1", "test.toml:8:1: release.density: ", "did you mean 'environment.atmosphere.density'?"},
-    {"not_built_yet", "[payload]", "[payload]\nbody = { shape = \"box\" }", "test.toml:6:1: payload.body: ", "unknown key"},
+    {"not_built_yet", "[payload]", "[full]\nprecision = \"single\"\n[payload]", "test.toml:6:1: full.precision: ", "unknown key"},
     {"stop_without_physics", "time = \"6 s\"", "at = \"apogee\"", "test.toml:18:6: stop.at: ", "unknown word 'apogee' (known: steady-descent, peak-force, full-open, line-stretch, ground)"},
     {"stop_peak_force_and_time", "time = \"6 s\"", "time = \"6 s\"\nat = \"peak-force\"", "test.toml:19:6: stop.at: ", "stands beside stop.time"},
     {"stop_peak_word", "time = \"6 s\"", "at = \"peak\"", "test.toml:18:6: stop.at: ", "unknown word 'peak' (known: steady-descent, peak-force, full-open, line-stretch, ground)"},
