@@ -51,7 +51,8 @@ ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Argume
     for (const Scene& scene : scenes) {
         const Ladder ladder =
             climb(scene, fidelities, options, [&](const Fidelity& fidelity, const Scene& changed) {
-                return run_watched(fidelity, changed, interrupt.token(), quiet, options.threads);
+                return run_watched(fidelity, changed, interrupt.token(), quiet, options.threads, nullptr,
+                                   nullptr, {}, fidelities);
             });
         const std::filesystem::path place = directory_of(scene, directory);
         FileBatch batch;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "compare/gap.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/solve/fidelity.hpp"
 
@@ -14,5 +16,8 @@ std::string summary_of(const std::filesystem::path& place, const Fidelity& fidel
 
 /// Reads it. Throws RecordError, also where it is a record of another fidelity.
 RunRecord record_of(const std::filesystem::path& place, const Fidelity& fidelity);
+
+/// What an earlier gap.json knows; runs that it took are not made again. Throws RecordError.
+std::optional<Attribution> attribution_in(const std::filesystem::path& place, const Comparison& comparison);
 
 }  // namespace twinchute::compare

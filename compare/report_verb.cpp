@@ -12,7 +12,6 @@
 #include "compare/gap.hpp"
 #include "compare/record_table.hpp"
 #include "compare/records.hpp"
-#include "compare/report/attribution_json.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
@@ -23,15 +22,12 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/read_record.hpp"
 #include "lib/record/record_json.hpp"
-#include "lib/record/record_parts.hpp"
 #include "lib/scene/read_scene.hpp"
 
 namespace twinchute::compare {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t largest_gap = 4u << 20;  // [bytes] a real one takes some 20 kB
 
 bool holds_a_record(const fs::path& directory, const Fidelity& fidelity) {
     std::error_code ignored;
@@ -70,14 +66,6 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
         const Input* other = comparison.candidate.find_input(input.key);
         if (other != nullptr && !same_value(*other, input)) refuse("they differ in " + input.key);
     }
-}
-
-/// What an earlier gap.json knows; runs that it took are not made again.
-std::optional<Attribution> attribution_in(const fs::path& place, const Comparison& comparison) {
-    const fs::path file = place / "gap.json";
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) return {};
-    return read_attribution(read_record_file(file, largest_gap), file.string(), comparison);
 }
 
 Comparison comparison_of(const fs::path& place, const Fidelity& reference, const Fidelity& candidate,

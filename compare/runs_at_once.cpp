@@ -7,6 +7,8 @@
 #include <numeric>
 #include <thread>
 
+#include "lib/solve/hand_over.hpp"
+
 namespace twinchute::compare {
 namespace {
 
@@ -45,12 +47,15 @@ std::vector<RunRecord> run_errands(std::span<const Errand> errands, int threads,
     std::vector<RunRecord> records(errands.size());
     std::vector<std::exception_ptr> thrown(errands.size());
     Together together(errands.size(), progress);
+    std::vector<const Fidelity*> all;  // that may fly the rest of a fall
+    for (const Errand& errand : errands)
+        if (std::ranges::find(all, errand.fidelity) == all.end()) all.push_back(errand.fidelity);
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
         for (std::size_t i = next++; i < errands.size(); i = next++) {
             try {
                 Run run{stop, together.of(i)};
-                records[i] = errands[i].fidelity->run(errands[i].scene, run);
+                records[i] = run_scene(*errands[i].fidelity, errands[i].scene, run, all);
             } catch (...) {
                 thrown[i] = std::current_exception();
             }

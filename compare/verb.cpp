@@ -7,19 +7,23 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "compare/attribute.hpp"
 #include "compare/baseline.hpp"
 #include "compare/gap.hpp"
 #include "compare/ladder_beside.hpp"
+#include "compare/records.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/trend_text.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
 #include "lib/cli/interrupt.hpp"
+#include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/progress.hpp"
 #include "lib/cli/scene_command.hpp"
@@ -74,6 +78,27 @@ LadderBeside ladder_there(const std::filesystem::path& place, const Comparison& 
     }
 }
 
+/// A scene, or one of a series, before it runs.
+struct Case {
+    Case(const Fidelity& of_reference, const Fidelity& of_candidate, const Scene& scene,
+         std::filesystem::path its_place, bool resumes)
+        : place(std::move(its_place)) {
+        std::error_code ignored;
+        if (resumes && std::filesystem::exists(place / "gap.json", ignored)) {
+            auto one = finished_record(of_candidate, scene, place / of_candidate.name),
+                 other = finished_record(of_reference, scene, place / of_reference.name);
+            if (one && other) finished.emplace(std::move(*one), std::move(*other));
+        }
+        if (finished) return;
+        candidate.emplace(of_candidate, scene, place / of_candidate.name, resumes);
+        reference.emplace(of_reference, scene, place / of_reference.name, resumes);
+    }
+
+    std::filesystem::path place;
+    std::optional<std::pair<RunRecord, RunRecord>> finished;  ///< candidate and reference
+    std::optional<LongRun> candidate, reference;              ///< otherwise
+};
+
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
     std::vector<std::string> overrides = tolerance_overrides(arguments);
@@ -92,42 +117,63 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
     }
     const std::filesystem::path directory =
         arguments.value("out").value_or(default_output_dir(arguments.operand).string());
+    std::vector<Case> cases;  // what cannot be gone on with is known before anything runs
+    for (const Scene& scene : scenes)
+        cases.emplace_back(reference, candidate, scene, directory_of(scene, directory),
+                           arguments.has("resume"));
     check_output_dir(directory);
-
     const Interrupt interrupt;  // until the records are safe
     const bool quiet = arguments.has("quiet");
     ExitCode code = ExitCode::done;
     std::vector<std::string> gaps;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const Scene& scene = scenes[i];
-        const std::filesystem::path place = directory_of(scene, directory);
+        const std::filesystem::path& place = cases[i].place;
         Comparison comparison;
         comparison.reference_title = reference.title;
         comparison.candidate_title = candidate.title;
-        // The quick one first: it is there even when the long one is interrupted.
         FileBatch batch;
         FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
-        comparison.candidate = as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads,
-                                                      &of_candidate, &comparison.candidate_frames));
-        comparison.reference = as_written(run_watched(reference, scene, interrupt.token(), quiet, threads,
-                                                      &of_reference, &comparison.reference_frames));
+        if (cases[i].finished) {
+            std::tie(comparison.candidate, comparison.reference) = *cases[i].finished;
+            comparison.candidate_frames = read_frames(place / candidate.name);
+            comparison.reference_frames = read_frames(place / reference.name);
+        } else {
+            // The quick one first: it is there even when the long one is interrupted.
+            Checkpoints to_candidate = cases[i].candidate->checkpoints(of_candidate),
+                        to_reference = cases[i].reference->checkpoints(of_reference);
+            comparison.candidate =
+                as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads, &of_candidate,
+                                       &comparison.candidate_frames, std::move(to_candidate), both));
+            comparison.reference =
+                as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference,
+                                       &comparison.reference_frames, std::move(to_reference), both));
+        }
         comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances,
                                      command_line_tolerances(comparison.reference));
+        if (cases[i].finished) comparison.attribution = attribution_in(place, comparison);
         std::optional<Trend> trend;
         if (baseline.asked()) trend = baseline.trend_of(i, comparison);
-        if (why.asked && !interrupt.token().stop_requested())
+        if (why.asked && !comparison.attribution && !interrupt.token().stop_requested())
             comparison.attribution =
                 explained(comparison, scene, reference, candidate, why, interrupt, quiet);
         const LadderBeside beside = ladder_there(place, comparison);
-        add_report(batch, comparison, place, beside);
+        if (cases[i].finished)
+            add_gap_files(batch, comparison, place, beside);
+        else
+            add_report(batch, comparison, place, beside);
         baseline.add_files(batch, trend, comparison, place);
         batch.commit();
+        if (cases[i].candidate) cases[i].candidate->ended(comparison.candidate);
+        if (cases[i].reference) cases[i].reference->ended(comparison.reference);
 
         if (arguments.has("json")) {
             gaps.push_back(with_trend(gap_json(comparison), trend, baseline));
         } else if (!quiet) {
             print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
             if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
+            print(resumed_text(comparison.candidate) + resumed_text(comparison.reference));
+            if (cases[i].finished) print("kept      both records, they had ended before; nothing was run\n");
             print(fields_text(of_reference) + fields_text(of_candidate) + ladder_line(beside, place));
             print(fmt::format("report    {}\n", printable((place / "report.html").string())));
         }
@@ -161,6 +207,8 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());
     if (reference.gives_fields || candidate.gives_fields)
         verb.options.insert(verb.options.begin() + 2, fields_option());
+    if (reference.keeps_checkpoints || candidate.keeps_checkpoints)
+        verb.options.insert(verb.options.begin() + 2, resume_option());
     if (reference.has_threads || candidate.has_threads)
         verb.options.insert(verb.options.begin() + 2, threads_option());
     verb.run = [&reference, &candidate](const Arguments& arguments) {

@@ -1,6 +1,7 @@
 // What a full run looks like at one instant, cell by cell, for VTK.
 #pragma once
 
+#include <cassert>
 #include <functional>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/state.hpp"
+#include "lib/record/keeper.hpp"
 #include "lib/record/vtu.hpp"
 
 namespace twinchute::fullsim {
@@ -56,6 +58,12 @@ public:
     void accept();
     /// A check found something wrong: drops what came after the last accept().
     void forget() { pending_.clear(); }
+
+    /// While no frame waits to be accepted.
+    void keep(Keeper& k) {
+        assert(pending_.empty());
+        k.number("next frame of the fields", next_);
+    }
 
 private:
     void take(const State& state);

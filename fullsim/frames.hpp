@@ -7,6 +7,7 @@
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/state.hpp"
 #include "lib/record/frames.hpp"
+#include "lib/record/keeper.hpp"
 
 namespace twinchute::fullsim {
 
@@ -39,6 +40,9 @@ public:
 
     /// What was accepted; nothing can be observed after that.
     ShapeFrames finish();
+
+    /// Of the same mesh.
+    void keep(Keeper& k);
 
 private:
     void take(const State& state);

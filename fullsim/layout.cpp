@@ -74,6 +74,7 @@ public:
         state.damping_power += line_damping_;
         fullsim::advance(state, constants_, dt, next_added_mass);
     }
+    void keep(Keeper& k, const State&) override { weights_.keep(k); }
 
 private:
     /// [W] dissipated.
@@ -108,6 +109,17 @@ void BlockClock::begin(const std::vector<std::string>& names) {
         const auto known = std::ranges::find(accounts_, name, &Account::name);
         active_.push_back(static_cast<std::size_t>(known - accounts_.begin()));
         if (known == accounts_.end()) accounts_.push_back({name});
+    }
+}
+
+void BlockClock::keep(Keeper& k) {
+    k.length("accounts", accounts_, 1000);
+    for (Account& account : accounts_) {
+        auto& [name, seconds, sampled, steps] = account;
+        k.text("block", name);
+        k.number("seconds", seconds);
+        k.whole("sampled", sampled, 0);
+        k.whole("steps", steps, 0);
     }
 }
 

@@ -10,6 +10,7 @@
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "fullsim/step/stable_step.hpp"
+#include "lib/record/keeper.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/solve/plan.hpp"
@@ -40,6 +41,9 @@ public:
     }
     /// [s], of all steps.
     std::vector<BlockCost> costs() const;
+
+    /// Before begin.
+    void keep(Keeper& k);
 
 private:
     struct Account {
@@ -98,6 +102,10 @@ public:
     /// One step with these forces (see advance in midpoint.hpp), in which lines, risers and payload take
     /// `substeps` (substeps.hpp).
     virtual void advance(State& state, double dt, int substeps, double next_added_mass) = 0;
+
+    /// What it knows after a step and the state does not, so that it goes on to the same bits. `state` is
+    /// kept; what is read has the name and instruction set of this layout, and goes in after begin.
+    virtual void keep(Keeper& k, const State& state) = 0;
 };
 
 namespace indexed {

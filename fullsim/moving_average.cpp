@@ -39,4 +39,25 @@ void MovingAverage::push(double t, double value) {
     value_ = (integral - before) / (t - left);
 }
 
+void MovingAverage::keep(Keeper& k) {
+    std::vector<Sample> held;
+    if (!k.reads())
+        for (std::size_t i = first_; i < end_; ++i)
+            held.push_back(at(i));
+    k.rows("samples", held, [](Sample& sample, auto&& each) {
+        auto& [t, integral] = sample;
+        each(t), each(integral);
+    });
+    if (k.reads()) {
+        while (ring_.size() < held.size())
+            ring_.resize(2 * ring_.size());
+        std::ranges::copy(held, ring_.begin());
+        first_ = 0;
+        end_ = held.size();
+    }
+    for (double* value : {&start_, &last_value_, &centre_, &value_})
+        k.number("average", *value);
+    k.flag("ready", ready_);
+}
+
 }  // namespace twinchute::fullsim

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "lib/record/keeper.hpp"
+
 namespace twinchute::fullsim {
 
 /// Average over [t - window/2, t + window/2], known half a window late. At the start the window
@@ -18,6 +20,8 @@ public:
     bool ready() const { return ready_; }
     double centre() const { return centre_; }  ///< [s] the time that value() belongs to
     double value() const { return value_; }
+
+    void keep(Keeper& k);
 
 private:
     struct Sample {

@@ -52,6 +52,10 @@ public:
     void accept() { accepted_ = {rows_.size(), unsettled_, extremes_}; }
     /// A check found something wrong: drops what came after the last accept().
     void forget();
+    /// A row of the end, whether or not one is due. Needs the nodes of the seams.
+    void observe_end(const State& state) {
+        if (state.time > rows_.back().time) add_row(state, state.riser_force.norm());
+    }
     /// Settles rows that still wait for their filter; no more observations after this.
     void finish();
 
@@ -80,6 +84,9 @@ public:
 
     std::vector<Channel> channels() const;
 
+    /// Between two observations.
+    void keep(Keeper& k);
+
 private:
     void add_row(const State& state, double force_raw);
     void settle_rows();
@@ -96,6 +103,7 @@ private:
         double peak_from = 0.0;
         double acceleration = 0.0;
     };
+    static void keep_extremes(Keeper& k, Extremes& most);
     Extremes extremes_;
     struct Accepted {
         std::size_t rows = 0, unsettled = 0;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "fullsim/forces/registry.hpp"
+#include "lib/solve/hand_over.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -30,6 +31,9 @@ std::string start(const Scene& scene) {
 }
 std::string given(std::string_view key, bool is_given) {
     return fmt::format("{} is {}", key, is_given ? "given" : "absent");
+}
+bool hands_over(const Scene& scene) {
+    return !scene.then.empty();
 }
 /// Of what belongs to the change from springs to finite elements.
 std::string structure(const Scene& scene) {
@@ -103,6 +107,8 @@ constexpr std::array pieces{
     Piece{event, "peak-force", "the opening force is largest", &always, &every_run},
     Piece{event, "steady-descent", "the speed no longer changes", &always, &stop},
     Piece{event, "ground", "the payload lands", &always, &stop},
+    Piece{event, "handed-over", "another model flies the rest of the fall, to the ground", &hands_over,
+          [](const Scene& s) { return hands_over(s) ? then_text(s) : given("stop.then", false); }},
 
     Piece{output, "record", "key figures, history, events", &always, &every_run},
     Piece{output, "fields", "frames for VTK", [](const Scene& s) { return s.full.fields_rate.has_value(); },

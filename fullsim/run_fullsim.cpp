@@ -75,10 +75,15 @@ public:
     }
 
     RunRecord fly() {
-        const Stopwatch watch;
-        add_event(packed() ? "release" : inflated() ? "full-open" : "line-stretch");
-        if (!packed()) met(inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+        if (!run_.checkpoints.from.empty()) {
+            go_on_from(run_.checkpoints.from);
+        } else {
+            add_event(packed() ? "release" : inflated() ? "full-open" : "line-stretch");
+            if (!packed()) met(inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+        }
         while (!ended_) {
+            // Right after a check no frame of the fields waits for the next one.
+            if (state().step % steps_between_checks == 1) save_if_due();
             simulation_.evaluate_forces();
             observer_.observe(observer_.row_is_due(state().time) ? simulation_.seams() : state());
             fields_.observe(fields_.frame_is_due(state().time) ? simulation_.state() : state());
@@ -89,6 +94,9 @@ public:
             if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
             if (!ended_) simulation_.step_to(next_stop());
         }
+        // The rest of the fall begins where this ends, not at the last row before.
+        if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
+            observer_.observe_end(simulation_.seams());
         observer_.finish();
         fields_.accept();
         frames_.accept();
@@ -96,7 +104,7 @@ public:
         const Layout& layout = simulation_.layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
         record_.provenance.threads = layout.threads();
-        fill_cost(watch);
+        fill_cost();
         fill_results();
         return std::move(record_);
     }
@@ -167,10 +175,40 @@ private:
         sound_events_ = record_.events.size();
         fields_.accept();
         frames_.accept();
-        if (run_.stop.stop_requested()) return end(StatusCode::interrupted, "stopped on request");
+        // Not before a checkpoint of where it stopped, where there are any.
+        if (run_.stop.stop_requested() && (saved_for_stop_ || !saves()))
+            return end(StatusCode::interrupted, "stopped on request");
         if (run_.progress && state().step % steps_between_reports == 0)
-            run_.progress({stage_name(), state().time, expected_share()});
+            run_.progress({stage_name(), state().time, expected_share(), resumed_at()});
     }
+
+    bool saves() const { return run_.checkpoints.save && scene_.full.checkpoint_interval > 0.0; }
+    std::optional<double> resumed_at() const {
+        if (record_.cost.resumed_at.empty()) return {};
+        return record_.cost.resumed_at.back();
+    }
+
+    /// The clock decides when, and nothing of what follows.
+    void save_if_due() {
+        if (!saves()) return;
+        const bool stops = run_.stop.stop_requested();
+        if (!stops && watch_.wall() < next_save_) return;
+        Keeper k;
+        keep(k);
+        run_.checkpoints.save(k.take());
+        saved_for_stop_ = stops;
+        next_save_ = watch_.wall() + scene_.full.checkpoint_interval;
+    }
+
+    void go_on_from(const std::string& saved) {
+        Keeper k(saved, run_.checkpoints.file);
+        keep(k);
+        k.end();
+        record_.cost.resumed_at.push_back(state().time);
+        if (run_.progress) run_.progress({stage_name(), state().time, expected_share(), resumed_at()});
+    }
+
+    void keep(Keeper& k);
 
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
@@ -344,10 +382,10 @@ private:
             end(StatusCode::completed, "stop condition met");
     }
 
-    void fill_cost(const Stopwatch& watch) {
+    void fill_cost() {
         Cost& cost = record_.cost;
-        cost.wall_s = watch.wall();
-        cost.cpu_s = watch.cpu();
+        cost.wall_s = wall_before_ + watch_.wall();
+        cost.cpu_s = cpu_before_ + watch_.cpu();
         cost.steps = state().step;
         cost.rhs_calls = state().step;
         cost.dt_min_s = cost.steps > 0 ? simulation_.dt_min() : 0.0;
@@ -383,7 +421,48 @@ private:
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
     std::optional<Canopies> canopies_;                   // of a reefed parachute
     std::vector<ParachuteResult::Stage> stages_ = {{}};  // of its opening
+
+    Stopwatch watch_;
+    double wall_before_ = 0.0, cpu_before_ = 0.0;         // [s] of the runs that this one goes on from
+    double next_save_ = scene_.full.checkpoint_interval;  // [s] of this one
+    bool saved_for_stop_ = false;
 };
+
+/// What the constructor makes anew is not kept.
+void FullRun::keep(Keeper& k) {
+    simulation_.keep(k);
+    observer_.keep(k);
+    fields_.keep(k);
+    frames_.keep(k);
+    if (canopies_) canopies_->keep(k);
+    k.length("events", record_.events, 1'000'000);
+    for (Event& event : record_.events) {
+        auto& [name, time, altitude, speed] = event;
+        k.text("event", name);
+        for (double* x : {&time, &altitude, &speed})
+            k.number("event", *x);
+    }
+    k.whole("sound events", sound_events_, 0, record_.events.size());
+    for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &snatch_, &snatch_speed_,
+                      &payload_snatch_speed_, &snatch_density_})
+        k.number("run", *x);
+    for (std::optional<double>* x : {&line_stretch_time_, &descent_altitude_, &landing_time_, &steady_area_})
+        k.number("run", *x);
+    k.flag("switched late", switched_late_);
+    k.length("stages", stages_, 1000);
+    for (ParachuteResult::Stage& stage : stages_) {
+        auto& [begin, full, peak_force, peak_time] = stage;
+        k.number("begin", begin);
+        k.number("full", full);
+        k.number("peak force", peak_force);
+        k.number("peak time", peak_time);
+    }
+    double wall = wall_before_ + watch_.wall(), cpu = cpu_before_ + watch_.cpu();
+    k.number("wall time", wall);
+    k.number("processor time", cpu);
+    k.numbers("resumed at", record_.cost.resumed_at);
+    if (k.reads()) wall_before_ = wall, cpu_before_ = cpu;
+}
 
 Observer::Peak FullRun::largest_peak() const {
     Observer::Peak largest = observer_.peak();
@@ -599,8 +678,8 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 }
 
 const Fidelity& full_fidelity() {
-    static constexpr Fidelity row{"full",    "full aeroelastic model", &run_fullsim, &lacks, true, true,
-                                  &plan_full};
+    static constexpr Fidelity row{
+        "full", "full aeroelastic model", &run_fullsim, &lacks, true, true, &plan_full, true};
     return row;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "fullsim/keep_state.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/step/aero_reference.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -273,6 +274,10 @@ void Simulation::let_static_line_go() {
         return true;
     });
     state_.energy.external_work -= carried_off;
+    drop_static_line();
+}
+
+void Simulation::drop_static_line() {
     mesh_.static_line = {};
     constants_.static_line_mass = {};
     const auto left = static_cast<std::size_t>(mesh_.first_static_line_node());
@@ -283,16 +288,18 @@ void Simulation::let_static_line_go() {
 }
 
 /// The same round the mouth; a line that is cut is one that never comes taut.
-void Simulation::set_reefing_line(double length) {
+void Simulation::set_reefing_line(std::size_t stage) {
+    const Parachute& chute = scene_.parachutes.front();
+    const double length = stage == chute.reefing.size() ? cut_line * pi * chute.nominal_diameter
+                                                        : reefing_line_length(chute, stage);
+    reefing_stage_ = stage;
     for (const std::size_t c : mesh_.reefing_line)
         mesh_.cables[c].rest_length = length / static_cast<double>(mesh_.reefing_line.size());
 }
 
 void Simulation::disreef(const Inflation& inflation, std::size_t stage) {
-    const Parachute& chute = scene_.parachutes.front();
     const double before = elastic_energy(whole(), structure_);
-    const bool is_last = stage == chute.reefing.size();
-    set_reefing_line(is_last ? cut_line * pi * chute.nominal_diameter : reefing_line_length(chute, stage));
+    set_reefing_line(stage);
     layout_ = make_layout_(scene_, mesh_, constants_);
     build_blocks();
     state_.energy.ramp += elastic_energy(state_, structure_) - before;
@@ -438,6 +445,43 @@ void Simulation::step_to(double end) {
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);
+}
+
+void Simulation::take_shape(bool tethered, std::size_t reefing_stage) {
+    if (!tethered && !mesh_.static_line.cables.empty()) drop_static_line();
+    if (state_.stage != Stage::deployment) lines_ = {};
+    if (reefing_stage > 0) {
+        set_reefing_line(reefing_stage);
+        layout_ = make_layout_(scene_, mesh_, constants_);
+    }
+    lags_ = false;
+    build_blocks();
+}
+
+void Simulation::keep(Keeper& k) {
+    State& s = k.reads() ? state_ : whole();
+    k.same("mesh", mesh_digest(mesh_), "is of another mesh");
+    k.same("layout", std::string(layout_->name()), "is of another layout of nodes and elements");
+    k.same("instruction set", fmt::format("{}, {}", layout_->instruction_set(), lane_instruction_set()),
+           "is of another instruction set");
+    bool tethered = !mesh_.static_line.cables.empty();
+    std::size_t reefing_stage = reefing_stage_;
+    k.choice("stage", s.stage, Stage::flight);
+    k.flag("static line", tethered);
+    k.whole("reefing stage", reefing_stage, 0, scene_.parachutes.front().reefing.size());
+    clock_.keep(k);
+    if (k.reads()) take_shape(tethered, reefing_stage);
+    fullsim::keep(k, s);
+    layout_->keep(k, s);
+    const Parachute& chute = scene_.parachutes.front();
+    twinchute::keep(k, inflation_, chute.drag_area_law,
+                    chute.drag_area_table ? &*chute.drag_area_table : nullptr);
+    for (double* x : {&step_, &dt_min_, &dt_max_, &ramp_start_, &ramp_energy_})
+        k.number("step", *x);
+    k.whole("substeps", substeps_, 1);
+    k.whole("most substeps", most_substeps_, 1);
+    k.whole("element steps", element_steps_, 0);
+    fullsim::keep(k, sound_loads_);
 }
 
 std::string Simulation::first_bad_node(const State& state) const {

@@ -119,6 +119,11 @@ public:
     /// What it keeps in memory in this stage.
     std::vector<PlanArray> arrays() const;
 
+    /// All that changes with time, right after a step or before the first. What is read makes a simulation
+    /// of the same scene that has just been constructed go on to the same bits; throws RecordError where it
+    /// is of another mesh, layout or instruction set.
+    void keep(Keeper& k);
+
 private:
     static constexpr int steps_between_bounds = 20;
 
@@ -128,7 +133,10 @@ private:
     void renew_air();
     void grow_ramp();
     void let_static_line_go();
-    void set_reefing_line(double length);
+    void drop_static_line();
+    void set_reefing_line(std::size_t stage);
+    /// Mesh, layout and blocks as they are in this stage of a run.
+    void take_shape(bool tethered, std::size_t reefing_stage);
     Step choose_step(const State& state);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
@@ -161,6 +169,7 @@ private:
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
+    std::size_t reefing_stage_ = 0;
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
     LargestLoads sound_loads_;
     BlockClock clock_;

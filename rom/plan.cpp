@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/solve/hand_over.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "rom/observer.hpp"
 #include "rom/run_rom.hpp"
@@ -97,6 +98,8 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     parts.add(event, "peak-force", "the opening force is largest", true, every_run);
     parts.add(event, "steady-descent", "the speed no longer changes", true, stop);
     parts.add(event, "ground", "the payload lands", true, stop);
+    parts.add(event, "handed-over", "the rest of the fall, to the ground, is a run of its own",
+              !scene.then.empty(), scene.then.empty() ? "stop.then is absent" : then_text(scene));
     parts.add(output, "record", "key figures, history, events", true, every_run);
     parts.add(output, "fields", "frames for VTK", false, "this model has no shape");
     return std::move(parts.rows);

@@ -11,6 +11,7 @@
 #include "compare/validate/series_run.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
+#include "lib/solve/hand_over.hpp"
 #include "lib/solve/stopwatch.hpp"
 
 namespace twinchute::compare {
@@ -30,8 +31,9 @@ struct Spread {
 class CaseRun {
 public:
     CaseRun(const ValidationCase& one, const CaseScene& scenes, std::optional<std::size_t> line,
-            const Fidelity& fidelity, const ValidationOptions& options)
-        : case_(one), scenes_(scenes), line_(line), fidelity_(fidelity), options_(options) {}
+            const Fidelity& fidelity, std::span<const Fidelity* const> others,
+            const ValidationOptions& options)
+        : case_(one), scenes_(scenes), line_(line), fidelity_(fidelity), others_(others), options_(options) {}
 
     std::vector<RowResult> results() {
         const Scene nominal = scenes_.scene(line_);
@@ -94,7 +96,7 @@ private:
             const Scene scene = scenes_.scene(line_, more);
             Run run;
             run.stop = options_.stop;
-            const RunRecord record = fidelity_.run(scene, run);
+            const RunRecord record = run_scene(fidelity_, scene, run, others_);
             if (is_numerical_failure(record.status.code) || record.status.code == StatusCode::refused)
                 all[i].failure = fmt::format("{}: {}", status_name(record.status.code), record.status.detail);
             for (const ExpectedRow& row : case_.rows)
@@ -250,6 +252,7 @@ private:
     const CaseScene& scenes_;
     std::optional<std::size_t> line_;
     const Fidelity& fidelity_;
+    std::span<const Fidelity* const> others_;
     const ValidationOptions& options_;
     std::vector<std::string> fitted_;
     std::string fit_text_;
@@ -324,7 +327,8 @@ SuiteResult run_suite(const ValidationSuite& suite, std::span<const Fidelity* co
             }
             for (const auto line : scenes.lines())
                 std::ranges::move(
-                    CaseRun(one, scenes, line, fidelity_of(one, name, fidelities), options).results(),
+                    CaseRun(one, scenes, line, fidelity_of(one, name, fidelities), fidelities, options)
+                        .results(),
                     std::back_inserter(rows));
         }
         interrupted = interrupted || options.stop.stop_requested();

@@ -255,6 +255,12 @@ public:
         nodes_->receive_guests(state);
     }
 
+    void keep(Keeper& k, const State& state) override {
+        nodes_->keep(k);
+        weights_.keep(k);
+        if (k.reads()) weigh_rows(state);
+    }
+
 private:
     /// How a block of the registry acts on gores in lanes.
     struct Row {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/state.hpp"
+#include "lib/record/keeper.hpp"
 #include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
@@ -47,6 +49,11 @@ public:
     void receive_guests(const State& state) const;
     /// What gores did to nodes that they share goes to the state's forces.
     void send_guests(double* array, std::vector<NodeVector>& forces) const;
+
+    /// Every number, lanes without a gore among them.
+    void keep(Keeper& k) {
+        k.numbers("nodes of gores", std::span(memory_.front().data(), 8 * memory_.size()));
+    }
 
 private:
     int before(int gore) const { return gore > 0 ? gore - 1 : gores_.count - 1; }

@@ -238,6 +238,11 @@ public:
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
     }
 
+    void keep(Keeper& k, const State&) override {
+        k.numbers("pushed areas", std::span(doubles(push_), sizeof(Lanes) / sizeof(double) * push_.size()));
+        weights_.keep(k);
+    }
+
 private:
     /// How a block of the registry acts through kernels.
     struct Row {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "fullsim/sector/kernels.hpp"
 #include "fullsim/sector/sector.hpp"
 #include "fullsim/step/midpoint.hpp"
+#include "lib/record/keeper.hpp"
 #include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
@@ -19,6 +21,7 @@ public:
         : lines_((length + Line{}.size() - 1) / Line{}.size() | 1), memory_(rows * lines_, Line{}) {}
     double* operator[](int row) { return memory_[row * lines_].data(); }
     std::size_t bytes() const { return bytes_of(memory_); }
+    std::span<double> all() { return {memory_.front().data(), Line{}.size() * memory_.size()}; }
 
 private:
     struct alignas(128) Line : std::array<double, 16> {};  // the widest register, or two hand in hand
@@ -40,6 +43,12 @@ public:
 
     /// What is behind the frame.
     std::vector<PlanArray> sizes() const;
+
+    /// What a step leaves behind.
+    void keep(Keeper& k) {
+        k.numbers("nodes of the sector", node_arrays_.all());
+        k.numbers("streams", stream_rows_.all());
+    }
 
     SectorFrame frame;
     SectorPlan plan;

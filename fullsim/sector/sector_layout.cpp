@@ -187,6 +187,12 @@ public:
         finish_step(state, constants_, sums, mover.kick(), dt, dt, next_added_mass);
     }
 
+    void keep(Keeper& k, const State&) override {
+        arrays_.keep(k);
+        weights_.keep(k);
+        if (k.reads()) weigh_rows();
+    }
+
 private:
     /// How a block of the registry acts on a sector. None other may act: see check_scene.
     struct Row {

@@ -5,6 +5,7 @@
 
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
+#include "lib/record/keeper.hpp"
 
 namespace twinchute::fullsim {
 
@@ -45,6 +46,12 @@ public:
     bool renew(const State& state);
 
     const std::vector<double>& by_node() const { return weight_; }
+
+    /// After begin.
+    void keep(Keeper& k) {
+        k.numbers("weights of rows", std::span(weight_));
+        k.number("weighed at", added_mass_);
+    }
 
 private:
     void iterate(const State& state);

@@ -12,6 +12,8 @@
 #include <system_error>
 
 #include "lib/cli/verb.hpp"
+#include "lib/record/checkpoint.hpp"
+#include "lib/record/file_batch.hpp"
 #include "lib/record/write_error.hpp"
 #include "lib/scene/data_files.hpp"
 
@@ -32,7 +34,51 @@ bool is_our_file(const fs::path& file) {
 bool holds_our_file(const fs::path& directory) {
     constexpr std::array names{"summary.json", "gap.json",       "records.json",
                                "ladder.json",  "stability.json", "validate.json"};
-    return std::ranges::any_of(names, [&](const char* name) { return is_our_file(directory / name); });
+    return is_checkpoint(checkpoint_file(directory)) ||
+           std::ranges::any_of(names, [&](const char* name) { return is_our_file(directory / name); });
+}
+
+/// Results lie at most so far below the directory of a series: case, fidelity.
+constexpr int deepest = 2;
+
+bool holds_our_file(const fs::path& directory, int depth) {
+    if (holds_our_file(directory)) return true;
+    std::error_code error, ignored;
+    if (depth == 0) return false;
+    for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
+        if (entry->is_directory(ignored) && !entry->is_symlink(ignored) &&
+            holds_our_file(entry->path(), depth - 1))
+            return true;
+    return false;
+}
+
+/// Names that the files of results have, beside a marker.
+bool is_content(const std::string& name) {
+    constexpr std::array names{"history.csv", "events.csv", "frames.bin",  "fields.pvd", "force.svg",
+                               "speed.svg",   "report.md",  "report.html", "junit.xml"};
+    return std::ranges::count(names, name) > 0 || (name.starts_with("frame-") && name.ends_with(".vtu"));
+}
+
+/// Nothing but directories and what killed runs of this program left unfinished in them. One that was killed
+/// while it gave its files their names has left some of these, and the marker that comes last without one.
+bool is_abandoned_only(const fs::path& directory) {
+    bool has_contents = false, has_marker = false;
+    std::error_code error;
+    fs::recursive_directory_iterator entry(directory, error), end;
+    for (; !error && entry != end; entry.increment(error)) {
+        std::error_code ignored;
+        const std::string name = entry->path().filename().string();
+        if (entry->is_directory(ignored)) {
+            if (entry.depth() > deepest) return false;
+        } else if (is_abandoned(entry->path())) {
+            has_marker = has_marker || name.starts_with(".summary.json.");
+        } else if (is_content(name)) {
+            has_contents = true;
+        } else {
+            return false;
+        }
+    }
+    return !error && (has_marker || !has_contents);
 }
 
 /// The directory itself, or the nearest one above it that is there.
@@ -54,14 +100,7 @@ fs::path default_output_dir(const fs::path& scene_file) {
 }
 
 bool is_our_output(const fs::path& directory) {
-    if (holds_our_file(directory)) return true;
-    std::error_code error;
-    for (fs::directory_iterator entry(directory, error), end; !error && entry != end;
-         entry.increment(error)) {
-        std::error_code ignored;
-        if (entry->is_directory(ignored) && holds_our_file(entry->path())) return true;
-    }
-    return false;
+    return holds_our_file(directory, deepest);
 }
 
 void check_output_dir(const fs::path& directory) {
@@ -76,7 +115,7 @@ void check_output_dir(const fs::path& directory) {
 
     const bool empty = fs::is_empty(directory, error);
     if (error) throw WriteError(directory, error.value());
-    if (!empty && !is_our_output(directory)) {
+    if (!empty && !is_our_output(directory) && !is_abandoned_only(directory)) {
         throw UsageError(
             fmt::format("'{}' is not empty and holds no results of twinchute (nothing there is "
                         "overwritten), name another directory with --out",

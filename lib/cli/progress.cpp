@@ -30,12 +30,15 @@ std::size_t line_width() {
 
 }  // namespace
 
-std::string progress_text(std::string_view fidelity, const Progress& progress, double elapsed) {
+std::string progress_text(std::string_view fidelity, const Progress& progress, double elapsed,
+                          double before) {
     const double share = std::clamp(std::isfinite(progress.share) ? progress.share : 0.0, 0.0, 1.0);
     std::string text =
         fmt::format("{} {:<12} {:7.2f} s {:4.0f} %", fidelity, progress.stage, progress.time, 100 * share);
     // Before a hundredth is done the estimate is worth nothing.
-    if (share >= 0.01) text += fmt::format("   {} left", duration(elapsed * (1 - share) / share));
+    if (share >= before + 0.01)
+        text += fmt::format("   {} left", duration(elapsed * (1 - share) / (share - before)));
+    if (progress.resumed_at) text += fmt::format("   resumed at t = {:.4g} s", *progress.resumed_at);
     return text;
 }
 
@@ -57,10 +60,11 @@ std::function<void(const Progress&)> ProgressLine::reporter() {
 
 void ProgressLine::update(const Progress& progress) {
     const auto now = Clock::now();
+    if (next_ == start_ && progress.resumed_at) before_ = progress.share;
     if (now < next_) return;
     next_ = now + interval;
     const double elapsed = std::chrono::duration<double>(now - start_).count();
-    const std::string text = progress_text(fidelity_, progress, elapsed).substr(0, line_width());
+    const std::string text = progress_text(fidelity_, progress, elapsed, before_).substr(0, line_width());
     std::fputs(fmt::format("\r{}\033[K", text).c_str(), stderr);
     std::fflush(stderr);
     drawn_ = true;

@@ -10,8 +10,10 @@
 
 namespace twinchute {
 
-/// E.g. "full inflation   1.23 s  45 %  4 s left". `elapsed` [s] wall time so far.
-std::string progress_text(std::string_view fidelity, const Progress& progress, double elapsed);
+/// E.g. "full inflation   1.23 s  45 %  4 s left". `elapsed` [s] wall time so far, in which the run came from
+/// `before`, its share when it began: 0, or where it went on from.
+std::string progress_text(std::string_view fidelity, const Progress& progress, double elapsed,
+                          double before = 0.0);
 
 /// Whether standard error is a terminal that can rewrite a line.
 bool progress_is_seen();
@@ -34,6 +36,7 @@ private:
     std::string fidelity_;
     bool shown_;
     bool drawn_ = false;
+    double before_ = 0.0;  // share done by the run that this one goes on from
     Clock::time_point start_ = Clock::now();
     Clock::time_point next_ = start_;
 };

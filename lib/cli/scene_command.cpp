@@ -12,6 +12,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/solve/hand_over.hpp"
 
 namespace twinchute {
 
@@ -117,13 +118,15 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
 }
 
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      int threads, FieldFiles* fields, ShapeFrames* frames) {
+                      int threads, FieldFiles* fields, ShapeFrames* frames, Checkpoints checkpoints,
+                      std::span<const Fidelity* const> others) {
     ProgressLine line(fidelity.name, !quiet && progress_is_seen());
     Run run{std::move(stop), line.reporter()};
     run.threads = threads;
+    run.checkpoints = std::move(checkpoints);
     if (fields) run.fields = [fields](const VtuGrid& frame) { fields->add(frame); };
     if (frames) run.frames = [frames](ShapeFrames shape) { *frames = std::move(shape); };
-    RunRecord record = fidelity.run(scene, run);
+    RunRecord record = run_scene(fidelity, scene, run, others);
     if (fields) fields->finish();
     return record;
 }

@@ -51,10 +51,11 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments);
 
 /// Runs one fidelity with a progress line where one can be seen. Fields that the scene asks for go into
-/// `fields` where there is one, the shapes for a report into `frames`. Throws WriteError where fields do not
-/// fit.
+/// `fields` where there is one, the shapes for a report into `frames`; the rest of the fall, where it asks
+/// for that, is flown by one of `others`. Throws WriteError where fields do not fit.
 RunRecord run_watched(const Fidelity& fidelity, const Scene& scene, std::stop_token stop, bool quiet,
-                      int threads, FieldFiles* fields = nullptr, ShapeFrames* frames = nullptr);
+                      int threads, FieldFiles* fields = nullptr, ShapeFrames* frames = nullptr,
+                      Checkpoints checkpoints = {}, std::span<const Fidelity* const> others = {});
 
 /// For reading: where the fields are, or nothing where there are none.
 std::string fields_text(const FieldFiles& fields);

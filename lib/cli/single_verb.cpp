@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lib/cli/interrupt.hpp"
+#include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
@@ -13,6 +14,50 @@
 
 namespace twinchute {
 namespace {
+
+/// A scene, or one of a series, before it runs.
+struct Case {
+    Case(const Fidelity& fidelity, const Scene& its_scene,
+         const std::optional<std::filesystem::path>& directory, bool resumes)
+        : scene(its_scene), place(directory_of(scene, directory.value_or(""))) {
+        if (!directory) return;
+        if (resumes) finished = finished_record(fidelity, scene, place);
+        if (!finished) long_run.emplace(fidelity, scene, place, resumes);
+    }
+
+    const Scene& scene;
+    std::filesystem::path place;
+    std::optional<RunRecord> finished;
+    std::optional<LongRun> long_run;  ///< where it has a directory
+};
+
+/// What a case comes to, and lines about its files.
+struct Told {
+    RunRecord record;
+    std::string more;
+};
+
+Told run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& others, Case& one,
+              const Interrupt& interrupt, int threads, const Arguments& arguments) {
+    std::vector<const Fidelity*> all = others;
+    all.push_back(&fidelity);
+    FileBatch batch;
+    FieldFiles fields(batch, one.place);
+    ShapeFrames frames;
+    Checkpoints checkpoints;
+    if (one.long_run) checkpoints = one.long_run->checkpoints(fields);
+    Told told{run_watched(fidelity, one.scene, interrupt.token(), arguments.has("quiet"), threads,
+                          one.long_run ? &fields : nullptr, one.long_run ? &frames : nullptr,
+                          std::move(checkpoints), all),
+              ""};
+    if (one.long_run && told.record.status.code != StatusCode::refused) {
+        add_record(batch, told.record, one.place, frames);
+        batch.commit();
+    }
+    if (one.long_run) one.long_run->ended(told.record);
+    told.more = fields_text(fields);
+    return told;
+}
 
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
@@ -26,32 +71,29 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     }
     std::optional<std::filesystem::path> directory = arguments.value("out");
     if (!directory && output == DefaultOutput::directory) directory = default_output_dir(arguments.operand);
+    const bool resumes = arguments.has("resume");
+    std::vector<Case> cases;  // what cannot be gone on with is known before anything runs
+    for (const Scene& scene : scenes)
+        cases.emplace_back(fidelity, scene, directory, resumes);
     if (directory) check_output_dir(*directory);
-
     const Interrupt interrupt;  // until the records are safe
     ExitCode code = ExitCode::done;
     std::vector<std::string> summaries;
-    for (const Scene& scene : scenes) {
-        const std::filesystem::path place = directory_of(scene, directory.value_or(""));
-        FileBatch batch;
-        FieldFiles fields(batch, place);
-        ShapeFrames frames;
-        const RunRecord record =
-            run_watched(fidelity, scene, interrupt.token(), arguments.has("quiet"), threads,
-                        directory ? &fields : nullptr, directory ? &frames : nullptr);
-        if (directory && record.status.code != StatusCode::refused) {
-            add_record(batch, record, place, frames);
-            batch.commit();
-        }
+    for (Case& one : cases) {
+        const Told told = one.finished
+                              ? Told{*one.finished, "kept      it had ended before; nothing was run\n"}
+                              : run_case(fidelity, others, one, interrupt, threads, arguments);
         if (arguments.has("json")) {
-            summaries.push_back(summary_json(record));
+            summaries.push_back(summary_json(told.record));
         } else if (!arguments.has("quiet")) {
-            print((&scene == &scenes.front() ? "" : "\n") +
-                  record_text(record, fidelity.title, output_style()));
-            if (directory) print(fmt::format("record    {}\n", printable((place / "summary.json").string())));
-            print(fields_text(fields));
+            print((&one == &cases.front() ? "" : "\n") +
+                  record_text(told.record, fidelity.title, output_style()));
+            print(resumed_text(told.record));
+            if (directory)
+                print(fmt::format("record    {}\n", printable((one.place / "summary.json").string())));
+            print(told.more);
         }
-        code = gravest(code, exit_code(record.status.code));
+        code = gravest(code, exit_code(told.record.status.code));
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, summaries));
@@ -71,6 +113,7 @@ Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput ou
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
     if (fidelity.gives_fields) verb.options.insert(verb.options.begin() + 1, fields_option());
+    if (fidelity.keeps_checkpoints) verb.options.insert(verb.options.begin() + 1, resume_option());
     if (fidelity.has_threads) verb.options.insert(verb.options.begin() + 1, threads_option());
     verb.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
         return run_single(fidelity, output, others, arguments);

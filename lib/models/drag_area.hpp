@@ -41,6 +41,8 @@ public:
     double end() const { return fraction_.back(); }
     double start_ratio() const { return ratio_.front(); }
     const std::string& file() const { return file_; }
+    const std::vector<double>& fraction() const { return fraction_; }
+    const std::vector<double>& ratio() const { return ratio_; }
 
     bool operator==(const DragAreaTable& other) const {
         return file_ == other.file_ && fraction_ == other.fraction_ && ratio_ == other.ratio_;

@@ -6,6 +6,7 @@
 
 #include "lib/models/added_mass.hpp"
 #include "lib/models/drag_area.hpp"
+#include "lib/record/keeper.hpp"
 
 namespace twinchute {
 
@@ -51,5 +52,8 @@ struct Inflation {
     ValueAndRate added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
                             double steady_radius) const;
 };
+
+/// Into a checkpoint and back; `law` and `table`: its parachute's, of which it has one or none.
+void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table);
 
 }  // namespace twinchute

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "lib/record/checkpoint.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/vtu.hpp"
 
@@ -18,6 +19,14 @@ public:
 
     /// `frame.time` is later than that of the last one. Throws WriteError.
     void add(const VtuGrid& frame);
+    /// From here on frames are known by their sums, too, for checkpoints.
+    void vouch() { vouches_ = true; }
+    /// Those so far. What is there by now stays when the batch is not committed.
+    std::vector<WrittenFrame> written();
+    /// Frames that a killed run wrote become the first ones of this. Throws RecordError where one of them is
+    /// not what was written, WriteError.
+    void adopt(const std::vector<WrittenFrame>& frames);
+
     /// Writes fields.pvd, unless there was no frame. Throws WriteError.
     void finish();
 
@@ -25,9 +34,13 @@ public:
     std::filesystem::path collection() const { return directory_ / "fields.pvd"; }
 
 private:
+    std::string next_name() const;
+
     FileBatch& batch_;
     std::filesystem::path directory_;
     std::vector<PvdEntry> entries_;
+    bool vouches_ = false;
+    std::vector<WrittenFrame> written_;
 };
 
 /// Makes the batch take away the fields that an earlier run left in `directory`, but for what it writes anew.

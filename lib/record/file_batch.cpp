@@ -7,6 +7,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <set>
 #include <string>
@@ -136,8 +138,8 @@ WriteError::WriteError(const fs::path& path, int error_number)
     : WriteError(path, std::generic_category().message(error_number)) {}
 
 FileBatch::~FileBatch() {
-    for (const Pending& file : pending_)
-        ::unlink(file.temporary.c_str());
+    for (std::size_t i = spared_; i < pending_.size(); ++i)
+        ::unlink(pending_[i].temporary.c_str());
     for (auto directory = made_.rbegin(); directory != made_.rend(); ++directory) {
         ::rmdir(directory->c_str());  // stays when something is in it
     }
@@ -156,7 +158,7 @@ void FileBatch::make_directories(const fs::path& directory) {
     }
 }
 
-void FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
+fs::path FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
     make_directories(parent_of(target));
     std::error_code ignored;
     if (fs::is_directory(target, ignored)) throw WriteError(target, EISDIR);
@@ -166,6 +168,11 @@ void FileBatch::add(const fs::path& target, std::string_view text, Kind kind) {
     if (file.get() < 0) throw WriteError(target, errno);
     pending_.push_back({target, temporary, kind});
     if (const int error = write_all(file, text); error != 0) throw WriteError(target, error);
+    return temporary;
+}
+
+void FileBatch::adopt(const fs::path& target, const fs::path& temporary) {
+    pending_.push_back({target, temporary, Kind::content});
 }
 
 void FileBatch::remove(const fs::path& target) {
@@ -200,8 +207,38 @@ void FileBatch::commit() {
             ::rmdir(parent_of(file.target).c_str());  // stays when something is in it
     }
     pending_.clear();
+    spared_ = 0;
     removals_.clear();
     made_.clear();
+}
+
+void replace_file(const fs::path& target, std::string_view text) {
+    fs::path temporary;
+    Descriptor file(open_temporary(target, temporary));
+    if (file.get() < 0) throw WriteError(target, errno);
+    int error = write_all(file, text);
+    if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+    if (error != 0) {
+        ::unlink(temporary.c_str());
+        throw WriteError(target, error);
+    }
+    sync_directory(parent_of(target));
+}
+
+bool is_abandoned(const fs::path& file) {
+    std::string name = file.filename().string();
+    if (name.ends_with(".old")) name.resize(name.size() - 4);
+    if (!name.starts_with('.') || !name.ends_with(".tmp")) return false;
+    name.resize(name.size() - 4);
+    const std::size_t dot = name.rfind('.');  // before "<process>-<count>"
+    pid_t process = 0;
+    unsigned count = 0;
+    const char *begin = name.data() + dot + 1, *const end = name.data() + name.size();
+    const auto [dash, no_process] = std::from_chars(begin, end, process);
+    if (dot == 0 || no_process != std::errc{} || dash == end || *dash != '-') return false;
+    const auto [rest, no_count] = std::from_chars(dash + 1, end, count);
+    if (no_count != std::errc{} || rest != end || process <= 0) return false;
+    return process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
 }  // namespace twinchute

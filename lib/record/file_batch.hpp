@@ -22,9 +22,17 @@ public:
     FileBatch(const FileBatch&) = delete;
     FileBatch& operator=(const FileBatch&) = delete;
 
-    /// Writes `text` to a temporary name beside `target`, making directories as needed.
-    /// Throws WriteError.
-    void add(const std::filesystem::path& target, std::string_view text, Kind kind = Kind::content);
+    /// Writes `text` to a temporary name beside `target`, making directories as needed, and returns that
+    /// name. Throws WriteError.
+    std::filesystem::path add(const std::filesystem::path& target, std::string_view text,
+                              Kind kind = Kind::content);
+
+    /// A file that another process has written to a temporary name beside `target` is of this batch from here
+    /// on.
+    void adopt(const std::filesystem::path& target, const std::filesystem::path& temporary);
+    /// What is there by now keeps its temporary names when this goes without commit(): a checkpoint names
+    /// them.
+    void spare() { spared_ = pending_.size(); }
 
     /// Makes commit() take a file away that nothing of this batch replaces, and the directory that is empty
     /// after that; there may be no such file.
@@ -46,8 +54,16 @@ private:
     void make_directories(const std::filesystem::path& directory);
 
     std::vector<Pending> pending_;
+    std::size_t spared_ = 0;  ///< of these, from the first on
     std::vector<Removal> removals_;
     std::vector<std::filesystem::path> made_;  ///< directories, outermost first
 };
+
+/// One file under its name, whole or as it was before. Throws WriteError.
+void replace_file(const std::filesystem::path& target, std::string_view text);
+
+/// Whether a file's name is one that these give to what is not complete, and its process is gone: it was
+/// killed.
+bool is_abandoned(const std::filesystem::path& file);
 
 }  // namespace twinchute

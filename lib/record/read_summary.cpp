@@ -59,7 +59,15 @@ Cost read_cost(const JsonNode& node) {
             cost.blocks.push_back({name, seconds.number()});
         });
     }
+    if (const auto times = node.find("resumed_at_s"))
+        times->each_row([&](const JsonNode& time) { cost.resumed_at.push_back(time.number()); });
     return cost;
+}
+
+HandOver read_hand_over(const JsonNode& node) {
+    HandOver made{node.text_at("to"), node.at("time_s").number(), {}};
+    node.at("metrics").each_row([&](const JsonNode& key) { made.metrics.push_back(key.text()); });
+    return made;
 }
 
 /// Names of files in the record's own directory: nothing else is ever looked at.
@@ -145,6 +153,7 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileSums&
                                         row.at("value").number(), row.text_at("source"),
                                         outside ? outside->text() : std::string()});
         });
+    if (const auto handed_over = top.find("handed_over")) record.handed_over = read_hand_over(*handed_over);
     top.at("warnings").each_row([&](const JsonNode& row) {
         record.warnings.push_back({row.text_at("what"), row.text_at("why"), row.text_at("suggestion")});
     });

@@ -117,6 +117,8 @@ nlohmann::ordered_json cost_json(const Cost& cost) {
         for (const BlockCost& block : cost.blocks)
             put(blocks, block.name, block.seconds);
     }
+    for (const double time : cost.resumed_at)
+        json["resumed_at_s"].push_back(time);
     return json;
 }
 
@@ -173,6 +175,10 @@ std::string summary_json(const RunRecord& record, const FileSums& files) {
     if (record.energy) json["energy"] = energy_json(*record.energy);
     json["cost"] = cost_json(record.cost);
     put_estimates(json, record.estimates);
+    if (record.handed_over)
+        json["handed_over"] = {{"to", record.handed_over->to},
+                               {"time_s", record.handed_over->time},
+                               {"metrics", record.handed_over->metrics}};
     json["warnings"] = warnings_json(warnings);
     json["left_out"] = left_out_json(record.left_out);
     json["provenance"] = provenance_json(record.provenance);

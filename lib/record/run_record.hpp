@@ -113,6 +113,7 @@ struct Cost {
     std::int64_t element_steps = 0;  ///< element evaluations; 0 when the model has no elements
     double ns_per_element_step = 0.0;
     std::vector<BlockCost> blocks;
+    std::vector<double> resumed_at;  ///< [s] since release: checkpoints that the run went on from
 };
 
 struct Warning {
@@ -138,6 +139,13 @@ struct Provenance {
     int threads = 1;
 };
 
+/// The rest of a fall, flown by another fidelity than the one that the record is of.
+struct HandOver {
+    std::string to;     ///< the fidelity
+    double time = 0.0;  ///< [s] since release; after it channels that it does not have are not numbers
+    std::vector<std::string> metrics;  ///< keys of those that it has given or changed
+};
+
 /// The version, commit, compiler and host of this process, and the time now (UTC, ISO 8601).
 Provenance current_provenance();
 
@@ -161,6 +169,7 @@ struct RunRecord {
     Provenance provenance;
     std::vector<Channel> channels;
     std::vector<Event> events;
+    std::optional<HandOver> handed_over;  ///< absent: one fidelity flew all of it
 
     /// The value of a metric, or nothing when its physics was left out.
     std::optional<double> metric(std::string_view key) const;

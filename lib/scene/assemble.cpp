@@ -384,6 +384,7 @@ FullSettings full(const Values& v) {
     f.strain_limit = v.number("full.strain_limit");
     f.output_rate = v.number("full.output_rate");
     if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");
+    f.checkpoint_interval = v.number("full.checkpoint_interval");
     if (v.has_table("full.noise"))
         f.noise = {v.number("full.noise.amplitude"),
                    static_cast<std::uint64_t>(v.integer("full.noise.seed"))};
@@ -441,6 +442,7 @@ Scene assemble_scene(const Values& v) {
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scene.aerodynamics = aerodynamics(v);
     scene.stop = trigger(v, "stop", scene.environment);
+    if (v.given("stop.then")) scene.then = v.word("stop.then");
     scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
     scene.full = full(v);
     scene.tolerances = v.tolerances();

@@ -122,6 +122,25 @@ void check_size(const Scene& scene, const Complain& complain) {
                        "that is where a descent rate is found", "write stop.at = \"steady-descent\"");
 }
 
+/// What flies on has one canopy, open as it was left.
+void check_then(const Scene& scene, const Complain& complain) {
+    if (scene.then.empty()) return;
+    using enum Trigger::Kind;
+    const auto refuse = [&](const std::string& problem, const char* why, const char* hint) {
+        complain.about("stop.then", problem, why, hint);
+    };
+    if (scene.stop.kind == ground)
+        refuse("nothing is left to fly after stop.at = \"ground\"", "the run ends on the ground",
+               "stop at \"steady-descent\", or leave stop.then out");
+    if (scene.stop.kind == line_stretch)
+        refuse("the run stops before the canopy is open", "the rest of the fall starts from an open canopy",
+               "stop at \"full-open\" or \"steady-descent\"");
+    if (scene.parachutes.size() > 1 || scene.parachutes.front().cut)
+        refuse("the rest of the fall is with one canopy",
+               scene.parachutes.size() > 1 ? "the scene has several" : "parachute.cut lets it go",
+               "leave stop.then out and stop at \"ground\"");
+}
+
 void check_canopy(const Parachute& p, const Complain& complain) {
     if (p.vent_diameter >= p.nominal_diameter)
         complain.about("parachute.vent_diameter", "the vent is not smaller than the canopy",
@@ -358,6 +377,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
         check_parachute(scene, scene.parachutes[k], values[k]);
     check_sequence(scene, values);
     check_size(scene, complain);
+    check_then(scene, complain);
     check_stop(scene, values.front(), complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);

@@ -100,6 +100,9 @@ Words extraction_loads() {
 Words stops() {
     return {"steady-descent", "peak-force", "full-open", "line-stretch", "ground"};
 }
+Words successors() {
+    return {"rom"};
+}
 Words occurrences() {
     return {"release", "apogee", "line-stretch", "full-open", "steady-descent"};
 }
@@ -359,6 +362,8 @@ constexpr Key scene_rows[] = {
     {.path = "stop.height", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(0, 86000),
      .instead_of = "stop.at|stop.time|stop.altitude", .meaning = "above ground that the payload falls to"},
     {.path = "stop.delay", .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
+    {.path = "stop.then", .kind = word, .need = optional, .fallback = "the run ends", .choices = successors,
+     .meaning = "the model that flies the rest of the fall, to the ground, from the open canopy that the run stopped with", .source = "docs/guide/long-runs.md"},
 
     {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "auto", .choices = methods, .user = rom,
      .meaning = "auto: bogacki-shampine, zonneveld or dormand-prince by tolerance, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
@@ -406,6 +411,8 @@ constexpr Key scene_rows[] = {
      .meaning = "rows of the history per second"},
     {.path = "full.fields_rate", .unit = "1/s", .need = optional, .fallback = "no fields", .range = above(0, 1e5), .user = full,
      .meaning = "frames of the fields per second, for VTK"},
+    {.path = "full.checkpoint_interval", .unit = "s", .need = defaulted, .fallback = "30", .range = from(0, 86400), .user = full,
+     .meaning = "of wall time, from one checkpoint to the next, for --resume; 0: none", .source = "docs/guide/long-runs.md"},
     {.path = "full.noise", .kind = table, .need = optional, .user = full, .meaning = "initial disturbance of the canopy nodes"},
     {.path = "full.noise.amplitude", .unit = "m", .range = from(0, 1), .user = full, .meaning = "half edge of the cube it is drawn from"},
     {.path = "full.noise.seed", .kind = integer, .need = defaulted, .fallback = "1", .range = from(0, 9e15), .user = full,

@@ -245,6 +245,7 @@ struct FullSettings {
     double output_rate = 0.0;           ///< [1/s] rows of the history
     std::optional<double> fields_rate;  ///< [1/s] frames of the fields; absent: none
     std::optional<Noise> noise;
+    double checkpoint_interval = 0.0;  ///< [s] of wall time from one checkpoint to the next; 0: none
 
     bool operator==(const FullSettings&) const = default;
 };
@@ -291,6 +292,7 @@ struct Scene {
     std::vector<Parachute> parachutes;  ///< one or more; names differ
     Aerodynamics aerodynamics;
     Trigger stop;
+    std::string then;  ///< fidelity that flies the rest of the fall once a run has stopped; empty: none
     RomSettings rom;
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"

@@ -269,6 +269,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.number("strain_limit", full.strain_limit);
     w.number("output_rate", full.output_rate);
     if (full.fields_rate) w.number("fields_rate", *full.fields_rate);
+    w.number("checkpoint_interval", full.checkpoint_interval);
     if (!full.noise) return;
     w.number("noise.amplitude", full.noise->amplitude);
     w.whole("noise.seed", full.noise->seed);
@@ -344,6 +345,7 @@ std::string write_scene(const Scene& scene) {
         write_parachute(w, parachute);
     write_aerodynamics(w, scene.aerodynamics);
     write_stop(w, scene.stop);
+    if (!scene.then.empty()) w.words("then", scene.then);
     write_settings(w, scene.rom, scene.full);
     write_tolerances(w, scene.tolerances);
     if (scene.size) write_size(w, *scene.size);
@@ -354,8 +356,8 @@ std::string write_scene(const Scene& scene) {
 bool same_scene(const Scene& a, const Scene& b) {
     return a.name == b.name && a.environment == b.environment && a.payload == b.payload &&
            a.release == b.release && a.parachutes == b.parachutes && a.aerodynamics == b.aerodynamics &&
-           a.stop == b.stop && a.rom == b.rom && a.full == b.full && a.tolerances == b.tolerances &&
-           a.size == b.size;
+           a.stop == b.stop && a.then == b.then && a.rom == b.rom && a.full == b.full &&
+           a.tolerances == b.tolerances && a.size == b.size;
 }
 
 }  // namespace twinchute

@@ -70,15 +70,26 @@ void Canopies::weigh() {
 
 void Canopies::release(const Situation& now) {
     past_.push_back({Trigger::Kind::release, 0, now.time});
-    static const Trigger at_release{Trigger::Kind::release, 0.0, 0.0};
     std::size_t before = all_.size();
     for (std::size_t i = 0; i < all_.size(); ++i) {
         if (all_[i].index == before) continue;  // a cluster leaves one pack
         before = all_[i].index;
-        const Parachute& chute = *all_[i].chute;
-        arm({Wait::What::deploy, i, chute.deploy_when ? &*chute.deploy_when : &at_release}, now);
+        arm({Wait::What::deploy, i, trigger_of(Wait::What::deploy, all_[i])}, now);
     }
     unreported_ = advance(now);
+}
+
+const Trigger* Canopies::trigger_of(Wait::What what, const Canopy& c) const {
+    static const Trigger at_release{Trigger::Kind::release, 0.0, 0.0};
+    switch (what) {
+        case Wait::What::deploy:
+            return c.chute->deploy_when ? &*c.chute->deploy_when : &at_release;
+        case Wait::What::disreef:
+            return &c.chute->reefing.at(c.stage).until;
+        case Wait::What::cut:
+            break;
+    }
+    return c.chute->cut ? &*c.chute->cut : nullptr;
 }
 
 /// Whether what happens to a parachute, or to the flight, is what is waited for.
@@ -261,7 +272,8 @@ void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrenc
                     return &o != &c && o.index == c.index && o.stage >= c.stage;
                 }))
                 done.push_back({Occurrence::Kind::disreef, c.index, c.stage});
-            if (c.is_reefed()) arm({Wait::What::disreef, wait.canopy, &c.chute->reefing[c.stage].until}, now);
+            if (c.is_reefed())
+                arm({Wait::What::disreef, wait.canopy, trigger_of(Wait::What::disreef, c)}, now);
     }
 }
 
@@ -313,8 +325,8 @@ void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurre
         c.inflation.filling_time += c.lag;
         c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
         fills_at_once |= c.phase == Phase::filling;
-        if (c.is_reefed()) arm({Wait::What::disreef, i, &c.chute->reefing.front().until}, now);
-        if (c.chute->cut) arm({Wait::What::cut, i, &*c.chute->cut}, now);
+        if (c.is_reefed()) arm({Wait::What::disreef, i, trigger_of(Wait::What::disreef, c)}, now);
+        if (c.chute->cut) arm({Wait::What::cut, i, trigger_of(Wait::What::cut, c)}, now);
     }
     if (fills_at_once) done.push_back({Occurrence::Kind::filling, index});
     if (is_open) {
@@ -327,6 +339,50 @@ void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurre
 void Canopies::snatched(std::size_t index, const Situation& now) {
     leaving_.reset();
     open(index, now, unreported_);
+}
+
+void Canopies::keep(Keeper& k) {
+    for (Canopy& c : all_) {
+        k.choice("canopy", c.state, Canopy::State::cut);
+        k.whole("stage", c.stage, 0, c.chute->reefing.size());
+        k.choice("phase", c.phase, Phase::open);
+        twinchute::keep(k, c.inflation, c.chute->drag_area_law,
+                        c.chute->drag_area_table ? &*c.chute->drag_area_table : nullptr);
+        k.number("snatch speed", c.snatch_speed);
+        k.number("snatch density", c.snatch_density);
+    }
+    const std::size_t most = 8 * all_.size() + 8;
+    k.length("waits", waits_, most);
+    for (Wait& wait : waits_) {
+        k.choice("waits for", wait.what, Wait::What::cut);
+        k.whole("canopy", wait.canopy, 0, all_.size() - 1);
+        k.number("due", wait.due);
+        if (!k.reads()) continue;
+        const Canopy& c = all_[wait.canopy];
+        const bool has_none =
+            wait.what == Wait::What::disreef ? !c.is_reefed() : wait.what == Wait::What::cut && !c.chute->cut;
+        if (has_none) k.refuse("holds what no run writes", "something waits for nothing");
+        wait.trigger = trigger_of(wait.what, c);
+    }
+    k.length("past", past_, 1'000'000);
+    for (Past& past : past_) {
+        k.choice("happened", past.kind, Trigger::Kind::cut);
+        k.whole("parachute", past.index, 0, all_.size());
+        k.number("at", past.time);
+    }
+    k.length("unreported", unreported_, most);
+    for (Occurrence& what : unreported_) {
+        k.choice("occurred", what.kind, Occurrence::Kind::cut);
+        k.whole("parachute", what.index, 0, all_.size());
+        k.whole("stage", what.stage);
+    }
+    bool leaves = leaving_.has_value();
+    std::size_t leaving = leaving_.value_or(0);
+    k.flag("leaves its pack", leaves);
+    k.whole("parachute", leaving, 0, all_.size());
+    leaving_.reset();
+    if (leaves) leaving_ = leaving;
+    weigh();
 }
 
 }  // namespace twinchute

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/models/inflation.hpp"
+#include "lib/record/keeper.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -126,6 +127,9 @@ public:
 
     const std::vector<Canopy>& all() const { return all_; }
 
+    /// Of those of the same scene.
+    void keep(Keeper& k);
+
 private:
     /// Something that a canopy's trigger has yet to bring about.
     struct Wait {
@@ -139,6 +143,8 @@ private:
     static double drag_area_of(const Canopy& c, double time) {
         return c.inflation.steady_drag_area * c.inflation.drag_area_ratio(c.phase, time).value;
     }
+    /// What a canopy in its stage waits for.
+    const Trigger* trigger_of(Wait::What what, const Canopy& c) const;
     void arm(Wait wait, const Situation& now);
     void occurred(Trigger::Kind kind, std::size_t index, double time);
     bool is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -17,9 +18,18 @@
 namespace twinchute {
 
 struct Progress {
-    std::string_view stage;  ///< e.g. "inflation"
-    double time = 0.0;       ///< [s] simulated, since release
-    double share = 0.0;      ///< [-] of the run, an estimate in 0..1
+    std::string_view stage;                 ///< e.g. "inflation"
+    double time = 0.0;                      ///< [s] simulated, since release
+    double share = 0.0;                     ///< [-] of the run, an estimate in 0..1
+    std::optional<double> resumed_at = {};  ///< [s] simulated: the checkpoint that the run went on from
+};
+
+/// How a long run is kept from being lost: now and then it gives away all that it needs to go on.
+struct Checkpoints {
+    /// Takes a state of the run (lib/record/keeper.hpp), again and again. Empty: none are made.
+    std::function<void(std::string)> save;
+    std::string from = {};  ///< one of these states, to go on from; empty: from release
+    std::string file = {};  ///< that it is of, for messages
 };
 
 /// What is not physics in a run.
@@ -32,6 +42,7 @@ struct Run {
     /// May be empty; takes the shapes for the report, once, at the end of a run that has some.
     std::function<void(ShapeFrames)> frames = {};
     int threads = 1;  ///< at most; the answer is the same for any number
+    Checkpoints checkpoints = {};
 };
 
 struct Fidelity {
@@ -45,6 +56,7 @@ struct Fidelity {
     bool has_threads = false;   ///< it is faster with some
     /// What a run of the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
+    bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
 };
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs

@@ -12,6 +12,7 @@ class Chance {
 public:
     explicit Chance(std::uint64_t seed) : random_(seed) {}
 
+    std::uint64_t bits() { return random_(); }
     double share() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
     bool chance(double probability) { return share() < probability; }
     std::size_t below(std::size_t count) { return static_cast<std::size_t>(random_() % count); }

@@ -32,6 +32,11 @@ public:
         all("cost", a.cost, b.cost, &Cost::wall_s, &Cost::cpu_s, &Cost::steps, &Cost::rhs_calls,
             &Cost::rejected_steps, &Cost::dt_min_s, &Cost::dt_max_s, &Cost::element_steps,
             &Cost::ns_per_element_step);
+        one("resumed", a.cost.resumed_at, b.cost.resumed_at);
+        one("handed over", a.handed_over.has_value(), b.handed_over.has_value());
+        if (a.handed_over && b.handed_over)
+            all("handed over", *a.handed_over, *b.handed_over, &HandOver::to, &HandOver::time,
+                &HandOver::metrics);
         rows("blocks", a.cost.blocks, b.cost.blocks, &BlockCost::name, &BlockCost::seconds);
         rows("estimates", a.estimates, b.estimates, &Estimate::name, &Estimate::title, &Estimate::metric,
              &Estimate::value, &Estimate::source, &Estimate::outside);

@@ -344,6 +344,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "release.path_angle",
                                                     "stop.altitude",
                                                     "stop.height",
+                                                    "stop.then",
                                                     "full.symmetry",
                                                     "parachute.count",
                                                     "parachute.deploy.force",
@@ -422,6 +423,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     if (has("payload.body."))
         put("payload.body.size",
             words["payload.body.shape"] == "box" ? "[\"60 cm\", 0.5, \"2 ft\"]" : "[0.7, \"1 m\"]");
+    const std::string& stop = words["stop.at"];
+    const bool is_cut =
+        std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });
+    if (!is_cut && stop != "ground" && stop != "line-stretch" && chance(0.3)) put("stop.then", "\"rom\"");
     if (has("size.")) put_limits(words["stop.at"]);
     if (has("size.") && chance(0.3)) {
         const auto named = std::ranges::find(lines_, "parachute.name", &SceneLine::path);

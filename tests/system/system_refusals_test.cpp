@@ -332,8 +332,8 @@ TEST_P(Interrupted, AFullRunLeavesTheRecordSoFar) {
     const json summary = read("out/summary.json");
     EXPECT_EQ(summary["status"]["code"], "interrupted");
     EXPECT_GT(summary["cost"]["steps"], 0);
-    EXPECT_EQ(tree_of(here_ / "out"),
-              (std::set<std::string>{"summary.json", "history.csv", "events.csv", "frames.bin"}));
+    EXPECT_EQ(tree_of(here_ / "out"), (std::set<std::string>{"summary.json", "history.csv", "events.csv",
+                                                             "frames.bin", "checkpoint.bin"}));
     EXPECT_GT(content_of(here_ / "out/history.csv").size(), 200u);
     EXPECT_TRUE(is_our_output(here_ / "out"));
 }
@@ -352,7 +352,7 @@ TEST_P(Interrupted, AskingTwiceEndsItAtOnceOrWithAWholeRecord) {
     if (process.wait_until_handled(GetParam(), false)) ::kill(process.id(), GetParam());
     const Ended ended = process.wait();
     EXPECT_TRUE(ended.code == 128 + GetParam() || ended.code == 130) << ended.code;
-    if (is_our_output(here_ / "out")) {
+    if (fs::exists(here_ / "out/summary.json")) {
         EXPECT_EQ(read("out/summary.json")["status"]["code"], "interrupted");
     }
 }

@@ -1,8 +1,15 @@
 // What may be overwritten: our own results and nothing else.
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+#include <vector>
+
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/verb.hpp"
+#include "lib/record/file_batch.hpp"
 #include "lib/record/write_error.hpp"
 #include "tests/support/scratch_dir.hpp"
 
@@ -44,6 +51,50 @@ TEST(CliOutputDir, RefusesWhatSomebodyElseWrote) {
     EXPECT_THROW(check_output_dir(scratch / "broken"), UsageError);
     scratch.write("list/summary.json", R"(["twinchute"])");
     EXPECT_THROW(check_output_dir(scratch / "list"), UsageError);
+}
+
+TEST(CliOutputDir, AcceptsWhatKilledRunsLeft) {
+    const ScratchDir scratch;
+    scratch.write("killed/checkpoint.bin", "twinchute checkpoint 1\nand the rest");
+    EXPECT_NO_THROW(check_output_dir(scratch / "killed"));
+    scratch.write("series/case/full/checkpoint.bin", "twinchute checkpoint 1\nand the rest");
+    EXPECT_NO_THROW(check_output_dir(scratch / "series"));
+    scratch.write("foreign/checkpoint.bin", "of somebody else");
+    EXPECT_THROW(check_output_dir(scratch / "foreign"), UsageError);
+    // A process that was waited for is gone.
+    const pid_t gone = ::fork();
+    if (gone == 0) ::_exit(0);
+    ::waitpid(gone, nullptr, 0);
+    const std::string before = "early/full/fields/.frame-000000.vtu.", after = "-0.tmp";
+    scratch.write(before + std::to_string(gone) + after, "");
+    EXPECT_NO_THROW(check_output_dir(scratch / "early"));
+    scratch.write("early/notes.txt", "years of work");
+    EXPECT_THROW(check_output_dir(scratch / "early"), UsageError);
+    // One of a process that is still there is not given up.
+    scratch.write("busy/.history.csv." + std::to_string(::getppid()) + "-3.tmp", "");
+    EXPECT_THROW(check_output_dir(scratch / "busy"), UsageError);
+}
+
+TEST(Abandoned, AreTemporaryFilesOfProcessesThatAreGone) {
+    const pid_t gone = ::fork();
+    if (gone == 0) ::_exit(0);
+    ::waitpid(gone, nullptr, 0);
+    const std::string number = std::to_string(gone);
+    EXPECT_TRUE(is_abandoned("d/.history.csv." + number + "-12.tmp"));
+    EXPECT_TRUE(is_abandoned("d/.history.csv." + number + "-12.tmp.old"));
+    const std::vector<std::string> others{
+        "history.csv." + number + "-12.tmp",
+        ".history.csv." + number + "-12",
+        ".history.csv." + number + ".tmp",
+        ".history.csv." + number + "-x.tmp",
+        ".history.csv.-12.tmp",
+        "." + number + "-12.tmp",
+        ".tmp",
+        ".history.csv." + std::to_string(::getpid()) + "-1.tmp",
+        ".history.csv.1-1.tmp",  // the first process is always there
+    };
+    for (const std::string& name : others)
+        EXPECT_FALSE(is_abandoned("d/" + name)) << name;
 }
 
 TEST(CliOutputDir, AFileInTheWayIsFoundBeforeAnythingRuns) {

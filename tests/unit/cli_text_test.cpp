@@ -69,6 +69,14 @@ TEST(CliProgress, EstimatesTheTimeLeft) {
     EXPECT_EQ(progress_text("full", {"inflation", 0, 0}, 10), "full inflation       0.00 s    0 %");
 }
 
+TEST(CliProgress, CountsFromWhereARunWasGoneOnFrom) {
+    // From a half to three quarters in 10 s: the last quarter takes as long.
+    EXPECT_EQ(progress_text("full", {"descent", 6.0, 0.75, 4.25}, 10, 0.5),
+              "full descent         6.00 s   75 %   10 s left   resumed at t = 4.25 s");
+    EXPECT_EQ(progress_text("full", {"descent", 4.25, 0.5, 4.25}, 0.1, 0.5),
+              "full descent         4.25 s   50 %   resumed at t = 4.25 s");
+}
+
 class CliInterrupt : public testing::TestWithParam<int> {};
 
 TEST_P(CliInterrupt, ASignalRequestsTheStop) {

@@ -57,6 +57,8 @@ const std::vector<double> hard{0.0,
 TEST(RecordRead, AMadeUpRecordComesBackToTheLastBit) {
     RunRecord record = compare::made_up_comparison().reference;
     record.cost.blocks = {{"membrane", 0.1 + 0.2}, {"a \"quoted\", name\n", 0}};
+    record.cost.resumed_at = {0.1, 1e-300};
+    record.handed_over = HandOver{"rom", 1.0 / 3.0, {"flight_time_s", "landing_east_m"}};
     record.inputs.push_back(
         {"a \"key\"", std::string("line\nbreak \x01 \xC3\xA9"), "", InputOrigin::design, ""});
     record.add_metric("impulse_N_s", 1.0 / 3, Standing::mixed, "n is an input");

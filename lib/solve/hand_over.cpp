@@ -1,0 +1,172 @@
+#include "lib/solve/hand_over.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lib/math/vec.hpp"
+
+namespace twinchute {
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// The last of a channel; 0 of one that a fidelity leaves out, as motion across a straight fall.
+double last(const RunRecord& record, std::string_view channel) {
+    const Channel* found = record.find_channel(channel);
+    return found == nullptr || found->values.empty() ? 0.0 : found->values.back();
+}
+
+/// Rate at the last row of a channel over time: of the polynomial through its last rows of different times,
+/// as many as there are up to five. Two rows of one time are a jump of something else: places have none.
+double last_rate(const RunRecord& record, std::string_view channel) {
+    constexpr std::size_t most = 5;
+    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
+    if (time == nullptr || values == nullptr) return 0.0;
+    std::vector<double> t, x;  // the last one first
+    for (std::size_t i = time->values.size(); i-- > 0 && t.size() < most;)
+        if (t.empty() || time->values[i] < t.back()) {
+            t.push_back(time->values[i]);
+            x.push_back(values->values[i]);
+        }
+    // Divided differences (Newton): the rate at t[0] is f[0,1] + f[0,1,2] (t0 - t1) + ...
+    double rate = 0.0, product = 1.0;
+    for (std::size_t order = 1; order < t.size(); ++order) {
+        for (std::size_t i = 0; i + order < t.size(); ++i)
+            x[i] = (x[i] - x[i + 1]) / (t[i] - t[i + order]);
+        rate += product * x[0];
+        product *= t[0] - t[order];
+    }
+    return rate;
+}
+
+/// Rows of `rest` but for its first, which is the last one of `first`.
+void join_channels(RunRecord& first, const RunRecord& rest) {
+    const std::size_t rows = rest.channels.front().values.size();
+    for (Channel& channel : first.channels) {
+        const double before = channel.values.back();
+        const bool counts_on = channel.name == "time" || channel.name == "east" || channel.name == "north";
+        const Channel* more = rest.find_channel(channel.name);
+        for (std::size_t i = 1; i < rows; ++i) {
+            const double nothing = counts_on ? before : not_a_number;  // no motion across is none
+            channel.values.push_back(more == nullptr ? nothing
+                                     : counts_on     ? before + more->values[i]
+                                                     : more->values[i]);
+        }
+    }
+}
+
+void join_events(RunRecord& first, const RunRecord& rest, double time) {
+    first.events.push_back({"handed-over", time, last(first, "altitude"), last(first, "speed")});
+    for (const Event& event : rest.events) {
+        // What happens at its beginning has happened before, and so has the peak.
+        const bool is_new = event.time > 0.0 && event.name != "peak-force" && !first.find_event(event.name);
+        if (is_new) first.events.push_back({event.name, time + event.time, event.altitude, event.speed});
+    }
+}
+
+/// A metric of `rest` and what has to be added to it.
+struct Taken {
+    const char* key;
+    double more;
+};
+
+void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
+    HandOver& made = *first.handed_over;
+    std::vector<Taken> taken{{"flight_time_s", made.time},
+                             {"landing_east_m", last(first, "east")},
+                             {"landing_north_m", last(first, "north")}};
+    if (!first.find_metric("descent_rate_m_s"))
+        taken.insert(taken.end(), {{"descent_rate_m_s", 0.0},
+                                   {"descent_altitude_m", 0.0},
+                                   {"altitude_loss_m", scene.release.altitude - last(first, "altitude")}});
+    for (const auto& [key, more] : taken) {
+        const Metric* metric = rest.find_metric(key);
+        if (metric == nullptr) continue;
+        std::string note = fmt::format("by {} from t = {:.4g} s on", rest.fidelity, made.time);
+        if (!metric->note.empty()) note += "; " + metric->note;
+        first.add_metric(key, metric->value + more, metric->standing, std::move(note));
+        made.metrics.emplace_back(key);
+    }
+}
+
+/// And stays so: one that over-inflates has settled once the descent is steady.
+bool is_open(const Scene& scene, const RunRecord& record) {
+    const auto& growth = scene.parachutes.front().drag_area_table;
+    const bool over_inflates = growth && growth->end() > 1.0;
+    return record.find_event(over_inflates ? "steady-descent" : "full-open") != nullptr;
+}
+
+void add_cost(Cost& cost, const Cost& more) {
+    cost.wall_s += more.wall_s;
+    cost.cpu_s += more.cpu_s;
+    cost.steps += more.steps;
+    cost.rhs_calls += more.rhs_calls;
+    cost.rejected_steps += more.rejected_steps;
+}
+
+}  // namespace
+
+std::string then_text(const Scene& scene) {
+    return fmt::format("stop.then is \"{}\": from the last row on, once the canopy is open", scene.then);
+}
+
+Scene continued_from(const Scene& scene, const RunRecord& record) {
+    Scene rest = scene;
+    rest.then.clear();
+    rest.stop = {Trigger::Kind::ground, 0.0, 0.0, ""};
+    const double east = last_rate(record, "east"), north = last_rate(record, "north"),
+                 climb = last(record, "vertical_speed");
+    const double across = std::hypot(east, north);
+    rest.release.altitude = last(record, "altitude");
+    rest.release.speed = std::hypot(across, climb);
+    rest.release.path_angle = rest.release.speed > 0.0 ? std::atan2(-climb, across) : 0.5 * pi;
+    rest.release.heading = std::atan2(east, north);
+    Parachute& chute = rest.parachutes.front();
+    chute.deploy = {};
+    chute.deploy.by = DeployBy::inflated;
+    chute.deploy_when.reset();
+    chute.reefing.clear();
+    chute.lag.clear();
+    return rest;
+}
+
+RunRecord joined(RunRecord first, const Scene& scene, const RunRecord& rest) {
+    const double time = last(first, "time");
+    first.handed_over = HandOver{rest.fidelity, time, {}};
+    join_metrics(first, scene, rest);
+    join_events(first, rest, time);
+    join_channels(first, rest);
+    add_cost(first.cost, rest.cost);
+    for (const Warning& warning : rest.warnings)
+        if (std::ranges::find(first.warnings, warning.what, &Warning::what) == first.warnings.end())
+            first.warnings.push_back(warning);
+    if (rest.fidelity != first.fidelity)
+        first.left_out.push_back(
+            {fmt::format("physics of '{}' from t = {:.4g} s on", first.fidelity, time),
+             fmt::format("stop.then is \"{}\": it flies the rest of the fall", rest.fidelity)});
+    first.status = rest.status;
+    first.status.detail =
+        fmt::format("{}, by {} from t = {:.4g} s on", rest.status.detail, rest.fidelity, time);
+    return first;
+}
+
+RunRecord run_scene(const Fidelity& fidelity, const Scene& scene, Run& run,
+                    std::span<const Fidelity* const> others) {
+    RunRecord record = fidelity.run(scene, run);
+    if (scene.then.empty() || record.status.code != StatusCode::completed) return record;
+    const auto then = std::ranges::find_if(others, [&](const Fidelity* f) { return f->name == scene.then; });
+    if (then == others.end()) return record;
+    if (!is_open(scene, record)) {
+        record.warnings.push_back({fmt::format("the fall was not handed over to {}", scene.then),
+                                   "the run stopped before the canopy was open",
+                                   "stop later, e.g. at = \"full-open\""});
+        return record;
+    }
+    Run rest{run.stop, run.progress};
+    return joined(std::move(record), scene, (*then)->run(continued_from(scene, record), rest));
+}
+
+}  // namespace twinchute

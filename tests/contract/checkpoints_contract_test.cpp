@@ -1,0 +1,253 @@
+// A run that goes on from any of its checkpoints ends with the bits of the run that was never cut off: in
+// every layout and instruction set, every stage, every way to open. The run without checkpoints is the
+// expectation, so that taking one changes nothing either; and nothing is allowed to differ.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "fullsim/gores/kernels.hpp"
+#include "fullsim/indexed/kernels.hpp"
+#include "fullsim/keep_state.hpp"
+#include "fullsim/run_fullsim.hpp"
+#include "fullsim/sector/kernels.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "tests/support/same_run.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+Scene coarse(const char* file, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"full.mesh.gore_rows=5", "full.mesh.gore_columns=1",
+                               "full.mesh.line_elements=3", "full.mesh.riser_elements=2"});
+    return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + file, more);
+}
+
+/// What a run gives away beside its record.
+struct Given {
+    RunRecord record;
+    std::vector<VtuGrid> fields;
+    ShapeFrames frames;
+    std::vector<std::string> saved;
+    std::vector<std::size_t> fields_then;  ///< how many there were when each of these was saved
+};
+
+Given run(const Scene& scene, bool saves, const std::string& from = {}) {
+    Given given;
+    Run control;
+    control.fields = [&](const VtuGrid& frame) { given.fields.push_back(frame); };
+    control.frames = [&](ShapeFrames frames) { given.frames = std::move(frames); };
+    if (saves)
+        control.checkpoints.save = [&](std::string state) {
+            given.saved.push_back(std::move(state));
+            given.fields_then.push_back(given.fields.size());
+        };
+    control.checkpoints.from = from;
+    given.record = run_fullsim(scene, control);
+    return given;
+}
+
+struct Case {
+    const char* name;
+    const char* file;
+    std::vector<std::string> more;
+};
+
+void PrintTo(const Case& one, std::ostream* out) {
+    *out << one.name;
+}
+
+class Checkpoints : public testing::TestWithParam<Case> {};
+
+TEST_P(Checkpoints, EachIsGoneOnFromToTheSameBits) {
+    Scene scene = coarse(GetParam().file, GetParam().more);
+    scene.full.checkpoint_interval = 1e-9;  // at every step at which there may be one
+    scene.full.fields_rate = 40.0;
+    const Given whole = run(scene, false), saving = run(scene, true);
+    ASSERT_FALSE(is_numerical_failure(whole.record.status.code)) << whole.record.status.detail;
+    ASSERT_EQ(test::run_difference(whole.record, saving.record), "");
+    // One in 50 steps.
+    ASSERT_NEAR(static_cast<double>(saving.saved.size()), static_cast<double>(whole.record.cost.steps) / 50.0,
+                2.0);
+    const std::size_t looks = 7;
+    for (std::size_t look = 0; look < looks; ++look) {
+        const std::size_t at = look * (saving.saved.size() - 1) / (looks - 1);
+        SCOPED_TRACE(fmt::format("checkpoint {} of {}", at, saving.saved.size()));
+        Given rest = run(scene, false, saving.saved[at]);
+        EXPECT_EQ(test::run_difference(whole.record, rest.record), "");
+        ASSERT_EQ(rest.record.cost.resumed_at.size(), 1u);
+        EXPECT_EQ(rest.frames, whole.frames);
+        const std::size_t before = saving.fields_then[at];
+        ASSERT_EQ(before + rest.fields.size(), whole.fields.size());
+        for (std::size_t i = 0; i < rest.fields.size(); ++i)
+            EXPECT_EQ(vtu_text(rest.fields[i]), vtu_text(whole.fields[before + i])) << i;
+    }
+}
+
+/// Every start, structure, layout, and whatever else has a memory of its own.
+INSTANTIATE_TEST_SUITE_P(
+    Runs, Checkpoints,
+    testing::Values(
+        Case{"line stretch", "c9-inflation.toml", {"stop.time=2.5"}},
+        Case{"steady descent", "c9-inflation.toml", {"full.output_rate=20"}},
+        Case{
+            "uniform mesh, graded time", "c9-inflation.toml", {"full.mesh.grading='uniform'", "stop.time=1"}},
+        Case{"noise, accreting air, mass damping",
+             "c9-inflation.toml",
+             {"full.noise={amplitude=1e-3,seed=7}", "aerodynamics.added_mass.momentum='accreting'",
+              "full.alpha=1", "payload.drag_area=0.4", "stop.time=1"}},
+        Case{"sector", "c9-inflation.toml", {"full.symmetry='sector'", "stop.time=2"}},
+        Case{"sector of seven gores",
+             "c9-inflation.toml",
+             {"full.symmetry='sector'", "parachute.risers=4", "stop.time=1"}},
+        Case{
+            "thirty gores", "c9-inflation.toml", {"parachute.gores=30", "parachute.risers=3", "stop.time=1"}},
+        Case{"wind", "c9-crosswind.toml", {"stop.time=1"}},
+        Case{"reefed", "c9-reefed.toml", {"full.output_rate=50"}},
+        Case{"from the pack", "paper/crane-drop.toml", {"stop.delay='50 ms'", "stop.at='full-open'"}},
+        Case{"elements carry the pack",
+             "paper/crane-drop.toml",
+             {"full.structure='fe'", "stop.at='line-stretch'", "stop.delay='0.1 s'"}}),
+    [](const auto& one) {
+        std::string name = one.param.name;
+        std::erase_if(name, [](char c) { return c == ',' || c == ' '; });
+        return name;
+    });
+
+// --- the state of a simulation ------------------------------------------------------------
+
+std::string kept(Simulation& simulation) {
+    Keeper k;
+    simulation.keep(k);
+    return k.take();
+}
+
+/// Node by node, without what clocks measured.
+std::string state_of(const Simulation& simulation) {
+    State state = simulation.state();
+    Keeper k;
+    keep(k, state);
+    return k.take();
+}
+
+void fly(Simulation& simulation, int steps) {
+    for (int i = 0; i < steps; ++i) {
+        simulation.evaluate_forces();
+        const State& s = simulation.outline();
+        if (s.stage == Stage::deployment && simulation.lines_are_taut()) {
+            ASSERT_FALSE(simulation.snatch());
+        } else if (s.stage == Stage::springs && simulation.mouth_is_open()) {
+            simulation.begin_ramp();
+        } else if (s.time >= simulation.ramp_end()) {
+            simulation.end_ramp();
+        } else if (s.stage != Stage::deployment && s.time >= simulation.inflation().end_of(s.phase)) {
+            simulation.begin(s.phase == Phase::initial ? Phase::filling : Phase::open);
+        }
+        const double phase_end = s.stage == Stage::deployment ? 1e9 : simulation.inflation().end_of(s.phase);
+        simulation.step_to(std::min({1e9, phase_end, simulation.ramp_end()}));
+    }
+}
+
+/// What has been kept is read to the same bytes, and goes on to the same bits.
+void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout, int steps, int rounds,
+                      std::size_t stages = 1) {
+    Simulation simulation(scene, layout);
+    std::set<Stage> seen;
+    for (int round = 0; round < rounds; ++round) {
+        seen.insert(simulation.outline().stage);
+        SCOPED_TRACE(
+            fmt::format("step {}, {}", simulation.outline().step, stage_name(simulation.outline().stage)));
+        const std::string bytes = kept(simulation);
+        Simulation other(scene, layout);
+        Keeper k(bytes, "a test");
+        other.keep(k);
+        k.end();
+        ASSERT_EQ(kept(other), bytes);
+        fly(simulation, steps);
+        fly(other, steps);
+        ASSERT_EQ(state_of(other), state_of(simulation));
+        ASSERT_EQ(other.step().dt, simulation.step().dt);
+    }
+    EXPECT_EQ(seen.size(), stages) << "stages that were kept";
+}
+
+TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {
+    // Thirty gores leave lanes without one. From line stretch into filling, where the weights of rows are
+    // made anew while the added mass grows: 3000 steps.
+    Scene scene = coarse("c9-inflation.toml", {"parachute.gores=30", "parachute.risers=3"});
+    for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+        SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
+        expect_same_rest(
+            scene,
+            [&](const Scene& s, const Mesh& m, const NodeConstants& c) {
+                return make_indexed_layout(s, m, c, &kernels);
+            },
+            500, 6);
+    }
+    for (const GoreKernels& kernels : all_gore_kernels()) {
+        SCOPED_TRACE(fmt::format("gores, {}", kernels.instruction_set));
+        expect_same_rest(
+            scene,
+            [&](const Scene& s, const Mesh& m, const NodeConstants& c) {
+                return make_gore_layout(s, m, c, &kernels);
+            },
+            500, 6);
+    }
+    expect_same_rest(
+        scene,
+        [](const Scene&, const Mesh& m, const NodeConstants& c) { return make_reference_layout(m, c); }, 200,
+        3);
+    scene.full.line_substeps = 1;
+    for (const SectorKernels& kernels : all_sector_kernels()) {
+        SCOPED_TRACE(fmt::format("sector, {}", kernels.instruction_set));
+        expect_same_rest(
+            scene,
+            [&](const Scene& s, const Mesh& m, const NodeConstants& c) {
+                return make_sector_layout(s, m, c, nullptr, &kernels);
+            },
+            500, 6);
+    }
+}
+
+TEST(CheckpointsOfLayouts, GoOnInEachStage) {
+    Scene scene = coarse("paper/crane-drop.toml", {"full.beta=1e-7", "parachute.deploy.length='3 m'"});
+    expect_same_rest(scene, Simulation::layout_of_one_thread, 2000, 60, 4);
+}
+
+TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
+    const Scene scene = coarse("c9-inflation.toml");
+    const auto indexed = [](std::size_t which) {
+        return [which](const Scene& s, const Mesh& m, const NodeConstants& c) {
+            return make_indexed_layout(s, m, c, &indexed::all_kernels()[which]);
+        };
+    };
+    Simulation simulation(scene, indexed(0));
+    fly(simulation, 100);
+    const std::string bytes = kept(simulation);
+    const auto why_not = [&](Simulation&& other) {
+        try {
+            Keeper k(bytes, "a test");
+            other.keep(k);
+        } catch (const RecordError& error) {
+            return std::string(error.what());
+        }
+        return std::string("it is read");
+    };
+    EXPECT_NE(why_not(Simulation(coarse("c9-inflation.toml", {"full.mesh.gore_rows=6"}), indexed(0)))
+                  .find("is of another mesh"),
+              std::string::npos);
+    EXPECT_NE(why_not(Simulation(scene)).find("is of another layout of nodes and elements"),
+              std::string::npos);
+    if (indexed::all_kernels().size() > 1) {
+        EXPECT_NE(why_not(Simulation(scene, indexed(1))).find("is of another instruction set"),
+                  std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim

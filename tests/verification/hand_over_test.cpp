@@ -1,0 +1,172 @@
+// The rest of a fall by another model: where the same model goes on nothing may change, and where the
+// reduced-order one takes over from the full one the landing hangs on how far apart their descents are.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fullsim/fidelity.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "lib/solve/hand_over.hpp"
+#include "rom/fidelity.hpp"
+
+namespace twinchute {
+namespace {
+
+const std::array<const Fidelity*, 2> both{&rom::rom_fidelity(), &fullsim::full_fidelity()};
+
+RunRecord fly(const Fidelity& fidelity, const std::string& file, const std::vector<std::string>& more) {
+    Run run;
+    return run_scene(fidelity, read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + file, more),
+                     run, both);
+}
+
+double at_end(const RunRecord& record, const char* channel) {
+    return record.find_channel(channel)->values.back();
+}
+
+TEST(HandOver, FromTheReducedOrderModelToItselfChangesNothing) {
+    // The continued run begins in the state that the whole one passes: what differs is the tolerance of two
+    // integrations, 1e-8 each, a hundred times that is allowed; and of the velocity across, which is found
+    // from the last five places: rows 25 ms apart and a speed that settles in 0.4 s leave 1e-4 m/s, which are
+    // gone after 0.4 s: 1e-4 m is allowed. Steady and just open; in wind that turns with height, in a wind
+    // across, straight down, and reefed.
+    for (const char* file : {"c9-drift.toml", "c9-crosswind.toml", "c9-inflation.toml", "c9-reefed.toml"})
+        for (const char* stop : {"stop.at='steady-descent'", "stop.at='full-open'"}) {
+            SCOPED_TRACE(std::string(file) + ", " + stop);
+            const RunRecord whole = fly(rom::rom_fidelity(), file, {"stop.at='ground'"}),
+                            two = fly(rom::rom_fidelity(), file, {stop, "stop.then='rom'"});
+            ASSERT_EQ(two.status.code, StatusCode::completed) << two.status.detail;
+            ASSERT_TRUE(two.handed_over);
+            EXPECT_LT(two.handed_over->time, 0.7 * at_end(two, "time"));
+            EXPECT_NEAR(*two.metric("flight_time_s"), *whole.metric("flight_time_s"),
+                        1e-6 * *whole.metric("flight_time_s"));
+            for (const char* key : {"landing_east_m", "landing_north_m"})
+                EXPECT_NEAR(*two.metric(key), *whole.metric(key), 1e-4) << key;
+            EXPECT_NEAR(two.find_event("ground")->speed, whole.find_event("ground")->speed, 1e-5);
+            // That of the last second: before the hand-over, or before the ground in both.
+            if (std::string(stop) == "stop.at='full-open'") {
+                EXPECT_NEAR(*two.metric("descent_rate_m_s"), *whole.metric("descent_rate_m_s"), 1e-6);
+            }
+        }
+}
+
+struct Landing {
+    double time, drift;
+};
+
+Landing landing_of(const RunRecord& record) {
+    return {*record.metric("flight_time_s"),
+            std::hypot(*record.metric("landing_east_m"), *record.metric("landing_north_m"))};
+}
+
+/// The full model all the way down, and as far as the steady descent.
+void expect_same_landing(const std::vector<std::string>& more) {
+    std::vector<std::string> all_of_it = more, part = more;
+    all_of_it.emplace_back("stop.at='ground'");
+    part.insert(part.end(), {"stop.at='steady-descent'", "stop.then='rom'"});
+    const RunRecord whole = fly(fullsim::full_fidelity(), "c9-crosswind.toml", all_of_it),
+                    handed = fly(fullsim::full_fidelity(), "c9-crosswind.toml", part);
+    ASSERT_EQ(whole.status.code, StatusCode::completed) << whole.status.detail;
+    ASSERT_EQ(handed.status.code, StatusCode::completed) << handed.status.detail;
+    const Landing a = landing_of(whole), b = landing_of(handed);
+    // Both fall with the scene's drag area; their descent rates differ by 0.1 % (docs/verification.md).
+    EXPECT_NEAR(b.time, a.time, 0.005 * a.time);
+    EXPECT_NEAR(b.drift, a.drift, 0.01 * a.drift);
+    EXPECT_LT(handed.cost.steps, whole.cost.steps);
+}
+
+TEST(HandOver, FromTheFullModelLandsWhereThatWouldHave) {
+    expect_same_landing({"release.height='200 m'", "full.mesh.gore_rows=6", "full.mesh.gore_columns=1",
+                         "full.mesh.line_elements=4"});
+}
+
+TEST(HandOver, MakesOneRecordThatSaysWhatIsWhose) {
+    const std::vector<std::string> coarse{"full.mesh.gore_rows=4", "full.mesh.gore_columns=1",
+                                          "full.mesh.line_elements=3", "stop.at='full-open'",
+                                          "stop.then='rom'"};
+    const RunRecord record = fly(fullsim::full_fidelity(), "c9-crosswind.toml", coarse);
+    ASSERT_EQ(record.status.code, StatusCode::completed);
+    const double then = record.handed_over->time;
+    EXPECT_EQ(record.handed_over->to, "rom");
+    EXPECT_EQ(record.status.detail.find("ground reached, by rom from t = "), 0u) << record.status.detail;
+    // One time, rising throughout; one set of columns; what only the full model has is unknown after it.
+    const std::vector<double>& time = record.find_channel("time")->values;
+    ASSERT_TRUE(std::ranges::is_sorted(time));
+    for (const Channel& channel : record.channels)
+        ASSERT_EQ(channel.values.size(), time.size()) << channel.name;
+    const std::size_t first = static_cast<std::size_t>(std::ranges::upper_bound(time, then) - time.begin());
+    ASSERT_LT(first, time.size());
+    EXPECT_TRUE(std::isnan(record.find_channel("projected_area")->values[first]));
+    EXPECT_FALSE(std::isnan(record.find_channel("projected_area")->values[first - 1]));
+    for (const char* goes_on : {"altitude", "east", "north", "speed", "vertical_speed", "force", "drag_area"})
+        EXPECT_TRUE(std::isfinite(record.find_channel(goes_on)->values[first])) << goes_on;
+    // Place and speed go on from where they were: by no more than one row of this moves.
+    for (const char* smooth : {"altitude", "east", "north"}) {
+        const std::vector<double>& x = record.find_channel(smooth)->values;
+        EXPECT_NEAR(x[first], x[first - 1], 25.0 * (time[first] - time[first - 1])) << smooth;
+    }
+    const Event* event = record.find_event("handed-over");
+    ASSERT_NE(event, nullptr);
+    EXPECT_EQ(event->time, then);
+    EXPECT_EQ(record.events.back().name, "ground");
+    EXPECT_TRUE(std::ranges::is_sorted(record.events, {}, &Event::time));
+    for (const std::string& key : record.handed_over->metrics) {
+        EXPECT_EQ(record.find_metric(key)->note.find("by rom from t = "), 0u) << key;
+    }
+    EXPECT_EQ(record.handed_over->metrics,
+              (std::vector<std::string>{"flight_time_s", "landing_east_m", "landing_north_m",
+                                        "descent_rate_m_s", "descent_altitude_m", "altitude_loss_m"}));
+    EXPECT_NEAR(*record.metric("altitude_loss_m"), 100.0 - *record.metric("descent_altitude_m"), 1e-9);
+    EXPECT_EQ(*record.metric("flight_time_s"), time.back());
+}
+
+TEST(HandOver, IsNotMadeFromACanopyThatIsNotOpen) {
+    const RunRecord record =
+        fly(fullsim::full_fidelity(), "c9-inflation.toml",
+            {"full.mesh.gore_rows=4", "full.mesh.gore_columns=1", "stop.time=0.3", "stop.then='rom'"});
+    EXPECT_EQ(record.status.code, StatusCode::completed);
+    EXPECT_FALSE(record.handed_over);
+    EXPECT_FALSE(record.metric("flight_time_s"));
+    ASSERT_FALSE(record.warnings.empty());
+    EXPECT_EQ(record.warnings.back().what, "the fall was not handed over to rom");
+}
+
+TEST(HandOver, KeepsARunThatDidNotStopAsItIs) {
+    std::stop_source stop;
+    stop.request_stop();
+    twinchute::Run run;  // not that of a test
+    run.stop = stop.get_token();
+    const Scene scene =
+        read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml", {"stop.then='rom'"});
+    const RunRecord record = run_scene(fullsim::full_fidelity(), scene, run, both);
+    EXPECT_EQ(record.status.code, StatusCode::interrupted);
+    EXPECT_FALSE(record.handed_over);
+}
+
+TEST(HandOver, IsRefusedWhereNothingCouldBeHandedOver) {
+    const auto why_not = [](const std::vector<std::string>& more) {
+        try {
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml", more);
+        } catch (const std::exception& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_EQ(why_not({"stop.then='rom'"}), "");
+    EXPECT_NE(why_not({"stop.then='full'"}).find("stop.then"), std::string::npos);
+    EXPECT_NE(why_not({"stop.then='cfd'"}).find("rom"), std::string::npos);
+    EXPECT_NE(why_not({"stop.then='rom'", "stop.at='ground'"}).find("nothing is left to fly"),
+              std::string::npos);
+    EXPECT_NE(why_not({"stop.then='rom'", "stop.at='line-stretch'"}).find("before the canopy is open"),
+              std::string::npos);
+    EXPECT_NE(why_not({"stop.then='rom'", "parachute.cut={time='3 s'}"}).find("parachute.cut lets it go"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace twinchute
