@@ -216,7 +216,7 @@ TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {
 
 TEST(CheckpointsOfLayouts, GoOnInEachStage) {
     Scene scene = coarse("paper/crane-drop.toml", {"full.beta=1e-7", "parachute.deploy.length='3 m'"});
-    expect_same_rest(scene, Simulation::layout_of_one_thread, 2000, 60, 4);
+    expect_same_rest(scene, Simulation::layout_of_one_thread, 500, 60, 4);
 }
 
 TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
