@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lib/math/vec.hpp"
 
@@ -166,7 +167,8 @@ RunRecord run_scene(const Fidelity& fidelity, const Scene& scene, Run& run,
         return record;
     }
     Run rest{run.stop, run.progress};
-    return joined(std::move(record), scene, (*then)->run(continued_from(scene, record), rest));
+    const RunRecord after = (*then)->run(continued_from(scene, record), rest);
+    return joined(std::move(record), scene, after);
 }
 
 }  // namespace twinchute
