@@ -101,7 +101,7 @@ TEST(ImportedMesh, StartsWhereTheGeneratedOneDoes) {
             const auto start = [&](const Scene& s) {
                 const Parachute& p = s.parachutes.front();
                 return start_mesh(
-                    s, by == DeployBy::inflated ? inflated(p) : make_inflation(p, 0.0, 21.0, 1.225),
+                    s, by == DeployBy::inflated ? inflated(p) : make_inflation(s, p, 0.0, 21.0, 1.225),
                     Phase::initial);
             };
             const Mesh made = start(scene), read = start(imported(scene, directory));

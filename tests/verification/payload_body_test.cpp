@@ -29,7 +29,7 @@ TEST(PayloadBody, HangsOnItsRisersWithoutStrain) {
         scene.parachutes.front().risers = risers;
         Scene point = scene;
         point.payload.body.reset();
-        const Inflation inflation = make_inflation(scene.parachutes.front(), 0.0, 21.0, 1.225);
+        const Inflation inflation = make_inflation(scene, scene.parachutes.front(), 0.0, 21.0, 1.225);
         const Mesh body = start_mesh(scene, inflation, Phase::initial);
         const Mesh bare = start_mesh(point, inflation, Phase::initial);
         ASSERT_EQ(body.places.size(), static_cast<std::size_t>(risers));
