@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <iterator>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
@@ -21,7 +23,9 @@
 #include "compare/report/terminal.hpp"
 #include "compare/report/trend_text.hpp"
 #include "compare/report/write_report.hpp"
+#include "compare/series.hpp"
 #include "compare/tolerances.hpp"
+#include "compare/validate/parallel.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
@@ -30,6 +34,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/record_error.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/solve/stopwatch.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -99,13 +104,181 @@ struct Case {
     std::optional<LongRun> candidate, reference;              ///< otherwise
 };
 
+/// What a case came to.
+struct CaseOutcome {
+    std::string text, gap;  ///< for standard output: for reading, and as JSON
+    ExitCode code = ExitCode::done;
+    std::optional<SeriesCase> row;
+};
+
+/// All cases of a command: one scene, or a series, several at once where each has a processor of its own.
+class Comparing {
+public:
+    Comparing(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments,
+              const std::vector<Scene>& scenes, const Baseline& baseline, const Why& why,
+              std::filesystem::path directory)
+        : reference_(reference),
+          candidate_(candidate),
+          arguments_(arguments),
+          scenes_(scenes),
+          baseline_(baseline),
+          why_(why),
+          directory_(std::move(directory)),
+          threads_(threads_of(arguments)),
+          quiet_(arguments.has("quiet")) {
+        // What cannot be gone on with is known before anything runs.
+        for (const Scene& scene : scenes_)
+            cases_.emplace_back(reference, candidate, scene, directory_of(scene, directory_),
+                                arguments.has("resume"));
+        check_output_dir(directory_);
+    }
+
+    ExitCode run() {
+        const Stopwatch watch;
+        const int at_once = cases_at_once();
+        std::vector<CaseOutcome> outcomes(scenes_.size());
+        {
+            std::atomic<std::size_t> ended{0};
+            std::mutex lock;
+            ProgressLine line("series", at_once > 1 && !quiet_ && progress_is_seen());
+            const auto report = line.reporter();
+            in_parallel(scenes_.size(), at_once, [&](std::size_t i) {
+                if (interrupt_.token().stop_requested()) return;
+                outcomes[i] = one(i, at_once > 1);
+                const auto share = static_cast<double>(++ended) / static_cast<double>(scenes_.size());
+                const std::lock_guard guard(lock);
+                if (report) report({scenes_[i].case_name, 0.0, share});
+                if (at_once == 1) show(outcomes[i], i);
+            });
+        }
+        ExitCode code = interrupt_.token().stop_requested() ? ExitCode::interrupted : ExitCode::done;
+        std::vector<std::string> gaps;
+        for (std::size_t i = 0; i < outcomes.size(); ++i) {
+            if (at_once > 1) show(outcomes[i], i);
+            if (arguments_.has("json") && !outcomes[i].gap.empty()) gaps.push_back(outcomes[i].gap);
+            code = gravest(code, outcomes[i].code);
+        }
+        add_whole_series(outcomes, watch.wall());
+        if (arguments_.has("json")) print(joined_json(scenes_, gaps));
+        return code;
+    }
+
+private:
+    /// Runs with pieces switched and threads of a run have their own ways to use the processors.
+    int cases_at_once() const {
+        if (scenes_.size() == 1 || why_.asked || arguments_.has("threads")) return 1;
+        return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    }
+
+    /// In the order of the cases, those that were run.
+    void show(const CaseOutcome& outcome, std::size_t i) const {
+        if (quiet_ || arguments_.has("json") || outcome.text.empty()) return;
+        print((i == 0 ? "" : "\n") + outcome.text);
+    }
+
+    Comparison both(std::size_t i, bool quiet, FieldFiles& of_candidate, FieldFiles& of_reference) {
+        const Scene& scene = scenes_[i];
+        Case& of = cases_[i];
+        const std::array<const Fidelity*, 2> fidelities{&reference_, &candidate_};
+        Comparison comparison;
+        comparison.reference_title = reference_.title;
+        comparison.candidate_title = candidate_.title;
+        if (of.finished) {
+            std::tie(comparison.candidate, comparison.reference) = *of.finished;
+            comparison.candidate_frames = read_frames(of.place / candidate_.name);
+            comparison.reference_frames = read_frames(of.place / reference_.name);
+        } else {
+            // The quick one first: it is there even when the long one is interrupted.
+            Checkpoints to_candidate = of.candidate->checkpoints(of_candidate),
+                        to_reference = of.reference->checkpoints(of_reference);
+            comparison.candidate =
+                as_written(run_watched(candidate_, scene, interrupt_.token(), quiet, threads_, &of_candidate,
+                                       &comparison.candidate_frames, std::move(to_candidate), fidelities));
+            comparison.reference =
+                as_written(run_watched(reference_, scene, interrupt_.token(), quiet, threads_, &of_reference,
+                                       &comparison.reference_frames, std::move(to_reference), fidelities));
+        }
+        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances,
+                                     command_line_tolerances(comparison.reference));
+        if (of.finished) comparison.attribution = attribution_in(of.place, comparison);
+        return comparison;
+    }
+
+    CaseOutcome one(std::size_t i, bool among_others) {
+        Case& of = cases_[i];
+        FileBatch batch;
+        FieldFiles of_candidate(batch, of.place / candidate_.name),
+            of_reference(batch, of.place / reference_.name);
+        Comparison comparison = both(i, quiet_ || among_others, of_candidate, of_reference);
+        std::optional<Trend> trend;
+        if (baseline_.asked()) trend = baseline_.trend_of(i, comparison);
+        if (why_.asked && !comparison.attribution && !interrupt_.token().stop_requested())
+            comparison.attribution =
+                explained(comparison, scenes_[i], reference_, candidate_, why_, interrupt_, quiet_);
+        const LadderBeside beside = ladder_there(of.place, comparison);
+        if (of.finished)
+            add_gap_files(batch, comparison, of.place, beside);
+        else
+            add_report(batch, comparison, of.place, beside);
+        baseline_.add_files(batch, trend, comparison, of.place);
+        batch.commit();
+        if (of.candidate) of.candidate->ended(comparison.candidate);
+        if (of.reference) of.reference->ended(comparison.reference);
+
+        CaseOutcome outcome;
+        outcome.row = series_case(scenes_[i], comparison);
+        if (arguments_.has("json")) outcome.gap = with_trend(gap_json(comparison), trend, baseline_);
+        outcome.text = terminal_text(comparison, output_style());
+        if (trend) outcome.text += trend_terminal(*trend, baseline_.directory(), output_style());
+        outcome.text += resumed_text(comparison.candidate) + resumed_text(comparison.reference);
+        if (of.finished) outcome.text += "kept      both records, they had ended before; nothing was run\n";
+        outcome.text += fields_text(of_reference) + fields_text(of_candidate) + ladder_line(beside, of.place);
+        outcome.text += fmt::format("report    {}\n", printable((of.place / "report.html").string()));
+        outcome.code = exit_code(comparison);
+        if (trend && overall_verdict(*trend) == Verdict::exceeded)
+            outcome.code = gravest(outcome.code, ExitCode::verdict);
+        return outcome;
+    }
+
+    /// Table and plot of a series whose every case has been run.
+    void add_whole_series(const std::vector<CaseOutcome>& outcomes, double seconds) const {
+        const Scene& first = scenes_.front();
+        if (first.case_name.empty()) return;
+        CaseSeries series;
+        series.title = first.name.substr(0, first.name.rfind(", " + first.case_name));
+        series.reference_title = reference_.title;
+        series.candidate_title = candidate_.title;
+        series.spec = first.series.value_or(SeriesSpec{"froude_number", "peak_force_ratio", "", "", {}, {}});
+        series.wall_s = seconds;
+        for (const CaseOutcome& outcome : outcomes) {
+            if (!outcome.row) return;
+            series.cases.push_back(*outcome.row);
+        }
+        FileBatch batch;
+        add_series(batch, series, directory_);
+        batch.commit();
+        if (!quiet_ && !arguments_.has("json"))
+            print(fmt::format("\nseries    {}\n", printable((directory_ / "series.md").string())));
+    }
+
+    const Fidelity &reference_, &candidate_;
+    const Arguments& arguments_;
+    const std::vector<Scene>& scenes_;
+    const Baseline& baseline_;
+    const Why& why_;
+    const std::filesystem::path directory_;
+    const int threads_;
+    const bool quiet_;
+    std::vector<Case> cases_;
+    const Interrupt interrupt_;  // until the records are safe
+};
+
 ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::array<const Fidelity*, 2> both{&reference, &candidate};
     std::vector<std::string> overrides = tolerance_overrides(arguments);
     for (const Fidelity* fidelity : both)
         std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
     const std::vector<Scene> scenes = scenes_of(arguments, overrides);
-    const int threads = threads_of(arguments);
     const Why why = why_of(arguments);
     for (const Scene& scene : scenes)
         for (const Fidelity* fidelity : both)
@@ -115,75 +288,9 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         say_valid(scenes, arguments);
         return ExitCode::done;
     }
-    const std::filesystem::path directory =
-        arguments.value("out").value_or(default_output_dir(arguments.operand).string());
-    std::vector<Case> cases;  // what cannot be gone on with is known before anything runs
-    for (const Scene& scene : scenes)
-        cases.emplace_back(reference, candidate, scene, directory_of(scene, directory),
-                           arguments.has("resume"));
-    check_output_dir(directory);
-    const Interrupt interrupt;  // until the records are safe
-    const bool quiet = arguments.has("quiet");
-    ExitCode code = ExitCode::done;
-    std::vector<std::string> gaps;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        const Scene& scene = scenes[i];
-        const std::filesystem::path& place = cases[i].place;
-        Comparison comparison;
-        comparison.reference_title = reference.title;
-        comparison.candidate_title = candidate.title;
-        FileBatch batch;
-        FieldFiles of_candidate(batch, place / candidate.name), of_reference(batch, place / reference.name);
-        if (cases[i].finished) {
-            std::tie(comparison.candidate, comparison.reference) = *cases[i].finished;
-            comparison.candidate_frames = read_frames(place / candidate.name);
-            comparison.reference_frames = read_frames(place / reference.name);
-        } else {
-            // The quick one first: it is there even when the long one is interrupted.
-            Checkpoints to_candidate = cases[i].candidate->checkpoints(of_candidate),
-                        to_reference = cases[i].reference->checkpoints(of_reference);
-            comparison.candidate =
-                as_written(run_watched(candidate, scene, interrupt.token(), quiet, threads, &of_candidate,
-                                       &comparison.candidate_frames, std::move(to_candidate), both));
-            comparison.reference =
-                as_written(run_watched(reference, scene, interrupt.token(), quiet, threads, &of_reference,
-                                       &comparison.reference_frames, std::move(to_reference), both));
-        }
-        comparison.gap = measure_gap(comparison.reference, comparison.candidate, scene.tolerances,
-                                     command_line_tolerances(comparison.reference));
-        if (cases[i].finished) comparison.attribution = attribution_in(place, comparison);
-        std::optional<Trend> trend;
-        if (baseline.asked()) trend = baseline.trend_of(i, comparison);
-        if (why.asked && !comparison.attribution && !interrupt.token().stop_requested())
-            comparison.attribution =
-                explained(comparison, scene, reference, candidate, why, interrupt, quiet);
-        const LadderBeside beside = ladder_there(place, comparison);
-        if (cases[i].finished)
-            add_gap_files(batch, comparison, place, beside);
-        else
-            add_report(batch, comparison, place, beside);
-        baseline.add_files(batch, trend, comparison, place);
-        batch.commit();
-        if (cases[i].candidate) cases[i].candidate->ended(comparison.candidate);
-        if (cases[i].reference) cases[i].reference->ended(comparison.reference);
-
-        if (arguments.has("json")) {
-            gaps.push_back(with_trend(gap_json(comparison), trend, baseline));
-        } else if (!quiet) {
-            print((i == 0 ? "" : "\n") + terminal_text(comparison, output_style()));
-            if (trend) print(trend_terminal(*trend, baseline.directory(), output_style()));
-            print(resumed_text(comparison.candidate) + resumed_text(comparison.reference));
-            if (cases[i].finished) print("kept      both records, they had ended before; nothing was run\n");
-            print(fields_text(of_reference) + fields_text(of_candidate) + ladder_line(beside, place));
-            print(fmt::format("report    {}\n", printable((place / "report.html").string())));
-        }
-        code = gravest(code, exit_code(comparison));
-        if (trend && overall_verdict(*trend) == Verdict::exceeded) code = gravest(code, ExitCode::verdict);
-        if (why.asked && interrupt.token().stop_requested()) code = gravest(code, ExitCode::interrupted);
-        if (code == ExitCode::interrupted) break;
-    }
-    if (arguments.has("json")) print(joined_json(scenes, gaps));
-    return code;
+    return Comparing(reference, candidate, arguments, scenes, baseline, why,
+                     arguments.value("out").value_or(default_output_dir(arguments.operand).string()))
+        .run();
 }
 
 }  // namespace

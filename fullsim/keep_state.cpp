@@ -29,6 +29,18 @@ void keep_air(Keeper& k, AeroState& air) {
     k.flag("pressure is capped", pressure_capped);
 }
 
+void keep_body(Keeper& k, std::optional<BodyState>& body) {
+    bool turns = body.has_value();
+    k.flag("payload turns", turns);
+    if (!turns) return body.reset();
+    if (!body) body.emplace();
+    auto& [attitude, half_momentum, momentum, torque] = *body;
+    k.numbers("attitude", std::span(attitude));
+    k.numbers("momentum of the half step", std::span(half_momentum.data(), 3));
+    k.numbers("momentum", std::span(momentum.data(), 3));
+    k.numbers("torque", std::span(torque.data(), 3));
+}
+
 constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
     auto& [kinetic_start, elastic_start, gravity_work, drag_work, damping, added_mass, gravity_power,
            drag_power, damping_power, external_work, external_power, ramp] = book;
@@ -54,7 +66,7 @@ void keep(Keeper& k, LargestLoads& loads) {
 
 void keep(Keeper& k, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, fe_weight, node, v_half, force, aero, added_mass_rate,
-           added_mass, sums, air, energy, accretion_power, damping_power, external_power, riser_force,
+           added_mass, body, sums, air, energy, accretion_power, damping_power, external_power, riser_force,
            capped_steps, largest] = state;
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
@@ -67,6 +79,7 @@ void keep(Keeper& k, State& state) {
     k.numbers("velocities of half steps", doubles(v_half));
     k.numbers("forces", doubles(force));
     k.numbers("forces of the air", doubles(aero));
+    keep_body(k, body);
     k.row("sums", sums, sums_members);
     keep_air(k, air);
     k.row("energy", energy, energy_members);

@@ -444,7 +444,7 @@ void FullRun::keep(Keeper& k) {
     }
     k.whole("sound events", sound_events_, 0, record_.events.size());
     for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &snatch_, &snatch_speed_,
-                      &payload_snatch_speed_, &snatch_density_})
+                      &snatch_path_angle_, &payload_snatch_speed_, &snatch_density_})
         k.number("run", *x);
     for (std::optional<double>* x : {&line_stretch_time_, &descent_altitude_, &landing_time_, &steady_area_})
         k.number("run", *x);
