@@ -21,6 +21,7 @@ TREE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 DEMO = os.path.join(TREE, "data", "scenes", "c9-inflation.toml")
 COARSE = ["--quick"] + [word for key in ("gore_columns=1", "gore_rows=4", "line_elements=4")
                         for word in ("--set", "full.mesh." + key)] + ["--set", "stop.time=2"]
+SERIES = ["froude-low", "froude-high", "operational-froude", "altitude"]  # of the paper, Figs 8 to 11
 WORK_ROM = {"crane-drop": "crane drop", "descent-100s": "100 s of descent", "elastic-snatch": "elastic snatch",
             "two-stage-opening": "opening in two stages"}
 
@@ -126,6 +127,23 @@ def order(tools):
     return tools.made("verification_tests --gtest_filter=TimeIntegration.*") + table(["quantity", "expected", "found"], rows)
 
 
+def series(tools):
+    """The paper's series at both fidelities: their tables, and their pictures anew."""
+    text = tools.made("twinchute compare data/scenes/paper/SERIES.toml")
+    for name in SERIES:
+        with tempfile.TemporaryDirectory() as directory:
+            scene = os.path.join(TREE, "data", "scenes", "paper", name + ".toml")
+            # Ending with 1 means that some gap is beyond its tolerance: the table says how large it is.
+            tools.run([tools.program, "compare", "--quiet", "--out", directory, scene], (0, 1))
+            picture = os.path.join(tools.docs, "pictures", f"series-{name}.svg")
+            shutil.copy(os.path.join(directory, "series.svg"), picture)
+            with open(os.path.join(directory, "series.md")) as file:
+                made = file.read()
+        made = made.replace("(series.svg)", f"(pictures/series-{name}.svg)").replace("# ", "### ", 1)
+        text += made.split("\nWhere two numbers stand", 1)[0] + "\n"
+    return text + "Where two numbers stand: rom / full.\n"
+
+
 # Where a block stands, what makes it, and whether it is quick enough for a test.
 BLOCKS = {
     "ladder": ("ladder.md", ladder, True),
@@ -134,6 +152,7 @@ BLOCKS = {
     "work-full": ("cost.md", work_full, True),
     "step-bound": ("stability.md", bound, False),
     "step-order": ("verification.md", order, True),
+    "series": ("verification.md", series, False),
 }
 
 
