@@ -98,7 +98,8 @@ TEST_F(Resume, KilledBeforeAnyChangeOfAFile) {
 TEST_F(Resume, ComparesTheSameAfterKills) {
     ASSERT_LE(start(words("compare", "whole")).code, 1);  // so coarse a mesh need not meet a tolerance
     Ended ended;
-    EXPECT_EQ(run_with_kills(words("compare", "killed"), here_.path(), 3, 0.4, 2, &ended), 3);
+    // How many of three hit depends on the machine: what is left to run may be over before the next.
+    EXPECT_GE(run_with_kills(words("compare", "killed"), here_.path(), 3, 0.2, 2, &ended), 1);
     ASSERT_LE(ended.code, 1) << ended.err;
     for (const char* side : {"rom", "full"})
         EXPECT_EQ(record_files(here_ / "killed" / side), record_files(here_ / "whole" / side)) << side;
@@ -130,7 +131,10 @@ TEST_F(Resume, ASeriesGoesOnWithItsCases) {
     const Words whole{TWINCHUTE_PROGRAM, "compare", "series.toml", "--out", "whole"};
     ASSERT_LE(start(whole).code,
               1);  // some histories of so coarse a mesh are further apart than is asked for
-    Words words{TWINCHUTE_PROGRAM, "compare", "series.toml", "--out", "killed"};
+    for (const char* file : {"series.md", "series.csv", "series.svg"})
+        EXPECT_TRUE(fs::exists(here_ / "whole" / file)) << file;
+    // One case after the other, so that it is known which has ended; at once they come to the same bits.
+    Words words{TWINCHUTE_PROGRAM, "compare", "series.toml", "--threads", "1", "--out", "killed"};
     {
         Process process(words, here_.path());
         kill_at_checkpoint(process, "killed/b/full");
