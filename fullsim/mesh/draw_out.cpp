@@ -71,7 +71,7 @@ public:
         }
         const auto each = [&](const std::vector<NodeIndex>& ring) {
             const int count = static_cast<int>(ring.size());
-            return count % pattern_.gores == 0 ? count / pattern_.gores : 0;
+            return pattern_.gores > 0 && count % pattern_.gores == 0 ? count / pattern_.gores : 0;
         };
         pattern_.columns = std::max(2, each(imported_.skirt));
         if (each(imported_.skirt) == 1) pattern_.columns = 1;
