@@ -48,7 +48,9 @@ void without_weight(Scene& scene) {
     scene.release.path_angle = 0.0;
 }
 void fills_in(Scene& scene, double seconds) {
-    scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, seconds};
+    FillTime& fill = scene.parachutes.front().fill_time;
+    fill.model = find_fill_time("given");
+    fill.given = seconds;
 }
 void us76(Scene& scene, double altitude) {
     scene.environment.atmosphere = {find_atmosphere("us76")};
