@@ -63,8 +63,15 @@ public:
         std::ranges::copy(motion.position, y.begin());
         std::ranges::copy(motion.velocity, y.begin() + dimensions);
         if (chute_.deploy.by == DeployBy::mortar) throw_out(y);
+        const bool tied = chute_.deploy.by == DeployBy::static_line;
+        model_.bond = tied ? Bond::held : Bond::loose;
+        if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
+            for (int i = 0; i < dimensions; ++i)
+                y[3 * dimensions + i] = -y[dimensions + i];
         course_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });
-        if (pay_out(y, result)) stretch(y, result);
+        OdeSolver solver(opening_method(scene_), rhs(), begin_, y, scene_.rom.rtol, tolerances(), dimensions);
+        if (pay_out(solver, result)) stretch(solver, result);
+        course_.count(solver);
         return result;
     }
 
@@ -104,22 +111,14 @@ private:
     }
 
     /// Until the lines come taut.
-    bool pay_out(std::vector<double>& y, Deployed<dimensions>& result) {
-        const bool tied = chute_.deploy.by == DeployBy::static_line;
-        model_.bond = tied ? Bond::held : Bond::loose;
-        if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
-            for (int i = 0; i < dimensions; ++i)
-                y[3 * dimensions + i] = -y[dimensions + i];
-        OdeSolver solver(opening_method(scene_), rhs(), begin_, y, scene_.rom.rtol, tolerances());
+    bool pay_out(OdeSolver& solver, Deployed<dimensions>& result) {
         const Leg leg = integrate(solver, begin_ + longest_deployment);
-        course_.count(solver);
-        y.assign(solver.state().begin(), solver.state().end());
         if (leg != Leg::root || solver.root() != along_lines) {
             result.status = ending(leg, solver, result);
             return false;
         }
-        const auto separation = Model::separation_of(y);
-        const auto motion = motion_of<dimensions>(y);
+        const auto separation = Model::separation_of(solver.state());
+        const auto motion = motion_of<dimensions>(solver.state());
         course_.add_event(*canopies_.leaves_pack(), "line-stretch");
         openings_.lines_taut();
         result.line_stretch_time = start_ = solver.time();
@@ -130,11 +129,9 @@ private:
     }
 
     /// Until the lines have brought both bodies to one speed along them.
-    void stretch(std::vector<double>& y, Deployed<dimensions>& result) {
+    void stretch(OdeSolver& solver, Deployed<dimensions>& result) {
         model_.bond = Bond::taut;
-        OdeSolver solver(snatch_method(), rhs(), start_, y, scene_.rom.rtol, tolerances());
         const Leg leg = integrate(solver, start_ + longest_deployment);
-        course_.count(solver);
         const auto separation = Model::separation_of(solver.state());
         result.separation = separation.length();
         result.stretch =

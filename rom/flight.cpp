@@ -65,7 +65,7 @@ private:
         return std::make_unique<OdeSolver>(
             method,
             [this](double t, std::span<const double> state, std::span<double> dydt) { rhs(t, state, dydt); },
-            time, y, rtol, std::vector<double>(2 * dimensions, smallest_scale * rtol));
+            time, y, rtol, std::vector<double>(2 * dimensions, smallest_scale * rtol), dimensions);
     }
 
     static std::vector<double> state_of(const Motion<dimensions>& m) {
@@ -85,7 +85,7 @@ private:
 
     HistoryRow row(double t, std::span<const double> y) const {
         const auto m = motion_of<dimensions>(y);
-        const double rho = model_.atmosphere.at(m.altitude()).density;
+        const auto loads = model_.loads(t, m);
         HistoryRow r{};
         r.time = t;
         r.altitude = m.altitude();
@@ -93,14 +93,14 @@ private:
         r.speed = m.velocity.norm();
         if constexpr (dimensions >= 2) r.east = m.position[0];
         if constexpr (dimensions == 3) r.north = m.position[1];
-        r.force = model_.opening_force(t, m);
-        r.drag_area = canopies_.drag_area(t);
+        r.force = model_.opening_force(loads);
+        r.drag_area = loads.drag_area;
         if (has_cluster_ && r.drag_area > 0.0)
             r.canopy_force = r.force * canopies_.largest_drag_area(t) / r.drag_area;
-        r.dynamic_pressure = 0.5 * rho * model_.airspeed(m).squaredNorm();
-        r.acceleration = model_.acceleration(t, m).norm();
+        r.dynamic_pressure = 0.5 * loads.density * loads.airspeed.squaredNorm();
+        r.acceleration = loads.acceleration.norm();
         r.separation = separation_;
-        if (model_.added_mass) r.added_mass = canopies_.added_mass(*model_.added_mass, t, rho).value;
+        r.added_mass = loads.added_mass;
         return r;
     }
 
@@ -126,7 +126,7 @@ private:
 
     /// Negative once the force has fallen well below its peak.
     double above_past_peak(double t, const Motion<dimensions>& m) const {
-        return model_.opening_force(t, m) - past_peak * course_.observer.peak().value;
+        return model_.opening_force(model_.loads(t, m)) - past_peak * course_.observer.peak().value;
     }
 
     /// The right-hand side changes here: a new start from the state reached. The stage ends at its time, at

@@ -8,20 +8,10 @@ namespace twinchute::rom {
 
 inline constexpr std::string_view automatic = "auto";
 
-/// Until the descent is steady, the snatch apart. The looser the tolerance, the lower the order that asks for
-/// the fewest evaluations: the choice of `automatic` changes where the pairs' curves of error against
-/// evaluations cross.
+/// Until the descent is steady. `automatic`: the pair of the highest order asks for the fewest evaluations at
+/// any tolerance; the snatch is no exception, since it lasts a quarter of the lines' period, however short.
 inline const OdeMethod& opening_method(const Scene& scene) {
-    constexpr double loose = 3e-4, middling = 3e-8;
-    if (scene.rom.method != automatic) return *find_ode_method(scene.rom.method);
-    return *find_ode_method(scene.rom.rtol > loose      ? "bogacki-shampine"
-                            : scene.rom.rtol > middling ? "zonneveld"
-                                                        : "dormand-prince");
-}
-/// Taut lines are the stiff part of a run, whatever the scene says: with stiff cord and a light canopy they
-/// swing in milliseconds.
-inline const OdeMethod& snatch_method() {
-    return *find_ode_method("kvaerno-5");
+    return *find_ode_method(scene.rom.method == automatic ? "dormand-prince" : scene.rom.method);
 }
 /// A steady descent that lasts: its rate of decay, 2 g/v, holds an explicit method back where nothing
 /// happens.

@@ -1,6 +1,7 @@
 #include "rom/observer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -19,17 +20,24 @@ void Observer::step(const OdeSolver& solver) {
         solver.interpolate(t, buffer_);
         return row_of_(t, buffer_);
     };
-    const double before = peak_.value;
-    for (int i = 1; i < pieces; ++i)
-        rows_.push_back(at(a + (b - a) * i / pieces));
-    rows_.push_back(row_of_(b, solver.state()));
-    for (std::size_t i = rows_.size() - pieces; i < rows_.size(); ++i)
-        consider(rows_[i]);
-    // Only a step that raised the maximum, or its neighbour, can hold the true one.
-    if (peak_.value > before || rows_.size() - peak_row_ <= 2 * pieces) {
-        const Maximum best = maximum_on([&](double t) { return at(t).force; }, a, b, pieces);
-        if (best.value > peak_.value) peak_ = best;
+    const double force = force_.best.value, acceleration = acceleration_.best.value;
+    for (int i = 1; i <= pieces; ++i) {
+        rows_.push_back(i < pieces ? at(a + (b - a) * i / pieces) : row_of_(b, solver.state()));
+        consider(rows_.back());
     }
+    refine(force_, force, a, b, at);
+    refine(acceleration_, acceleration, a, b, at);
+}
+
+template <class RowAt>
+void Observer::refine(Peak& peak, double before, double a, double b, const RowAt& at) {
+    // Only a step that raised the maximum, or its neighbour, can hold the true one.
+    if (!(peak.best.value > before) && rows_.size() - peak.row > 2 * pieces) return;
+    if (rows_.size() <= pieces) return;
+    std::array<double, pieces + 1> values;
+    std::ranges::transform(std::span(rows_).last(pieces + 1), values.begin(), peak.quantity);
+    const Maximum best = maximum_on([&](double t) { return at(t).*peak.quantity; }, a, b, values);
+    if (best.value > peak.best.value) peak.best = best;
 }
 
 bool Observer::is_finite() {
@@ -44,8 +52,8 @@ bool Observer::is_finite() {
 }
 
 Maximum Observer::take_peak() {
-    peak_row_ = rows_.size();
-    return std::exchange(peak_, {0.0, -1.0});
+    force_.row = rows_.size();
+    return std::exchange(force_.best, {0.0, -1.0});
 }
 
 const HistoryRow& Observer::row_near(double t) const {
@@ -82,10 +90,10 @@ double Observer::altitude_at(double t) const {
 }
 
 void Observer::consider(const HistoryRow& row) {
-    deceleration_ = std::max(deceleration_, row.acceleration);
-    if (row.force > peak_.value) {
-        peak_ = {row.time, row.force};
-        peak_row_ = static_cast<std::size_t>(&row - rows_.data());
+    for (Peak* peak : {&force_, &acceleration_}) {
+        if (!(row.*peak->quantity > peak->best.value)) continue;
+        peak->best = {row.time, row.*peak->quantity};
+        peak->row = static_cast<std::size_t>(&row - rows_.data());
     }
 }
 

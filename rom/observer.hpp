@@ -34,10 +34,10 @@ public:
     bool is_finite();
 
     const std::vector<HistoryRow>& rows() const { return rows_; }
-    double largest_deceleration() const { return deceleration_; }
+    double largest_deceleration() const { return acceleration_.best.value; }
 
     /// The largest force since the run began, or since take_peak().
-    const Maximum& peak() const { return peak_; }
+    const Maximum& peak() const { return force_.best; }
     Maximum take_peak();
 
     /// The row at or after a time inside the run.
@@ -50,14 +50,23 @@ public:
 private:
     static constexpr int pieces = 4;  // even, for Simpson's rule
 
+    /// The largest value of a quantity so far, and the row that is nearest to it.
+    struct Peak {
+        double HistoryRow::*quantity;
+        Maximum best;
+        std::size_t row = 0;
+    };
+
     void consider(const HistoryRow& row);
+    /// Its true place in the step from a to b [s], which found it at `before`.
+    template <class RowAt>
+    void refine(Peak& peak, double before, double a, double b, const RowAt& at);
 
     RowOf row_of_;
     std::vector<HistoryRow> rows_;
     std::vector<double> buffer_;
-    Maximum peak_{0.0, -1.0};
-    std::size_t peak_row_ = 0;
-    double deceleration_ = 0.0;
+    Peak force_{&HistoryRow::force, {0.0, -1.0}};
+    Peak acceleration_{&HistoryRow::acceleration, {0.0, 0.0}};
 };
 
 }  // namespace twinchute::rom

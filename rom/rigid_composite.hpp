@@ -31,30 +31,38 @@ struct RigidComposite {
         return airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind);
     }
 
+    /// What acts on the composite at one moment.
+    struct Loads {
+        double density, drag_area, added_mass;   ///< [kg/m^3], [m^2] of all canopies that are out, [kg]
+        Vec<dimensions> airspeed, acceleration;  ///< [m/s], [m/s^2]
+    };
+
     /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D [- (dM_a/dt) v_air while M_a grows, if accreting]:
     /// gravity weighs the material, not the air. Drag, m_p and M_a: of all canopies that are out.
-    Vec<dimensions> acceleration(double t, const Motion<dimensions>& motion) const {
-        const double rho = atmosphere.at(motion.altitude()).density;
+    Loads loads(double t, const Motion<dimensions>& motion) const {
+        Loads now{
+            atmosphere.at(motion.altitude()).density, canopies->drag_area(t), 0.0, airspeed(motion), {}};
         const double weighed = hung_mass() + canopies->out_mass();
-        const Vec<dimensions> velocity = airspeed(motion);
-        double inertia = weighed;
         Vec<dimensions> force =
-            drag_of<dimensions>(rho, canopies->drag_area(t) + payload_drag_area, velocity);
+            drag_of<dimensions>(now.density, now.drag_area + payload_drag_area, now.airspeed);
         force[dimensions - 1] -= weighed * gravity;
         if constexpr (air != Air::none) {
-            const ValueAndRate mass = canopies->added_mass(*added_mass, t, rho);
-            inertia += mass.value;
-            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * velocity;
+            const ValueAndRate mass = canopies->added_mass(*added_mass, t, now.density);
+            now.added_mass = mass.value;
+            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * now.airspeed;
         }
-        return force / inertia;
+        now.acceleration = force / (weighed + now.added_mass);
+        return now;
+    }
+    Vec<dimensions> acceleration(double t, const Motion<dimensions>& motion) const {
+        return loads(t, motion).acceleration;
     }
 
     /// |m_l (a - g) - F_drag,payload| [N]: what all risers together pull on the payload.
-    double opening_force(double t, const Motion<dimensions>& motion) const {
-        Vec<dimensions> force = hung_mass() * acceleration(t, motion);
+    double opening_force(const Loads& now) const {
+        Vec<dimensions> force = hung_mass() * now.acceleration;
         force[dimensions - 1] += hung_mass() * gravity;
-        const double rho = atmosphere.at(motion.altitude()).density;
-        return (force - drag_of<dimensions>(rho, payload_drag_area, airspeed(motion))).norm();
+        return (force - drag_of<dimensions>(now.density, payload_drag_area, now.airspeed)).norm();
     }
 };
 

@@ -63,10 +63,16 @@ struct TwoBodies {
         return bond == Bond::taut ? stiffness * (s.length() - taut_distance) : 0.0;
     }
 
-    /// Weight, drag and one more force [N] on a body over its inertia; gravity weighs its mass.
-    Vec<dimensions> acceleration_of(double mass, double inertia, double drag_area, double rho,
-                                    const Vec<dimensions>& airspeed, const Vec<dimensions>& force) const {
-        Vec<dimensions> a = (force + drag_of<dimensions>(rho, drag_area, airspeed)) / inertia;
+    /// [N] on a body with its velocity over ground, at its altitude. Without drag area no air is asked for.
+    Vec<dimensions> drag(double drag_area, const Vec<dimensions>& velocity, double altitude) const {
+        if (drag_area == 0.0) return Vec<dimensions>::Zero();
+        return drag_of<dimensions>(atmosphere.at(altitude).density, drag_area,
+                                   airspeed_of<dimensions>(velocity, altitude, wind));
+    }
+
+    /// Weight and other forces [N] on a body over its inertia; gravity weighs its mass.
+    Vec<dimensions> acceleration_of(double mass, double inertia, const Vec<dimensions>& force) const {
+        Vec<dimensions> a = force / inertia;
         a[dimensions - 1] -= gravity * (mass / inertia);
         return a;
     }
@@ -79,22 +85,21 @@ struct TwoBodies {
     /// (m_l + M_a) dv/dt = m_l g + D_l + T e, with the drag and added mass of canopies that are out.
     Vec<dimensions> payload_acceleration(double t, const Motion<dimensions>& m,
                                          const Separation<dimensions>& s) const {
-        const double rho = atmosphere.at(m.altitude()).density;
         double inertia = payload_mass;
-        if (added_mass) inertia += canopies->added_mass(*added_mass, t, rho).value;
-        return acceleration_of(payload_mass, inertia, payload_drag_area + canopies->drag_area(t), rho,
-                               airspeed_of<dimensions>(m.velocity, m.altitude(), wind), pull(s));
+        if (added_mass)
+            inertia += canopies->added_mass(*added_mass, t, atmosphere.at(m.altitude()).density).value;
+        const double drag_area = payload_drag_area + canopies->drag_area(t);
+        return acceleration_of(payload_mass, inertia, drag(drag_area, m.velocity, m.altitude()) + pull(s));
     }
 
     /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while it is held.
     Vec<dimensions> parachute_acceleration(double t, const Motion<dimensions>& m,
                                            const Separation<dimensions>& s) const {
         if (bond == Bond::held) return Vec<dimensions>::Zero();
-        const double altitude = m.altitude() + s.distance[dimensions - 1];
-        const Vec<dimensions> velocity = m.velocity + s.velocity;
         return acceleration_of(
-            parachute_mass, parachute_mass, pack_drag_area, atmosphere.at(altitude).density,
-            airspeed_of<dimensions>(velocity, altitude, wind), extraction.at(t) * behind - pull(s));
+            parachute_mass, parachute_mass,
+            drag(pack_drag_area, m.velocity + s.velocity, m.altitude() + s.distance[dimensions - 1]) +
+                extraction.at(t) * behind - pull(s));
     }
 
     /// [N] What all risers together pull on a payload of `mass` [kg] with `drag_area` [m^2] of its own.
@@ -103,10 +108,7 @@ struct TwoBodies {
         if (canopies->out_mass() == 0.0) return tension(s);
         Vec<dimensions> force = mass * payload_acceleration(t, m, s);
         force[dimensions - 1] += mass * gravity;
-        const double rho = atmosphere.at(m.altitude()).density;
-        return (force -
-                drag_of<dimensions>(rho, drag_area, airspeed_of<dimensions>(m.velocity, m.altitude(), wind)))
-            .norm();
+        return (force - drag(drag_area, m.velocity, m.altitude())).norm();
     }
 
     /// The common velocity [m/s] of both once the lines hold them together: momentum is conserved.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 namespace twinchute {
 namespace {
@@ -17,14 +18,19 @@ double negated(double x, void* f) {
 
 Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples,
                    double closeness) {
-    const double spacing = (b - a) / samples;
-    Maximum best{a, f(a)};
-    int index = 0;
-    for (int i = 1; i <= samples; ++i) {
-        const double x = i == samples ? b : a + i * spacing;
-        const double y = f(x);
-        if (y > best.value) best = {x, y}, index = i;
-    }
+    std::vector<double> values(static_cast<std::size_t>(samples) + 1);
+    for (int i = 0; i <= samples; ++i)
+        values[static_cast<std::size_t>(i)] = f(i == samples ? b : a + i * ((b - a) / samples));
+    return maximum_on(f, a, b, values, closeness);
+}
+
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, std::span<const double> values,
+                   double closeness) {
+    const auto samples = static_cast<std::ptrdiff_t>(values.size()) - 1;
+    const double spacing = (b - a) / static_cast<double>(samples);
+    const auto index = std::ranges::max_element(values) - values.begin();
+    Maximum best{index == samples ? b : a + static_cast<double>(index) * spacing,
+                 values[static_cast<std::size_t>(index)]};
     if (!(spacing > 0.0)) return best;
     double low = best.at - spacing, high = best.at + spacing;
     if (index == 0 || index == samples) {

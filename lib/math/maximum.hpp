@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 namespace twinchute {
 
@@ -15,6 +16,9 @@ struct Maximum {
 /// `closeness` [-] is that of the place; closer than the root of epsilon values no longer tell it.
 /// Finds the right hump when humps are wider than (b - a)/samples.
 Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples,
+                   double closeness = 1e-8);
+/// The same where the values of f at two or more equidistant points, a and b included, are known.
+Maximum maximum_on(const std::function<double(double)>& f, double a, double b, std::span<const double> values,
                    double closeness = 1e-8);
 
 }  // namespace twinchute

@@ -366,8 +366,8 @@ constexpr Key scene_rows[] = {
      .meaning = "the model that flies the rest of the fall, to the ground, from the open canopy that the run stopped with", .source = "docs/guide/long-runs.md"},
 
     {.path = "rom.method", .kind = word, .need = defaulted, .fallback = "auto", .choices = methods, .user = rom,
-     .meaning = "auto: bogacki-shampine, zonneveld or dormand-prince by tolerance, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
-    {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-8", .range = from(1e-14, 0.1), .user = rom,
+     .meaning = "auto: dormand-prince, and bdf for a long steady descent; else a Runge-Kutta pair, explicit or (kvaerno) implicit; or multistep method: adams, or bdf for stiff problems", .source = "SUNDIALS ARKODE and CVODE"},
+    {.path = "rom.rtol", .unit = "1", .need = defaulted, .fallback = "1e-6", .range = from(1e-14, 0.1), .user = rom,
      .meaning = "relative tolerance of position and velocity"},
 
     {.path = "full.mesh.gore_columns", .kind = integer, .need = defaulted, .fallback = "2", .range = from(1, 64), .user = full,

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -19,64 +20,46 @@
 
 #include <fmt/format.h>
 
+#include "lib/math/root.hpp"
+#include "lib/solve/dense_output.hpp"
+
 namespace twinchute {
 namespace {
 
 /// SUNDIALS offers the same calls three times: for explicit and for implicit Runge-Kutta methods, and for
-/// multistep ones, which have neither a choice of interpolants nor fixed steps (null here).
+/// multistep ones, which have no fixed steps (null here).
 struct Calls {
     decltype(&ERKStepFree) free;
     decltype(&ERKStepSetErrHandlerFn) set_error_handler;
     decltype(&ERKStepSetUserData) set_user_data;
     decltype(&ERKStepSVtolerances) set_tolerances;
-    decltype(&ERKStepSetInterpolantType) set_interpolant;
     decltype(&ERKStepSetMaxNumSteps) set_most_steps;
     decltype(&ERKStepReset) reset;
     decltype(&ERKStepSetInitStep) set_first_step;
     decltype(&ERKStepSetStopTime) set_stop_time;
     decltype(&ERKStepSetFixedStep) set_fixed_step;
     decltype(&ERKStepSetMaxStep) set_longest_step;
-    decltype(&ERKStepRootInit) watch_roots;
-    decltype(&ERKStepSetNoInactiveRootWarn) silence_inactive_roots;
     decltype(&ERKStepEvolve) evolve;
     decltype(&ERKStepGetLastStep) last_step;
     decltype(&ERKStepGetCurrentTime) current_time;
     decltype(&ERKStepGetDky) interpolate;
-    decltype(&ERKStepGetRootInfo) found_roots;
     decltype(&ERKStepGetNumSteps) steps;
 };
 
-#define TWINCHUTE_ARKODE_CALLS(step)                                                                        \
-    {                                                                                                       \
-        step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetInterpolantType, \
-            step##SetMaxNumSteps, step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep,    \
-            step##SetMaxStep, step##RootInit, step##SetNoInactiveRootWarn, step##Evolve, step##GetLastStep, \
-            step##GetCurrentTime, step##GetDky, step##GetRootInfo, step##GetNumSteps                        \
+#define TWINCHUTE_ARKODE_CALLS(step)                                                                    \
+    {                                                                                                   \
+        step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetMaxNumSteps, \
+            step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep, step##SetMaxStep,    \
+            step##Evolve, step##GetLastStep, step##GetCurrentTime, step##GetDky, step##GetNumSteps      \
     }
 constexpr Calls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
 constexpr Calls implicit_calls = TWINCHUTE_ARKODE_CALLS(ARKStep);
 #undef TWINCHUTE_ARKODE_CALLS
-constexpr Calls multistep_calls = {CVodeFree,
-                                   CVodeSetErrHandlerFn,
-                                   CVodeSetUserData,
-                                   CVodeSVtolerances,
-                                   nullptr,
-                                   CVodeSetMaxNumSteps,
-                                   CVodeReInit,
-                                   CVodeSetInitStep,
-                                   CVodeSetStopTime,
-                                   nullptr,
-                                   CVodeSetMaxStep,
-                                   CVodeRootInit,
-                                   CVodeSetNoInactiveRootWarn,
-                                   CVode,
-                                   CVodeGetLastStep,
-                                   CVodeGetCurrentTime,
-                                   CVodeGetDky,
-                                   CVodeGetRootInfo,
-                                   CVodeGetNumSteps};
-static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_ROOT_RETURN == CV_ROOT_RETURN &&
-              ARK_TSTOP_RETURN == CV_TSTOP_RETURN);
+constexpr Calls multistep_calls = {
+    CVodeFree,   CVodeSetErrHandlerFn, CVodeSetUserData,    CVodeSVtolerances, CVodeSetMaxNumSteps,
+    CVodeReInit, CVodeSetInitStep,     CVodeSetStopTime,    nullptr,           CVodeSetMaxStep,
+    CVode,       CVodeGetLastStep,     CVodeGetCurrentTime, CVodeGetDky,       CVodeGetNumSteps};
+static_assert(ARK_ONE_STEP == CV_ONE_STEP && ARK_TSTOP_RETURN == CV_TSTOP_RETURN);
 
 struct MethodRow {
     OdeMethod method;
@@ -112,6 +95,8 @@ constexpr int most_newton_iterations = 10;
 /// Times that a step is cut before it counts as failed: where a stiff transient sets in it has to become
 /// shorter by more than ARKODE's seven cuts.
 constexpr int most_step_cuts = 30;
+/// A start at a singular point takes some steps before they move the time.
+constexpr int most_lost_steps = 100;
 
 std::span<double> values(N_Vector v) {
     return {N_VGetArrayPointer(v), static_cast<std::size_t>(N_VGetLength(v))};
@@ -144,9 +129,24 @@ struct OdeSolver::Impl {
     Calls calls = explicit_calls;
     void* memory = nullptr;
     Rhs rhs;
-    Roots roots;
-    int root_count = 0;
+    int order = 1;  // of the step's start
+    int space = 0;  // see dense_output.hpp
+    double rtol = 0.0;
+    std::int64_t own_calls = 0;  // of the right-hand side, beside SUNDIALS'
     double t = 0.0, previous = 0.0;
+
+    // The last step: dense output takes the rates at its ends, which are evaluated when first asked for.
+    std::vector<double> begin_state, begin_rate, end_rate;
+    bool has_begin_rate = false, has_end_rate = false;
+
+    Roots roots;
+    std::vector<double> start_values, end_values, root_values, root_state;
+    int found = -1;        // the function that ended the last step
+    bool is_back = false;  // SUNDIALS stands at the end of a step, the caller at a root inside it
+    bool has_fixed_step = false;
+    int lost_steps = 0;  // one after another
+    bool is_new = true;  // no step since the beginning or the last restart
+    double stop = std::numeric_limits<double>::infinity();
     Statistics before;  // restarts of multistep methods, which begin to count anew
     double dt_min = std::numeric_limits<double>::infinity(), dt_max = 0.0;
     std::string message;
@@ -169,6 +169,7 @@ struct OdeSolver::Impl {
 
     void create(const MethodRow& row, double t0) {
         implicit = row.method.implicit;
+        order = row.method.multistep ? 1 : row.method.order;
         multistep = row.method.multistep;
         calls = multistep ? multistep_calls : implicit ? implicit_calls : explicit_calls;
         memory = multistep  ? CVodeCreate(row.number, context)
@@ -199,6 +200,9 @@ struct OdeSolver::Impl {
     void choose_table(int number) {
         if (!implicit) {
             const auto table = static_cast<ARKODE_ERKTableID>(number);
+            // By default a step that could grow by less than half stays as it is: a tenth more steps.
+            require(ERKStepSetFixedStepBounds(memory, 1.0, 1.0), "SetFixedStepBounds");
+            require(ERKStepSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
             return require(ERKStepSetTableNum(memory, table), "SetTableNum");
         }
         const auto table = static_cast<ARKODE_DIRKTableID>(number);
@@ -254,10 +258,119 @@ struct OdeSolver::Impl {
         return self.guarded([&] { self.rhs(t, values(y), values(dydt)); });
     }
 
-    static int call_roots(double t, N_Vector y, double* g, void* user) {
-        auto& self = *static_cast<Impl*>(user);
-        return self.guarded(
-            [&] { self.roots(t, values(y), std::span(g, static_cast<std::size_t>(self.root_count))); });
+    void evaluate(double time, std::span<const double> state, std::vector<double>& rate) {
+        rate.resize(state.size());
+        rhs(time, state, rate);
+        ++own_calls;
+    }
+
+    /// The state at a time of the last step.
+    void look(double time, std::span<double> state) {
+        if (multistep) return look_back(time, state);
+        if (!has_begin_rate) evaluate(previous, begin_state, begin_rate);
+        if (!has_end_rate) evaluate(t, values(y), end_rate);
+        has_begin_rate = has_end_rate = true;
+        interpolate_step({previous, t, begin_state, begin_rate, values(y), end_rate}, space, time, state);
+    }
+
+    /// In what a multistep method remembers.
+    void look_back(double time, std::span<double> state) {
+        // SUNDIALS refuses times outside its last internal step, and the ends of tiny steps miss it by
+        // round-off.
+        double length = 0.0, now = 0.0;
+        require(calls.last_step(memory, &length), "GetLastStep");
+        require(calls.current_time(memory, &now), "GetCurrentTime");
+        require(calls.interpolate(memory, std::clamp(time, now - length, now), 0, scratch), "GetDky");
+        std::ranges::copy(values(scratch), state.begin());
+    }
+
+    /// Looks for the first sign change of a watched function in the last step and goes back to it.
+    bool find_root() {
+        if (start_values.empty()) return false;
+        roots(t, values(y), end_values);
+        double first = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < end_values.size(); ++i) {
+            const double sign = start_values[i], after = end_values[i];
+            if (sign == 0.0 || sign * after > 0.0 || std::isnan(after)) continue;
+            const double time = after == 0.0 ? t : crossing(i, sign);
+            if (time < first) first = time, found = static_cast<int>(i);
+        }
+        std::swap(start_values, end_values);  // one that began at zero has the sign of the first step
+        if (!(first <= t)) return false;
+        go_back(first);
+        return true;
+    }
+
+    /// The first time, to round-off, at which a function that was `sign` has the other sign, or is zero.
+    double crossing(std::size_t i, double sign) {
+        look(t,
+             root_state);  // has the rates evaluated outside of the search, whose C frames nothing may cross
+        const auto value = [&](double time) {
+            const int failed = guarded([&] {
+                look(time, root_state);
+                roots(time, root_state, root_values);
+            });
+            return failed ? std::numeric_limits<double>::quiet_NaN() : root_values[i];
+        };
+        constexpr double closeness = 4.0 * std::numeric_limits<double>::epsilon();
+        const double root = root_between(value, previous, t, closeness);
+        if (thrown) std::rethrow_exception(std::exchange(thrown, nullptr));
+        if (std::isnan(root)) return t;
+        double time = root;
+        for (double beyond = closeness * std::abs(t); time < t && value(time) * sign > 0.0; beyond *= 2.0)
+            time = std::min(root + beyond, t);
+        return time;
+    }
+
+    void go_back(double time) {
+        if (!(time < t)) return;
+        look(time, root_state);
+        std::ranges::copy(root_state, values(y).begin());
+        t = time;
+        has_end_rate = false;
+        is_back = true;
+    }
+
+    /// Before the first step after a restart.
+    void begin() {
+        is_new = false;
+        if (!start_values.empty()) roots(t, values(y), start_values);
+        // Multistep methods begin with order one, as SUNDIALS' own first step does.
+        if (!has_fixed_step)
+            require(calls.set_first_step(memory, multistep ? 0.0 : first_step()), "SetInitStep");
+    }
+
+    void begin_step() {
+        previous = t;
+        begin_state.assign(values(y).begin(), values(y).end());
+        begin_rate.swap(end_rate);
+        has_begin_rate = std::exchange(has_end_rate, false);
+    }
+
+    /// A first step [s] after which the method's error is about a hundredth of its tolerance, from the first
+    /// two derivatives (Hairer, Norsett, Wanner, Solving ODEs I, II.4). SUNDIALS' own is right for the
+    /// tolerance of an order-one method: it takes five steps to grow out of it.
+    double first_step() {
+        const std::span<const double> state = values(y);
+        evaluate(t, state, end_rate);
+        has_end_rate = true;
+        const auto norm = [&](std::span<const double> v) {
+            double largest = 0.0;
+            for (std::size_t i = 0; i < v.size(); ++i)
+                largest = std::max(largest, std::abs(v[i]) / (rtol * std::abs(state[i]) + values(atol)[i]));
+            return largest;
+        };
+        const double size = norm(state), rate = norm(end_rate);
+        if (!(size > 0.0) || !(rate > 0.0)) return 0.0;
+        const double trial = std::min(0.01 * size / rate, stop - t);
+        std::vector<double> moved(state.begin(), state.end()), bend;
+        for (std::size_t i = 0; i < moved.size(); ++i)
+            moved[i] += trial * end_rate[i];
+        evaluate(t + trial, moved, bend);
+        for (std::size_t i = 0; i < bend.size(); ++i)
+            bend[i] = (bend[i] - end_rate[i]) / trial;
+        const double steepest = std::max(rate, norm(bend));
+        return std::min(100.0 * trial, std::pow(0.01 / steepest, 1.0 / (order + 1.0)));
     }
 
     static void keep_message(int, const char*, const char* function, char* text, void* user) {
@@ -266,11 +379,14 @@ struct OdeSolver::Impl {
 };
 
 OdeSolver::OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
-                     std::span<const double> atol)
+                     std::span<const double> atol, int space)
     : impl_(std::make_unique<Impl>()) {
     Impl& s = *impl_;
     s.rhs = std::move(rhs);
     s.t = s.previous = t0;
+    s.rtol = rtol;
+    s.space = space;
+    s.root_state.resize(y0.size());
     s.require(SUNContext_Create(nullptr, &s.context), "SUNContext_Create");
     const auto size = static_cast<sunindextype>(y0.size());
     s.y = N_VNew_Serial(size, s.context);
@@ -288,8 +404,6 @@ OdeSolver::OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<cons
     s.require(s.calls.set_user_data(s.memory, &s), "SetUserData");
     s.require(s.calls.set_tolerances(s.memory, rtol, s.atol), "SVtolerances");
     s.choose(*row, size);
-    if (s.calls.set_interpolant)
-        s.require(s.calls.set_interpolant(s.memory, ARK_INTERP_HERMITE), "SetInterpolantType");
     s.require(s.calls.set_most_steps(s.memory, 1'000'000), "SetMaxNumSteps");
 }
 
@@ -297,19 +411,25 @@ OdeSolver::~OdeSolver() = default;
 
 void OdeSolver::restart(double t, std::span<const double> y) {
     Impl& s = *impl_;
-    if (s.multistep) s.before = statistics();
+    if (s.multistep) {
+        s.before = statistics();
+        s.own_calls = 0;
+    }
     std::ranges::copy(y, values(s.y).begin());
     s.t = s.previous = t;
+    s.is_back = s.has_end_rate = false;
+    s.is_new = true;
     s.require(s.calls.reset(s.memory, t, s.y), "Reset");
-    s.require(s.calls.set_first_step(s.memory, 0.0), "SetInitStep");
 }
 
 void OdeSolver::stop_at(double t) {
+    impl_->stop = t;
     impl_->require(impl_->calls.set_stop_time(impl_->memory, t), "SetStopTime");
 }
 
 void OdeSolver::fix_step(double dt) {
     if (!impl_->calls.set_fixed_step) throw std::invalid_argument("multistep methods have no fixed steps");
+    impl_->has_fixed_step = dt != 0.0;
     impl_->require(impl_->calls.set_fixed_step(impl_->memory, dt), "SetFixedStep");
 }
 
@@ -320,13 +440,19 @@ void OdeSolver::limit_step(double dt) {
 void OdeSolver::watch(int count, Roots roots) {
     Impl& s = *impl_;
     s.roots = std::move(roots);
-    s.root_count = count;
-    s.require(s.calls.watch_roots(s.memory, count, count > 0 ? &Impl::call_roots : nullptr), "RootInit");
-    if (count > 0) s.require(s.calls.silence_inactive_roots(s.memory), "SetNoInactiveRootWarn");
+    for (std::vector<double>* list : {&s.start_values, &s.end_values, &s.root_values})
+        list->resize(static_cast<std::size_t>(count));
+    if (count > 0) s.roots(s.t, values(s.y), s.start_values);
 }
 
 OdeSolver::Outcome OdeSolver::advance() {
     Impl& s = *impl_;
+    if (s.is_back) {
+        restart(s.t, std::vector<double>(state().begin(), state().end()));
+        if (std::isfinite(s.stop)) stop_at(s.stop);  // forgotten by CVODE
+    }
+    if (s.is_new) s.begin();
+    s.begin_step();
     double reached = s.t;
     // In one-step mode the time asked for only tells the direction.
     const int code = s.calls.evolve(s.memory, s.t + 1.0, s.y, &reached, ARK_ONE_STEP);
@@ -336,11 +462,17 @@ OdeSolver::Outcome OdeSolver::advance() {
                                 reached, s.message);
         return Outcome::failed;
     }
-    s.previous = s.t;
+    // At the end of a solution SUNDIALS goes on with steps that are lost in the rounding of the time.
+    s.lost_steps = reached > s.t ? 0 : s.lost_steps + 1;
+    if (s.lost_steps > most_lost_steps) {
+        s.message = fmt::format("steps became shorter than round-off at t = {:.6g} s", s.t);
+        return Outcome::failed;
+    }
     s.t = reached;
+    const bool found = s.find_root();
     s.dt_min = std::min(s.dt_min, s.t - s.previous);
     s.dt_max = std::max(s.dt_max, s.t - s.previous);
-    if (code == ARK_ROOT_RETURN) return Outcome::found_root;
+    if (found) return Outcome::found_root;
     return code == ARK_TSTOP_RETURN ? Outcome::reached_stop : Outcome::stepped;
 }
 
@@ -355,22 +487,11 @@ std::span<const double> OdeSolver::state() const {
 }
 
 void OdeSolver::interpolate(double t, std::span<double> y) const {
-    Impl& s = *impl_;
-    // SUNDIALS refuses times outside its last internal step, and the ends of tiny steps miss it by
-    // round-off.
-    double length = 0.0, now = 0.0;
-    s.require(s.calls.last_step(s.memory, &length), "GetLastStep");
-    s.require(s.calls.current_time(s.memory, &now), "GetCurrentTime");
-    t = std::clamp(t, now - length, now);
-    s.require(s.calls.interpolate(s.memory, t, 0, s.scratch), "GetDky");
-    std::ranges::copy(values(s.scratch), y.begin());
+    impl_->look(t, y);
 }
 
 int OdeSolver::root() const {
-    std::vector<int> found(static_cast<std::size_t>(impl_->root_count));
-    impl_->require(impl_->calls.found_roots(impl_->memory, found.data()), "GetRootInfo");
-    const auto first = std::ranges::find_if(found, [](int sign) { return sign != 0; });
-    return static_cast<int>(first - found.begin());
+    return impl_->found;
 }
 
 const std::string& OdeSolver::failure() const {
@@ -382,8 +503,8 @@ OdeSolver::Statistics OdeSolver::statistics() const {
     long steps = 0;
     s.require(s.calls.steps(s.memory, &steps), "GetNumSteps");
     const std::int64_t all_steps = s.before.steps + steps;
-    return {all_steps, s.before.rhs_calls + s.rhs_calls(), s.before.rejected + s.rejected(steps),
-            all_steps > 0 ? s.dt_min : 0.0, s.dt_max};
+    return {all_steps, s.before.rhs_calls + s.rhs_calls() + s.own_calls,
+            s.before.rejected + s.rejected(steps), all_steps > 0 ? s.dt_min : 0.0, s.dt_max};
 }
 
 }  // namespace twinchute

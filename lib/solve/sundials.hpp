@@ -39,10 +39,11 @@ public:
 
     enum class Outcome { stepped, reached_stop, found_root, failed };
 
-    /// atol: absolute tolerance of each component. Throws std::invalid_argument where SUNDIALS
-    /// refuses its arguments.
+    /// atol: absolute tolerance of each component. `space` > 0 where the state is blocks of `space` positions
+    /// followed by their velocities: what lies inside a step is then two orders closer (dense_output.hpp).
+    /// Throws std::invalid_argument where SUNDIALS refuses its arguments.
     OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<const double> y0, double rtol,
-              std::span<const double> atol);
+              std::span<const double> atol, int space = 0);
     ~OdeSolver();
     OdeSolver(const OdeSolver&) = delete;
     OdeSolver& operator=(const OdeSolver&) = delete;
@@ -56,7 +57,9 @@ public:
     /// No step longer than this [s] from here on; 0 takes the limit away. For roots that a long step could
     /// cross twice.
     void limit_step(double dt);
-    /// Looks for sign changes of `count` functions from here on; count = 0 ends the search.
+    /// Looks for sign changes of `count` functions from here on; count = 0 ends the search. A step in which
+    /// one changes its sign ends there, in the first moment of the other sign: time() and state() are those
+    /// of the dense output. One that begins at zero takes its sign from the end of the first step.
     void watch(int count, Roots roots);
 
     /// One step. After Outcome::failed, failure() says what SUNDIALS said and the state is that of

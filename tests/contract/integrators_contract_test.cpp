@@ -93,6 +93,44 @@ TEST_P(EveryMethod, FindsAnEventToItsTolerance) {
     EXPECT_NEAR(solver.time(), 1.0, method().multistep ? 1e-7 : 1e-10);
 }
 
+TEST_P(EveryMethod, EndsAStepAtTheFirstOfTwoEventsAndGoesOnFromThere) {
+    // y = t with a rate that no method errs about: y - 0.7 and y - 0.3, in the wrong order, may fall into one
+    // step. The root is on the far side of its event, by no more than rounding; no restart is asked for.
+    OdeSolver solver(
+        method(), [](double, Values, Rates f) { f[0] = 1.0; }, 0.0, std::vector<double>{0.0}, 1e-8,
+        std::vector<double>{1e-10});
+    solver.watch(2, [](double, Values y, Rates g) { g[0] = y[0] - 0.7, g[1] = 0.3 - y[0]; });
+    solver.stop_at(1.0);
+    std::vector<int> roots;
+    for (auto outcome = OdeSolver::Outcome::stepped; outcome != OdeSolver::Outcome::reached_stop;) {
+        outcome = solver.advance();
+        ASSERT_NE(outcome, OdeSolver::Outcome::failed) << solver.failure();
+        if (outcome != OdeSolver::Outcome::found_root) continue;
+        roots.push_back(solver.root());
+        const double event = solver.root() == 0 ? 0.7 : 0.3;
+        EXPECT_GE(solver.state()[0], event);
+        EXPECT_NEAR(solver.state()[0], event, 1e-14);
+        EXPECT_NEAR(solver.time(), event, 1e-9);
+    }
+    EXPECT_EQ(roots, (std::vector{1, 0}));
+    EXPECT_NEAR(solver.state()[0], 1.0, 1e-8);
+}
+
+TEST_P(EveryMethod, AFunctionThatBeginsAtZeroIsNoEvent) {
+    // y = t^2 - t leaves zero downwards and comes back at t = 1: the start is not an event, the return is.
+    OdeSolver solver(
+        method(), [](double t, Values, Rates f) { f[0] = 2.0 * t - 1.0; }, 0.0, std::vector<double>{0.0},
+        1e-8, std::vector<double>{1e-10});
+    solver.watch(1, [](double, Values y, Rates g) { g[0] = y[0]; });
+    solver.limit_step(0.1);
+    solver.stop_at(2.0);
+    auto outcome = solver.advance();
+    while (outcome == OdeSolver::Outcome::stepped)
+        outcome = solver.advance();
+    EXPECT_EQ(outcome, OdeSolver::Outcome::found_root);
+    EXPECT_NEAR(solver.time(), 1.0, 1e-7);
+}
+
 TEST_P(EveryMethod, FollowsItsTolerance) {
     // y' = -2 t y^2 as above, across a restart with another right-hand side, y' = y from t = 1: y(2) = e/2.
     const auto error = [&](double rtol) {
@@ -241,6 +279,27 @@ TEST(Integrators, MultistepMethodsHaveNoFixedSteps) {
             EXPECT_THROW(solver.fix_step(0.1), std::invalid_argument) << method.name;
         else
             EXPECT_NO_THROW(solver.fix_step(0.1)) << method.name;
+    }
+}
+
+TEST(Integrators, TheFirstStepsAreAsLongAsThoseAfterThem) {
+    // y'' = -y from (1, 0): nothing happens at t = 0, so that a first step of a tenth of the longest is near
+    // enough. One that grows up from the tolerance of an order-one method begins a thousand times shorter.
+    for (const OdeMethod& method : ode_methods()) {
+        if (method.multistep) continue;
+        OdeSolver solver(
+            method, [](double, Values y, Rates f) { f[0] = y[1], f[1] = -y[0]; }, 0.0,
+            std::vector<double>{1.0, 0.0}, 1e-8, std::vector<double>{1e-8, 1e-8}, 1);
+        solver.stop_at(6.0);
+        double longest = 0.0;
+        solver.advance();
+        const double first = solver.time();
+        for (auto outcome = OdeSolver::Outcome::stepped; outcome == OdeSolver::Outcome::stepped;) {
+            outcome = solver.advance();
+            longest = std::max(longest, solver.time() - solver.previous_time());
+        }
+        EXPECT_GT(first, 0.1 * longest) << method.name;
+        EXPECT_LT(first, 2.0 * longest) << method.name;
     }
 }
 

@@ -51,8 +51,8 @@ MUTATIONS = [
              scene=DEMO, piece="added-mass"),
     # The mass goes with the cube of the radius.
     Mutation(RADIUS, "rom", "rom/rigid_composite.hpp",
-             "const ValueAndRate mass = canopies->added_mass(*added_mass, t, rho);",
-             "ValueAndRate mass = canopies->added_mass(*added_mass, t, rho); mass.value *= 3.375; mass.rate *= 3.375;",
+             "const ValueAndRate mass = canopies->added_mass(*added_mass, t, now.density);",
+             "ValueAndRate mass = canopies->added_mass(*added_mass, t, now.density); mass.value *= 3.375; mass.rate *= 3.375;",
              scene=DEMO, piece="added-mass"),
     Mutation(RADIUS, "lib", "lib/models/added_mass.cpp",
              "return filled((2.0 / 3.0) * pi, rho, radius, ramp);",
@@ -72,9 +72,9 @@ MUTATIONS = [
              "inflation_.initial_time : 0.0)).value",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "rom", "rom/rigid_composite.hpp",
-             "canopies->drag_area(t) + payload_drag_area",
+             "canopies->drag_area(t), 0.0",
              "canopies->drag_area(t + (canopies->all().front().phase == Phase::filling ? "
-             "canopies->all().front().inflation.initial_time : 0.0)) + payload_drag_area",
+             "canopies->all().front().inflation.initial_time : 0.0)), 0.0",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "lib", "lib/models/inflation.cpp",
              "(time - snatch - initial_time) / duration", "(time - snatch) / duration",

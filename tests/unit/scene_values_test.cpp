@@ -191,7 +191,7 @@ TEST(SceneValues, DefaultsAreThoseOfTheTable) {
     EXPECT_EQ(s.aerodynamics.radial_pressure, 0.8);
     EXPECT_EQ(s.aerodynamics.breathing_damping, 0.5);
     EXPECT_EQ(s.rom.method, "auto");
-    EXPECT_EQ(s.rom.rtol, 1e-8);
+    EXPECT_EQ(s.rom.rtol, 1e-6);
     EXPECT_EQ(s.full.mesh.gore_columns, 2);
     EXPECT_EQ(s.full.mesh.gore_rows, 17);
     EXPECT_EQ(s.full.mesh.grading, Grading::graded);

@@ -289,13 +289,16 @@ TEST(RomReference, ALongDescentTakesTheStepsThatItsAccuracyAsksFor) {
     scene.environment.atmosphere = {find_atmosphere("us76"), 0.0};
     scene.release.altitude = 40'000.0;
     scene.stop = {Trigger::Kind::time, 4000.0, 0.0};
+    scene.rom.rtol = 1e-8;
     const auto run = [&](const char* method) {
         scene.rom.method = method;
         return run_rom(scene);
     };
     const RunRecord by_pair = run("dormand-prince"), automatic = run("auto");
-    EXPECT_GT(by_pair.cost.rhs_calls, 10'000);
-    EXPECT_LT(10 * automatic.cost.rhs_calls, by_pair.cost.rhs_calls);
+    // The sum of 2 g dt/(3.3 v) over the descent is 2 p_0/(3.3 rho_0 v_0^2), since v^2 goes with 1/rho and
+    // rho dz with dp: 730 steps at v_0 = 8.3 m/s, of seven evaluations each.
+    EXPECT_GT(by_pair.cost.rhs_calls, 5'000);
+    EXPECT_LT(5 * automatic.cost.rhs_calls, by_pair.cost.rhs_calls);
     for (const char* metric : {"peak_force_N", "descent_rate_m_s", "descent_altitude_m"})
         EXPECT_NEAR(*automatic.metric(metric) / *by_pair.metric(metric), 1.0, 1e-7) << metric;
     // rtol = 1e-8 a step, and thousands of steps; errors of speed decay, those of altitude add up.
