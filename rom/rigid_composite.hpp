@@ -26,15 +26,23 @@ struct RigidComposite {
     /// [kg] below the risers: packs that are still closed ride on the payload.
     double hung_mass() const { return payload_mass + canopies->packed_mass(); }
 
-    /// Velocity relative to the air [m/s].
+    /// Velocity relative to the air [m/s] at the payload.
     Vec<dimensions> airspeed(const Motion<dimensions>& motion) const {
         return airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind);
+    }
+    /// The same at the canopy, which trails behind the payload and meets the wind of its own altitude.
+    Vec<dimensions> canopy_airspeed(const Motion<dimensions>& motion, const Vec<dimensions>& airspeed) const {
+        if (dimensions < 3 || !wind || wind->levels.size() < 2) return airspeed;
+        const double speed = airspeed.norm();
+        if (!(speed > 0.0)) return airspeed;
+        const double above = -canopies->distance() * airspeed[dimensions - 1] / speed;
+        return airspeed_of<dimensions>(motion.velocity, motion.altitude() + above, wind);
     }
 
     /// What acts on the composite at one moment.
     struct Loads {
         double density, drag_area, added_mass;   ///< [kg/m^3], [m^2] of all canopies that are out, [kg]
-        Vec<dimensions> airspeed, acceleration;  ///< [m/s], [m/s^2]
+        Vec<dimensions> airspeed, acceleration;  ///< [m/s] at the payload, [m/s^2]
     };
 
     /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D [- (dM_a/dt) v_air while M_a grows, if accreting]:
@@ -43,13 +51,14 @@ struct RigidComposite {
         Loads now{
             atmosphere.at(motion.altitude()).density, canopies->drag_area(t), 0.0, airspeed(motion), {}};
         const double weighed = hung_mass() + canopies->out_mass();
-        Vec<dimensions> force =
-            drag_of<dimensions>(now.density, now.drag_area + payload_drag_area, now.airspeed);
+        const Vec<dimensions> velocity = canopy_airspeed(motion, now.airspeed);
+        Vec<dimensions> force = drag_of<dimensions>(now.density, now.drag_area, velocity) +
+                                drag_of<dimensions>(now.density, payload_drag_area, now.airspeed);
         force[dimensions - 1] -= weighed * gravity;
         if constexpr (air != Air::none) {
             const ValueAndRate mass = canopies->added_mass(*added_mass, t, now.density);
             now.added_mass = mass.value;
-            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * now.airspeed;
+            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * velocity;
         }
         now.acceleration = force / (weighed + now.added_mass);
         return now;

@@ -60,10 +60,20 @@ Canopies::Canopies(const Parachute& chute, const Inflation& inflation, Phase pha
     weigh();
 }
 
+double drag_distance(const Parachute& chute) {
+    const double radius = steady_radius(chute), line = chute.line_length;
+    return chute.riser_length + std::sqrt(std::max(0.0, line * line - radius * radius)) + radius / 1.5;
+}
+
 void Canopies::weigh() {
-    out_mass_ = packed_mass_ = 0.0;
+    out_mass_ = packed_mass_ = distance_ = 0.0;
+    double most = 0.0;
     for (const Canopy& c : all_) {
-        if (c.state == Canopy::State::open) out_mass_ += c.count * c.chute->mass;
+        if (c.state == Canopy::State::open) {
+            out_mass_ += c.count * c.chute->mass;
+            if (c.inflation.steady_drag_area > most) distance_ = drag_distance(*c.chute);
+            most = std::max(most, c.inflation.steady_drag_area);
+        }
         if (c.state == Canopy::State::packed && c.index != leaving_) packed_mass_ += c.count * c.chute->mass;
     }
 }

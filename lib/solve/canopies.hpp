@@ -58,6 +58,10 @@ struct Occurrence {
     std::size_t stage = 0;  ///< that begins or ends
 };
 
+/// [m] from the payload to the mean place of the drag of an open canopy: risers, lines that spread to the
+/// skirt, and two thirds of the radius, the mean height of a hemisphere over its projected area.
+double drag_distance(const Parachute& chute);
+
 class Canopies {
 public:
     /// All in their packs. The scene outlives it.
@@ -124,6 +128,9 @@ public:
     }
     double out_mass() const { return out_mass_; }        ///< [kg] of canopies that are out
     double packed_mass() const { return packed_mass_; }  ///< [kg] of those that the payload still carries
+    /// [m] from the payload to the canopy with most drag area of those that are out, open and steady: to
+    /// where its drag acts (see drag_distance()).
+    double distance() const { return distance_; }
 
     const std::vector<Canopy>& all() const { return all_; }
 
@@ -167,7 +174,7 @@ private:
     std::vector<Past> past_;
     std::vector<Occurrence> unreported_;
     std::optional<std::size_t> leaving_;
-    double out_mass_ = 0.0, packed_mass_ = 0.0;
+    double out_mass_ = 0.0, packed_mass_ = 0.0, distance_ = 0.0;
 };
 
 }  // namespace twinchute

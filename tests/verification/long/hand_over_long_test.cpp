@@ -62,28 +62,14 @@ TEST(LongHandOver, LandsWithinHalfAPerCentOfTheTimeAndOneOfTheDrift) {
     EXPECT_LT((landing(falls.handed) - landing(falls.whole)).norm(), 0.01 * drift);
 }
 
-TEST(LongHandOver, InAWindThatGrowsWithHeightTheCanopyMeetsMoreOfIt) {
-    // The reduced-order model meets the wind at the payload, the full one where its canopy is: h above, the
-    // mean height of the open canopy's mass, 1.22 m of riser, lines of 7.31 m to a skirt of 2.8 m radius and
-    // half a depth of 2.3 m. That moves the payload by the integral of w(z + h) - w(z) over the descent: half
-    // of what lies between the landings, which is 1.8 % of the drift. The rest is no more than a per cent.
+TEST(LongHandOver, LandsThereInAWindThatGrowsWithHeight) {
+    // Both models meet the wind where the canopy is, nine metres above the payload, which is worth 0.9 % of
+    // the drift.
     const Falls falls = fall("c9-drift.toml");
     say("c9-drift.toml", falls);
     expect_same_time(falls);
-    const double h = 1.22 + std::sqrt(7.31 * 7.31 - 2.8 * 2.8) + 0.5 * 2.3;
-    const auto& time = falls.handed.find_channel("time")->values;
-    const auto& altitude = falls.handed.find_channel("altitude")->values;
-    const Wind& wind = *falls.scene.environment.wind;
-    Vec3 more = Vec3::Zero();
-    for (std::size_t i = 1; i < time.size(); ++i) {
-        if (time[i] <= falls.handed.handed_over->time) continue;
-        const double z = 0.5 * (altitude[i - 1] + altitude[i]);
-        more += (time[i] - time[i - 1]) * (wind.at(z + h) - wind.at(z));
-    }
     const double drift = landing(falls.whole).norm();
-    std::printf("met %.1f m higher the wind moves it %.2f m further\n", h, more.norm());
-    EXPECT_LT((landing(falls.handed) + more - landing(falls.whole)).norm(), 0.01 * drift);
-    EXPECT_GT((landing(falls.handed) - landing(falls.whole)).norm(), 0.01 * drift);  // or this says nothing
+    EXPECT_LT((landing(falls.handed) - landing(falls.whole)).norm(), 0.01 * drift);
 }
 
 }  // namespace
