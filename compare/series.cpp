@@ -37,12 +37,6 @@ std::vector<const MetricRow*> columns_of(const CaseSeries& series, const Names& 
     return columns;
 }
 
-std::optional<double> value_of(const SeriesSide& side, const MetricRow& column) {
-    const auto found =
-        std::ranges::find(side.row.metrics, column.key, &std::pair<std::string, double>::first);
-    return found == side.row.metrics.end() ? std::nullopt : std::optional(found->second);
-}
-
 SeriesSide side_of(const RunRecord& record) {
     SeriesSide side{record_row(record, ""), {}};
     if (record.energy) side.energy_residual = record.energy->residual_fraction;
@@ -76,6 +70,11 @@ std::string markdown_table(const std::vector<std::string>& header,
 }
 
 }  // namespace
+
+std::optional<double> SeriesSide::value_of(const MetricRow& metric) const {
+    const auto found = std::ranges::find(row.metrics, metric.key, &std::pair<std::string, double>::first);
+    return found == row.metrics.end() ? std::nullopt : std::optional(found->second);
+}
 
 SeriesCase series_case(const Scene& scene, const Comparison& comparison) {
     SeriesCase one;
@@ -116,7 +115,7 @@ std::string series_csv(const CaseSeries& series) {
         for (const SeriesSide* side : {&one.reference, &one.candidate}) {
             text += "," + csv_field(side->row.status);
             for (const MetricRow* column : columns)
-                text += "," + field(value_of(*side, *column));
+                text += "," + field(side->value_of(*column));
             text += "," + field(side->energy_residual) + "," + field(side->row.wall_s);
         }
         text += "," + field(one.gap) + "\n";
@@ -148,7 +147,7 @@ std::string series_markdown(const CaseSeries& series) {
             markdown_text(one.name), markdown_text(one.group),
             a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
         for (const MetricRow* column : columns)
-            row.push_back(both(value_of(a, *column), value_of(b, *column)));
+            row.push_back(both(a.value_of(*column), b.value_of(*column)));
         row.push_back(per_cent(one.gap));
         row.push_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
         row.push_back(both(a.row.wall_s, b.row.wall_s));

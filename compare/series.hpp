@@ -18,6 +18,8 @@ namespace twinchute::compare {
 struct SeriesSide {
     RecordRow row;
     std::optional<double> energy_residual;  ///< [-] over the work of drag; absent where no energy is booked
+
+    std::optional<double> value_of(const MetricRow& metric) const;
 };
 
 struct SeriesCase {

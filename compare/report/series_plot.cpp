@@ -38,13 +38,6 @@ struct GroupCurve {
     std::vector<CasePoint> points;  ///< by x
 };
 
-std::optional<double> metric_of(const SeriesSide& side, std::string_view name) {
-    const MetricRow* row = find_metric_row(name);
-    for (const auto& [key, value] : side.row.metrics)
-        if (key == row->key) return value;
-    return {};
-}
-
 std::vector<std::string> groups_of(const CaseSeries& series) {
     std::vector<std::string> groups;
     for (const SeriesCase& one : series.cases)
@@ -53,6 +46,7 @@ std::vector<std::string> groups_of(const CaseSeries& series) {
 }
 
 std::vector<GroupCurve> curves_of(const CaseSeries& series, const std::vector<std::string>& groups) {
+    const MetricRow &across = *find_metric_row(series.spec.x), &up = *find_metric_row(series.spec.y);
     std::vector<GroupCurve> curves;
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (const bool is_reference : {true, false}) {
@@ -60,7 +54,7 @@ std::vector<GroupCurve> curves_of(const CaseSeries& series, const std::vector<st
             for (const SeriesCase& one : series.cases) {
                 if (one.group != groups[g]) continue;
                 const SeriesSide& side = is_reference ? one.reference : one.candidate;
-                const auto x = metric_of(side, series.spec.x), y = metric_of(side, series.spec.y);
+                const auto x = side.value_of(across), y = side.value_of(up);
                 if (x && y)
                     curve.points.push_back(
                         {*x, *y, fmt::format("{}, {}: {:.4g}, {:.4g}", one.name, side.row.fidelity, *x, *y)});
