@@ -110,13 +110,13 @@ Names events_of(const RunRecord& record) {
     return names;
 }
 
-TEST(PlanContract, TheRunsComeToTheirEnd) {
+void the_runs_come_to_their_end() {
     for (std::size_t i = 0; i < cases().size(); ++i)
         EXPECT_EQ(full_runs()[i].status.code, StatusCode::completed)
             << cases()[i].name << ": " << full_runs()[i].status.detail;
 }
 
-TEST(PlanContract, ABlockIsCalledExactlyWhereThePlanNeedsIt) {
+void a_block_is_called_exactly_where_the_plan_needs_it() {
     Names ever_needed, ever_left_out;
     for (std::size_t i = 0; i < cases().size(); ++i) {
         const auto parts = fullsim::parts_of(cases()[i].scene);
@@ -147,7 +147,7 @@ TEST(PlanContract, ABlockIsCalledExactlyWhereThePlanNeedsIt) {
     }
 }
 
-TEST(PlanContract, EveryEventOfARunIsInItsPlan) {
+void every_event_of_a_run_is_in_its_plan() {
     Names met;
     for (std::size_t i = 0; i < cases().size(); ++i) {
         const Names watched = names_of(fullsim::parts_of(cases()[i].scene), PlanPart::Kind::event, true);
@@ -166,6 +166,13 @@ TEST(PlanContract, EveryEventOfARunIsInItsPlan) {
             if (part.kind == PlanPart::Kind::event && part.needed && part.name != "canopy-filled") {
                 EXPECT_TRUE(met.contains(part.name)) << part.name;
             }
+}
+
+/// One test for the three: each that stood alone would make the runs anew.
+TEST(PlanContract, BlocksAndEventsOfRunsAreThoseOfTheirPlans) {
+    the_runs_come_to_their_end();
+    a_block_is_called_exactly_where_the_plan_needs_it();
+    every_event_of_a_run_is_in_its_plan();
 }
 
 /// What a simulation holds for a block, and for elements that only some blocks use.

@@ -61,5 +61,27 @@ TEST(Reefing, TheLineHoldsTheMouth) {
     EXPECT_LT(mouth(), 1.05 * line);  // nylon at a small share of its strength
 }
 
+TEST(Reefing, EachStageHasALineOfItsOwnAndACutOneNeverComesTaut) {
+    // Round a mouth that opens to the root of the stage's share of the drag area; cut, longer than the whole
+    // circumference.
+    const Scene scene =
+        read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+                   {"parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = 1 } },"
+                    " { drag_area_ratio = 0.3, until = { at = \"line-stretch\", delay = 2 } }]"});
+    fullsim::Simulation simulation(scene);
+    const auto line = [&] {
+        double length = 0.0;
+        for (const std::size_t c : simulation.mesh().reefing_line)
+            length += simulation.mesh().cables[c].rest_length;
+        return length;
+    };
+    const double mouth = pi * 0.65 * 8.53;
+    EXPECT_NEAR(line(), mouth * std::sqrt(0.1), 1e-9);
+    simulation.disreef(simulation.inflation(), 1);
+    EXPECT_NEAR(line(), mouth * std::sqrt(0.3), 1e-9);
+    simulation.disreef(simulation.inflation(), 2);
+    EXPECT_GT(line(), pi * 8.53);
+}
+
 }  // namespace
 }  // namespace twinchute
