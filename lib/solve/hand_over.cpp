@@ -93,11 +93,11 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
     }
 }
 
-/// And stays so: one that over-inflates has settled once the descent is steady.
-bool is_open(const Scene& scene, const RunRecord& record) {
+/// The event after which a canopy is open and stays so: one that over-inflates has settled once the descent
+/// is steady.
+const char* settling_event(const Scene& scene) {
     const auto& growth = scene.parachutes.front().drag_area_table;
-    const bool over_inflates = growth && growth->end() > 1.0;
-    return record.find_event(over_inflates ? "steady-descent" : "full-open") != nullptr;
+    return growth && growth->end() > 1.0 ? "steady-descent" : "full-open";
 }
 
 void add_cost(Cost& cost, const Cost& more) {
@@ -160,10 +160,12 @@ RunRecord run_scene(const Fidelity& fidelity, const Scene& scene, Run& run,
     if (scene.then.empty() || record.status.code != StatusCode::completed) return record;
     const auto then = std::ranges::find_if(others, [&](const Fidelity* f) { return f->name == scene.then; });
     if (then == others.end()) return record;
-    if (!is_open(scene, record)) {
+    if (const char* settled = settling_event(scene); !record.find_event(settled)) {
+        const bool is_open = record.find_event("full-open") != nullptr;
         record.warnings.push_back({fmt::format("the fall was not handed over to {}", scene.then),
-                                   "the run stopped before the canopy was open",
-                                   "stop later, e.g. at = \"full-open\""});
+                                   fmt::format("the run stopped before the canopy {}",
+                                               is_open ? "had settled from over-inflating" : "was open"),
+                                   fmt::format("stop later, e.g. at = \"{}\"", settled)});
         return record;
     }
     Run rest{run.stop, run.progress};

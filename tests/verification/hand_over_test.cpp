@@ -137,6 +137,32 @@ TEST(HandOver, IsNotMadeFromACanopyThatIsNotOpen) {
     EXPECT_EQ(record.warnings.back().what, "the fall was not handed over to rom");
 }
 
+TEST(HandOver, OfACanopyThatOverInflatesWaitsUntilItHasSettled) {
+    // Open at first at 1, 1.3 times the steady drag area at 1.3, steady from 2 fillings on: what goes on with
+    // the steady drag area must not begin before.
+    Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml");
+    scene.parachutes.front().drag_area_table.emplace(
+        "t.csv", std::vector<double>{0.0, 0.5, 1.0, 1.3, 1.35, 1.4, 1.7, 2.0},
+        std::vector<double>{0.0, 0.4, 1.0, 1.3, 1.35, 1.3, 1.1, 1.0});
+    scene.then = "rom";
+    scene.rom.rtol = 1e-8;
+    const auto run = [&](Trigger::Kind kind) {
+        scene.stop = {kind, 0.0, 0.0, ""};
+        twinchute::Run control;
+        return run_scene(rom::rom_fidelity(), scene, control, both);
+    };
+    const RunRecord early = run(Trigger::Kind::full_open);
+    EXPECT_FALSE(early.handed_over);
+    ASSERT_FALSE(early.warnings.empty());
+    EXPECT_EQ(early.warnings.back().why, "the run stopped before the canopy had settled from over-inflating");
+    EXPECT_EQ(early.warnings.back().suggestion, "stop later, e.g. at = \"steady-descent\"");
+    const RunRecord settled = run(Trigger::Kind::steady_descent);
+    ASSERT_TRUE(settled.handed_over);
+    const RunRecord whole = run(Trigger::Kind::ground);
+    EXPECT_NEAR(*settled.metric("flight_time_s"), *whole.metric("flight_time_s"),
+                1e-6 * *whole.metric("flight_time_s"));
+}
+
 TEST(HandOver, KeepsARunThatDidNotStopAsItIs) {
     std::stop_source stop;
     stop.request_stop();
