@@ -11,6 +11,7 @@
 #include "compare/attribution.hpp"
 #include "compare/histories.hpp"
 #include "compare/metrics.hpp"
+#include "compare/test_histories.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/frames.hpp"
 #include "lib/record/run_record.hpp"
@@ -76,6 +77,7 @@ struct Comparison {
     std::string reference_title, candidate_title;    ///< e.g. "reduced-order model"
     FidelityGap gap;
     std::optional<Attribution> attribution;  ///< where it was asked for
+    std::optional<TestHistories> test;       ///< where one was given
 };
 
 /// `tolerances`: by metric name; they replace the default of a row. A relative one is a share of

@@ -11,6 +11,7 @@ namespace {
 constexpr std::array rows{
     HistoryRow{"force_history", "force", "N", "Opening force"},
     HistoryRow{"speed_history", "speed", "m/s", "Speed of the payload"},
+    HistoryRow{"acceleration_history", "acceleration", "m/s^2", "Acceleration of the payload"},
     HistoryRow{"drag_area_history", "drag_area", "m^2", "Drag area"},
     HistoryRow{"projected_area_history", "projected_area", "m^2", "Projected area"},
 };

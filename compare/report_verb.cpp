@@ -69,8 +69,10 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
 }
 
 Comparison comparison_of(const fs::path& place, const Fidelity& reference, const Fidelity& candidate,
-                         const std::map<std::string, Tolerance>& asked) {
+                         const std::map<std::string, Tolerance>& asked,
+                         const std::optional<TestHistories>& test) {
     Comparison comparison;
+    comparison.test = test;
     comparison.reference_title = reference.title;
     comparison.candidate_title = candidate.title;
     comparison.candidate = record_of(place, candidate);
@@ -149,6 +151,7 @@ void add_table(FileBatch& batch, const std::vector<RecordRow>& rows, const fs::p
 
 ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::map<std::string, Tolerance> asked = read_tolerances(tolerance_overrides(arguments));
+    const std::optional<TestHistories> test = test_of(arguments);
     const std::optional<std::string> out = arguments.value("out");
     if (out) check_output_dir(*out);
     const std::vector<Place> places = places_of(arguments, reference, candidate);
@@ -164,7 +167,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
             told.json.push_back(summary_json(record));
             continue;
         }
-        const Comparison comparison = comparison_of(place.directory, reference, candidate, asked);
+        const Comparison comparison = comparison_of(place.directory, reference, candidate, asked, test);
         LadderBeside beside;
         if (!out) {
             beside = ladder_beside(place.directory, comparison.reference, fidelities);
@@ -192,6 +195,7 @@ Verb report_verb(const Fidelity& reference, const Fidelity& candidate) {
     verb.operand = "DIR...";
     verb.example = "twinchute report c9-inflation.out";
     verb.options = {tolerance_option(reference.name),
+                    test_option(),
                     {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
                     {"json", "", "print the gap as JSON and nothing else"},
                     {"quiet", "", "print nothing but errors"}};

@@ -115,13 +115,14 @@ struct CaseOutcome {
 class Comparing {
 public:
     Comparing(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments,
-              const std::vector<Scene>& scenes, const Baseline& baseline, const Why& why,
-              std::filesystem::path directory)
+              const std::vector<Scene>& scenes, const Baseline& baseline, std::optional<TestHistories> test,
+              const Why& why, std::filesystem::path directory)
         : reference_(reference),
           candidate_(candidate),
           arguments_(arguments),
           scenes_(scenes),
           baseline_(baseline),
+          test_(std::move(test)),
           why_(why),
           directory_(std::move(directory)),
           threads_(threads_of(arguments)),
@@ -183,6 +184,7 @@ private:
         Comparison comparison;
         comparison.reference_title = reference_.title;
         comparison.candidate_title = candidate_.title;
+        comparison.test = test_;
         if (of.finished) {
             std::tie(comparison.candidate, comparison.reference) = *of.finished;
             comparison.candidate_frames = read_frames(of.place / candidate_.name);
@@ -265,6 +267,7 @@ private:
     const Arguments& arguments_;
     const std::vector<Scene>& scenes_;
     const Baseline& baseline_;
+    const std::optional<TestHistories> test_;
     const Why& why_;
     const std::filesystem::path directory_;
     const int threads_;
@@ -284,11 +287,12 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
     const Baseline baseline(arguments, scenes, reference, candidate);
+    std::optional<TestHistories> test = test_of(arguments);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;
     }
-    return Comparing(reference, candidate, arguments, scenes, baseline, why,
+    return Comparing(reference, candidate, arguments, scenes, baseline, std::move(test), why,
                      arguments.value("out").value_or(default_output_dir(arguments.operand).string()))
         .run();
 }
@@ -309,6 +313,7 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
         {"seeds", "N",
          fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
                      AttributionOptions{}.seeds)}};
+    own.push_back(test_option());
     const std::vector<Option> of_baseline = baseline_options();
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());

@@ -60,6 +60,29 @@ std::vector<double> resampled(const Rows& rows, const std::vector<double>& clock
 
 }  // namespace
 
+/// The instants of a test, as many as can be told apart. Its clock begins at release: on this one it lies as
+/// the reference does.
+Rows measured_rows(const Curve& measured, double zero) {
+    constexpr std::size_t most = 400;
+    Rows rows;
+    const std::size_t count = measured.time.size(), stride = (count + most - 1) / most;
+    for (std::size_t i = 0; i < count; ++i)
+        if (i % stride == 0 || measured.value[i] == std::ranges::max(measured.value)) {
+            rows.time.push_back(measured.time[i] - zero);
+            rows.value.push_back(measured.value[i]);
+        }
+    return rows;
+}
+
+/// Those rows at their own instants of the clock, nothing in between.
+std::vector<double> placed(const Rows& rows, const std::vector<double>& clock) {
+    std::vector<double> values(clock.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < rows.time.size(); ++i)
+        if (const auto at = std::ranges::lower_bound(clock, rows.time[i]); at != clock.end())
+            values[static_cast<std::size_t>(at - clock.begin())] = rows.value[i];
+    return values;
+}
+
 AlignedHistories aligned_histories(const Comparison& comparison) {
     AlignedHistories aligned;
     const PageClock clock = page_clock(comparison);
@@ -69,7 +92,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     std::vector<double> peaks;
     for (const HistoryRow& row : history_rows()) {
         std::array<Rows, 2> both;
-        AlignedChannel channel{row.channel, row.title, {}, {}, {}};
+        AlignedChannel channel{row.channel, row.title, {}, {}, {}, {}};
         for (std::size_t s = 0; s < 2; ++s) {
             both[s] = rows_of(*sides[s].record, row.channel, clock.zero[s]);
             if (both[s].time.empty()) continue;
@@ -90,12 +113,21 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     aligned.clock = std::move(peaks);
     add_evenly(aligned.clock, first, aligned.opening_end, fine_points);
     if (aligned.opening_end < last) add_evenly(aligned.clock, aligned.opening_end, last, coarse_points);
+    std::vector<Rows> measured(rows.size());
+    for (std::size_t c = 0; comparison.test && c < rows.size(); ++c)
+        if (const Curve* curve = comparison.test->find(aligned.channels[c].channel)) {
+            measured[c] = measured_rows(*curve, clock.zero[1]);
+            std::ranges::copy_if(measured[c].time, std::back_inserter(aligned.clock),
+                                 [&](double t) { return t >= first && t <= last; });
+        }
     std::ranges::sort(aligned.clock);
     aligned.clock.erase(std::unique(aligned.clock.begin(), aligned.clock.end()), aligned.clock.end());
-    for (std::size_t c = 0; c < rows.size(); ++c)
+    for (std::size_t c = 0; c < rows.size(); ++c) {
         for (std::size_t s = 0; s < 2; ++s)
             if (aligned.channels[c].there[s])
                 aligned.channels[c].value[s] = resampled(rows[c][s], aligned.clock);
+        if (!measured[c].time.empty()) aligned.channels[c].test = placed(measured[c], aligned.clock);
+    }
     return aligned;
 }
 

@@ -15,6 +15,7 @@ struct AlignedChannel {
     /// By side, one value an instant; NaN where the side has none: before its first row, after its last.
     std::array<std::vector<double>, 2> value;
     std::array<bool, 2> there{};
+    std::vector<double> test;  ///< likewise, at its own instants alone; empty where nothing was measured
 };
 
 struct AlignedHistories {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/report/attribution_json.hpp"
+#include "compare/report/words.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -74,6 +75,20 @@ Json side_json(const RunRecord& record, const std::string& title) {
             {"warnings", warnings_json(record.warnings)}};
 }
 
+Json test_json(const Comparison& comparison) {
+    Json json;
+    json["file"] = comparison.test->file;
+    Json& channels = json["channels"] = Json::object();
+    for (const TestScore& score : scores_of_test(comparison)) {
+        Json& channel = channels[std::string(score.row->channel)];
+        channel["largest"] = score.largest;
+        channel["unit"] = score.row->unit;
+        put(channel, "candidate", score.l2[0]);
+        put(channel, "reference", score.l2[1]);
+    }
+    return json;
+}
+
 }  // namespace
 
 std::string gap_json(const Comparison& comparison) {
@@ -91,6 +106,7 @@ std::string gap_json(const Comparison& comparison) {
     Json& histories = json["histories"] = Json::object();
     for (const HistoryGap& history : comparison.gap.histories)
         histories[std::string(history.row->name)] = history_json(history);
+    if (comparison.test) json["test"] = test_json(comparison);
     Json& cost = json["cost"] = Json::object();
     cost["reference"] = cost_json(comparison.reference.cost);
     cost["candidate"] = cost_json(comparison.candidate.cost);

@@ -49,6 +49,9 @@ std::string histories_section(const Comparison& comparison) {
         page_clock(comparison).from_snatch ? "Time counts from the snatch (or line stretch) of each, so that "
                                              "the openings lie above each other."
                                            : "Time counts from release.");
+    if (comparison.test)
+        text += fmt::format("<p>Dots: what a test measured, <code>{}</code>.</p>\n",
+                            xml_text(comparison.test->file));
     text +=
         "<div class=\"controls\">\n"
         "<div class=\"choice\" role=\"group\" aria-label=\"Time shown\"><button type=\"button\" "

@@ -112,6 +112,19 @@ std::string histories_section(const FidelityGap& gap) {
     return notes.empty() ? text : text + notes + "\n";
 }
 
+std::string test_section(const Comparison& comparison) {
+    if (!comparison.test) return {};
+    std::string text = "## Test\n\n" + header({"over time", "largest", comparison.candidate.fidelity,
+                                               comparison.reference.fidelity},
+                                              "lrrr");
+    for (const TestScore& score : scores_of_test(comparison))
+        text += row(test_cells(score));
+    return text + fmt::format(
+                      "\nL2 norm of the difference over that of {}, from release on, where both have "
+                      "values.\n\n",
+                      markdown_text(comparison.test->file));
+}
+
 std::string attribution_section(const Comparison& comparison) {
     if (!comparison.attribution) return {};
     const Attribution& attribution = *comparison.attribution;
@@ -281,7 +294,8 @@ std::string report_markdown(const Comparison& comparison) {
     }
     text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
-    text += histories_section(comparison.gap) + cost_section(comparison, sides) + "\n";
+    text +=
+        histories_section(comparison.gap) + test_section(comparison) + cost_section(comparison, sides) + "\n";
     text += events_section(sides) + energy_section(sides) + notes_section(sides);
     text += inputs_section(comparison.reference);
     return text + provenance_section(comparison.reference);

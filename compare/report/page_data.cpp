@@ -76,7 +76,7 @@ std::string page_data(const Comparison& comparison) {
                             word(channel.title), word(unit_for_reading(channel.unit)));
         for (std::size_t s = 0; s < 2; ++s)
             text += (s == 0 ? "" : ",") + (channel.there[s] ? numbers(channel.value[s]) : "null");
-        text += "]},";
+        text += "]" + (channel.test.empty() ? "" : ",\"test\":" + numbers(channel.test)) + "},";
     }
     if (!aligned.channels.empty()) text.pop_back();
     return text + "]}";

@@ -43,6 +43,9 @@ Plot channel_plot(const Comparison& comparison, std::string_view channel) {
             plot.markers.push_back({"full open, " + record->fidelity, role, open->time});
         }
     }
+    if (const Curve* measured = comparison.test ? comparison.test->find(channel) : nullptr)
+        plot.series.push_back(
+            {"test: " + comparison.test->file, Role::test, measured->time, measured->value});
     return plot;
 }
 

@@ -22,7 +22,10 @@ constexpr std::string_view ink = "#222222", faint = "#dddddd", dim = "#555555";
 using Canvas = SvgCanvas;
 
 // Blue and vermillion of Okabe and Ito: apart for every kind of colour vision and in grey.
+constexpr std::size_t most_dots = 400;  // of a test: more run together
+
 std::string_view colour(Role role) {
+    if (role == Role::test) return ink;
     return role == Role::reference ? "#0072b2" : "#d55e00";
 }
 std::string_view dash(Role role) {
@@ -92,6 +95,11 @@ void draw_heading(Canvas& canvas, const Plot& plot) {
     canvas.words(left, 45, "start", dim, shortened(plot.subtitle, 90), R"( font-size="12")");
     double x = left;
     for (const Series& series : plot.series) {
+        if (series.role == Role::test) {  // in the line of the subtitle, which has room at its end
+            canvas.words(right, 45, "end", ink, "\u25e6 " + shortened(series.label, 40),
+                         R"( font-size="12")");
+            continue;
+        }
         canvas.line(x, 67, x + 34, 67, colour(series.role),
                     fmt::format(R"( stroke-width="2.2" stroke-dasharray="{}")", dash(series.role)));
         canvas.words(x + 42, 71.5, "start", ink, shortened(series.label, 42));
@@ -144,6 +152,12 @@ std::vector<std::vector<Point>> runs_of(const Series& series, double low, double
 void draw_series(Canvas& canvas, const Series& series, const Axis& x, const Axis& y) {
     std::string path;
     for (const auto& run : runs_of(series, x.low, x.high)) {
+        if (series.role == Role::test) {
+            for (const Point& point : thinned(run, most_dots / 4))
+                canvas.add(R"(<circle cx="{:.1f}" cy="{:.1f}" r="2" fill="none" stroke="{}"/>)",
+                           x.at(point.x), y.at(point.y), ink);
+            continue;
+        }
         char command = 'M';
         for (const Point& point : thinned(run, static_cast<std::size_t>(right - left))) {
             fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", command, x.at(point.x),

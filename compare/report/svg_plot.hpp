@@ -8,8 +8,9 @@
 
 namespace twinchute::compare {
 
-/// Colour and dash of a side. Told apart by dash as well, for grey print and colour-blind eyes.
-enum class Role { reference, candidate };
+/// Colour and dash of a side. Told apart by dash as well, for grey print and colour-blind eyes. What a test
+/// measured is dots.
+enum class Role { reference, candidate, test };
 
 struct Series {
     std::string label;

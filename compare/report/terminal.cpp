@@ -95,6 +95,20 @@ std::string histories_text(const Comparison& comparison, const Style& style) {
                        comparison.reference.fidelity);
 }
 
+/// A line a measured history.
+std::string test_text(const Comparison& comparison, const Style& style) {
+    if (!comparison.test) return {};
+    Table table;
+    table.header = {"test", "largest", comparison.candidate.fidelity, comparison.reference.fidelity};
+    table.right = {false, true, true, true};
+    for (const TestScore& score : scores_of_test(comparison))
+        table.rows.push_back(test_cells(score));
+    return aligned(table, style) +
+           fmt::format(
+               "L2 norm of the difference over that of {}, from release on, where both have values\n\n",
+               printable(comparison.test->file));
+}
+
 std::string attribution_part(const Comparison& comparison, const Style& style) {
     if (!comparison.attribution) return {};
     const Attribution& attribution = *comparison.attribution;
@@ -134,7 +148,8 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
         text += printable(fill) + "\n";
     }
     text += "\n";
-    text += gap_table(comparison, style) + "\n" + histories_text(comparison, style);
+    text += gap_table(comparison, style) + "\n" + histories_text(comparison, style) +
+            test_text(comparison, style);
     text += attribution_part(comparison, style);
     text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));
     text += fmt::format("cost      {}\n", cost_line(comparison));

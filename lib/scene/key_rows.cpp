@@ -474,7 +474,8 @@ constexpr ToleranceMetric metric_rows[] = {
     {"seam_diameter_ratio", "1"}, {"canopy_depth_ratio", "1"}, {"signed_area_ratio", "1"},
     {"max_line_tension", "N"}, {"max_membrane_stress", "N/m"},
     {"line_strength_margin", "1"}, {"membrane_strength_margin", "1"},
-    {"force_history", "1"}, {"speed_history", "1"}, {"drag_area_history", "1"}, {"projected_area_history", "1"},
+    {"force_history", "1"}, {"speed_history", "1"}, {"acceleration_history", "1"}, {"drag_area_history", "1"},
+    {"projected_area_history", "1"},
 };
 // clang-format on
 

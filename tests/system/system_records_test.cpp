@@ -173,6 +173,24 @@ TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
     EXPECT_EQ(run({"report", "bad", "--quiet"}).err, "");
 }
 
+TEST_F(SystemRecords, ATestIsDrawnBesideBothOrRefusedBeforeAnythingRuns) {
+    here_.write("good.csv", "time,force\ns,lbf\n0,0\n0.5,100\n1,90\n");
+    here_.write("bad.csv", "time,force\ns,kg\n0,0\n1,1\n");
+    const Ended bad = run({"compare", "scene.toml", "--out", "out", "--test", "bad.csv"});
+    EXPECT_EQ(bad.code, 2);
+    EXPECT_NE(bad.err.find("bad.csv:2:3"), std::string::npos) << bad.err;
+    EXPECT_EQ(run({"compare", "scene.toml", "--check", "--test", "bad.csv"}).code, 2);
+    EXPECT_FALSE(std::filesystem::exists(here_ / "out"));
+    const Ended good = run({"compare", "scene.toml", "--out", "out", "--test", "good.csv"});
+    EXPECT_NE(good.out.find("444.8 N"), std::string::npos) << good.out;
+    EXPECT_NE(text("out/report.md").find("## Test"), std::string::npos);
+    // Made again without it the reports know nothing of it, and of another one what that says.
+    run({"report", "out", "--quiet"});
+    EXPECT_EQ(text("out/report.md").find("## Test"), std::string::npos);
+    run({"report", "out", "--quiet", "--test", "good.csv"});
+    EXPECT_NE(text("out/gap.json").find("\"good.csv\""), std::string::npos);
+}
+
 TEST_F(SystemRecords, AnEditedSummaryIsRefusedWhereverItIsRead) {
     run({"compare", "scene.toml", "--quiet", "--out", "out"});
     std::string summary = text("out/full/summary.json");

@@ -74,6 +74,7 @@
             };
             readout.textContent = "";
             for (const side of [0, 1]) if (values[side]) say("side " + style[side], data.sides[side], values[side][row]);
+            if (channel.test && channel.test[row] !== null) say("", "test", channel.test[row]);
             if (!values[0] || !values[1]) continue;
             const gap = values[0][row] === null || values[1][row] === null ? null : values[0][row] - values[1][row];
             say("", "difference", gap);
@@ -132,12 +133,16 @@
         // The dashed one is drawn last: it lies on the other where they agree, and both are seen.
         const order = there.slice().reverse();
         for (const side of there) series[data.sides[side]] = side === 0 ? {strokePattern: [7, 4]} : {};
-        const ordered = clock.map((t, row) => [t].concat(order.map((side) => channel.values[side][row])));
+        const dots = channel.test ? [channel.test] : [];
+        if (channel.test) series.test = {strokeWidth: 0, drawPoints: true, pointSize: 2.2, highlightCircleSize: 2.2};
+        const ordered = clock.map((t, row) => [t].concat(
+            order.map((side) => channel.values[side][row]), dots.map((values) => values[row])));
         const graph = draw(figure.querySelector(".curve"), ordered, {
-            labels: ["time"].concat(order.map((side) => data.sides[side])), series: series, includeZero: true,
+            labels: ["time"].concat(order.map((side) => data.sides[side]), dots.map(() => "test")), series: series,
+            includeZero: true,
             xlabel: there.length === 1 ? data.clockLabel : "",
         });
-        report.onScheme(() => paint(graph, order.map((side) => style[side])));
+        report.onScheme(() => paint(graph, order.map((side) => style[side]).concat(dots.map(() => "ink"))));
         if (there.length < 2) continue;
         const gaps = rows.map((row) => [row[0], row[1] === null || row[2] === null ? null : row[1] - row[2]]);
         const below = draw(figure.querySelector(".difference"), gaps, {

@@ -1,0 +1,99 @@
+#include "compare/test_histories.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/scene/csv_table.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+constexpr double longest = 36000.0;  // [s]
+
+std::vector<CsvColumn> columns() {
+    std::vector<CsvColumn> known{{"time", "s", {-longest, longest}}};
+    for (const HistoryRow& row : history_rows())
+        known.push_back({row.channel, row.unit, {-1e9, 1e9}});
+    return known;
+}
+
+std::string channels_text() {
+    std::string text;
+    for (const HistoryRow& row : history_rows())
+        text += (text.empty() ? "" : ", ") + std::string(row.channel);
+    return text;
+}
+
+/// The rows of a channel that are numbers, with rising or equal times.
+Curve curve_of(const RunRecord& record, std::string_view channel) {
+    Curve curve;
+    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
+    if (time == nullptr || values == nullptr) return curve;
+    for (std::size_t i = 0; i < std::min(time->values.size(), values->values.size()); ++i)
+        if (std::isfinite(time->values[i]) && std::isfinite(values->values[i])) {
+            curve.time.push_back(time->values[i]);
+            curve.value.push_back(values->values[i]);
+        }
+    return curve;
+}
+
+std::optional<double> distance(const Curve& test, const Curve& run) {
+    if (test.time.empty() || run.time.empty()) return {};
+    const double from = std::max(test.time.front(), run.time.front()),
+                 to = std::min(test.time.back(), run.time.back());
+    if (!(to > from)) return {};
+    const double size = l2_norm(cut(test, from, to));
+    if (!(size > 0.0)) return {};
+    return l2_norm(difference(run, test, from, to)) / size;
+}
+
+}  // namespace
+
+const Curve* TestHistories::find(std::string_view channel) const {
+    const auto found = curves.find(channel);
+    return found == curves.end() ? nullptr : &found->second;
+}
+
+TestHistories read_test_histories(std::string_view text, const std::string& file) {
+    const CsvTable table = read_csv_table(text, file, columns());
+    TestHistories test{file, {}};
+    for (const HistoryRow& row : history_rows())
+        if (table.has(row.channel))
+            test.curves.emplace(row.channel, Curve{table.at("time"), table.at(row.channel)});
+    if (test.curves.empty())
+        throw SceneError({file, 1, 1}, "", "there is nothing beside the time",
+                         "a test is drawn over the histories of the runs",
+                         fmt::format("the columns are time and any of {}", channels_text()));
+    return test;
+}
+
+Option test_option() {
+    return {"test", "FILE.csv",
+            "draw what a test recorded beside both: time since release, and any of " + channels_text()};
+}
+
+std::optional<TestHistories> test_of(const Arguments& arguments) {
+    const auto file = arguments.value("test");
+    if (!file) return {};
+    return read_test_histories(read_text_file(*file), std::string(*file));
+}
+
+std::vector<TestScore> test_scores(const TestHistories& test,
+                                   const std::array<const RunRecord*, 2>& records) {
+    std::vector<TestScore> scores;
+    for (const HistoryRow& row : history_rows()) {
+        const Curve* measured = test.find(row.channel);
+        if (measured == nullptr) continue;
+        TestScore score{&row, std::ranges::max(measured->value), {}};
+        for (std::size_t s = 0; s < 2; ++s)
+            score.l2[s] = distance(*measured, curve_of(*records[s], row.channel));
+        scores.push_back(score);
+    }
+    return scores;
+}
+
+}  // namespace twinchute::compare

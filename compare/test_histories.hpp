@@ -1,0 +1,42 @@
+// What a test recorded over time, beside both models. How far they are from it is neither an error of numbers
+// nor a gap between models, see test_reference.hpp: it is shown and not judged.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compare/histories.hpp"
+#include "lib/cli/verb.hpp"
+
+namespace twinchute::compare {
+
+struct TestHistories {
+    std::string file;                                  ///< as given
+    std::map<std::string, Curve, std::less<>> curves;  ///< by channel of a record; [s] since release, SI
+    const Curve* find(std::string_view channel) const;
+};
+
+/// Reads a CSV file whose first line names the columns and whose second their units: time, since release, and
+/// at least one channel of history_rows(). Throws SceneError, with file and line, for everything else.
+TestHistories read_test_histories(std::string_view text, const std::string& file);
+
+/// The option --test of verbs that compare, and the file that it names.
+Option test_option();
+std::optional<TestHistories> test_of(const Arguments& arguments);
+
+/// A measured history and how far two records are from it, over the time that all three have.
+struct TestScore {
+    const HistoryRow* row = nullptr;
+    double largest = 0.0;                     ///< of what was measured, in the row's unit
+    std::array<std::optional<double>, 2> l2;  ///< by record: that of the difference over that of the test
+};
+
+/// In the order of history_rows(). A record that lacks the channel, or has no time in common with the test,
+/// has no score. `records`: whose clocks begin at release, as the test's.
+std::vector<TestScore> test_scores(const TestHistories& test, const std::array<const RunRecord*, 2>& records);
+
+}  // namespace twinchute::compare
