@@ -106,6 +106,7 @@ struct SpringPass {
     double repulsion = 0.0;   ///< of folded cloth over its stiffness in tension [-]
     bool springs = false;     ///< these act,
     bool folds = false;       ///< and these
+    bool folded = false;      ///< as State: for the bound on the step
     double full_speed = 1.0;  ///< [m/s] of lengthening from which folds resist fully
 };
 
@@ -155,7 +156,7 @@ struct GoreSums {
 /// Of all elements of a kind.
 struct ElementLevels {
     double energy = 0.0;  ///< [J]
-    double strain = 0.0;  ///< [-] largest tensile strain
+    double strain = 0.0;  ///< [-] largest tensile strain, as Extreme
 };
 
 /// A substep of the skirt and the nodes of lines under lines alone.
