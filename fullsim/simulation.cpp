@@ -26,7 +26,8 @@ constexpr double taut_lines = 0.8;       // share of line elements in tension at
 constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
 constexpr double substep_cost = 0.12;    // of a substep of lines over a step of everything
 /// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
-/// the energy grows with the step. Ahead of its lines cloth goes no further than this share of its own bound.
+/// the energy grows with the step, and so do lines. Where lines take substeps, either takes no more than this
+/// share of its own bound.
 constexpr double share_while_slapping = 0.5;
 /// Over its length: an edge that lacks less may come taut within a step. At 0.4 ms, the longest step of a
 /// pack, an edge of 0.1 m would have to lengthen at 25 m/s to cross it unseen.
@@ -395,7 +396,7 @@ Simulation::Step Simulation::choose_step(const State& state) {
     if (body_) step = std::min(step, body_->stable_step(riser_stiffness_));
     // A body takes steps with the canopy, and so does what hangs on it.
     for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
-        const double longer = std::min(share * stable.canopy, count * stable.lines);
+        const double longer = share * std::min(stable.canopy, count * stable.lines);
         const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
         substeps = count;
