@@ -233,7 +233,7 @@ public:
         step_.first_kick = substep(state, dt, substeps, 0).kick;
         step_.gravity = constants_.gravity;
         step_.image = nodes_->image();
-        step_.image_push = has_.pressure;
+        step_.pushed = has_.pressure;
         step_.image_aero = has_.cloth_drag;
         for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.advance(part, step_); });
 

@@ -483,15 +483,17 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         if constexpr (canopy) {
             store3(none, block.force + at);
             if constexpr (with_aero) store3(none, block.aero + at);
-            Vec3s push = load3(block.push + at);
-            store3(none, block.push + at);
-            if (const std::int32_t image = step.image[n]; image >= 0) {
-                const std::size_t there = image * block.stride;
-                force += taken_from_image(block.force + there);
-                if (step.image_push) push += taken_from_image(block.push + there);
-                if (with_aero && step.image_aero) aero += taken_from_image(block.aero + there);
+            const std::int32_t image = step.image[n];
+            if (step.pushed) {
+                Vec3s push = load3(block.push + at);
+                store3(none, block.push + at);
+                if (image >= 0) push += taken_from_image(block.push + image * block.stride);
+                aero += pressure * push + share * flag;
             }
-            aero += pressure * push + share * flag;
+            if (image >= 0) {
+                force += taken_from_image(block.force + image * block.stride);
+                if (with_aero && step.image_aero) aero += taken_from_image(block.aero + image * block.stride);
+            }
             if (step.breathing > 0.0) {
                 const Vec3s relative = load3(block.v + at) - splat3(step.breathing_mean);
                 const Vec3s resistance = (share * all(step.breathing)) * relative;
