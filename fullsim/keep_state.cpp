@@ -65,9 +65,9 @@ void keep(Keeper& k, LargestLoads& loads) {
 }
 
 void keep(Keeper& k, State& state) {
-    auto& [time, dt, line_dt, step, phase, stage, fe_weight, node, v_half, force, aero, added_mass_rate,
-           added_mass, body, sums, air, energy, accretion_power, damping_power, external_power, riser_force,
-           capped_steps, largest] = state;
+    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
+           added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
+           external_power, riser_force, capped_steps, largest] = state;
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
         k.number("state", *x);
@@ -75,6 +75,7 @@ void keep(Keeper& k, State& state) {
     k.whole("capped steps", capped_steps, 0);
     k.choice("phase", phase, Phase::open);
     k.choice("stage", stage, Stage::flight);
+    k.flag("folded", folded);
     k.numbers("nodes", doubles(node));
     k.numbers("velocities of half steps", doubles(v_half));
     k.numbers("forces", doubles(force));

@@ -48,6 +48,7 @@ public:
     }
 
     Levels levels(const State& state) const override { return levels_of(state, constants_, *structure_); }
+    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
         const auto add = [&](const ForceModels& models) {
@@ -101,6 +102,13 @@ Levels levels_of(const State& state, const NodeConstants& constants, const Force
     for (const auto& model : structure)
         levels.strain.push_back(model->extreme(state).strain);
     return levels;
+}
+
+double cloth_strain_of(const State& state, const ForceModels& structure) {
+    double longest = -1.0;
+    for (const auto& model : structure)
+        if (is_folding_cloth(model->name())) longest = std::max(longest, model->extreme(state).strain);
+    return longest;
 }
 
 void BlockClock::begin(const std::vector<std::string>& names) {

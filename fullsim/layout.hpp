@@ -66,6 +66,12 @@ struct Levels {
 
 /// From the node records and the blocks themselves.
 Levels levels_of(const State& state, const NodeConstants& constants, const ForceModels& structure);
+double cloth_strain_of(const State& state, const ForceModels& structure);
+
+/// Blocks of cloth as springs, which is folded before it comes taut.
+inline bool is_folding_cloth(std::string_view block) {
+    return block == "fabric springs" || block == "tapes";
+}
 
 class Layout {
 public:
@@ -93,6 +99,8 @@ public:
     virtual double membrane_energy(State& state) const = 0;
     /// Of all nodes and elements as they are now, without store.
     virtual Levels levels(const State& state) const = 0;
+    /// [-] largest of fabric springs and tapes: below zero where cloth is folded.
+    virtual double cloth_strain(const State& state) const = 0;
 
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure; state.largest
     /// grows here, and in the substeps of advance.

@@ -26,8 +26,12 @@ constexpr double taut_lines = 0.8;       // share of line elements in tension at
 constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
 constexpr double substep_cost = 0.12;    // of a substep of lines over a step of everything
 /// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
-/// the energy grows with the step. Ahead of its lines cloth goes no further than this share of its own bound.
+/// the energy grows with the step, and so do lines. Where lines take substeps, either takes no more than this
+/// share of its own bound.
 constexpr double share_while_slapping = 0.5;
+/// Over its length: an edge that lacks less may come taut within a step. At 0.4 ms, the longest step of a
+/// pack, an edge of 0.1 m would have to lengthen at 25 m/s to cross it unseen.
+constexpr double nearly_taut = -0.1;
 constexpr double cut_line = 10.0;  // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -132,6 +136,8 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
                              [](const Cable& c) { return c.kind == CableKind::line; });
     }
     build_blocks();
+    state_.folded = state_.stage == Stage::deployment && scene.full.structure != Structure::fe &&
+                    layout_->cloth_strain(state_) < nearly_taut;
     update_sums(state_, constants_);
     update_air(state_, scene.environment, mesh_.payload(), constants_.system_mass, 0.0);
     if (scene.aerodynamics.added_mass && state_.stage == Stage::flight)
@@ -347,6 +353,7 @@ void Simulation::change_stage(Stage stage) {
     State& s = state_;
     const double before = elastic_energy(whole(), structure_);
     s.stage = stage;
+    s.folded = false;
     build_blocks();
     s.energy.ramp += elastic_energy(s, structure_) - before;
     refresh_step();
@@ -384,11 +391,12 @@ Simulation::Step Simulation::choose_step(const State& state) {
     int substeps = 1;
     double step = stable.all, dearness = 1.0 / step;
     const double factor = scene_.full.time_step_factor;
-    const double share = state.stage == Stage::flight ? 1.0 : std::min(1.0, share_while_slapping / factor);
+    const bool slaps = state.stage != Stage::flight && !state.folded;
+    const double share = !slaps ? 1.0 : std::min(1.0, share_while_slapping / factor);
     if (body_) step = std::min(step, body_->stable_step(riser_stiffness_));
     // A body takes steps with the canopy, and so does what hangs on it.
     for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
-        const double longer = std::min(share * stable.canopy, count * stable.lines);
+        const double longer = share * std::min(stable.canopy, count * stable.lines);
         const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
         substeps = count;
@@ -408,6 +416,7 @@ Simulation::Step Simulation::step_with(double added_mass, double fe_weight) {
     State state = whole();
     state.added_mass = added_mass;
     state.fe_weight = fe_weight;
+    state.folded = false;
     return choose_step(state);
 }
 
@@ -431,7 +440,14 @@ std::vector<PlanArray> Simulation::arrays() const {
     return all;
 }
 
+void Simulation::look_at_folds() {
+    if (!state_.folded || layout_->cloth_strain(state_) < nearly_taut) return;
+    state_.folded = false;
+    refresh_step();
+}
+
 void Simulation::step_to(double end) {
+    look_at_folds();
     if (state_.step > 0 && state_.step % steps_between_bounds == 0) refresh_step();
     const double left = end - state_.time;
     const bool last = left <= step_;

@@ -94,7 +94,8 @@ public:
     };
     Step step() const { return {step_, substeps_}; }
     /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
-    /// stiffness and nothing else were different. For forecasts: weights of the bound may change with it.
+    /// stiffness, no cloth were folded and nothing else were different. For forecasts: weights of the bound
+    /// may change with it.
     Step step_with(double added_mass, double fe_weight);
     /// Of a step with so many substeps over one without.
     static double cost_of(int substeps);
@@ -137,6 +138,8 @@ private:
     void set_reefing_line(std::size_t stage);
     /// Mesh, layout and blocks as they are in this stage of a run.
     void take_shape(bool tethered, std::size_t reefing_stage);
+    /// Whether cloth could come taut now; the bound then counts it from here on.
+    void look_at_folds();
     Step choose_step(const State& state);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.

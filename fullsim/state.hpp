@@ -119,6 +119,9 @@ struct State {
     std::int64_t step = 0;
     Phase phase = Phase::initial;
     Stage stage = Stage::flight;
+    /// Cloth is folded so far that no edge of it comes taut within the next step: what it does in tension
+    /// sets no bound on that.
+    bool folded = false;
     double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have
 
     /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.

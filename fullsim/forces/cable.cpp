@@ -37,7 +37,11 @@ class CableBlock final : public ForceModel {
 public:
     CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name, Which which,
                double bulk_viscosity, double beta)
-        : mesh_(mesh), name_(name), bulk_viscosity_(bulk_viscosity), beta_(beta) {
+        : mesh_(mesh),
+          name_(name),
+          on_cloth_(which == &is_tape),
+          bulk_viscosity_(bulk_viscosity),
+          beta_(beta) {
         const auto begin = std::ranges::find_if(cables, which, &Cable::kind);
         const auto end = std::ranges::find_if_not(begin, cables.end(), which, &Cable::kind);
         if (std::ranges::find_if(end, cables.end(), which, &Cable::kind) != cables.end())
@@ -77,7 +81,8 @@ public:
         state.largest.add_tension(greatest_or_none(most, sum(dissipated)));
     }
 
-    void add_row_sums(const State&, RowSums& sums) const override {
+    void add_row_sums(const State& state, RowSums& sums) const override {
+        if (on_cloth_ && state.folded) return;
         for (const Cable& c : cables_)
             for (int end = 0; end < 2; ++end) {
                 // Both blocks of a row have the norm EA/l0; a slack cable may pull tight any time.
@@ -98,7 +103,7 @@ public:
     }
 
     Extreme extreme(const State& state) const override {
-        Extreme most;
+        Extreme most{-1.0};
         for (std::size_t i = 0; i < cables_.size(); ++i) {
             const double e = strain(state, cables_[i]);
             if (e > most.strain) most = {e, i};
@@ -141,6 +146,7 @@ private:
     std::span<const Cable> cables_;
     std::size_t first_ = 0;  // of them in the mesh
     std::string_view name_;
+    bool on_cloth_;  // folded with it
     double bulk_viscosity_, beta_;
     GroupsOnDemand<Group> groups_;
 };

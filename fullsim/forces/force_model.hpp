@@ -24,7 +24,7 @@ struct RowSums {
 
 /// The most strained element of a block.
 struct Extreme {
-    double strain = 0.0;      ///< [-] largest tensile strain
+    double strain = 0.0;      ///< [-] largest tensile strain; of springs and cables as low as -1, folded
     std::size_t element = 0;  ///< its number within the block
 };
 

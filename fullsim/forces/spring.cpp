@@ -70,12 +70,15 @@ public:
     void add_row_sums(const State& state, RowSums& sums) const override {
         for (const FabricEdge& e : edges_) {
             const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);
-            const double tangent =
-                modulus_ * e.section / e.rest_length * (1.0 + 2.0 * spring_growth(e.hardening) * low);
+            const double unstrained = modulus_ * e.section / e.rest_length;
+            // Any edge may come taut any time, unless all are folded.
+            const double tangent = state.folded ? repulsion_ * unstrained
+                                                : unstrained * (1.0 + 2.0 * spring_growth(e.hardening) * low);
+            const double damping = state.folded ? 0.0 : dashpot(e);
             for (int end = 0; end < 2; ++end) {
                 const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
                 sums.stiffness[e.node[end]] += columns * tangent;
-                sums.damping[e.node[end]] += columns * dashpot(e);
+                sums.damping[e.node[end]] += columns * damping;
             }
         }
     }
@@ -96,7 +99,7 @@ public:
     }
 
     Extreme extreme(const State& state) const override {
-        Extreme most;
+        Extreme most{-1.0};
         for (std::size_t i = 0; i < edges_.size(); ++i)
             if (const double s = strain(state, edges_[i]); s > most.strain) most = {s, i};
         return most;

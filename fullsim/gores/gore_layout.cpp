@@ -137,6 +137,13 @@ public:
         return levels;
     }
 
+    double cloth_strain(const State& state) const override {
+        double longest = -1.0;
+        for (const Row* row : structure_)
+            if (is_folding_cloth(row->block)) longest = std::max(longest, (this->*row->levels)(state).strain);
+        return longest;
+    }
+
     void evaluate(State& state, BlockClock& clock) override {
         count_time();
         use_air(state);
@@ -170,7 +177,7 @@ public:
     }
 
     StableSteps stable_steps(const State& state) override {
-        if (weights_.renew(state)) weigh_rows(state);
+        if (weights_.renew(state) || state.folded != folded_) weigh_rows(state);
         const GoreFrame& sums = rows_->frame;
         for (LocalNode n = 0; n < sums.nodes; ++n)
             set_rows(n, slow_rows_[n < sums.own ? n : n - sums.own + gores_.own]);
@@ -226,7 +233,7 @@ public:
         step_.first_kick = substep(state, dt, substeps, 0).kick;
         step_.gravity = constants_.gravity;
         step_.image = nodes_->image();
-        step_.image_push = has_.pressure;
+        step_.pushed = has_.pressure;
         step_.image_aero = has_.cloth_drag;
         for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.advance(part, step_); });
 
@@ -401,6 +408,7 @@ private:
     }
     /// Those of the blocks as they are now.
     void weigh_rows(const State& state) {
+        folded_ = state.folded;
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         triangle_rows_.clear();
         for (const GoreTriangle& t : gores_.triangles) {
@@ -441,7 +449,7 @@ private:
         };
         const auto weighed = [this](LocalNode n) { return weight(n); };
         const auto alike = [](LocalNode) { return 1.0; };
-        collect(tapes_, slow_rows_, weighed);
+        if (!folded_) collect(tapes_, slow_rows_, weighed);
         collect(cords_, slow_rows_, weighed);
         collect(lines_, line_rows_, alike);
 
@@ -547,7 +555,7 @@ private:
                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
     }
     SpringPass edges() const {
-        return {springs_, deploy().fold_repulsion, has_.springs, has_.folds, full_fold_speed};
+        return {springs_, deploy().fold_repulsion, has_.springs, has_.folds, folded_, full_fold_speed};
     }
     FabricSums stretch_edges(const GoreFrame& part) const {
         return {0.0, 0.0, kernels_.springs(part, edges())};
@@ -721,6 +729,7 @@ private:
     double line_step_ = 0.0,
            static_line_step_ = 0.0;  // [s] bounds of line, link and riser nodes; of its nodes
     RowWeights weights_;
+    bool folded_ = false;  // the cloth, for the bound
     std::vector<WeighedRows> triangle_rows_;
     std::vector<std::array<double, 2>> spring_columns_;
     GoreAdvance step_;

@@ -120,6 +120,14 @@ HWY_INLINE LaneLevels no_levels() {
     return {all(0.0), all(0.0)};
 }
 
+/// Of spans, which may be folded.
+HWY_INLINE LaneLevels levels_of_folded() {
+    return {all(0.0), all(-1.0)};
+}
+HWY_INLINE Vec larger_of_gores(const Block& block, Vec strain, Vec largest) {
+    return larger(select(block.live > all(0.0), strain, all(-1.0)), largest);
+}
+
 ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) {
     LaneLevels levels = no_levels();
     for (int b = frame.first; b < frame.last; ++b) {
@@ -170,7 +178,9 @@ void spring_rows(const GoreFrame& frame, const SpringPass& pass,
             const Vec strain = strain_of(block, s.node[0], s.node[1], s.inverse_length);
             const Vec low = smaller(larger(strain, zero), full);
             Vec stiffness = zero, damping = zero;
-            if (pass.springs) {
+            if (pass.springs && pass.folded) {
+                stiffness = all(pass.repulsion * (s.stiffness * s.inverse_length));
+            } else if (pass.springs) {
                 stiffness = all(s.stiffness * s.inverse_length) * (1.0 + all(2.0 * s.growth) * low);
                 damping = all(s.dashpot);
             }
@@ -312,7 +322,7 @@ FabricSums cables(const GoreFrame& frame, std::span<const CableElement> elements
 
 ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
     const Vec zero = all(0.0), full = all(full_hardening_strain), repulsion = all(pass.repulsion);
-    LaneLevels levels = no_levels();
+    LaneLevels levels = levels_of_folded();
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         for (const SpringElement& s : pass.elements) {
@@ -322,21 +332,21 @@ ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
             const Vec pulled = half_square + all(s.growth) * low * (low * low * (1.0 / 3.0) + high * strain);
             levels.energy +=
                 all(s.stiffness / s.inverse_length) * select(strain > zero, pulled, repulsion * half_square);
-            levels.strain = larger(strain, levels.strain);
+            levels.strain = larger_of_gores(block, strain, levels.strain);
         }
     }
     return levels.of_all_lanes();
 }
 
 ElementLevels cable_levels(const GoreFrame& frame, std::span<const CableElement> elements) {
-    LaneLevels levels = no_levels();
+    LaneLevels levels = levels_of_folded();
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         for (const CableElement& c : elements) {
             const Vec strain = of_gores(block, strain_of(block, c.node[0], c.node[1], c.inverse_length));
             const Vec pulled = larger(strain, all(0.0));
             levels.energy += all(0.5 * c.stiffness / c.inverse_length) * (pulled * pulled);
-            levels.strain = larger(strain, levels.strain);
+            levels.strain = larger_of_gores(block, strain, levels.strain);
         }
     }
     return levels.of_all_lanes();
@@ -473,15 +483,17 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         if constexpr (canopy) {
             store3(none, block.force + at);
             if constexpr (with_aero) store3(none, block.aero + at);
-            Vec3s push = load3(block.push + at);
-            store3(none, block.push + at);
-            if (const std::int32_t image = step.image[n]; image >= 0) {
-                const std::size_t there = image * block.stride;
-                force += taken_from_image(block.force + there);
-                if (step.image_push) push += taken_from_image(block.push + there);
-                if (with_aero && step.image_aero) aero += taken_from_image(block.aero + there);
+            const std::int32_t image = step.image[n];
+            if (step.pushed) {
+                Vec3s push = load3(block.push + at);
+                store3(none, block.push + at);
+                if (image >= 0) push += taken_from_image(block.push + image * block.stride);
+                aero += pressure * push + share * flag;
             }
-            aero += pressure * push + share * flag;
+            if (image >= 0) {
+                force += taken_from_image(block.force + image * block.stride);
+                if (with_aero && step.image_aero) aero += taken_from_image(block.aero + image * block.stride);
+            }
             if (step.breathing > 0.0) {
                 const Vec3s relative = load3(block.v + at) - splat3(step.breathing_mean);
                 const Vec3s resistance = (share * all(step.breathing)) * relative;

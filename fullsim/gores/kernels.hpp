@@ -106,6 +106,7 @@ struct SpringPass {
     double repulsion = 0.0;   ///< of folded cloth over its stiffness in tension [-]
     bool springs = false;     ///< these act,
     bool folds = false;       ///< and these
+    bool folded = false;      ///< as State: for the bound on the step
     double full_speed = 1.0;  ///< [m/s] of lengthening from which folds resist fully
 };
 
@@ -121,9 +122,11 @@ struct GoreAdvance {
     std::span<const GoreNode> nodes;
     std::span<const double> inverse_inertia;  ///< [1/kg] of each node
     std::span<const std::int32_t> image;      ///< of each canopy node: what the gore before sees of it; or -1
-    bool image_push = false, image_aero = false;  ///< whether images have anything in these
-    int first_aero = 0;                           ///< nodes before it have nothing in `aero`
-    int first_pulled = 0;                         ///< the skirt; after it come nodes of lines
+    /// Whether pressure pushes on nodes, and whether images have anything in `aero`: an array that is not
+    /// touched is not waited for.
+    bool pushed = false, image_aero = false;
+    int first_aero = 0;    ///< nodes before it have nothing in `aero`
+    int first_pulled = 0;  ///< the skirt; after it come nodes of lines
     /// Whether the pulled nodes move as the others do. Otherwise they get the impulse of everything but
     /// lines, and keep its acceleration in `aero` for their substeps.
     bool together = true;
@@ -155,7 +158,7 @@ struct GoreSums {
 /// Of all elements of a kind.
 struct ElementLevels {
     double energy = 0.0;  ///< [J]
-    double strain = 0.0;  ///< [-] largest tensile strain
+    double strain = 0.0;  ///< [-] largest tensile strain, as Extreme
 };
 
 /// A substep of the skirt and the nodes of lines under lines alone.

@@ -146,6 +146,7 @@ public:
     }
 
     Levels levels(const State& state) const override { return levels_of(state, constants_, *structure_); }
+    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
         for (std::size_t k = 0; k < acts_.size(); ++k) {
@@ -167,8 +168,8 @@ public:
         fabric_.weight = state.fe_weight;
         if (has_.membrane) kernels_.membrane_rows(nodes, triangles_.elements(), fabric_, rows_out);
         if (springs_.springs || springs_.folds)
-            kernels_.spring_rows(nodes, edges_.elements(), springs_, rows_out);
-        kernels_.cable_rows(tapes_.elements(), rows_out);
+            kernels_.spring_rows(nodes, edges_.elements(), springs_, state.folded, rows_out);
+        if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
         kernels_.cable_rows(cords_.elements(), rows_out);
         for (const Acting& block : acts_)
             if (!block.add) block.model->add_row_sums(state, sums);

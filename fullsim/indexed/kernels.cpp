@@ -275,14 +275,16 @@ void membrane_rows(Nodes nodes, Elements elements, const Fabric& fabric, Rows ro
     }
 }
 
-void spring_rows(Nodes nodes, Elements elements, const Springs& springs, Rows rows) {
+void spring_rows(Nodes nodes, Elements elements, const Springs& springs, bool folded, Rows rows) {
     const Vec zero = all(0.0), full = all(full_hardening_strain);
     for (std::size_t k = 0; k < elements.groups; ++k) {
         const Edges g(elements, k);
         const Vec strain = span_of(nodes, g).strain(g[inverse_length]);
         const Vec low = smaller(larger(strain, zero), full);
         Vec stiff = zero, damping = zero;
-        if (springs.springs) {
+        if (springs.springs && folded) {
+            stiff = springs.repulsion * g[stiffness] * g[inverse_length];
+        } else if (springs.springs) {
             stiff = g[stiffness] * g[inverse_length] * (1.0 + 2.0 * g[growth] * low);
             damping = g[dashpot];
         }

@@ -125,7 +125,7 @@ struct Kernels {
     CableSums (*cables_with_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
     /// Each of these adds to the row sums.
     void (*membrane_rows)(Nodes, Elements, const Fabric&, Rows);
-    void (*spring_rows)(Nodes, Elements, const Springs&, Rows);
+    void (*spring_rows)(Nodes, Elements, const Springs&, bool folded, Rows);
     void (*cable_rows)(Elements, Rows);
     /// The least bound on the step [s].
     double (*stable_step)(Rows, const Bound&);

@@ -323,7 +323,7 @@ ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const 
 
 ElementLevels cable_levels(const SectorFrame& f, const SectorPlan& plan, const double* which) {
     const CableConstantsRow& k = f.cable;
-    Vec energy = all(0.0), largest = all(0.0);
+    Vec energy = all(0.0), largest = all(-1.0);
     for_registers(plan.cables, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
         const Vec square = dot(d, d) + 1e-18;
@@ -331,7 +331,8 @@ ElementLevels cable_levels(const SectorFrame& f, const SectorPlan& plan, const d
         const Vec mine = load(which + at);
         const Vec taut = larger(strain, all(0.0));
         energy += mine * (0.5 * load(k.stiffness + at) * load(k.length + at)) * taut * taut;
-        largest = larger(largest, mine * strain);
+        // Those of another kind are as long as nothing.
+        largest = larger(largest, mine * strain + (mine - 1.0));
     });
     return {sum(energy), greatest(largest)};
 }

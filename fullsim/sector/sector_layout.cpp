@@ -143,6 +143,9 @@ public:
             clock.run([&] { (this->*row->add)(state); });
     }
 
+    /// A pack has no sectors.
+    double cloth_strain(const State&) const override { return 0.0; }
+
     StableSteps stable_steps(const State& state) override {
         if (weights_.renew(state)) weigh_rows();
         const double by_share = (has_breathing_ ? breathing(state.air) : 0.0) +

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/forces/spring.hpp"
 #include "fullsim/simulation.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
@@ -86,6 +87,49 @@ TEST(Deployment, ConservesMomentumInAVacuum) {
     const Momentum after = momentum_of(simulation);
     EXPECT_LT((after.linear - before.linear).norm(), 1e-10 * before.size);
     EXPECT_LT((after.angular - before.angular).norm(), 1e-10 * before.turning);
+}
+
+/// The longest edge of the cloth over its length, less 1, from positions alone.
+double longest_edge(const std::vector<fullsim::FabricEdge>& edges, const State& s) {
+    double longest = -1.0;
+    for (const fullsim::FabricEdge& e : edges)
+        longest = std::max(
+            longest,
+            (to_vec3(s.node[e.node[1]].x) - to_vec3(s.node[e.node[0]].x)).norm() / e.rest_length - 1.0);
+    return longest;
+}
+
+TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
+    // A pack falls in steps that only what is still folded in it bounds, at least three times as long as
+    // those of its cloth once that may come taut. No edge gets there in such a step, and from then on there
+    // are none.
+    const Scene scene = packed_c9(DeployBy::static_line);
+    Simulation simulation(scene);
+    const auto edges = fullsim::fabric_edges(simulation.mesh());
+    const auto step = [&] {
+        simulation.evaluate_forces();
+        simulation.step_to(10.0);
+    };
+    int folded = 0;
+    for (; simulation.outline().folded; ++folded) {
+        ASSERT_LT(longest_edge(edges, simulation.state()), 0.0) << folded;
+        EXPECT_GT(simulation.step().dt, 3.0 * simulation.step_with(0.0, 0.0).dt) << folded;
+        step();
+    }
+    EXPECT_GT(folded, 100);
+    EXPECT_LT(longest_edge(edges, simulation.state()), 0.0);
+    EXPECT_EQ(simulation.step().dt, simulation.step_with(0.0, 0.0).dt);
+    for (int k = 0; k < 100; ++k) {
+        step();
+        ASSERT_FALSE(simulation.outline().folded);
+    }
+}
+
+TEST(Deployment, ClothThatStartsDrawnOutIsNotFolded) {
+    Scene scene = packed_c9(DeployBy::static_line);
+    scene.parachutes.front().deploy.pack_ratio = 0.95;  // less than a tenth is missing
+    const Simulation simulation(scene);
+    EXPECT_FALSE(simulation.outline().folded);
 }
 
 TEST(Deployment, AFixedFarEndDoesNoWork) {
