@@ -116,11 +116,9 @@ double DeformableBody::stable_step(const State& state, const ForceModels& struct
     RowSums sums = no_rows(state, weights);
     for (const auto& model : structure)
         if (model->name() == "payload tetrahedra") model->add_row_sums(state, sums);
-    // A riser's other node has at most the weight of 1.
-    for (const int k : end_) {
-        const auto i = static_cast<std::size_t>(k);
-        sums.stiffness[first + i] += riser * (1.0 + 1.0 / weight_[i]);
-    }
+    // K (a - b)^2 <= 2 K a^2 + 2 K b^2 parts body and riser, whose other node has the same in its own row.
+    for (const int k : end_)
+        sums.stiffness[first + static_cast<std::size_t>(k)] += 2.0 * riser;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < node_mass_.size(); ++k)
         least = std::min(least,

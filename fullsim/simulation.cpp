@@ -118,9 +118,9 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       layout_(make_layout_(scene, mesh_, constants_)),
       dt_min_(never) {
     for (const Cable& c : mesh_.cables)
-        if (c.kind == CableKind::riser)
-            riser_stiffness_ = std::max(
-                riser_stiffness_, c.strands * mesh_.cord(CableKind::riser).axial_stiffness() / c.rest_length);
+        if (std::max(c.node[0], c.node[1]) >= mesh_.first_place())
+            riser_stiffness_ =
+                std::max(riser_stiffness_, c.strands * mesh_.cord(c.kind).axial_stiffness() / c.rest_length);
     state_.phase = first_phase(scene, inflation_);
     if (body_) body_->start(state_, mesh_.axis);
     if (scene.parachutes.front().deploy.starts_packed()) {

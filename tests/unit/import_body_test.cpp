@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <functional>
 
+#include "fullsim/fields.hpp"
+#include "fullsim/mesh/hang_body.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -79,6 +81,28 @@ TEST(ImportBody, TiesRisersWhereTheFileDoes) {
         EXPECT_NEAR((got.mesh.position[link] - end).norm(), c.rest_length, 1e-14);
     }
     EXPECT_EQ(riser, 2u);
+    // Hung as made, its centre beside the axis: everything lies to the body as in the file.
+    Mesh hung = got.mesh;
+    hang_body(scene_with_body(), hung, Hang::as_made);
+    for (const Cable& c : hung.cables) {
+        const auto place = [&](NodeIndex i) {
+            return i < hung.first_place() ? hung.position[i] : hung.places[i - hung.first_place()];
+        };
+        EXPECT_NEAR((place(c.node[1]) - place(c.node[0])).norm(), c.rest_length, 1e-14);
+    }
+    EXPECT_LT((hung.position[0] - hung.places[0] - (Vec3(0, 0, 5) - Vec3(1, 0, -1))).norm(), 1e-14);
+}
+
+TEST(ImportBody, IsDrawnWhicheverEndOfARiserIsNamedFirst) {
+    // In fields risers lead to the middle of the body: no cell names a node that is not there.
+    MeshSketch s = sketch_with_body();
+    s.element(41).nodes = {7, 6};
+    Scene scene = scene_with_body();
+    Mesh mesh = import(s, scene).mesh;
+    hang_body(scene, mesh, Hang::drawn_out);
+    const VtuGrid grid = mesh_grid(mesh);
+    for (const auto i : grid.connectivity)
+        EXPECT_LE(i, mesh.payload());
 }
 
 struct Mistake {
