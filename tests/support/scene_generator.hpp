@@ -384,7 +384,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         }
         if (key.kind == KeyKind::table) {
             const bool is_wind = key.path == "environment.wind";
-            if (key.need == KeyNeed::optional && !(is_wind ? has_wind_ : chance(0.5)))
+            const bool is_in_one =
+                std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); });
+            if (key.need == KeyNeed::optional && (is_in_one || !(is_wind ? has_wind_ : chance(0.5))))
                 left_out.push_back(std::string(key.path) + ".");
             continue;
         }

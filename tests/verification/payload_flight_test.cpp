@@ -7,6 +7,7 @@
 #include "fullsim/simulation.hpp"
 #include "lib/scene/opening_tables.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/scratch_dir.hpp"
@@ -114,8 +115,7 @@ TEST(PayloadFlight, OfOneDragAreaInAllAttitudesIsThatOfTheNumber) {
 }
 
 TEST(PayloadFlight, OfAPointMassHangsStraight) {
-    // Read from a scene: the reduced-order model and a point mass take angle 0, with the number beside it
-    // refused.
+    // Read from a scene: the reduced-order model takes angle 0.
     const ScratchDir directory;
     directory.write("crate.csv", "angle,drag_area\ndeg,m^2\n0,0.38\n45,0.55\n90,0.43\n");
     directory.write("scene.toml",
@@ -125,11 +125,19 @@ TEST(PayloadFlight, OfAPointMassHangsStraight) {
     Scene number = scene;
     number.payload.drag_area_table.reset();
     EXPECT_EQ(test::last(test::run_rom(scene), "speed"), test::last(test::run_rom(number), "speed"));
+    // What is set later replaces the table; both in one file say the same thing twice.
+    const Scene set = read_scene(directory.path() / "scene.toml", {"payload.drag_area=0.4"});
+    EXPECT_EQ(set.payload.drag_area, 0.4);
+    EXPECT_FALSE(set.payload.drag_area_table);
+    directory.write(
+        "both.toml",
+        "base = \"c9-inflation.toml\"\n[payload]\ndrag_area_table = \"crate.csv\"\ndrag_area = 0.4\n");
     try {
-        read_scene(directory.path() / "scene.toml", {"payload.drag_area=0.4"});
+        read_scene(directory.path() / "both.toml");
         ADD_FAILURE() << "accepted";
     } catch (const SceneError& error) {
-        EXPECT_NE(std::string(error.what()).find("drag_area"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("both.toml:"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("stands beside"), std::string::npos) << error.what();
     }
 }
 
