@@ -2,124 +2,45 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "fullsim/deformable_body.hpp"
+#include "fullsim/forces/tetrahedra.hpp"
+#include "fullsim/rigid_body.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
-namespace {
 
-Eigen::Quaterniond turn_of(const BodyState& body) {
-    return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
+constexpr double of_rounding = 1e-12;  // off the diagonal, over the trace
+
+std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh) {
+    if (!mesh.body) return nullptr;
+    if (!mesh.body->deformable) return std::make_unique<RigidBody>(scene.payload.mass, *mesh.body);
+    const double mass = mesh.mass[static_cast<std::size_t>(mesh.payload())];
+    std::vector<double> masses = node_masses(mesh.body->solid, mass, mesh.body->lumped);
+    if (masses.empty())
+        throw SceneError({scene.file.string(), 0, 0}, "payload.body.elasticity",
+                         fmt::format("{} tetrahedra cannot give way", mesh.body->solid.tetrahedron.size()),
+                         "no masses at their nodes have the inertia of the body",
+                         "mesh the payload finer, with nodes inside");
+    return std::make_unique<DeformableBody>(std::move(masses), *mesh.body, solid_law(scene, *mesh.body),
+                                            scene.environment.gravity);
 }
 
-std::vector<Vec3> places_on(const Scene& scene, int risers) {
-    const PayloadBody& body = *scene.payload.body;
-    const bool box = body.shape == PayloadBody::Shape::box;
-    const double top = 0.5 * body.size.back();
-    if (risers == 1) return {{0.0, 0.0, top}};
-    if (box && risers != 4)
-        throw SceneError({scene.file.string(), 0, 0}, "payload.body.shape",
-                         fmt::format("a box on {} risers", risers),
-                         "it has four upper corners, or one middle",
-                         "write parachute.risers = 4 or 1, or shape = \"cylinder\"");
-    std::vector<Vec3> places;
-    for (int r = 0; r < risers; ++r) {
-        // Each riser's lines lie around this direction.
-        const double angle = 2.0 * pi * (r + 0.5) / risers;
-        const double x = std::cos(angle), y = std::sin(angle);
-        places.push_back(
-            box ? Vec3(std::copysign(0.5 * body.size[0], x), std::copysign(0.5 * body.size[1], y), top)
-                : Vec3(0.5 * body.size[0] * x, 0.5 * body.size[0] * y, top));
-    }
-    return places;
+Eigen::Matrix3d principal_axes(const Lumped& body) {
+    const Eigen::Matrix3d& inertia = body.inertia;
+    const Eigen::Matrix3d diagonal = inertia.diagonal().asDiagonal();
+    // A box or a cylinder has those that it is drawn along, whichever moments are the same.
+    if ((inertia - diagonal).norm() <= of_rounding * inertia.trace()) return Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvectors();
+    if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
+    return axes;
 }
 
-}  // namespace
-
-RigidBody::RigidBody(const Scene& scene, int risers)
-    : mass_(scene.payload.mass),
-      // Box and cylinder lie along their own axes: the tensor is diagonal.
-      moments_(lump(make_solid(*scene.payload.body), scene.payload.mass).inertia.diagonal()),
-      places_(places_on(scene, risers)) {}
-
-BodyState RigidBody::upright(const Vec3& axis) {
-    Eigen::Matrix3d frame;
-    frame.col(0) = axis.unitOrthogonal();
-    frame.col(1) = axis.cross(frame.col(0));
-    frame.col(2) = axis;
-    const Eigen::Quaterniond turn(frame);
-    return {{turn.w(), turn.x(), turn.y(), turn.z()}};
-}
-
-void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_place) const {
-    const Vec3 centre = to_vec3(state.node[payload].x);
-    Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
-        const Vec3 force = to_vec3(state.force[i].value);
-        sum += force;
-        torque += (to_vec3(state.node[i].x) - centre).cross(force);
-        state.force[i].value = splat(0.0);
-    }
-    state.force[payload].value += to_lanes(sum);
-    state.riser_force = sum;
-    state.body->torque = torque;
-}
-
-void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
-                        double dt) const {
-    BodyState& body = *state.body;
-    body.half_momentum += kick * body.torque;
-    Eigen::Quaterniond turn = turn_of(body);
-    Vec3 momentum = turn.conjugate() * body.half_momentum;  // along the body's own axes
-    const auto about = [&](int axis, double time) {
-        const double angle = time * momentum[axis] / moments_[axis];
-        const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, Vec3::Unit(axis)));
-        turn = turn * q;
-        momentum = q.conjugate() * momentum;
-    };
-    about(0, 0.5 * dt);
-    about(1, 0.5 * dt);
-    about(2, dt);
-    about(1, 0.5 * dt);
-    about(0, 0.5 * dt);
-    turn.normalize();
-    body.attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
-    body.momentum = body.half_momentum + 0.5 * dt * body.torque;
-    place(state, payload, first_place);
-}
-
-void RigidBody::place(State& state, NodeIndex payload, NodeIndex first_place) const {
-    const BodyState& body = *state.body;
-    const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
-    const Vec3 own = frame.transpose() * body.momentum;
-    const Vec3 spin = frame * own.cwiseQuotient(moments_);
-    const NodeRecord& centre = state.node[payload];
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
-        const Vec3 arm = frame * places_[k];
-        state.node[i] = {centre.x + to_lanes(arm), centre.v + to_lanes(spin.cross(arm))};
-        state.v_half[i].value = state.node[i].v;
-    }
-}
-
-double RigidBody::turning_energy(const BodyState& body) const {
-    const Vec3 own = turn_of(body).conjugate() * body.momentum;
-    return 0.5 * own.dot(own.cwiseQuotient(moments_));
-}
-
-double RigidBody::stable_step(double stiffness) const {
-    double arm = 0.0;
-    for (const Vec3& p : places_)
-        arm = std::max(arm, p.norm());
-    const double give = 1.0 / mass_ + arm * arm / moments_.minCoeff();
-    // All places at once may pull on the same motion.
-    const double all = stiffness * static_cast<double>(places_.size());
-    return all > 0.0 ? 2.0 / std::sqrt(all * give) : std::numeric_limits<double>::infinity();
+Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes) {
+    const Eigen::Quaterniond turn(state.attitude[0], state.attitude[1], state.attitude[2], state.attitude[3]);
+    return turn * Vec3(principal_axes.row(2).transpose());
 }
 
 }  // namespace twinchute::fullsim

@@ -1,57 +1,48 @@
-// A payload that turns: a rigid body on the risers. It moves like the payload's node and turns about it; the
-// points that risers are tied to go along.
+// A payload that is a body on the risers: what carries its places along. Its centre of mass is the payload's
+// node and moves like any other node.
 #pragma once
 
-#include <array>
+#include <memory>
 #include <vector>
 
-#include "fullsim/solid.hpp"
+#include "fullsim/forces/force_model.hpp"
 #include "fullsim/state.hpp"
+#include "lib/scene/scene.hpp"
 
 namespace twinchute::fullsim {
 
-class RigidBody {
+class Body {
 public:
-    /// The body of a scene, with as many places for risers: one in the middle of its upper face, four on the
-    /// corners of a box, else evenly around the upper rim of a cylinder (the first half a step after x).
-    /// Throws SceneError where a box has another number.
-    RigidBody(const Scene& scene, int risers);
-    /// Any body: principal moments of inertia [kg m^2] about its own axes, places [m] from its centre of
-    /// mass.
-    RigidBody(double mass, const Vec3& moments, std::vector<Vec3> places)
-        : mass_(mass), moments_(moments), places_(std::move(places)) {}
+    virtual ~Body() = default;
 
-    /// Of the risers' ends from the centre of mass, along the body's own axes [m].
-    const std::vector<Vec3>& places() const { return places_; }
-    const Vec3& moments() const { return moments_; }
+    /// As it hangs along `axis` at the start, at rest: what of it is in state.body.
+    virtual void start(State& state, const Vec3& axis) const = 0;
 
-    /// The body's z axis along `axis`, x along its unitOrthogonal, as meshes are drawn out; at rest.
-    static BodyState upright(const Vec3& axis);
+    /// What acts on its places [N] goes to the payload's node as well; state.riser_force is the risers' sum.
+    /// After all forces are in the state.
+    virtual void gather(State& state, NodeIndex payload, NodeIndex first_place) const = 0;
 
-    /// What risers pull at its places is taken from them [N] to the payload's node, and to state.body as a
-    /// torque; state.riser_force is their sum. After all structural forces are in state.force.
-    void gather(State& state, NodeIndex payload, NodeIndex first_place) const;
+    /// From t to t + dt after the payload's node has moved there. kick: [s] from the middle of the step
+    /// before to that of this one.
+    virtual void advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+                         double dt) const = 0;
 
-    /// From t to t + dt after the payload's node has moved there: the angular momentum as velocities by the
-    /// midpoint rule, L += kick torque, and the attitude by turns about the principal axes one after the
-    /// other, forth and back (Dullweber, Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840): of second
-    /// order, exact in L, without drift in energy. The quaternion is brought to length 1 after each step.
-    void advance(State& state, NodeIndex payload, NodeIndex first_place, double kick, double dt) const;
+    /// Kinetic [J], beyond that of the payload's node, at the time of the velocities in the node records.
+    virtual double inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const = 0;
 
-    /// The places and their velocities from the payload's node and state.body.
-    void place(State& state, NodeIndex payload, NodeIndex first_place) const;
-
-    /// [J] of the turning, at the time of the velocities in the node records.
-    double turning_energy(const BodyState& body) const;
-
-    /// [s] bound on the step where risers of that stiffness [N/m] hold each place: 2 sqrt(m'/K) with the
-    /// inertia m' that a place has across its arm, from below 1/m' = 1/m + r^2/I_min.
-    double stable_step(double stiffness) const;
-
-private:
-    double mass_;   // [kg]
-    Vec3 moments_;  // [kg m^2]
-    std::vector<Vec3> places_;
+    /// [s] bound on the step where risers of that stiffness [N/m] hold its places.
+    virtual double stable_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+                               double riser) const = 0;
 };
+
+/// Of the scene's payload; null where it is a point mass. Throws SceneError where it is deformable and its
+/// tetrahedra are too few for that.
+std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh);
+
+/// A body's own x, y and z as columns, along its principal axes.
+Eigen::Matrix3d principal_axes(const Lumped& body);
+
+/// Unit vector from the foot of a body to its head, as its attitude [unit quaternion] has turned it.
+Vec3 body_axis(const BodyState& state, const Eigen::Matrix3d& principal_axes);
 
 }  // namespace twinchute::fullsim

@@ -69,7 +69,8 @@ VtuGrid mesh_grid(const Mesh& mesh) {
     }
     for (const Cable& c : mesh.cables) {
         // Risers are drawn to the middle of a body.
-        grid.add_cell(VtuCell::line, std::array{c.node[0], std::min(c.node[1], mesh.payload())});
+        grid.add_cell(VtuCell::line,
+                      std::array{std::min(c.node[0], mesh.payload()), std::min(c.node[1], mesh.payload())});
         kind.push_back(static_cast<std::int8_t>(first_cable_kind + static_cast<int>(c.kind)));
     }
     grid.add_cell(VtuCell::vertex, std::array{mesh.payload()});

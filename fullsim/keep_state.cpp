@@ -103,6 +103,12 @@ std::string mesh_digest(const Mesh& mesh) {
         numbers.insert(numbers.end(), {1.0 * cable.node[0], 1.0 * cable.node[1], cable.strands,
                                        1.0 * static_cast<int>(cable.kind), is_cut ? 0.0 : cable.rest_length});
     }
+    if (mesh.body) {
+        for (const Vec3& x : mesh.body->solid.node)
+            numbers.insert(numbers.end(), x.begin(), x.end());
+        for (const auto& corner : mesh.body->solid.tetrahedron)
+            numbers.insert(numbers.end(), corner.begin(), corner.end());
+    }
     const Fabric& fabric = mesh.fabric;
     numbers.insert(numbers.end(),
                    {fabric.density, fabric.youngs_modulus, fabric.poisson_ratio, fabric.thickness});

@@ -10,6 +10,7 @@
 #include "fullsim/fields.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/mesh/hang_body.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
@@ -45,7 +46,9 @@ View view_for_gmsh(const Scene& scene, const fs::path& file) {
                         "the axis to the "
                         "skirt at {:.4g} m), name a .vtu file",
                         scene.file.string(), chute.line_length, reach));
-    return {"as made", built_mesh(scene), file};
+    Mesh mesh = built_mesh(scene);
+    if (scene.payload.body) hang_body(scene, mesh, Hang::as_made);
+    return {"as made", std::move(mesh), file};
 }
 
 /// As it starts, without its load: drawn out, and packed where the scene begins so. Both about the payload.

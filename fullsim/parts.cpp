@@ -82,9 +82,18 @@ constexpr std::array pieces{
           [](const Scene& s) {
               return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
           }},
-    Piece{physics, "turning of the payload", "it is a rigid body, lumped from tetrahedra of one density",
+    Piece{physics, "turning of the payload",
+          "it is a body of one density, of tetrahedra lumped into a rigid one or each by itself",
           [](const Scene& s) { return s.payload.body.has_value(); },
           [](const Scene& s) { return given("payload.body", s.payload.body.has_value()); }},
+    Piece{physics, "attitude of the payload in the air",
+          "its drag area follows the angle that it turns to the air",
+          [](const Scene& s) { return s.payload.body && s.payload.drag_area_table; },
+          [](const Scene& s) {
+              if (!s.payload.drag_area_table) return given("payload.drag_area_table", false);
+              if (!s.payload.body) return std::string("payload.body is absent: a point mass hangs straight");
+              return given("payload.drag_area_table", true);
+          }},
     Piece{physics, "initial noise", "the canopy's nodes start a little displaced",
           [](const Scene& s) { return s.full.noise.has_value(); },
           [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},

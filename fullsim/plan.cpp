@@ -12,6 +12,7 @@
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/simulation.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
 
@@ -204,6 +205,7 @@ public:
         else
             plan_.how += fmt::format("times of events from '{}'{}", basis_.expected->fidelity,
                                      packed ? ", whose snatch may come at another time" : "");
+        if (scene_.payload.body) plan_.how += "; " + cost_of_elasticity();
         plan_.how += "; time of a machine without other work";
         return std::move(plan_);
     }
@@ -283,6 +285,26 @@ private:
             return probe.simulation().step_with(added_mass_at(scene_, course_, time), 1.0);
         });
         return end;
+    }
+
+    /// What a deformable payload does to the step at the start, or would do.
+    std::string cost_of_elasticity() const {
+        constexpr double sample = 1e9;  // [Pa] of a payload that has no modulus: boards, plastics
+        Scene rigid = scene_, soft = scene_;
+        const auto& given = scene_.payload.body->elasticity;
+        rigid.payload.body->elasticity.reset();
+        if (!given) soft.payload.body->elasticity = Elasticity{sample, 0.3};
+        const double lumped = Simulation(rigid).step().dt;
+        try {
+            const double ratio = lumped / Simulation(soft).step().dt;
+            if (given)
+                return fmt::format("the payload's tetrahedra divide the step by {:.3g} against a rigid one",
+                                   ratio);
+            return fmt::format("tetrahedra that give way would divide the step by {:.3g} with E = 1 GPa",
+                               ratio);
+        } catch (const SceneError&) {
+            return "its tetrahedra are too few to give way";
+        }
     }
 
     void add_open(double begin) {

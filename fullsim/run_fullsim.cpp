@@ -666,7 +666,7 @@ std::vector<std::string> lacks(const Scene& scene) {
     // What cannot start is found before anything runs.
     if (keys.empty() && (chute.mesh || scene.payload.body)) {
         Mesh mesh = unloaded_mesh(scene);
-        if (scene.payload.body) hang_body(scene, mesh);
+        if (scene.payload.body) hang_body(scene, mesh, Hang::drawn_out);
     }
     return keys;
 }

@@ -97,7 +97,6 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
         state.v_half[i].value = to_lanes(velocity);
         state.force[i].value = state.aero[i].value = splat(0.0);
     }
-    if (!mesh.places.empty()) state.body = RigidBody::upright(mesh.axis);
     for (std::size_t k = 0; k < tether.position.size(); ++k) {
         const std::size_t i = mesh.first_static_line_node() + k;
         const bool far_end = k + 1 == tether.position.size();
@@ -118,17 +117,16 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       inflation_(first_inflation(scene)),
       mesh_(make_mesh(scene, inflation_, mass_scaling_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
-      body_(scene.payload.body
-                ? std::optional<RigidBody>(std::in_place, scene, static_cast<int>(mesh_.places.size()))
-                : std::nullopt),
+      body_(make_body(scene, mesh_)),
       state_(initial_state(scene, mesh_)),
       layout_(make_layout_(scene, mesh_, constants_)),
       dt_min_(never) {
     for (const Cable& c : mesh_.cables)
-        if (c.kind == CableKind::riser)
-            riser_stiffness_ = std::max(
-                riser_stiffness_, c.strands * mesh_.cord(CableKind::riser).axial_stiffness() / c.rest_length);
+        if (std::max(c.node[0], c.node[1]) >= mesh_.first_place())
+            riser_stiffness_ =
+                std::max(riser_stiffness_, c.strands * mesh_.cord(c.kind).axial_stiffness() / c.rest_length);
     state_.phase = first_phase(scene, inflation_);
+    if (body_) body_->start(state_, mesh_.axis);
     if (scene.parachutes.front().deploy.starts_packed()) {
         state_.stage = stages_of(scene).front();
         state_.fe_weight = scene.full.structure == Structure::fe ? 1.0 : 0.0;
@@ -393,7 +391,8 @@ Simulation::Step Simulation::choose_step(const State& state) {
     const double factor = scene_.full.time_step_factor;
     const bool slaps = state.stage != Stage::flight && !state.folded;
     const double share = !slaps ? 1.0 : std::min(1.0, share_while_slapping / factor);
-    if (body_) step = std::min(step, body_->stable_step(riser_stiffness_));
+    if (body_)
+        step = std::min(step, body_->stable_step(state, structure_, mesh_.first_place(), riser_stiffness_));
     // A body takes steps with the canopy, and so does what hangs on it.
     for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
         const double longer = share * std::min(stable.canopy, count * stable.lines);

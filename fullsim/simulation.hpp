@@ -145,7 +145,8 @@ private:
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
     EnergyLedger ledger_of(const Levels& levels) const {
-        const double turning = body_ ? body_->turning_energy(*state_.body) : 0.0;
+        const double turning =
+            body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
         return energy_ledger(state_, levels.kinetic + turning, levels.elastic);
     }
     /// In `state`.
@@ -162,9 +163,9 @@ private:
     Mesh mesh_;
     ForceModels structure_, loads_;
     NodeConstants constants_;
-    std::optional<RigidBody> body_;  // the payload, where it is one
-    double riser_stiffness_ = 0.0;   // [N/m] of the stiffest element
-    mutable State state_;            // its nodes may lag behind the layout's
+    std::unique_ptr<const Body> body_;  // the payload, where it is one
+    double riser_stiffness_ = 0.0;      // [N/m] of the stiffest element
+    mutable State state_;               // its nodes may lag behind the layout's
     mutable bool lags_ = false;
     std::unique_ptr<Layout> layout_;
     double step_ = 0.0;                     // [s] bound times factor, as last refreshed

@@ -84,6 +84,9 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     if (scene.payload.body)
         parts.add(physics, "turning of the payload", "of its body", false,
                   "this model's payload is a point mass");
+    if (scene.payload.drag_area_table)
+        parts.add(physics, "attitude of the payload in the air", "its drag area by angle", false,
+                  "this model's payload hangs straight behind the parachute: the drag area of angle 0");
     parts.optional("added mass", "air moves with the canopy", "aerodynamics.added_mass",
                    scene.aerodynamics.added_mass.has_value());
     parts.optional("payload drag", "of its body in the air", "payload.drag_area",

@@ -1,4 +1,8 @@
 // Loads on nodes: breathing damping, Rayleigh mass damping, payload drag, accretion of air.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
 
 namespace twinchute::fullsim {
@@ -83,6 +87,31 @@ private:
     double drag_area_;  // [m^2]
 };
 
+/// The same of a body, with C_D S of its attitude. The force acts at its centre of mass, without a moment.
+class AttitudeDragBlock final : public ForceModel {
+public:
+    AttitudeDragBlock(const Mesh& mesh, const AttitudeDrag& table)
+        : payload_(mesh.payload()), table_(table), axes_(principal_axes(mesh.body->lumped)) {}
+
+    std::string_view name() const override { return "payload drag"; }
+
+    void add_forces(State& state) const override {
+        const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
+        const double speed = v.norm();
+        if (!(speed > 0.0)) return;
+        const Vec3 axis = body_axis(*state.body, axes_);
+        // The air goes past it along -v; from both products the angle is right near 0 and pi, too.
+        const double angle = std::atan2(axis.cross(v).norm(), -axis.dot(v));
+        const double drag_area = table_.drag_area(angle);
+        state.aero[payload_].value -= to_lanes(0.5 * state.air.density * drag_area * speed * v);
+    }
+
+private:
+    NodeIndex payload_;
+    const AttitudeDrag& table_;
+    Eigen::Matrix3d axes_;
+};
+
 /// f_i = -(dM_a/dt) s_i (v_i - V_w) while the added mass grows, s_i the node's share of the fabric:
 /// air that joins the canopy is brought to its speed. Booked as work of the added mass.
 class Accretion final : public ForceModel {
@@ -119,6 +148,10 @@ private:
 };
 
 }  // namespace
+
+std::unique_ptr<const ForceModel> make_attitude_drag(const Mesh& mesh, const AttitudeDrag& table) {
+    return std::make_unique<AttitudeDragBlock>(mesh, table);
+}
 
 std::unique_ptr<const ForceModel> make_accretion(const Mesh& mesh) {
     return std::make_unique<Accretion>(mesh);

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/line_stretch.hpp"
 
@@ -47,7 +48,7 @@ std::string strength(std::string_view key, double value) {
     return std::string(key) + (value > 0.0 ? " is above zero" : " is zero");
 }
 
-constexpr std::array<ForceBlock, 14> blocks{{
+constexpr std::array<ForceBlock, 15> blocks{{
     {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::fe || stage == Stage::ramp || stage == Stage::flight;
@@ -74,6 +75,17 @@ constexpr std::array<ForceBlock, 14> blocks{{
      },
      [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
      [](const Scene& s, const Mesh& m) { return make_static_line(m, s.full.bulk_viscosity, s.full.beta); }},
+    {"payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true, true, true, false, false,
+     [](const Scene& s, Stage) { return s.payload.body && s.payload.body->elasticity; },
+     [](const Scene& s) {
+         if (!s.payload.body) return given("payload.body", false);
+         return s.payload.body->elasticity
+                    ? given("payload.body.elasticity", true)
+                    : std::string("payload.body.elasticity is absent: they are lumped into a rigid body");
+     },
+     [](const Scene& s, const Mesh& m) {
+         return make_tetrahedra(m.body->solid, solid_law(s, *m.body), m.first_place());
+     }},
     {"canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
      [](const Scene&) { return std::string("air fills the canopy from snatch on"); },
@@ -123,7 +135,10 @@ constexpr std::array<ForceBlock, 14> blocks{{
     {"payload drag", "paper, 3.1", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.payload.drag_area.has_value(); },
      [](const Scene& s) { return given("payload.drag_area", s.payload.drag_area.has_value()); },
-     [](const Scene& s, const Mesh& m) { return make_payload_drag(m, *s.payload.drag_area); }},
+     [](const Scene& s, const Mesh& m) {
+         const auto& table = s.payload.drag_area_table;
+         return table && m.body ? make_attitude_drag(m, *table) : make_payload_drag(m, *s.payload.drag_area);
+     }},
     {"accretion", "momentum balance of the added mass", false, false, true, false, false, false,
      [](const Scene& s, Stage stage) {
          const auto& added = s.aerodynamics.added_mass;

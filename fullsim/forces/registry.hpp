@@ -42,6 +42,8 @@ std::unique_ptr<const ForceModel> make_breathing_damping(const Mesh& mesh, doubl
 /// Rayleigh damping -alpha m_i (v_i - v_system) (paper, Eq. 4).
 std::unique_ptr<const ForceModel> make_mass_damping(const Mesh& mesh, double alpha);
 std::unique_ptr<const ForceModel> make_payload_drag(const Mesh& mesh, double drag_area);
+/// Of a body, by the angle between its axis and the way the air goes past it. The table is kept by reference.
+std::unique_ptr<const ForceModel> make_attitude_drag(const Mesh& mesh, const AttitudeDrag& table);
 /// Momentum of the air that joins the canopy, for accreting added mass.
 std::unique_ptr<const ForceModel> make_accretion(const Mesh& mesh);
 

@@ -55,16 +55,16 @@ public:
         pattern_.gores = static_cast<int>(imported_.lines.size());
         const auto& position = imported_.mesh.position;
         double radius = 0.0;
-        for (const LineNodes& line : imported_.lines)
-            radius = std::max(radius, position[line.front()].head<2>().norm());
+        for (const ImportedLine& line : imported_.lines)
+            radius = std::max(radius, position[line.node.front()].head<2>().norm());
         pattern_.radius = radius;
-        pattern_.height = position[imported_.lines.front().front()].z();
+        pattern_.height = position[imported_.lines.front().node.front()].z();
         for (NodeIndex i = 0; i < imported_.mesh.canopy_nodes; ++i)
             if (std::abs(position[i].z() - pattern_.height) > flat * radius)
                 return "the canopy does not lie flat across z";
-        pattern_.first = azimuth_of(position[imported_.lines.front().front()]);
+        pattern_.first = azimuth_of(position[imported_.lines.front().node.front()]);
         for (int g = 0; g < pattern_.gores; ++g) {
-            const Vec3& foot = position[imported_.lines[static_cast<std::size_t>(g)].front()];
+            const Vec3& foot = position[imported_.lines[static_cast<std::size_t>(g)].node.front()];
             const double off = turned(azimuth_of(foot) - pattern_.first) - 2.0 * pi * g / pattern_.gores;
             if (std::abs(off) > flat || std::abs(foot.head<2>().norm() - radius) > flat * radius)
                 return "lines are not tied at equal angles around z";
@@ -93,12 +93,13 @@ public:
         if (pattern_.narrow_vent) loosen_vent(canopy);
         // Links and risers hang as they are made, a little longer; the canopy is as high above them as the
         // shortest line allows.
+        mesh_.line_stretch = line_stretch;
         for (NodeIndex i = mesh_.canopy_nodes; i < mesh_.node_count(); ++i)
             mesh_.position[i] *= line_stretch;
         double apex = std::numeric_limits<double>::infinity();
-        for (const LineNodes& line : imported_.lines) {
-            const Vec3 &skirt = mesh_.position[line.front()], &link = mesh_.position[line.back()];
-            const double length = line_stretch * length_of(line);
+        for (const ImportedLine& line : imported_.lines) {
+            const Vec3 &skirt = mesh_.position[line.node.front()], &link = mesh_.position[line.node.back()];
+            const double length = line_stretch * line.length();
             const double across = (skirt - link).head<2>().norm();
             if (!(across < length))
                 refuse("parachute.mesh", fmt::format("a line of {:.4g} m does not reach the mouth", length),
@@ -108,7 +109,7 @@ public:
         }
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
             mesh_.position[i].z() += apex;
-        for (const LineNodes& line : imported_.lines)
+        for (const ImportedLine& line : imported_.lines)
             straighten(line);
         for (Vec3& x : mesh_.position)
             x = world(x);
@@ -152,20 +153,14 @@ private:
             mesh_.position[i] *= loose / vent;
     }
 
-    double length_of(const LineNodes& line) const {
-        double length = 0.0;
-        for (std::size_t k = 1; k < line.size(); ++k)
-            length += (imported_.mesh.position[line[k]] - imported_.mesh.position[line[k - 1]]).norm();
-        return length;
-    }
     /// Nodes of a line between its ends, each where its part of the length is.
-    void straighten(const LineNodes& line) {
-        const Vec3 start = mesh_.position[line.front()], end = mesh_.position[line.back()];
-        const double whole = length_of(line);
+    void straighten(const ImportedLine& line) {
+        const Vec3 start = mesh_.position[line.node.front()], end = mesh_.position[line.node.back()];
+        const double whole = line.length();
         double length = 0.0;
-        for (std::size_t k = 1; k + 1 < line.size(); ++k) {
-            length += (imported_.mesh.position[line[k]] - imported_.mesh.position[line[k - 1]]).norm();
-            mesh_.position[line[k]] = start + (end - start) * (length / whole);
+        for (std::size_t k = 1; k + 1 < line.node.size(); ++k) {
+            length += line.piece[k - 1];
+            mesh_.position[line.node[k]] = start + (end - start) * (length / whole);
         }
     }
 

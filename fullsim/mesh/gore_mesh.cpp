@@ -42,6 +42,7 @@ public:
             lay_canopy_flat();
         else
             place_canopy();
+        mesh_.line_stretch = as_built ? 1.0 : line_stretch_;
         sew_gores();
         sew_tapes();
         rig_lines();

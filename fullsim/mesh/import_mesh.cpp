@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -41,6 +42,22 @@ Vec3 twice_area(const std::vector<Vec3>& ring) {
     return sum;
 }
 
+/// Which things hang together.
+class UnionFind {
+public:
+    explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+    std::size_t root(std::size_t i) {
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::size_t i, std::size_t k) { parent_[root(i)] = root(k); }
+
+private:
+    std::vector<std::size_t> parent_;
+};
+
 class Importer {
 public:
     Importer(const GmshMesh& file, const Scene& scene)
@@ -51,6 +68,8 @@ public:
         for (const GmshElement& e : file_.elements)
             check_element(e);
         check_duplicates();
+        find_solid();
+        find_confluences();
         number_nodes();
         sew_fabric();
         find_edges();
@@ -60,6 +79,7 @@ public:
         sew_tapes();
         sew_reefing();
         cut_to_length();
+        if (takes_body()) make_body();
         find_rings();
         measure();
         return std::move(out_);
@@ -130,14 +150,80 @@ private:
         need(group_confluence, "its point is where the payload hangs");
         if (!chute_.reefing.empty())
             need(group_reefing, "parachute.reefing holds the mouth together with it");
-        const auto points = elements_of(group_confluence);
-        if (points.size() > 1)
-            refuse(*points[1], "is one more confluence", "the payload hangs at one point",
-                   "keep one of them");
+    }
+
+    /// The payload is the file's body, not a point mass or what the scene's sizes say.
+    bool takes_body() const {
+        return scene_.payload.body && scene_.payload.body->shape == PayloadBody::Shape::mesh;
+    }
+
+    /// The tetrahedra of the payload, in one piece that faces hold together.
+    void find_solid() {
+        std::map<std::int32_t, int> number;
+        std::map<std::array<int, 3>, std::size_t> across;  // a face, and the first tetrahedron that has it
+        std::vector<const GmshElement*> of;
         for (const GmshElement* e : elements_of(group_payload))
-            if (e->corners == 1 && e->node[0] != points[0]->node[0])
+            if (e->corners == 4) of.push_back(e);
+        UnionFind pieces(of.size());
+        for (std::size_t t = 0; t < of.size(); ++t) {
+            std::array<int, 4>& corner = out_.payload.tetrahedron.emplace_back();
+            for (std::size_t c = 0; c < 4; ++c) {
+                const std::int32_t i = of[t]->node[c];
+                const auto [at, is_new] = number.emplace(i, static_cast<int>(out_.payload.node.size()));
+                if (is_new) {
+                    out_.payload.node.push_back(place(i));
+                    solid_in_file_.push_back(i);
+                }
+                corner[c] = at->second;
+            }
+            for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+                std::array<int, 3> face{};
+                for (std::size_t c = 0, k = 0; c < 4; ++c)
+                    if (c != left_out) face[k++] = corner[c];
+                std::ranges::sort(face);
+                pieces.join(t, across.emplace(face, t).first->second);
+            }
+        }
+        for (std::size_t t = 0; t < of.size(); ++t)
+            if (pieces.root(t) != pieces.root(0))
+                refuse(*of[t], "belongs to a second piece of the payload",
+                       fmt::format("no faces join it to tetrahedron {}", of.front()->tag),
+                       "make one volume of the payload");
+        if (takes_body() && of.empty())
+            refuse(1, "the group 'payload' has no tetrahedra",
+                   "payload.body.shape = \"mesh\" takes its body from it",
+                   "mesh the payload as a volume, or give another shape");
+    }
+
+    /// The node where the payload hangs; of a body those where it does.
+    void find_confluences() {
+        const auto points = elements_of(group_confluence);
+        if (points.size() > 1 && !takes_body())
+            refuse(
+                *points[1], "is one more confluence", "the payload hangs at one point",
+                "keep one of them; a body of tetrahedra, payload.body.shape = \"mesh\", may hang at several");
+        for (const GmshElement* e : points) {
+            if (takes_body() && std::ranges::count(solid_in_file_, e->node[0]) == 0)
+                refuse(*e, "is a confluence off the payload",
+                       fmt::format("node {} is on none of its tetrahedra",
+                                   file_.nodes[static_cast<std::size_t>(e->node[0])].tag),
+                       "let risers end at nodes of the payload's mesh");
+            confluences_.insert(e->node[0]);
+        }
+        for (const std::int32_t i : confluences_)
+            origin_ += place(i) / static_cast<double>(confluences_.size());
+        for (const GmshElement* e : elements_of(group_payload))
+            if (e->corners == 1 && !confluences_.contains(e->node[0]))
                 refuse(*e, "is a payload away from the confluence", "the payload hangs at that point",
                        "put both on the same node");
+        if (!takes_body()) return;
+        std::set<std::int32_t> tied;
+        for (const GmshElement& e : file_.elements)
+            if (e.corners == 2) tied.insert(e.node.begin(), e.node.begin() + 2);
+        for (const GmshElement* e : points)
+            if (!tied.contains(e->node[0]))
+                refuse(*e, "is a confluence that carries nothing", "neither riser nor line ends there",
+                       "take it out, or tie a riser to it");
     }
 
     void check_element(const GmshElement& e) const {
@@ -192,29 +278,28 @@ private:
             if (of[i] == nobody)
                 refuse(file_.nodes[i].line, fmt::format("node {} floats freely", file_.nodes[i].tag),
                        "no triangle or edge of a group has it", "take it out, or save groups only");
-        const std::int32_t confluence = elements_of(group_confluence).front()->node[0];
-        if (of[static_cast<std::size_t>(confluence)] == canopy)
-            refuse(*elements_of(group_confluence).front(), "is a confluence on the canopy",
-                   "lines and risers lie between", "put it where the risers meet");
+        for (const GmshElement* e : elements_of(group_confluence))
+            if (of[static_cast<std::size_t>(e->node[0])] == canopy)
+                refuse(*e, "is a confluence on the canopy", "lines and risers lie between",
+                       "put it where the risers meet");
         number_.assign(of.size(), -1);
         const auto give = [&](std::int32_t i) {
             number_[static_cast<std::size_t>(i)] = static_cast<NodeIndex>(in_file_.size());
             in_file_.push_back(i);
-            out_.mesh.position.push_back(place(i) - place(confluence));
+            out_.mesh.position.push_back(place(i) - origin_);
         };
         for (const std::uint8_t who : {canopy, other}) {
             for (std::size_t i = 0; i < of.size(); ++i)
-                if (of[i] == who && static_cast<std::int32_t>(i) != confluence)
+                if (of[i] == who && !confluences_.contains(static_cast<std::int32_t>(i)))
                     give(static_cast<std::int32_t>(i));
             if (who == canopy) out_.mesh.canopy_nodes = out_.mesh.node_count();
         }
-        give(confluence);
-        for (const GmshElement* e : elements_of(group_payload))
-            if (e->corners == 4) {
-                auto& corner = out_.payload.emplace_back();
-                for (std::size_t c = 0; c < 4; ++c)
-                    corner[c] = place(e->node[c]) - place(confluence);
-            }
+        give(*confluences_.begin());
+        out_.mesh.position.back() = Vec3::Zero();
+        for (const std::int32_t i : confluences_)
+            number_[static_cast<std::size_t>(i)] = out_.mesh.payload();
+        for (Vec3& x : out_.payload.node)
+            x -= origin_;
     }
 
     void sew_fabric() {
@@ -281,25 +366,26 @@ private:
     }
 
     void require_one_piece() const {
-        std::vector<NodeIndex> root(static_cast<std::size_t>(out_.mesh.canopy_nodes));
-        for (std::size_t i = 0; i < root.size(); ++i)
-            root[i] = static_cast<NodeIndex>(i);
-        const auto find = [&](NodeIndex i) {
-            while (root[i] != i)
-                i = root[i] = root[root[i]];
-            return i;
-        };
+        UnionFind pieces(static_cast<std::size_t>(out_.mesh.canopy_nodes));
+        const auto at = [](NodeIndex i) { return static_cast<std::size_t>(i); };
         for (const Triangle& t : out_.mesh.triangles)
             for (const NodeIndex i : t.node)
-                root[find(i)] = find(t.node[0]);
+                pieces.join(at(i), at(t.node[0]));
         for (std::size_t t = 0; t < out_.mesh.triangles.size(); ++t)
-            if (find(out_.mesh.triangles[t].node[0]) != find(0))
+            if (pieces.root(at(out_.mesh.triangles[t].node[0])) != pieces.root(0))
                 refuse(*of_triangle_[t], "belongs to a second piece of canopy",
                        "no triangles join it to the first", "make one surface of the canopy");
     }
 
     void add_cable(const GmshElement& e, CableKind kind, double strands) {
-        out_.mesh.cables.push_back({{node(e, 0), node(e, 1)}, 0.0, strands, kind});
+        out_.mesh.cables.push_back({{node(e, 0), node(e, 1)}, length_of(e), strands, kind});
+        for (int c = 0; c < 2; ++c)
+            if (node(e, c) == out_.mesh.payload()) ends_.push_back(e.node[static_cast<std::size_t>(c)]);
+    }
+    /// [m]
+    double length_of(const GmshElement& e) const {
+        const auto at = [&](std::size_t c) { return Vec3(place(e.node[c]) - origin_); };
+        return (at(1) - at(0)).norm();
     }
 
     /// Edges of a group by their nodes.
@@ -331,13 +417,14 @@ private:
                     refuse(*e, "is not tied to the skirt, where other lines are",
                            fmt::format("node {} is on another edge of the canopy", tag(foot)),
                            "tie all lines to one edge");
-                LineNodes line{foot};
+                ImportedLine line{{foot}, {}};
                 for (const GmshElement* here = e;;) {
                     if (used[here])
                         refuse(*here, "is part of two lines", "", "give each line edges of its own");
                     used[here] = true;
-                    line.push_back(other_end(*here, line.back()));
-                    const NodeIndex end = line.back();
+                    line.piece.push_back(length_of(*here));
+                    line.node.push_back(other_end(*here, line.node.back()));
+                    const NodeIndex end = line.node.back();
                     if (end == confluence || risers.contains(end)) break;
                     const auto& at = lines.at(end);
                     if (out_.mesh.is_canopy(end))
@@ -359,8 +446,8 @@ private:
         if (out_.lines.size() < 3)
             refuse(*elements_of(group_line).front(), fmt::format("is of one of {} lines", out_.lines.size()),
                    "a canopy hangs on three at least", "tie more lines to the skirt");
-        std::ranges::stable_sort(out_.lines, {}, [&](const LineNodes& line) {
-            return azimuth_of(out_.mesh.position[line.front()]);
+        std::ranges::stable_sort(out_.lines, {}, [&](const ImportedLine& line) {
+            return azimuth_of(out_.mesh.position[line.node.front()]);
         });
     }
 
@@ -368,8 +455,8 @@ private:
     void attach_risers() {
         const auto risers = edges_at(group_riser);
         std::vector<int> carried(out_.mesh.position.size(), 0);  // lines that end at a node, then above it
-        for (const LineNodes& line : out_.lines)
-            ++carried[line.back()];
+        for (const ImportedLine& line : out_.lines)
+            ++carried[line.node.back()];
         std::vector<std::pair<NodeIndex, const GmshElement*>> order{{out_.mesh.payload(), nullptr}};
         std::vector<bool> seen(out_.mesh.position.size(), false);
         seen[out_.mesh.payload()] = true;
@@ -471,8 +558,6 @@ private:
             t.b = e1.dot(e2) / t.a;
             t.c = e1.cross(e2).norm() / t.a;
         }
-        for (Cable& c : mesh.cables)
-            c.rest_length = (mesh.position[c.node[1]] - mesh.position[c.node[0]]).norm();
         for (const std::size_t c : mesh.reefing_line)
             mesh.cables[c].rest_length =
                 reefing_line_length(chute_, 0) / static_cast<double>(mesh.reefing_line.size());
@@ -480,6 +565,21 @@ private:
         mesh.cords = {chute_.tapes.radial, chute_.tapes.skirt, chute_.tapes.vent,
                       chute_.line,         chute_.line,        chute_.line};
         lump_masses(mesh, scene_.payload.mass);
+    }
+
+    /// About its centre of mass.
+    void make_body() {
+        BodyMesh& body = out_.mesh.body.emplace();
+        body.solid = out_.payload;
+        const Vec3 centre = lump(solid_of(body.solid), scene_.payload.mass).centre;
+        for (Vec3& x : body.solid.node)
+            x -= centre;
+        body.middle = -centre;
+        body.lumped = lump(solid_of(body.solid), scene_.payload.mass);
+        body.deformable = scene_.payload.body->elasticity.has_value();
+        for (const std::int32_t i : ends_)
+            body.end.push_back(
+                static_cast<int>(std::ranges::find(solid_in_file_, i) - solid_in_file_.begin()));
     }
 
     double off_axis(NodeIndex i) const { return out_.mesh.position[i].head<2>().norm(); }
@@ -510,8 +610,8 @@ private:
         auto& rings = out_.mesh.seam_rings = seams();
         if (!rings.empty()) return;
         std::vector<NodeIndex> feet;
-        for (const LineNodes& line : out_.lines)
-            if (feet.empty() || feet.back() != line.front()) feet.push_back(line.front());
+        for (const ImportedLine& line : out_.lines)
+            if (feet.empty() || feet.back() != line.node.front()) feet.push_back(line.node.front());
         NodeIndex apex = 0;
         for (NodeIndex i = 1; i < out_.mesh.canopy_nodes; ++i)
             if (off_axis(i) < off_axis(apex)) apex = i;
@@ -527,8 +627,8 @@ private:
                 along[c.node[1]].push_back(c.node[0]);
             }
         std::vector<std::vector<NodeIndex>> chains;
-        for (const LineNodes& line : out_.lines) {
-            std::vector<NodeIndex> chain{line.front()};
+        for (const ImportedLine& line : out_.lines) {
+            std::vector<NodeIndex> chain{line.node.front()};
             for (NodeIndex before = -1;;) {
                 const auto at = along.find(chain.back());
                 if (at == along.end()) return {};
@@ -570,6 +670,10 @@ private:
     std::vector<GmshGroupIndex> group_;            // of GmshMesh::groups
     std::vector<NodeIndex> number_;                // of the file's nodes in the mesh
     std::vector<std::int32_t> in_file_;            // and back
+    std::vector<std::int32_t> solid_in_file_;      // of the payload's nodes
+    std::set<std::int32_t> confluences_;           // nodes of the file where the payload hangs
+    Vec3 origin_ = Vec3::Zero();                   // in their middle [m]
+    std::vector<std::int32_t> ends_;               // of cables at the payload, in their order
     std::vector<const GmshElement*> of_triangle_;  // of the mesh
     std::set<Edge> edges_;                         // of the canopy
     std::vector<std::vector<NodeIndex>> loops_;    // edges of openings and the skirt
@@ -622,10 +726,11 @@ std::vector<Warning> size_warnings(const ImportedMesh& imported, const Scene& sc
                  "the full model takes its structure from parachute.mesh, the reduced-order model "
                  "and coefficients take what the scene says",
                  "correct the scene, or the mesh"});
-    if (!imported.payload.empty())
-        warnings.push_back({fmt::format("{} tetrahedra of the payload are left out", imported.payload.size()),
-                            "the payload is a point mass at the confluence, or what payload.body says",
-                            "take them out of the export"});
+    if (const std::size_t count = imported.payload.tetrahedron.size(); count > 0 && !imported.mesh.body)
+        warnings.push_back({fmt::format("{} tetrahedra of the payload are left out", count),
+                            scene.payload.body ? "payload.body says another shape"
+                                               : "the payload is a point mass at the confluence",
+                            "take them with payload.body.shape = \"mesh\", or out of the export"});
     return warnings;
 }
 

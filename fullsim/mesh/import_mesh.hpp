@@ -2,6 +2,7 @@
 // how all of it starts. docs/guide/meshes.md says what a file has to hold.
 #pragma once
 
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -12,19 +13,25 @@
 
 namespace twinchute::fullsim {
 
-/// A line's nodes, from the skirt to the link.
-using LineNodes = std::vector<NodeIndex>;
+/// A line from the skirt to the link.
+struct ImportedLine {
+    std::vector<NodeIndex> node;
+    std::vector<double> piece;  ///< [m] from each node to the next, as made
+
+    double length() const { return std::accumulate(piece.begin(), piece.end(), 0.0); }  ///< [m]
+};
 
 /// The parachute of a file.
 struct ImportedMesh {
-    Mesh mesh;  ///< at the places of the file: as it is made, the confluence at the origin
-    std::vector<LineNodes> lines;
+    /// At the places of the file: as it is made, the confluence at the origin. Where risers end at several
+    /// nodes of a body these are the one node of the payload, in their middle.
+    Mesh mesh;
+    std::vector<ImportedLine> lines;
     std::vector<NodeIndex> skirt;  ///< around its edge, in the order of their azimuths
     std::vector<NodeIndex> vent;   ///< likewise around the opening nearest to the axis; empty: there is none
-    /// Corners of the payload's tetrahedra [m], four each: about the confluence, like all places.
-    std::vector<std::array<Vec3, 4>> payload;
-    double nominal_area = 0.0;  ///< [m^2] of fabric and openings
-    double vent_area = 0.0;     ///< [m^2] of the opening nearest to the axis
+    SolidMesh payload;             ///< its tetrahedra [m], about the confluence, like all places
+    double nominal_area = 0.0;     ///< [m^2] of fabric and openings
+    double vent_area = 0.0;        ///< [m^2] of the opening nearest to the axis
 };
 
 /// The parachute that a file makes with the materials of a scene. Throws SceneError with the line of the file

@@ -11,6 +11,14 @@ std::string_view cable_kind_name(CableKind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
+std::vector<Vec3> BodyMesh::places() const {
+    if (deformable) return solid.node;
+    std::vector<Vec3> ends;
+    for (const int i : end)
+        ends.push_back(solid.node[static_cast<std::size_t>(i)]);
+    return ends;
+}
+
 double Mesh::parachute_mass() const {
     double total = 0.0;
     for (const Triangle& t : triangles)

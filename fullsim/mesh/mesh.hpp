@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "fullsim/solid.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/models/material.hpp"
 
@@ -46,6 +48,25 @@ struct StaticLine {
     std::vector<Cable> cables;
 };
 
+/// A payload that is a body, about its centre of mass, along the axes of the parachute as it is made: z to
+/// the apex, x and y across.
+struct BodyMesh {
+    SolidMesh solid;
+    Lumped lumped;            ///< its centre is the origin
+    std::vector<int> end;     ///< node of the solid where each riser ends, in the order of Mesh::cables
+    bool deformable = false;  ///< its nodes move by themselves; otherwise it is rigid
+    /// Of an imported one: where Mesh::position has its origin, the middle of the nodes that it hangs from
+    /// [m].
+    std::optional<Vec3> middle = {};
+
+    /// Where nodes move with it, or by themselves: ends of risers, all nodes of one that is deformable [m].
+    std::vector<Vec3> places() const;
+    /// Of these the one that a riser ends at.
+    int place_of(std::size_t riser) const { return deformable ? end[riser] : static_cast<int>(riser); }
+    /// And back: the node of the solid.
+    int node_of(int place) const { return deformable ? place : end[static_cast<std::size_t>(place)]; }
+};
+
 class Mesh {
 public:
     /// Nodes are numbered canopy first, then lines and risers, the payload last.
@@ -53,7 +74,8 @@ public:
     NodeIndex payload() const { return node_count() - 1; }
     /// Takes the forces of padding elements.
     NodeIndex dummy() const { return node_count(); }
-    /// Where risers are tied to a payload that is a body: after the dummy, nothing but the body moves them.
+    /// Where risers are tied to a payload that is a body, and its other nodes where it is deformable: after
+    /// the dummy, nothing but the body moves them.
     NodeIndex first_place() const { return node_count() + 1; }
     NodeIndex first_static_line_node() const { return first_place() + static_cast<NodeIndex>(places.size()); }
     bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
@@ -75,7 +97,10 @@ public:
     std::vector<Cable> cables;
     Fabric fabric;
     std::array<Cord, 6> cords;  ///< by CableKind
-    std::vector<Vec3> places;   ///< [m] of risers on a body, as position; empty: the payload is a point mass
+    std::vector<Vec3> places;   ///< [m] of the body, as position; empty: the payload is a point mass
+    /// Of a payload that is one. An imported mesh has it before it hangs, a scene's is made to hang it.
+    std::optional<BodyMesh> body;
+    double line_stretch = 1.0;  ///< [-] of lines and risers at the start, by the load that they carry
     StaticLine static_line;     ///< empty where there is none
     /// Which of the cables are the reefing line, in rising order, from seam to seam around the mouth; empty
     /// where there is none.

@@ -128,7 +128,7 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     if (chute.deploy.starts_packed()) {
         Mesh mesh = unloaded_mesh(scene);
         pack(mesh, chute.deploy.pack_ratio);
-        if (scene.payload.body) hang_body(scene, mesh);
+        if (scene.payload.body) hang_body(scene, mesh, Hang::packed);
         if (chute.deploy.by == DeployBy::static_line)
             mesh.static_line = rig_static_line(mesh, scene, cut_vent_radius(scene));
         return mesh;
@@ -137,7 +137,7 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     Mesh mesh = drawn_out(scene, trailing_direction(scene),
                           chute.deploy.by == DeployBy::inflated ? open : mouth_area_at_line_stretch(chute),
                           load_at_start(scene, inflation, phase));
-    if (scene.payload.body) hang_body(scene, mesh);
+    if (scene.payload.body) hang_body(scene, mesh, Hang::drawn_out);
     return mesh;
 }
 

@@ -85,10 +85,11 @@ void RowWeights::iterate(const State& state) {
     double skirt = 1.0;
     RowSums pulled = no_rows(state);
     if (lines_) lines_->add_row_sums(still, pulled);
-    for (std::size_t i = 0; i < inertia.size(); ++i)
+    const auto canopy = static_cast<std::size_t>(constants_->canopy_nodes);
+    for (std::size_t i = 0; i < canopy; ++i)
         if (pulled.stiffness[i] > 0.0 && sums.stiffness[i] > 0.0) skirt = std::min(skirt, sums.weight[i]);
     for (std::size_t i = 0; i < inertia.size(); ++i)
-        if (pulled.stiffness[i] > 0.0 && !(sums.stiffness[i] > 0.0)) sums.weight[i] = skirt;
+        if (pulled.stiffness[i] > 0.0 && !(i < canopy && sums.stiffness[i] > 0.0)) sums.weight[i] = skirt;
     weight_ = std::move(sums.weight);
 }
 

@@ -112,14 +112,20 @@ PayloadBody payload_body(const Values& v) {
     PayloadBody body;
     const std::string& shape = v.word("payload.body.shape");
     if (shape == "cylinder") body.shape = PayloadBody::Shape::cylinder;
+    if (shape == "mesh") body.shape = PayloadBody::Shape::mesh;
     for (int i = 1; i <= v.count("payload.body.size"); ++i)
         body.size.push_back(v.number(fmt::format("payload.body.size.{}", i)));
-    const std::size_t wanted = body.shape == PayloadBody::Shape::box ? 3 : 2;
+    constexpr std::size_t lengths[] = {3, 2, 0};  // in the order of shapes
+    const std::size_t wanted = lengths[static_cast<std::size_t>(body.shape)];
     if (body.size.size() != wanted)
-        throw SceneError(
-            v.place("payload.body.shape"), "payload.body.size",
-            fmt::format("{} lengths for a {}", body.size.size(), shape), "",
-            wanted == 3 ? "give its three edges, the last along the parachute" : "give diameter and height");
+        throw SceneError(v.place("payload.body.shape"), "payload.body.size",
+                         fmt::format("{} lengths for a {}", body.size.size(), shape), "",
+                         wanted == 3   ? "give its three edges, the last along the parachute"
+                         : wanted == 2 ? "give diameter and height"
+                                       : "leave size out, the file of parachute.mesh has it");
+    if (v.has_table("payload.body.elasticity"))
+        body.elasticity = Elasticity{v.number("payload.body.elasticity.youngs_modulus"),
+                                     v.number("payload.body.elasticity.poisson_ratio")};
     return body;
 }
 
@@ -436,6 +442,11 @@ Scene assemble_scene(const Values& v) {
     scene.environment = environment(v);
     scene.payload.mass = v.number("payload.mass");
     if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
+    if (constexpr const char* key = "payload.drag_area_table"; v.given(key)) {
+        const auto file = table_file(v, key);
+        scene.payload.drag_area_table = read_attitude_drag(read_text_file(file), file.string(), v.word(key));
+        scene.payload.drag_area = scene.payload.drag_area_table->drag_area(0.0);
+    }
     scene.release = release(v, scene.environment);
     scene.payload.diameter = optional_number(v, "payload.diameter");
     if (v.has_table("payload.body")) scene.payload.body = payload_body(v);

@@ -230,6 +230,15 @@ void check_opening(const Scene& scene, const Parachute& p, const Values& values,
     }
 }
 
+/// A body of the mesh needs one.
+void check_body(const Scene& scene, const Complain& complain) {
+    if (!scene.payload.body || scene.payload.body->shape != PayloadBody::Shape::mesh) return;
+    if (!scene.parachutes.front().mesh)
+        complain.about("payload.body.shape", "'mesh' without parachute.mesh",
+                       "its tetrahedra are those of the group payload in that file",
+                       "give parachute.mesh, or the shape \"box\" or \"cylinder\"");
+}
+
 /// What makes sectors differ, although a run of one of them would not show it.
 void check_symmetry(const Scene& scene, const Complain& complain) {
     if (scene.full.symmetry == Symmetry::none) return;
@@ -379,6 +388,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     check_size(scene, complain);
     check_then(scene, complain);
     check_stop(scene, values.front(), complain);
+    check_body(scene, complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);
     correct_drag_area(scene, complain);

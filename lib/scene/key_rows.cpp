@@ -83,7 +83,7 @@ Words varied() {
     return {"nominal_diameter", "release_speed", "reefing_ratio", "cutter_delay"};
 }
 Words shapes() {
-    return {"box", "cylinder"};
+    return {"box", "cylinder", "mesh"};
 }
 Words line_drags() {
     return {"cylinder"};
@@ -205,13 +205,18 @@ constexpr Key scene_rows[] = {
      .meaning = "columns altitude, and speed and from, or east, north and perhaps up; its ends hold beyond them"},
 
     {.path = "payload.mass", .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
-    {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .meaning = "C_D S of the payload"},
+    {.path = "payload.drag_area", .unit = "m^2", .need = optional, .range = from(0, 1e4), .instead_of = "payload.drag_area_table", .meaning = "C_D S of the payload"},
+    {.path = "payload.drag_area_table", .kind = csv_file, .need = optional, .instead_of = "payload.drag_area",
+     .meaning = "columns angle, between the body's axis up to the risers and the way the air goes past it, from 0 to 180 deg (or 90 deg, alike from above and below), and drag_area; of payload.body in the full model, elsewhere that of angle 0"},
     {.path = "payload.diameter", .unit = "m", .need = optional, .fallback = "required by a forebody wake", .range = above(0, 1000),
      .meaning = "of a disc with its frontal area, for its wake"},
     {.path = "payload.body", .kind = table, .need = optional, .user = full, .meaning = "a homogeneous body that turns; absent: a point mass"},
-    {.path = "payload.body.shape", .kind = word, .choices = shapes, .user = full, .meaning = "hangs from the four upper corners of a box, or from the upper rim of a cylinder"},
+    {.path = "payload.body.shape", .kind = word, .choices = shapes, .user = full, .meaning = "hangs from the four upper corners of a box, from the upper rim of a cylinder, or where the mesh says: tetrahedra of the group payload in parachute.mesh"},
     {.path = "payload.body.size", .kind = quantities, .unit = "m", .range = above(0, 100), .user = full,
-     .meaning = "of a box: its edges, two across and the last along the parachute; of a cylinder: diameter and height"},
+     .meaning = "of a box: its edges, two across and the last along the parachute; of a cylinder: diameter and height; of a mesh: none"},
+    {.path = "payload.body.elasticity", .kind = table, .need = optional, .user = full, .meaning = "its tetrahedra give way; absent: they are lumped into a rigid body"},
+    {.path = "payload.body.elasticity.youngs_modulus", .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "of its material; the density follows from payload.mass"},
+    {.path = "payload.body.elasticity.poisson_ratio", .unit = "1", .range = below(0, 0.5), .user = full, .meaning = "of its material; damped by full.beta and full.bulk_viscosity"},
 
     {.path = "release.altitude", .unit = "m", .range = from(-5000, 86000), .instead_of = "release.height",
      .meaning = "of the payload above sea level"},

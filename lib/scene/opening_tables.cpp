@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "lib/math/vec.hpp"
 #include "lib/scene/csv_table.hpp"
 
 namespace twinchute {
@@ -16,6 +17,8 @@ constexpr std::array<CsvColumn, 2> by_froude{{{"froude_number", "1", {0.0, 1e7, 
 constexpr std::array<CsvColumn, 2> by_mass{{{"mass_ratio", "1", {0.0, 1e7, true}}, fill_constant}};
 constexpr std::array<CsvColumn, 2> growth{
     {{"fill_fraction", "1", {0.0, 100.0}}, {"drag_area_ratio", "1", {0.0, 5.0}}}};
+constexpr std::array<CsvColumn, 2> by_attitude{
+    {{"angle", "rad", {0.0, pi*(1.0 + 1e-12)}}, {"drag_area", "m^2", {0.0, 1e4}}}};
 
 [[noreturn]] void refuse(const std::string& file, std::size_t row, std::string problem, std::string why,
                          std::string hint) {
@@ -79,6 +82,22 @@ FillTable read_fill_table(std::string_view text, const std::string& file, const 
     read.at = table.at(mass ? "mass_ratio" : "froude_number");
     read.n = table.at("fill_constant");
     return read;
+}
+
+AttitudeDrag read_attitude_drag(std::string_view text, const std::string& file, const std::string& name) {
+    const CsvTable table = read_csv_table(text, file, by_attitude);
+    if (!table.has("drag_area"))
+        refuse_columns(file, "the column 'drag_area' is missing", "the columns are angle and drag_area");
+    const std::vector<double>&angle = table.at("angle"), &area = table.at("drag_area");
+    if (angle.front() != 0.0)
+        refuse(file, 0, fmt::format("angle begins at {:g} deg", angle.front() * 180.0 / pi),
+               "0 is a body that hangs straight in the air", "begin at 0");
+    // A degree cannot be written exactly in radians.
+    const auto is = [&](double end) { return std::abs(angle.back() - end) < 1e-9; };
+    if (!is(pi) && !is(0.5 * pi))
+        refuse(file, angle.size() - 1, fmt::format("angle ends at {:g} deg", angle.back() * 180.0 / pi),
+               "a body may turn any way", "end at 180 deg, or at 90 deg where above and below are alike");
+    return {name, angle, area};
 }
 
 std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string_view text,

@@ -1,4 +1,4 @@
-// Filling times, growing drag areas and points of a test as a CSV file gives them.
+// Filling times, growing drag areas, drag areas by attitude and points of a test as a CSV file gives them.
 #pragma once
 
 #include <string>
@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "lib/models/attitude_drag.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
 
@@ -17,6 +18,9 @@ DragAreaTable read_drag_area_table(std::string_view text, const std::string& fil
 
 /// Columns froude_number or mass_ratio, and fill_constant. Throws SceneError.
 FillTable read_fill_table(std::string_view text, const std::string& file, const std::string& name);
+
+/// Columns angle and drag_area; see AttitudeDrag. Throws SceneError.
+AttitudeDrag read_attitude_drag(std::string_view text, const std::string& file, const std::string& name);
 
 /// Points of a test, in columns that are named as the metrics x and y. Throws SceneError.
 std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string_view text,

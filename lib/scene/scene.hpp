@@ -13,6 +13,7 @@
 
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
+#include "lib/models/attitude_drag.hpp"
 #include "lib/models/canopy_type.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
@@ -33,20 +34,35 @@ struct Environment {
     bool operator==(const Environment&) const = default;
 };
 
+/// Of a body that gives way: isotropic, linear (Saint Venant and Kirchhoff's).
+struct Elasticity {
+    double youngs_modulus = 0.0;  ///< [Pa]
+    double poisson_ratio = 0.0;   ///< [-]
+
+    bool operator==(const Elasticity&) const = default;
+};
+
 /// A payload that turns: a homogeneous body, of the full model.
 struct PayloadBody {
-    enum class Shape { box, cylinder };
+    enum class Shape {
+        box,
+        cylinder,
+        mesh  ///< the tetrahedra of the group `payload` in Parachute::mesh
+    };
     Shape shape = Shape::box;
     /// [m] A box: its edges, two across and the last along the parachute's axis. A cylinder: diameter,
-    /// height.
+    /// height. Of a mesh: none.
     std::vector<double> size;
+    std::optional<Elasticity> elasticity = {};  ///< absent: rigid
 
     bool operator==(const PayloadBody&) const = default;
 };
 
 struct Payload {
-    double mass = 0.0;                     ///< [kg]
-    std::optional<double> drag_area;       ///< C_D S [m^2]; absent: no payload drag
+    double mass = 0.0;                ///< [kg]
+    std::optional<double> drag_area;  ///< C_D S [m^2]; absent: no payload drag
+    /// C_D S by attitude, of a body in the full model; drag_area is then that of one that hangs straight.
+    std::optional<AttitudeDrag> drag_area_table = {};
     std::optional<double> diameter = {};   ///< D_B [m] of a disc with its frontal area; for its wake
     std::optional<PayloadBody> body = {};  ///< absent: a point mass
 

@@ -51,6 +51,10 @@ std::string scene_digest(const Scene& scene) {
         for (const WindLevel& level : scene.environment.wind->levels)
             contents.add("wind",
                          {level.altitude, level.velocity.x(), level.velocity.y(), level.velocity.z()});
+    if (const auto& attitude = scene.payload.drag_area_table) {
+        contents.add("attitude", attitude->angle());
+        contents.add("drag area by attitude", attitude->area());
+    }
     for (const Parachute& chute : scene.parachutes) {
         contents.add(chute.fabric);
         for (const Cord* cord : {&chute.line, &chute.tapes.radial, &chute.tapes.skirt, &chute.tapes.vent})

@@ -330,11 +330,19 @@ std::string write_scene(const Scene& scene) {
     write_environment(w, scene.environment);
     w.table("[payload]");
     w.number("mass", scene.payload.mass);
-    if (scene.payload.drag_area) w.number("drag_area", *scene.payload.drag_area);
+    if (const auto& table = scene.payload.drag_area_table; table && scene.payload.drag_area)
+        w.words("drag_area_table", table->file());
+    else if (scene.payload.drag_area)
+        w.number("drag_area", *scene.payload.drag_area);
     if (scene.payload.diameter) w.number("diameter", *scene.payload.diameter);
     if (scene.payload.body) {
-        w.words("body.shape", scene.payload.body->shape == PayloadBody::Shape::box ? "box" : "cylinder");
-        w.numbers("body.size", scene.payload.body->size);
+        constexpr const char* shapes[] = {"box", "cylinder", "mesh"};
+        w.words("body.shape", shapes[static_cast<std::size_t>(scene.payload.body->shape)]);
+        if (!scene.payload.body->size.empty()) w.numbers("body.size", scene.payload.body->size);
+        if (const auto& elastic = scene.payload.body->elasticity) {
+            w.number("body.elasticity.youngs_modulus", elastic->youngs_modulus);
+            w.number("body.elasticity.poisson_ratio", elastic->poisson_ratio);
+        }
     }
     w.table("[release]");
     w.number("altitude", scene.release.altitude);

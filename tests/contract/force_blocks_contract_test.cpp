@@ -30,6 +30,7 @@ Scene full_scene(DeployBy by) {
     deploy.fold_repulsion = 1e-5;
     deploy.fold_resistance = 2.0;
     scene.payload.drag_area = 0.4;
+    scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{1e5, 0.3}};
     scene.full.alpha = 2.0;
     scene.aerodynamics.added_mass->momentum = AddedMassMomentum::accreting;
     return scene;
@@ -49,6 +50,7 @@ Scene scene_with(const ForceBlock& row) {
 
 Mesh mesh_with_static_line() {
     Mesh mesh = test::coarse_c9();
+    test::add_body(mesh);
     test::add_static_line(mesh);
     return mesh;
 }
@@ -107,6 +109,7 @@ TEST_P(EveryBlock, IsZeroAtRestWhereItSaysSo) {
     if (!row().zero_at_rest) return;
     // Pleated all the way up; the one element a gore of a graded vent is folded.
     Mesh mesh = test::coarse_c9(2, 3, 0.0, Grading::uniform);
+    test::add_body(mesh);
     test::add_static_line(mesh);
     const auto block = row().make(scene_, mesh);
     State state = state_of(mesh);
@@ -211,8 +214,11 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
     State state = lively(3);
     block_->add_forces(state);
     std::mt19937 generator(11);
+    const bool solid = row().name == "payload tetrahedra";
     const auto random_node = [&] {
-        return static_cast<std::size_t>(generator()) % static_cast<std::size_t>(mesh_.node_count());
+        const std::size_t first = solid ? static_cast<std::size_t>(mesh_.first_place()) : 0;
+        const std::size_t count = solid ? mesh_.places.size() : static_cast<std::size_t>(mesh_.node_count());
+        return first + static_cast<std::size_t>(generator()) % count;
     };
     for (int trial = 0; trial < 60; ++trial) {
         const std::size_t i = random_node();
@@ -242,10 +248,13 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
     for (int trial = 0; trial < 30; ++trial) {
         const std::size_t e = static_cast<std::size_t>(generator());
         const bool sheet = row().name == "membrane" || row().name == "fabric springs";
-        const NodeIndex a = sheet ? mesh_.triangles[e % mesh_.triangles.size()].node[0]
-                                  : mesh_.cables[e % mesh_.cables.size()].node[0];
-        const NodeIndex b = sheet ? mesh_.triangles[e % mesh_.triangles.size()].node[1]
-                                  : mesh_.cables[e % mesh_.cables.size()].node[1];
+        const auto corner = [&](std::size_t c) {
+            const auto& tetrahedra = mesh_.body->solid.tetrahedron;
+            if (solid) return mesh_.first_place() + tetrahedra[e % tetrahedra.size()][c];
+            return sheet ? mesh_.triangles[e % mesh_.triangles.size()].node[c]
+                         : mesh_.cables[e % mesh_.cables.size()].node[c];
+        };
+        const NodeIndex a = corner(0), b = corner(1);
         const int ca = static_cast<int>(generator() % 3), cb = static_cast<int>(generator() % 3);
         const double ab = derivative(a, ca, b, cb), ba = derivative(b, cb, a, ca);
         // Differences over 2e-7 m of forces that carry 1e-16 of themselves in round-off.
@@ -273,21 +282,21 @@ TEST(Registry, EveryStageHasItsOwnBlocks) {
     using Names = std::vector<std::string>;
     const Scene scene = full_scene(DeployBy::static_line);
     EXPECT_EQ(names(scene, Stage::deployment),
-              (Names{"fabric springs", "tapes", "lines", "static line", "cloth drag", "fold resistance",
-                     "line drag", "payload drag"}));
+              (Names{"fabric springs", "tapes", "lines", "static line", "payload tetrahedra", "cloth drag",
+                     "fold resistance", "line drag", "payload drag"}));
     EXPECT_EQ(names(scene, Stage::springs),
-              (Names{"fabric springs", "tapes", "lines", "canopy pressure", "line drag", "breathing damping",
-                     "payload drag", "accretion", "mass damping"}));
+              (Names{"fabric springs", "tapes", "lines", "payload tetrahedra", "canopy pressure", "line drag",
+                     "breathing damping", "payload drag", "accretion", "mass damping"}));
     EXPECT_EQ(names(scene, Stage::flight),
-              (Names{"membrane", "tapes", "lines", "canopy pressure", "line drag", "breathing damping",
-                     "payload drag", "accretion", "mass damping"}));
-    EXPECT_EQ(names(scene, Stage::ramp).size(), 10u);  // membrane beside springs
+              (Names{"membrane", "tapes", "lines", "payload tetrahedra", "canopy pressure", "line drag",
+                     "breathing damping", "payload drag", "accretion", "mass damping"}));
+    EXPECT_EQ(names(scene, Stage::ramp).size(), 11u);  // membrane beside springs
     Scene elements = full_scene(DeployBy::extraction);
     elements.full.structure = Structure::fe;
     elements.full.alpha_from_release = true;
     EXPECT_EQ(names(elements, Stage::deployment),
-              (Names{"membrane", "tapes", "lines", "cloth drag", "fold resistance", "extraction", "line drag",
-                     "payload drag", "mass damping"}));
+              (Names{"membrane", "tapes", "lines", "payload tetrahedra", "cloth drag", "fold resistance",
+                     "extraction", "line drag", "payload drag", "mass damping"}));
 }
 
 }  // namespace

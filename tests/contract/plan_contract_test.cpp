@@ -72,6 +72,10 @@ Scene inflated() {
     scene.parachutes.front().deploy.by = DeployBy::inflated;
     scene.release = {40.0, 7.0, 0.5 * pi, 0.5 * pi};
     scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
+    scene.parachutes.front().risers = 4;
+    scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{5e7, 0.3}};
+    scene.payload.drag_area_table = AttitudeDrag("own.csv", {0.0, 0.5 * pi}, {0.4, 0.6});
+    scene.payload.drag_area = 0.4;
     return scene;
 }
 
@@ -194,6 +198,10 @@ TEST(PlanContract, WhatIsLeftOutHasNoBytes) {
     Scene accreting = bare();
     accreting.aerodynamics.added_mass = {find_added_mass("hemisphere"), AddedMassMomentum::accreting};
     EXPECT_GT(bytes_for(accreting, "accretion"), 0u);
+    Scene rigid = inflated();
+    EXPECT_GT(bytes_for(rigid, "payload tetrahedra"), 0u);
+    rigid.payload.body->elasticity.reset();
+    EXPECT_EQ(bytes_for(rigid, "payload tetrahedra"), 0u);
 }
 
 /// The reduced-order run tells the full plan its times, as the verb does.

@@ -51,6 +51,7 @@ inline void write_generated_tables(const ScratchDir& directory) {
     directory.write("generated-mass.csv", "fill_constant,mass_ratio\n1,%\n4,1\n9,200\n");
     directory.write("generated-growth.csv",
                     "fill_fraction,drag_area_ratio\n1,%\n0,2\n0.6,30\n1,100\n1.1,115\n1.4,100\n");
+    directory.write("generated-attitude.csv", "angle,drag_area\ndeg,ft^2\n0,4\n45,9.5\n90,7\n");
     directory.write("generated-mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");  // read by a run alone
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
@@ -164,7 +165,9 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
             value = "\"generated-mesh.msh\"";
             break;
         case KeyKind::csv_file:
-            value = path.starts_with("environment.wind") ? "\"generated-wind.csv\"" : "\"generated-air.csv\"";
+            value = path.starts_with("environment.wind") ? "\"generated-wind.csv\""
+                    : path.starts_with("payload")        ? "\"generated-attitude.csv\""
+                                                         : "\"generated-air.csv\"";
             break;
         default:
             value = text();
@@ -381,7 +384,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         }
         if (key.kind == KeyKind::table) {
             const bool is_wind = key.path == "environment.wind";
-            if (key.need == KeyNeed::optional && !(is_wind ? has_wind_ : chance(0.5)))
+            const bool is_in_one =
+                std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); });
+            if (key.need == KeyNeed::optional && (is_in_one || !(is_wind ? has_wind_ : chance(0.5))))
                 left_out.push_back(std::string(key.path) + ".");
             continue;
         }
@@ -420,9 +425,12 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     };
     if (has("aerodynamics.forebody_wake.") || chance(0.2))
         put_number("payload.diameter", number_in(0.1, 50.0));
-    if (has("payload.body."))
-        put("payload.body.size",
-            words["payload.body.shape"] == "box" ? "[\"60 cm\", 0.5, \"2 ft\"]" : "[0.7, \"1 m\"]");
+    if (const std::string& shape = words["payload.body.shape"]; has("payload.body.") && shape != "mesh")
+        put("payload.body.size", shape == "box" ? "[\"60 cm\", 0.5, \"2 ft\"]" : "[0.7, \"1 m\"]");
+    else if (has("payload.body.") && std::ranges::none_of(lines_, [](const SceneLine& line) {
+                 return line.path == "parachute.mesh";
+             }))
+        put("parachute.mesh", "\"generated-mesh.msh\"");
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });

@@ -39,18 +39,29 @@ inline void add_static_line(fullsim::Mesh& mesh) {
         line.cables.push_back({{first + k, first + k + 1}, 1.0, 7.0, CableKind::static_line});
 }
 
+/// Adds a deformable box around the payload's node, before any static line. No riser is tied to it.
+inline void add_body(fullsim::Mesh& mesh) {
+    fullsim::BodyMesh& body = mesh.body.emplace();
+    body.solid = fullsim::make_box({0.6, 0.4, 0.9}, {2, 2, 2});
+    body.lumped = fullsim::lump(fullsim::solid_of(body.solid), 88.0);
+    body.deformable = true;
+    mesh.places = body.places();
+}
+
 /// The mesh at its own positions, moving with `velocity`, in air of 1.225 kg/m^3 from below.
 inline fullsim::State state_of(const fullsim::Mesh& mesh, const Vec3& velocity = Vec3::Zero()) {
     fullsim::State state;
     const auto dummy = static_cast<std::size_t>(mesh.dummy());
-    const std::size_t count = dummy + 1 + mesh.static_line.position.size();
+    std::vector<Vec3> after = mesh.places;
+    after.insert(after.end(), mesh.static_line.position.begin(), mesh.static_line.position.end());
+    const std::size_t count = dummy + 1 + after.size();
     state.node.resize(count, {splat(0.0), splat(0.0)});
     state.v_half.resize(count, {splat(0.0)});
     state.force.resize(count, {splat(0.0)});
     state.aero.resize(count, {splat(0.0)});
     for (std::size_t i = 0; i < count; ++i) {
         if (i == dummy) continue;
-        const Vec3& place = i < dummy ? mesh.position[i] : mesh.static_line.position[i - dummy - 1];
+        const Vec3& place = i < dummy ? mesh.position[i] : after[i - dummy - 1];
         state.node[i] = {fullsim::to_lanes(place), fullsim::to_lanes(velocity)};
         state.v_half[i].value = fullsim::to_lanes(velocity);
     }

@@ -67,7 +67,7 @@ TEST(ImportMesh, TakesBothFormatsForTheSame) {
         expect(6, CableKind::riser, 1.0, 4.0);  // as strong as its four lines
         EXPECT_EQ(got.nominal_area, mesh.fabric_area());
         EXPECT_EQ(got.lines.size(), 4u);
-        EXPECT_EQ(got.lines[2], (LineNodes{3, 5}));
+        EXPECT_EQ(got.lines[2].node, (std::vector<NodeIndex>{3, 5}));
         EXPECT_EQ(mesh.seam_rings.back().size(), 4u);
         EXPECT_EQ(mesh.seam_rings.front(), std::vector<NodeIndex>{0});  // no vent: the apex
     }

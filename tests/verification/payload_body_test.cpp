@@ -50,6 +50,29 @@ TEST(PayloadBody, HangsOnItsRisersWithoutStrain) {
     }
 }
 
+TEST(PayloadBody, HangsWhereItsShapeAllows) {
+    const auto places = [](const PayloadBody& body, int risers) {
+        Scene scene = with_box(test::c9_scene(), 0.6, 0.4, 0.9);
+        scene.payload.body = body;
+        scene.parachutes.front().risers = risers;
+        return start_mesh(scene, inflated(scene.parachutes.front()), Phase::open).body->places();
+    };
+    const PayloadBody box{PayloadBody::Shape::box, {0.6, 0.4, 0.9}};
+    EXPECT_EQ(places(box, 1), (std::vector<Vec3>{{0.0, 0.0, 0.45}}));
+    EXPECT_EQ(
+        places(box, 4),
+        (std::vector<Vec3>{{0.3, 0.2, 0.45}, {-0.3, 0.2, 0.45}, {-0.3, -0.2, 0.45}, {0.3, -0.2, 0.45}}));
+    EXPECT_THROW(places(box, 7), SceneError);
+    const PayloadBody drum{PayloadBody::Shape::cylinder, {0.8, 1.0}};
+    const std::vector<Vec3> rim = places(drum, 7);
+    ASSERT_EQ(rim.size(), 7u);
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+        // Half a step after x, on the rim of the tetrahedra itself.
+        const double angle = 2.0 * pi * (static_cast<double>(k) + 0.5) / 7.0;
+        EXPECT_LT((rim[k] - Vec3(0.4 * std::cos(angle), 0.4 * std::sin(angle), 0.5)).norm(), 1e-15);
+    }
+}
+
 TEST(PayloadBody, OfNoSizeIsAPointMass) {
     // Its places within 0.2 mm, on the same layout and without substeps: what is left after half a second of
     // a smooth opening is the little that such a body can turn.
@@ -127,6 +150,9 @@ TEST(PayloadBody, IsReadWithAllItsLengths) {
     refused({"payload.body.shape='box'", "payload.body.size=[0.6, 0.4]"}, "payload.body.size",
             "2 lengths for a box");
     refused({"payload.body.shape='cylinder'"}, "payload.body.size", "0 lengths for a cylinder");
+    refused({"payload.body.shape='mesh'", "payload.body.size=[1]"}, "payload.body.size",
+            "1 lengths for a mesh");
+    refused({"payload.body.shape='mesh'"}, "payload.body.shape", "'mesh' without parachute.mesh");
     refused({"payload.body.shape='ball'"}, "payload.body.shape", "unknown word 'ball'");
     const std::vector<std::string> box{"payload.body.shape='box'", "payload.body.size=['60 cm', 0.4, 0.9]"};
     std::vector<std::string> sector = box;

@@ -1,0 +1,129 @@
+#include "fullsim/deformable_body.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/step/stable_step.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr int weight_iterations = 20;  // within some per cent of the best that row sums can say
+constexpr double least_weight = 1e-3;
+
+}  // namespace
+
+DeformableBody::DeformableBody(std::vector<double> masses, const BodyMesh& body, const SolidLaw& law,
+                               double gravity)
+    : node_mass_(std::move(masses)),
+      mass_(std::accumulate(node_mass_.begin(), node_mass_.end(), 0.0)),
+      rest_(body.solid.node),
+      end_(body.end),
+      principal_(principal_axes(body.lumped)),
+      gravity_(gravity) {
+    weigh_rows(body, law);
+}
+
+/// Power iterations on the matrix of norms: each row's weight times where it stands.
+void DeformableBody::weigh_rows(const BodyMesh& body, const SolidLaw& law) {
+    State still;
+    for (const Vec3& x : rest_)
+        still.node.push_back({to_lanes(x), splat(0.0)});
+    const auto tetrahedra = make_tetrahedra(body.solid, law, 0);
+    weight_.assign(rest_.size(), 1.0);
+    for (int k = 0; k < weight_iterations; ++k) {
+        RowSums sums = no_rows(still, weight_);
+        tetrahedra->add_row_sums(still, sums);
+        for (std::size_t i = 0; i < weight_.size(); ++i)
+            weight_[i] *= sums.stiffness[i] / node_mass_[i];
+        const double largest = *std::ranges::max_element(weight_);
+        for (double& w : weight_)
+            w = std::max(w / largest, least_weight);
+    }
+}
+
+void DeformableBody::start(State& state, const Vec3& axis) const {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame_along(axis) * principal_));
+    state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+}
+
+void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_place) const {
+    const Lanes aero = state.aero[payload].value / splat(mass_);
+    Lanes sum = splat(0.0);
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        sum += state.force[i].value;
+        state.aero[i].value = node_mass_[k] * aero;
+    }
+    // Those of tetrahedra add up to nothing.
+    state.riser_force = to_vec3(sum);
+    state.force[payload].value += sum;
+}
+
+void DeformableBody::advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+                             double dt) const {
+    const Lanes fall{0.0, 0.0, -gravity_, 0.0};
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const Lanes acceleration = (state.force[i].value + state.aero[i].value) / splat(node_mass_[k]) + fall;
+        Lanes& half = state.v_half[i].value;
+        half += kick * acceleration;
+        state.node[i].x += dt * half;
+        state.node[i].v = half + (0.5 * dt) * acceleration;
+        state.force[i].value = state.aero[i].value = splat(0.0);
+    }
+    turn(state, payload, first_place);
+}
+
+void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_place) const {
+    const Vec3 centre = to_vec3(state.node[payload].x);
+    Eigen::Matrix3d shape = Eigen::Matrix3d::Zero();
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        shape += node_mass_[k] * (to_vec3(state.node[i].x) - centre) * rest_[k].transpose();
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(shape, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d turned = svd.matrixU() * svd.matrixV().transpose();
+    if (turned.determinant() < 0.0) {
+        Eigen::Matrix3d u = svd.matrixU();
+        u.col(2) *= -1.0;
+        turned = u * svd.matrixV().transpose();
+    }
+    const Eigen::Quaterniond q(Eigen::Matrix3d(turned * principal_));
+    state.body->attitude = {q.w(), q.x(), q.y(), q.z()};
+}
+
+double DeformableBody::inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const {
+    const Lanes mean = state.node[payload].v;
+    double twice = 0.0;
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const Lanes v = state.node[static_cast<std::size_t>(first_place) + k].v - mean;
+        twice += node_mass_[k] * sum3(v * v);
+    }
+    return 0.5 * twice;
+}
+
+double DeformableBody::stable_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+                                   double riser) const {
+    const auto first = static_cast<std::size_t>(first_place);
+    std::vector<double> weights(state.node.size(), 1.0);
+    std::ranges::copy(weight_, weights.begin() + first_place);
+    RowSums sums = no_rows(state, weights);
+    for (const auto& model : structure)
+        if (model->name() == "payload tetrahedra") model->add_row_sums(state, sums);
+    // K (a - b)^2 <= 2 K a^2 + 2 K b^2 parts body and riser, whose other node has the same in its own row.
+    for (const int k : end_)
+        sums.stiffness[first + static_cast<std::size_t>(k)] += 2.0 * riser;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < node_mass_.size(); ++k)
+        least = std::min(least,
+                         stable_step_of(sums.stiffness[first + k], sums.damping[first + k], node_mass_[k]));
+    return least;
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,98 @@
+#include "fullsim/rigid_body.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fullsim/mesh/hang_body.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+Eigen::Quaterniond turn_of(const BodyState& body) {
+    return {body.attitude[0], body.attitude[1], body.attitude[2], body.attitude[3]};
+}
+
+}  // namespace
+
+RigidBody::RigidBody(double mass, const BodyMesh& body)
+    : mass_(mass), principal_(principal_axes(body.lumped)) {
+    moments_ = (principal_.transpose() * body.lumped.inertia * principal_).diagonal();
+    for (const Vec3& place : body.places())
+        places_.emplace_back(principal_.transpose() * place);
+}
+
+void RigidBody::start(State& state, const Vec3& axis) const {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(frame_along(axis) * principal_));
+    state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
+}
+
+void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_place) const {
+    const Vec3 centre = to_vec3(state.node[payload].x);
+    Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const Vec3 force = to_vec3(state.force[i].value);
+        sum += force;
+        torque += (to_vec3(state.node[i].x) - centre).cross(force);
+        state.force[i].value = splat(0.0);
+    }
+    state.force[payload].value += to_lanes(sum);
+    state.riser_force = sum;
+    state.body->torque = torque;
+}
+
+void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+                        double dt) const {
+    BodyState& body = *state.body;
+    body.half_momentum += kick * body.torque;
+    Eigen::Quaterniond turn = turn_of(body);
+    Vec3 momentum = turn.conjugate() * body.half_momentum;  // along the body's own axes
+    const auto about = [&](int axis, double time) {
+        const double angle = time * momentum[axis] / moments_[axis];
+        const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, Vec3::Unit(axis)));
+        turn = turn * q;
+        momentum = q.conjugate() * momentum;
+    };
+    about(0, 0.5 * dt);
+    about(1, 0.5 * dt);
+    about(2, dt);
+    about(1, 0.5 * dt);
+    about(0, 0.5 * dt);
+    turn.normalize();
+    body.attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
+    body.momentum = body.half_momentum + 0.5 * dt * body.torque;
+    place(state, payload, first_place);
+}
+
+void RigidBody::place(State& state, NodeIndex payload, NodeIndex first_place) const {
+    const BodyState& body = *state.body;
+    const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
+    const Vec3 own = frame.transpose() * body.momentum;
+    const Vec3 spin = frame * own.cwiseQuotient(moments_);
+    const NodeRecord& centre = state.node[payload];
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const Vec3 arm = frame * places_[k];
+        state.node[i] = {centre.x + to_lanes(arm), centre.v + to_lanes(spin.cross(arm))};
+        state.v_half[i].value = state.node[i].v;
+    }
+}
+
+double RigidBody::turning_energy(const BodyState& body) const {
+    const Vec3 own = turn_of(body).conjugate() * body.momentum;
+    return 0.5 * own.dot(own.cwiseQuotient(moments_));
+}
+
+double RigidBody::stable_step(double riser) const {
+    double arm = 0.0;
+    for (const Vec3& p : places_)
+        arm = std::max(arm, p.norm());
+    const double give = 1.0 / mass_ + arm * arm / moments_.minCoeff();
+    // All places at once may pull on the same motion.
+    const double all = riser * static_cast<double>(places_.size());
+    return all > 0.0 ? 2.0 / std::sqrt(all * give) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace twinchute::fullsim
