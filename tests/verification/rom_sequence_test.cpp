@@ -218,6 +218,22 @@ TEST(RomSequence, TheOrderOfTheTablesIsNone) {
     EXPECT_EQ(a.events.size(), b.events.size());
 }
 
+TEST(RomSequence, AHeightIsMetOnTheWayDown) {
+    // From 200 m the climb goes through 300 m, up to 327 m, and comes back.
+    const RunRecord record = run_rom(read_text(sequence, {"release.altitude=200 m"}));
+    EXPECT_GT(time_of(record, "main.line-stretch"), 50.0 / g);
+    EXPECT_NEAR(record.find_event("main.line-stretch")->altitude, 300.0, 1e-6);
+}
+
+TEST(RomSequence, ADynamicPressureThatIsMetForAShortWhileIsSeen) {
+    // Below 1 Pa, 1.41 m/s, for 0.29 s about apogee; a parabola asks for no step as short as that.
+    std::string text =
+        edited(sequence, "when = { height = \"300 m\" }", "when = { dynamic_pressure = \"1 Pa\" }");
+    text = edited(text, "cut = { after = \"main.full-open\", delay = \"0.25 s\" }\n", "");
+    const RunRecord record = run_rom(read_text(text));
+    EXPECT_NEAR(time_of(record, "main.line-stretch"), (50.0 - std::sqrt(2.0)) / g, 1e-6);
+}
+
 TEST(RomSequence, DynamicPressureAndSteadyDescentAreMetInFlight) {
     std::string text =
         edited(sequence, "when = { height = \"300 m\" }", "when = { dynamic_pressure = \"600 Pa\" }");
