@@ -73,6 +73,10 @@ inline bool is_folding_cloth(std::string_view block) {
     return block == "fabric springs" || block == "tapes";
 }
 
+/// Over its length: an edge that lacks less may come taut within a step. At 0.4 ms, the longest step of a
+/// pack, an edge of 0.1 m would have to lengthen at 25 m/s to cross it unseen.
+inline constexpr double nearly_taut = -0.1;
+
 class Layout {
 public:
     virtual ~Layout() = default;

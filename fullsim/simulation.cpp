@@ -29,9 +29,6 @@ constexpr double substep_cost = 0.12;    // of a substep of lines over a step of
 /// the energy grows with the step, and so do lines. Where lines take substeps, either takes no more than this
 /// share of its own bound.
 constexpr double share_while_slapping = 0.5;
-/// Over its length: an edge that lacks less may come taut within a step. At 0.4 ms, the longest step of a
-/// pack, an edge of 0.1 m would have to lengthen at 25 m/s to cross it unseen.
-constexpr double nearly_taut = -0.1;
 constexpr double cut_line = 10.0;  // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
 
