@@ -64,10 +64,10 @@ TEST(Reefing, TheLineHoldsTheMouth) {
 TEST(Reefing, EachStageHasALineOfItsOwnAndACutOneNeverComesTaut) {
     // Round a mouth that opens to the root of the stage's share of the drag area; cut, longer than the whole
     // circumference.
-    const Scene scene =
-        read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
-                   {"parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = 1 } },"
-                    " { drag_area_ratio = 0.3, until = { at = \"line-stretch\", delay = 2 } }]"});
+    const Scene scene = read_scene(
+        TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+        {"parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = 1 } },"
+         " { drag_area_ratio = 0.3, until = { at = \"line-stretch\", delay = 2 } }]"});
     fullsim::Simulation simulation(scene);
     const auto line = [&] {
         double length = 0.0;
