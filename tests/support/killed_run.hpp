@@ -38,8 +38,8 @@ inline std::map<std::string, std::string> record_files(const std::filesystem::pa
 }
 
 /// Runs a program until it has been killed (SIGKILL) `kills` times, each time after a moment of at most
-/// `most` [s] drawn by chance, then once more to its end. Each time but the first with --resume. How often it
-/// was really killed: a run that ends before is begun anew no more.
+/// `most` [s] drawn by chance, then once more to its end. Each time with --resume, but for the first unless
+/// that has it. How often it was really killed: a run that ends before is begun anew no more.
 inline int run_with_kills(std::vector<std::string> words, const std::filesystem::path& directory, int kills,
                           double most, std::uint64_t seed, Ended* last) {
     Chance chance(seed);
@@ -49,7 +49,7 @@ inline int run_with_kills(std::vector<std::string> words, const std::filesystem:
         std::this_thread::sleep_for(std::chrono::duration<double>(most * chance.share()));
         ::kill(process.id(), SIGKILL);
         *last = process.wait();
-        if (killed == 0) words.emplace_back("--resume");
+        if (words.back() != "--resume") words.emplace_back("--resume");
         if (last->code != 128 + SIGKILL) return killed;
     }
     *last = Process(words, directory).wait();

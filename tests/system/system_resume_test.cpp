@@ -60,11 +60,14 @@ protected:
     }
 };
 
-TEST_F(Resume, AfterFiveKillsTheRecordIsTheSame) {
+TEST_F(Resume, AfterSeveralKillsTheRecordIsTheSame) {
     ASSERT_EQ(start(words("full", "whole")).code, 0);
+    kill_once("killed");  // with a checkpoint to go on from, however slow the machine
+    Words again = words("full", "killed");
+    again.emplace_back("--resume");
     Ended ended;
-    const int killed = run_with_kills(words("full", "killed"), here_.path(), 5, 0.3, 1, &ended);
-    EXPECT_EQ(killed, 5);
+    // How many of four hit depends on the machine: what is left to run may be over before the next.
+    EXPECT_GE(run_with_kills(again, here_.path(), 4, 0.3, 1, &ended), 1);
     ASSERT_EQ(ended.code, 0) << ended.err;
     // Nothing else is there: neither checkpoint nor what was unfinished when it was killed.
     EXPECT_EQ(record_files(here_ / "killed"), record_files(here_ / "whole"));
