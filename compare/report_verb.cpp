@@ -15,6 +15,7 @@
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
+#include "compare/test_option.hpp"
 #include "compare/tolerances.hpp"
 #include "compare/trend.hpp"
 #include "lib/cli/output_dir.hpp"

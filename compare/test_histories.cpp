@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "lib/scene/csv_table.hpp"
-#include "lib/scene/data_files.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::compare {
@@ -19,13 +18,6 @@ std::vector<CsvColumn> columns() {
     for (const HistoryRow& row : history_rows())
         known.push_back({row.channel, row.unit, {-1e9, 1e9}});
     return known;
-}
-
-std::string channels_text() {
-    std::string text;
-    for (const HistoryRow& row : history_rows())
-        text += (text.empty() ? "" : ", ") + std::string(row.channel);
-    return text;
 }
 
 /// The rows of a channel that are numbers, with rising or equal times.
@@ -53,6 +45,13 @@ std::optional<double> distance(const Curve& test, const Curve& run) {
 
 }  // namespace
 
+std::string test_channels() {
+    std::string text;
+    for (const HistoryRow& row : history_rows())
+        text += (text.empty() ? "" : ", ") + std::string(row.channel);
+    return text;
+}
+
 const Curve* TestHistories::find(std::string_view channel) const {
     const auto found = curves.find(channel);
     return found == curves.end() ? nullptr : &found->second;
@@ -67,19 +66,8 @@ TestHistories read_test_histories(std::string_view text, const std::string& file
     if (test.curves.empty())
         throw SceneError({file, 1, 1}, "", "there is nothing beside the time",
                          "a test is drawn over the histories of the runs",
-                         fmt::format("the columns are time and any of {}", channels_text()));
+                         fmt::format("the columns are time and any of {}", test_channels()));
     return test;
-}
-
-Option test_option() {
-    return {"test", "FILE.csv",
-            "draw what a test recorded beside both: time since release, and any of " + channels_text()};
-}
-
-std::optional<TestHistories> test_of(const Arguments& arguments) {
-    const auto file = arguments.value("test");
-    if (!file) return {};
-    return read_test_histories(read_text_file(*file), std::string(*file));
 }
 
 std::vector<TestScore> test_scores(const TestHistories& test,

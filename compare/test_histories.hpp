@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "compare/histories.hpp"
-#include "lib/cli/verb.hpp"
 
 namespace twinchute::compare {
 
@@ -24,9 +23,8 @@ struct TestHistories {
 /// at least one channel of history_rows(). Throws SceneError, with file and line, for everything else.
 TestHistories read_test_histories(std::string_view text, const std::string& file);
 
-/// The option --test of verbs that compare, and the file that it names.
-Option test_option();
-std::optional<TestHistories> test_of(const Arguments& arguments);
+/// "force, speed, ...": the columns that a file may have beside the time.
+std::string test_channels();
 
 /// A measured history and how far two records are from it, over the time that all three have.
 struct TestScore {

@@ -24,6 +24,7 @@
 #include "compare/report/trend_text.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/series.hpp"
+#include "compare/test_option.hpp"
 #include "compare/tolerances.hpp"
 #include "compare/validate/parallel.hpp"
 #include "lib/cli/interrupt.hpp"

@@ -100,8 +100,8 @@ public:
             "the origin, the apex on z.\n$EndComments\n",
             title, body_of(mesh_) ? "payload's centre" : "confluence");
         std::vector<Block> groups = blocks_;
-        const auto [rest, end] = std::ranges::unique(groups, {}, &Block::group);
-        groups.erase(rest, end);
+        const auto same = [](const Block& a, const Block& b) { return a.group == b.group; };
+        groups.erase(std::unique(groups.begin(), groups.end(), same), groups.end());
         add("$PhysicalNames\n{}\n", groups.size());
         for (const Block& b : groups)
             add("{} {} \"{}\"\n", b.dimension(), b.tag(), gmsh_groups[b.group].name);

@@ -1,0 +1,16 @@
+// The option --test of verbs that compare.
+#pragma once
+
+#include <optional>
+
+#include "compare/test_histories.hpp"
+#include "lib/cli/verb.hpp"
+
+namespace twinchute::compare {
+
+Option test_option();
+
+/// The file that it names, read. Throws SceneError.
+std::optional<TestHistories> test_of(const Arguments& arguments);
+
+}  // namespace twinchute::compare
