@@ -66,18 +66,12 @@ const Event* event_of(const RunRecord& record, std::initializer_list<const char*
     return nullptr;
 }
 
-/// A channel as a curve in the time since snatch; nothing where it is not one.
-std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel) {
-    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
-    if (!time || !values || time->values.size() < 2 || time->values.size() != values->values.size())
-        return {};
-    const auto finite = [](double x) { return std::isfinite(x); };
-    if (!std::ranges::all_of(time->values, finite) || !std::ranges::all_of(values->values, finite) ||
-        !std::ranges::is_sorted(time->values))
-        return {};
-    Curve curve{time->values, values->values};
+/// A channel over the time since snatch.
+std::optional<Curve> since_snatch(const RunRecord& record, std::string_view channel) {
+    std::optional<Curve> curve = curve_of(record, channel);
+    if (!curve) return {};
     const double snatch = snatch_of(record);
-    for (double& t : curve.time)
+    for (double& t : curve->time)
         t -= snatch;
     return curve;
 }
@@ -146,10 +140,21 @@ double snatch_of(const RunRecord& record) {
     return event ? event->time : 0.0;
 }
 
+std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel) {
+    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
+    if (!time || !values || time->values.size() < 2 || time->values.size() != values->values.size())
+        return {};
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (!std::ranges::all_of(time->values, finite) || !std::ranges::all_of(values->values, finite) ||
+        !std::ranges::is_sorted(time->values))
+        return {};
+    return Curve{time->values, values->values};
+}
+
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
                                       const HistoryRow& row) {
-    const std::optional<Curve> one = curve_of(reference, row.channel),
-                               other = curve_of(candidate, row.channel);
+    const std::optional<Curve> one = since_snatch(reference, row.channel),
+                               other = since_snatch(candidate, row.channel);
     if (!one || !other) return {};
     constexpr double ever = std::numeric_limits<double>::infinity();
     const Event* open = event_of(reference, {"full-open"});

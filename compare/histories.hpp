@@ -60,6 +60,10 @@ struct PhaseScore {
 /// the start of a run that begins there.
 double snatch_of(const RunRecord& record);
 
+/// A channel over [s] since release; nothing where it is missing, holds a value that is not finite, or its
+/// time falls.
+std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel);
+
 /// One score a phase of which both records have some time, in order, aligned at snatch. Empty when a record
 /// lacks the channel, holds a value that is not finite, or the reference is zero throughout.
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "lib/scene/csv_table.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -20,27 +19,14 @@ std::vector<CsvColumn> columns() {
     return known;
 }
 
-/// The rows of a channel that are numbers, with rising or equal times.
-Curve curve_of(const RunRecord& record, std::string_view channel) {
-    Curve curve;
-    const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
-    if (time == nullptr || values == nullptr) return curve;
-    for (std::size_t i = 0; i < std::min(time->values.size(), values->values.size()); ++i)
-        if (std::isfinite(time->values[i]) && std::isfinite(values->values[i])) {
-            curve.time.push_back(time->values[i]);
-            curve.value.push_back(values->values[i]);
-        }
-    return curve;
-}
-
-std::optional<double> distance(const Curve& test, const Curve& run) {
-    if (test.time.empty() || run.time.empty()) return {};
-    const double from = std::max(test.time.front(), run.time.front()),
-                 to = std::min(test.time.back(), run.time.back());
+std::optional<double> distance(const Curve& test, const std::optional<Curve>& run) {
+    if (!run) return {};
+    const double from = std::max(test.time.front(), run->time.front()),
+                 to = std::min(test.time.back(), run->time.back());
     if (!(to > from)) return {};
     const double size = l2_norm(cut(test, from, to));
     if (!(size > 0.0)) return {};
-    return l2_norm(difference(run, test, from, to)) / size;
+    return l2_norm(difference(*run, test, from, to)) / size;
 }
 
 }  // namespace

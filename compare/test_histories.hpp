@@ -33,8 +33,8 @@ struct TestScore {
     std::array<std::optional<double>, 2> l2;  ///< by record: that of the difference over that of the test
 };
 
-/// In the order of history_rows(). A record that lacks the channel, or has no time in common with the test,
-/// has no score. `records`: whose clocks begin at release, as the test's.
+/// In the order of history_rows(). A record without the channel, see curve_of(), or without time in common
+/// with the test has no score. `records`: whose clocks begin at release, as the test's.
 std::vector<TestScore> test_scores(const TestHistories& test, const std::array<const RunRecord*, 2>& records);
 
 }  // namespace twinchute::compare

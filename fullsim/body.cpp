@@ -11,8 +11,11 @@
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
+namespace {
 
 constexpr double of_rounding = 1e-12;  // off the diagonal, over the trace
+
+}  // namespace
 
 std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh) {
     if (!mesh.body) return nullptr;

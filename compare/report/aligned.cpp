@@ -58,30 +58,33 @@ std::vector<double> resampled(const Rows& rows, const std::vector<double>& clock
     return values;
 }
 
-}  // namespace
-
 /// The instants of a test, as many as can be told apart. Its clock begins at release: on this one it lies as
 /// the reference does.
 Rows measured_rows(const Curve& measured, double zero) {
     constexpr std::size_t most = 400;
     Rows rows;
     const std::size_t count = measured.time.size(), stride = (count + most - 1) / most;
+    const double largest = std::ranges::max(measured.value);
     for (std::size_t i = 0; i < count; ++i)
-        if (i % stride == 0 || measured.value[i] == std::ranges::max(measured.value)) {
+        if (i % stride == 0 || measured.value[i] == largest) {
             rows.time.push_back(measured.time[i] - zero);
             rows.value.push_back(measured.value[i]);
         }
     return rows;
 }
 
-/// Those rows at their own instants of the clock, nothing in between.
+/// Those rows at their own instants of the clock, nothing in between. What lies before the runs or after them
+/// has none.
 std::vector<double> placed(const Rows& rows, const std::vector<double>& clock) {
     std::vector<double> values(clock.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < rows.time.size(); ++i)
-        if (const auto at = std::ranges::lower_bound(clock, rows.time[i]); at != clock.end())
+        if (const auto at = std::ranges::lower_bound(clock, rows.time[i]);
+            at != clock.end() && *at == rows.time[i])
             values[static_cast<std::size_t>(at - clock.begin())] = rows.value[i];
     return values;
 }
+
+}  // namespace
 
 AlignedHistories aligned_histories(const Comparison& comparison) {
     AlignedHistories aligned;

@@ -17,8 +17,9 @@ constexpr std::array<CsvColumn, 2> by_froude{{{"froude_number", "1", {0.0, 1e7, 
 constexpr std::array<CsvColumn, 2> by_mass{{{"mass_ratio", "1", {0.0, 1e7, true}}, fill_constant}};
 constexpr std::array<CsvColumn, 2> growth{
     {{"fill_fraction", "1", {0.0, 100.0}}, {"drag_area_ratio", "1", {0.0, 5.0}}}};
+constexpr double half_turn = pi * (1.0 + 1e-12);  // 180 deg, however it was rounded
 constexpr std::array<CsvColumn, 2> by_attitude{
-    {{"angle", "rad", {0.0, pi*(1.0 + 1e-12)}}, {"drag_area", "m^2", {0.0, 1e4}}}};
+    {{"angle", "rad", {0.0, half_turn}}, {"drag_area", "m^2", {0.0, 1e4}}}};
 
 [[noreturn]] void refuse(const std::string& file, std::size_t row, std::string problem, std::string why,
                          std::string hint) {

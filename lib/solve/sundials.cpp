@@ -303,8 +303,8 @@ struct OdeSolver::Impl {
 
     /// The first time, to round-off, at which a function that was `sign` has the other sign, or is zero.
     double crossing(std::size_t i, double sign) {
-        look(t,
-             root_state);  // has the rates evaluated outside of the search, whose C frames nothing may cross
+        // Has the rates evaluated outside of the search, whose C frames nothing may cross.
+        look(t, root_state);
         const auto value = [&](double time) {
             const int failed = guarded([&] {
                 look(time, root_state);

@@ -87,10 +87,11 @@ TEST(TestHistories, AreDotsAndNumbersOfEveryReport) {
 
 TEST(TestHistories, LieOnTheClockOfThePageAsTheReferenceDoes) {
     // Whose snatch comes 0.5 s after release, so that what was measured at 1.25 s stands at 0.75 s, and at
-    // nothing but its own instants.
+    // nothing but its own instants; what was measured before the runs and after them stands nowhere.
     Comparison comparison = made_up_comparison();
     comparison.reference.events[0].time = 0.5;
-    comparison.test = TestHistories{"drop.csv", {{"speed", {{1.25, 2.5}, {17.0, 12.0}}}}};
+    comparison.test =
+        TestHistories{"drop.csv", {{"speed", {{-3.0, 1.25, 2.5, 99.0}, {20.0, 17.0, 12.0, 7.0}}}}};
     const AlignedHistories aligned = aligned_histories(comparison);
     ASSERT_TRUE(aligned.channels[0].test.empty());
     const AlignedChannel& speed = aligned.channels[1];

@@ -11,6 +11,7 @@
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/mesh_sketch.hpp"
+#include "tests/support/refused_mesh.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -158,16 +159,8 @@ void expect_refused(const MeshSketch& sketch, const char* at, const std::vector<
                     const Scene& scene) {
     const std::string text = sketch.text();
     const std::size_t found = text.find(std::string("\n") + at, text.find("$Elements"));
-    const auto line = 2 + std::count(text.begin(), text.begin() + static_cast<long>(found), '\n');
-    try {
-        import_mesh(read_gmsh(text, "own.msh"), scene);
-        ADD_FAILURE() << "accepted, wanted: " << words.front();
-    } catch (const SceneError& error) {
-        for (const std::string& word : words)
-            EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-        EXPECT_EQ(error.place().file, "own.msh");
-        EXPECT_EQ(error.place().line, line) << error.what();
-    }
+    const auto before = std::count(text.begin(), text.begin() + static_cast<long>(found), '\n');
+    test::expect_mesh_refused(text, 2 + static_cast<int>(before), words, scene);
     EXPECT_THROW(import_mesh(read_gmsh(sketch.text("4.1"), "own.msh"), scene), SceneError);
 }
 

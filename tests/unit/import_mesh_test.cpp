@@ -9,6 +9,7 @@
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/mesh_sketch.hpp"
+#include "tests/support/refused_mesh.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -30,15 +31,7 @@ int line_of(const std::string& text, const std::string& begin) {
 /// The text is refused at this line of its own for something that says all of `words`.
 void expect_refused(const std::string& text, int line, const std::vector<std::string>& words,
                     const Scene& scene = test::c9_scene()) {
-    try {
-        import(text, scene);
-        ADD_FAILURE() << "accepted, wanted: " << words.front();
-    } catch (const SceneError& error) {
-        for (const std::string& word : words)
-            EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-        EXPECT_EQ(error.place().file, "own.msh");
-        EXPECT_EQ(error.place().line, line) << error.what();
-    }
+    test::expect_mesh_refused(text, line, words, scene);
 }
 
 TEST(ImportMesh, TakesBothFormatsForTheSame) {
