@@ -25,6 +25,42 @@ struct alignas(32) NodeVector {
     Lanes value;
 };
 
+/// Which nodes a state holds the forces of: from `first` on but those of the hole. All unless something is
+/// said.
+struct HeldNodes {
+    std::size_t first = 0;
+    std::size_t hole = 0, after_hole = 0;  ///< first node of the hole, first one after it
+    std::size_t missing() const { return first + after_hole - hole; }
+};
+
+/// A vector of each node, or of some: layouts that keep the forces on their own nodes themselves leave those
+/// of canopy and lines out.
+class NodeForces {
+public:
+    /// Zero, and on those of `count` nodes from here on.
+    void clear(std::size_t count, const HeldNodes& held = {}) {
+        nodes_ = held;
+        of_.assign(count - held.missing(), {splat(0.0)});
+        // Of another layout, or of a static line that has gone.
+        if (of_.capacity() > of_.size()) of_.shrink_to_fit();
+    }
+    /// Of all nodes, with those that are not held.
+    std::size_t size() const { return of_.size() + nodes_.missing(); }
+    NodeVector& operator[](std::size_t node) { return of_[place(node)]; }
+    const NodeVector& operator[](std::size_t node) const { return of_[place(node)]; }
+    /// Those that there are, in the order of nodes.
+    std::vector<NodeVector>& held() { return of_; }
+    const std::vector<NodeVector>& held() const { return of_; }
+
+private:
+    std::size_t place(std::size_t node) const {
+        return node - (node < nodes_.hole ? nodes_.first : nodes_.missing());
+    }
+
+    HeldNodes nodes_;
+    std::vector<NodeVector> of_;
+};
+
 inline Vec3 to_vec3(Lanes a) {
     return {a[0], a[1], a[2]};
 }
@@ -127,8 +163,8 @@ struct State {
     /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
     std::vector<NodeRecord> node;
     std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
-    std::vector<NodeVector> force;   ///< [N] structural and damping forces
-    std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
+    NodeForces force;                ///< [N] structural and damping forces
+    NodeForces aero;                 ///< [N] aerodynamic forces, booked as drag work
 
     double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s], kept only for accreting added mass
     double added_mass = 0.0;             ///< M_a [kg]
@@ -144,11 +180,10 @@ struct State {
     LargestLoads largest;
 };
 
-/// No force on any node, and nothing dissipated yet.
-inline void clear_forces(State& state) {
-    for (std::vector<NodeVector>* forces : {&state.force, &state.aero})
-        for (NodeVector& f : *forces)
-            f.value = splat(0.0);
+/// No force on any node, and nothing dissipated yet; from here on the state holds those of some nodes.
+inline void clear_forces(State& state, const HeldNodes& held = {}) {
+    for (NodeForces* forces : {&state.force, &state.aero})
+        forces->clear(state.node.size(), held);
     state.damping_power = state.accretion_power = state.external_power = 0.0;
 }
 

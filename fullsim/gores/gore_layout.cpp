@@ -57,9 +57,14 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes);
+        const auto acts = [&](std::string_view block) {
+            return std::ranges::find(structure, block, &ForceModel::name) != structure.end() ||
+                   std::ranges::find(loads, block, &ForceModel::name) != loads.end();
+        };
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
+                                             what_air_does(acts("canopy pressure"), acts("cloth drag")));
         rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
-        clear_forces(state);
+        clear_forces(state, trunk_forces());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
@@ -85,10 +90,6 @@ public:
                 (models == &structure ? structure_ : loads_).push_back(row);
                 (this->*row->prepare)(*model);
             }
-        const auto acts = [&](std::string_view block) {
-            return std::ranges::find(structure_, block, &Row::block) != structure_.end() ||
-                   std::ranges::find(loads_, block, &Row::block) != loads_.end();
-        };
         has_.springs = acts("fabric springs");
         has_.membrane = acts("membrane");
         has_.pressure = acts("canopy pressure");
@@ -316,6 +317,27 @@ private:
         const auto now = std::chrono::steady_clock::now();
         if (step_began_) crew_.took(std::chrono::duration<double>(now - *step_began_).count());
         step_began_ = now;
+    }
+
+    static GoreNodes::What what_air_does(bool pressure, bool cloth_drag) {
+        using enum GoreNodes::What;
+        return !cloth_drag ? pushed : pressure ? pushed_and_dragged : dragged;
+    }
+
+    /// The nodes whose forces are the state's: trunk and guests, then dummy, places and static line. A mesh
+    /// has links before lines, risers and payload after them: the widest hole is what lines leave.
+    HeldNodes trunk_forces() const {
+        std::vector<NodeIndex> nodes = gores_.trunk;
+        for (const auto& of_gores : gores_.guest)
+            nodes.insert(nodes.end(), of_gores.begin(), of_gores.end());
+        std::ranges::sort(nodes);
+        HeldNodes held{static_cast<std::size_t>(nodes.front())};
+        for (std::size_t k = 1; k < nodes.size(); ++k) {
+            const auto hole = static_cast<std::size_t>(nodes[k - 1]) + 1;
+            const auto after = std::max(hole, static_cast<std::size_t>(nodes[k]));
+            if (after - hole > held.after_hole - held.hole) held.hole = hole, held.after_hole = after;
+        }
+        return held;
     }
 
     void make_nodes() {

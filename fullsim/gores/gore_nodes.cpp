@@ -5,8 +5,8 @@
 namespace twinchute::fullsim {
 
 GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
-    const bool everything = what == What::everything;
-    frame.components = everything ? 18 : 2;
+    const bool everything = what != What::row_sums, both = what == What::pushed_and_dragged;
+    frame.components = both ? 18 : everything ? 15 : 2;
     frame.lanes = lanes;
     frame.blocks = frame.last = (gores.count + lanes - 1) / lanes;
     frame.own = everything ? gores.own : gores.canopy;
@@ -15,7 +15,7 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     frame.canopy = gores.canopy;
     frame.gores = gores.count;
     const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
-    const std::size_t all = nodes + 4 * frame.blocks * row;
+    const std::size_t all = nodes + 7 * frame.blocks * row;
     memory_.assign(all / Line{}.size() + 1, Line{});
     double* const begin = memory_.front().data();
     double* next = begin;
@@ -23,10 +23,14 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     double** const all_arrays[] = {&frame.x, &frame.v, &frame.force, &frame.push, &frame.v_half, &frame.aero};
     for (int k = 0; 3 * k < frame.components; ++k, next += 3 * row)
         *all_arrays[k] = next;
+    if (!both) frame.aero = frame.push;
     next = begin + nodes;
     std::fill_n(next, gores.count, 1.0);
     frame.live = next;
     frame.pull = next + frame.blocks * row;
+    const bool apart = what == What::pushed;
+    frame.skirt_aero = apart ? next + 4 * frame.blocks * row : frame.aero + frame.at(0, gores.inner);
+    frame.skirt_stride = apart ? 3 * row : frame.at(1, 0);
     for (int gore = 0; gore < frame.blocks * lanes; ++gore)
         first_.push_back(frame.at(gore / lanes, 0) + static_cast<std::size_t>(gore % lanes));
     image_.assign(gores.canopy, -1);
@@ -100,7 +104,7 @@ void GoreNodes::receive_guests(const State& state) const {
         }
 }
 
-void GoreNodes::send_guests(double* array, std::vector<NodeVector>& forces) const {
+void GoreNodes::send_guests(double* array, NodeForces& forces) const {
     for (std::size_t k = 0; k < gores_.guest.size(); ++k) {
         const LocalNode n = first_guest() + static_cast<LocalNode>(k);
         for (int gore = 0; gore < gores_.count; ++gore)

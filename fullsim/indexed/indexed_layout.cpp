@@ -265,7 +265,7 @@ private:
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
 
     indexed::Nodes nodes_of(State& state) {
-        return {doubles(state.node), doubles(state.force), doubles(state.aero), doubles(push_)};
+        return {doubles(state.node), doubles(state.force.held()), doubles(state.aero.held()), doubles(push_)};
     }
     static RowSums& cleared(RowSums& sums, const State& state) {
         sums.stiffness.assign(state.node.size(), 0.0);

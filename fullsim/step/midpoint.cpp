@@ -23,7 +23,7 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
     const double area = mesh.fabric_area();
     c.share.reserve(mesh.mass.size());
     for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
-        c.share.push_back(mesh.tributary_area[i] / area);
+        c.share.push_back(mesh.is_canopy(i) ? mesh.tributary_area[i] / area : 0.0);
         c.system_mass += mesh.mass[i];
         if (mesh.is_canopy(i)) c.canopy_mass += mesh.mass[i];
     }
