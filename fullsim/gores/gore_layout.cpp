@@ -433,6 +433,7 @@ private:
         folded_ = state.folded;
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         triangle_rows_.clear();
+        if (has_.membrane) triangle_rows_.reserve(gores_.triangles.size());
         for (const GoreTriangle& t : gores_.triangles) {
             if (!has_.membrane) break;
             const TriangleRows flat = unstrained_rows(law, {{}, t.a, t.b, t.c});
@@ -513,6 +514,7 @@ private:
     void prepare_fabric(const ForceModel&) {
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
+        membrane_.reserve(gores_.triangles.size());
         for (const GoreTriangle& t : gores_.triangles)
             membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
                                  1.0 / t.a,

@@ -32,6 +32,13 @@ public:
                      static_cast<std::size_t>(component) * frame.lanes];
     }
 
+    /// The same of an own node's velocity half a step before.
+    double& half_at(LocalNode node, int gore, int component) const {
+        const int block = gore / frame.lanes, lane = gore % frame.lanes;
+        return frame
+            .v_half[frame.half_at(block, node) + static_cast<std::size_t>(component * frame.lanes + lane)];
+    }
+
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;

@@ -29,16 +29,17 @@ struct Block {
     double *x, *v, *v_half, *force, *aero, *push;
     double *pull, *skirt_aero;
     Vec live;
-    std::size_t stride;
+    std::size_t stride, half_stride;
 
     HWY_INLINE Block(const GoreFrame& f, int block) {
         const std::size_t at = f.at(block, 0);
-        x = f.x + at, v = f.v + at, v_half = f.v_half + at;
+        x = f.x + at, v = f.v + at, v_half = f.v_half + f.half_at(block, 0);
         force = f.force + at, aero = f.aero + at, push = f.push + at;
         pull = f.pull + static_cast<std::size_t>(block) * 3 * f.lanes;
         skirt_aero = f.skirt_aero + static_cast<std::size_t>(block) * f.skirt_stride;
         live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
         stride = f.stride();
+        half_stride = f.half_stride();
     }
     HWY_INLINE Vec3s position(std::int32_t node) const { return load3(x + node * stride); }
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
@@ -529,13 +530,13 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
         const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
-        const Vec3s before = load3(block.v_half + at);
+        const Vec3s before = load3(block.v_half + n * block.half_stride);
         const Vec3s after = before + kick * acceleration;
         Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
         if constexpr (pulled == Pulled::apart)
             middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * pull;
         sums.momentum += mass * middle.z;
-        store3(after, block.v_half + at);
+        store3(after, block.v_half + n * block.half_stride);
         if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
         if constexpr (canopy) sums.share_square += share * dot(middle, middle);
         if constexpr (pulled == Pulled::apart) {
@@ -593,10 +594,10 @@ HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, std:
     const Vec kick = all(substep.step.kick) * block.live, dt = all(substep.step.dt) * block.live;
     const std::size_t at = n * block.stride;
     const Vec3s acceleration = all(substep.inverse_inertia[n]) * pull;
-    const Vec3s after = load3(block.v_half + at) + kick * acceleration;
+    const Vec3s after = load3(block.v_half + n * block.half_stride) + kick * acceleration;
     x += dt * after;
     Vec3s now = after + (0.5 * dt) * acceleration;
-    store3(after, block.v_half + at);
+    store3(after, block.v_half + n * block.half_stride);
     store3(x, block.x + at);
     if constexpr (last_of_step) {
         now += (all(substep.half_step) * block.live) * load3(canopy ? block.skirt_aero : block.aero + at);
