@@ -78,8 +78,8 @@ void keep(Keeper& k, State& state) {
     k.flag("folded", folded);
     k.numbers("nodes", doubles(node));
     k.numbers("velocities of half steps", doubles(v_half));
-    k.numbers("forces", doubles(force));
-    k.numbers("forces of the air", doubles(aero));
+    k.numbers("forces", doubles(force.held()));
+    k.numbers("forces of the air", doubles(aero.held()));
     keep_body(k, body);
     k.row("sums", sums, sums_members);
     keep_air(k, air);

@@ -73,8 +73,6 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
         static_cast<std::size_t>(mesh.first_static_line_node()) + tether.position.size();
     state.node.resize(count);
     state.v_half.resize(count);
-    state.force.resize(count);
-    state.aero.resize(count);
     const Vec3 origin(0.0, 0.0, scene.release.altitude), velocity = velocity_over_ground(scene.release);
     std::mt19937_64 generator(scene.full.noise ? scene.full.noise->seed : 0);
     for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
@@ -87,12 +85,11 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
     }
     const NodeIndex dummy = mesh.dummy();
     state.node[dummy] = {splat(0.0), splat(0.0)};
-    state.v_half[dummy].value = state.force[dummy].value = state.aero[dummy].value = splat(0.0);
+    state.v_half[dummy].value = splat(0.0);
     for (std::size_t k = 0; k < mesh.places.size(); ++k) {
         const std::size_t i = static_cast<std::size_t>(mesh.first_place()) + k;
         state.node[i] = {to_lanes(origin + mesh.places[k]), to_lanes(velocity)};
         state.v_half[i].value = to_lanes(velocity);
-        state.force[i].value = state.aero[i].value = splat(0.0);
     }
     for (std::size_t k = 0; k < tether.position.size(); ++k) {
         const std::size_t i = mesh.first_static_line_node() + k;
@@ -284,8 +281,6 @@ void Simulation::drop_static_line() {
     const auto left = static_cast<std::size_t>(mesh_.first_static_line_node());
     state_.node.resize(left);
     state_.v_half.resize(left);
-    state_.force.resize(left);
-    state_.aero.resize(left);
 }
 
 /// The same round the mouth; a line that is cut is one that never comes taut.
@@ -418,9 +413,9 @@ Simulation::Step Simulation::step_with(double added_mass, double fe_weight) {
 
 std::vector<PlanArray> Simulation::arrays() const {
     std::vector<PlanArray> all;
-    add_bytes(
-        all, "node records",
-        bytes_of(state_.node) + bytes_of(state_.v_half) + bytes_of(state_.force) + bytes_of(state_.aero));
+    add_bytes(all, "node records",
+              bytes_of(state_.node) + bytes_of(state_.v_half) + bytes_of(state_.force.held()) +
+                  bytes_of(state_.aero.held()));
     add_bytes(all, "mesh",
               bytes_of(mesh_.position) + bytes_of(mesh_.mass) + bytes_of(mesh_.tributary_area) +
                   bytes_of(mesh_.triangles) + bytes_of(mesh_.cables));

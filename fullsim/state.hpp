@@ -25,6 +25,45 @@ struct alignas(32) NodeVector {
     Lanes value;
 };
 
+/// A vector of each node, or of those from some node on: layouts that keep the forces on the nodes of canopy
+/// and lines themselves leave these out.
+class NodeForces {
+public:
+    /// Zero, and on the nodes from `first` to the last of `count` from here on.
+    void clear(std::size_t count, std::size_t first = 0) {
+        first_ = first;
+        of_.assign(count - first, {splat(0.0)});
+        // Of another layout, or of a static line that has gone.
+        if (of_.capacity() > of_.size()) of_.shrink_to_fit();
+    }
+    /// Of all nodes, with those that are not held.
+    std::size_t size() const { return first_ + of_.size(); }
+    NodeVector& operator[](std::size_t node) { return of_[node - first_]; }
+    const NodeVector& operator[](std::size_t node) const { return of_[node - first_]; }
+    /// The same for a loop, as cheap as a plain array: where node 0 would be is known, and no store of the
+    /// loop can change it.
+    class View {
+    public:
+        explicit View(NodeForces& forces)
+            : zero_(reinterpret_cast<std::uintptr_t>(forces.of_.data()) -
+                    forces.first_ * sizeof(NodeVector)) {}
+        NodeVector& operator[](std::size_t node) const {
+            return *reinterpret_cast<NodeVector*>(zero_ + node * sizeof(NodeVector));
+        }
+
+    private:
+        std::uintptr_t zero_;  // a number: no pointer may point there
+    };
+    View view() { return View(*this); }
+    /// Those that there are, in the order of nodes.
+    std::vector<NodeVector>& held() { return of_; }
+    const std::vector<NodeVector>& held() const { return of_; }
+
+private:
+    std::size_t first_ = 0;
+    std::vector<NodeVector> of_;
+};
+
 inline Vec3 to_vec3(Lanes a) {
     return {a[0], a[1], a[2]};
 }
@@ -127,8 +166,8 @@ struct State {
     /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
     std::vector<NodeRecord> node;
     std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
-    std::vector<NodeVector> force;   ///< [N] structural and damping forces
-    std::vector<NodeVector> aero;    ///< [N] aerodynamic forces, booked as drag work
+    NodeForces force;                ///< [N] structural and damping forces
+    NodeForces aero;                 ///< [N] aerodynamic forces, booked as drag work
 
     double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s], kept only for accreting added mass
     double added_mass = 0.0;             ///< M_a [kg]
@@ -144,11 +183,10 @@ struct State {
     LargestLoads largest;
 };
 
-/// No force on any node, and nothing dissipated yet.
-inline void clear_forces(State& state) {
-    for (std::vector<NodeVector>* forces : {&state.force, &state.aero})
-        for (NodeVector& f : *forces)
-            f.value = splat(0.0);
+/// No force on any node, and nothing dissipated yet; from here on the state holds those from node `first` on.
+inline void clear_forces(State& state, std::size_t first = 0) {
+    for (NodeForces* forces : {&state.force, &state.aero})
+        forces->clear(state.node.size(), first);
     state.damping_power = state.accretion_power = state.external_power = 0.0;
 }
 

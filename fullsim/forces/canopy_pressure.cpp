@@ -36,6 +36,7 @@ public:
         // A third of Delta P [A_p e_r + phi (A - (A.e_r) e_r)] to each corner.
         const Lanes axial = splat(air.pressure / 3.0),
                     radial = splat(air.pressure * air.radial_pressure / 3.0);
+        const NodeForces::View on_node = state.aero.view();
         for (const CornerGroup& g : groups) {
             const Lanes3 area = area_vector(state, g);
             const Lanes along = dot(area, e);
@@ -43,11 +44,11 @@ public:
             const CornerForces corner(force);
             for (int k = 0; k < lane_count; ++k)
                 for (int c = 0; c < 3; ++c)
-                    state.aero[g.node[c][k]].value += corner.row[k];
+                    on_node[g.node[c][k]].value += corner.row[k];
         }
 
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
-            state.aero[i].value += (mesh_.tributary_area[i] / fabric_area_) * flag;
+            on_node[i].value += (mesh_.tributary_area[i] / fabric_area_) * flag;
     }
 
 private:

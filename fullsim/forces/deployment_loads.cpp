@@ -24,6 +24,7 @@ public:
         const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
         const Lanes third = splat(1.0 / 3.0), factor = splat(0.5 * state.air.density * coefficient_ / 3.0);
         Lanes across = splat(0.0);
+        const NodeForces::View on_node = state.aero.view();
         for (const CornerGroup& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
             const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
@@ -38,7 +39,7 @@ public:
             const CornerForces corner(factor * swept * velocity);
             for (int k = 0; k < lane_count; ++k)
                 for (int c = 0; c < 3; ++c)
-                    state.aero[g.node[c][k]].value += corner.row[k];
+                    on_node[g.node[c][k]].value += corner.row[k];
         }
         state.air.projected_area = sum(across);
     }
@@ -72,6 +73,7 @@ public:
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<EdgeGroup>& groups) const {
         const Lanes zero = splat(0.0), one = splat(1.0);
         Lanes dissipated = zero;
+        const NodeForces::View on_node = state.force.view();
         for (const EdgeGroup& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
@@ -84,8 +86,8 @@ public:
             dissipated += force * lengthening;
             const CornerForces pull(force * inverse * d);
             for (int k = 0; k < lane_count; ++k) {
-                state.force[g.node[0][k]].value += pull.row[k];
-                state.force[g.node[1][k]].value -= pull.row[k];
+                on_node[g.node[0][k]].value += pull.row[k];
+                on_node[g.node[1][k]].value -= pull.row[k];
             }
         }
         state.damping_power += sum(dissipated);

@@ -37,6 +37,7 @@ public:
         const double factor = 0.25 * state.air.density * diameter_;
         const Vec3& w = state.air.wind;
         const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
+        const NodeForces::View on_node = state.aero.view();
         for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 v = wind - splat(0.5) * (gather_velocity(state.node, g.node[0]) +
@@ -50,8 +51,8 @@ public:
                 coefficient[k] = drag_coefficient(reynolds_per_speed * speed[k]);
             const CornerForces half(factor * length * coefficient * speed * across);
             for (int k = 0; k < lane_count; ++k) {
-                state.aero[g.node[0][k]].value += half.row[k];
-                state.aero[g.node[1][k]].value += half.row[k];
+                on_node[g.node[0][k]].value += half.row[k];
+                on_node[g.node[1][k]].value += half.row[k];
             }
         }
     }

@@ -41,6 +41,7 @@ public:
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         Lanes dissipated = splat(0.0), most = dissipated;
         const Lanes weight = splat(state.fe_weight);
+        const NodeForces::View on_node = state.force.view();
         for (const Group& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]);
             const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
@@ -54,9 +55,9 @@ public:
             most = larger(pulls.stress, most);
             const CornerForces c0(pulls.on_first), c1(pulls.on_second), c2(pulls.on_third);
             for (int k = 0; k < lane_count; ++k) {
-                state.force[g.node[0][k]].value += c0.row[k];
-                state.force[g.node[1][k]].value -= c1.row[k];
-                state.force[g.node[2][k]].value -= c2.row[k];
+                on_node[g.node[0][k]].value += c0.row[k];
+                on_node[g.node[1][k]].value -= c1.row[k];
+                on_node[g.node[2][k]].value -= c2.row[k];
             }
         }
         state.damping_power += sum(dissipated);

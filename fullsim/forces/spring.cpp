@@ -43,6 +43,7 @@ public:
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         const Lanes zero = splat(0.0), full = splat(full_hardening_strain);
         Lanes dissipated = zero;
+        const NodeForces::View on_node = state.force.view();
         for (const Group& g : groups) {
             const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
             const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
@@ -59,8 +60,8 @@ public:
             dissipated += (tension - spring) * lengthening;
             const CornerForces force(tension * inverse * d);
             for (int k = 0; k < lane_count; ++k) {
-                state.force[g.node[0][k]].value += force.row[k];
-                state.force[g.node[1][k]].value -= force.row[k];
+                on_node[g.node[0][k]].value += force.row[k];
+                on_node[g.node[1][k]].value -= force.row[k];
             }
         }
         state.damping_power += sum(dissipated);

@@ -57,9 +57,14 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes);
+        const auto acts = [&](std::string_view block) {
+            return std::ranges::find(structure, block, &ForceModel::name) != structure.end() ||
+                   std::ranges::find(loads, block, &ForceModel::name) != loads.end();
+        };
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
+                                             what_air_does(acts("canopy pressure"), acts("cloth drag")));
         rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
-        clear_forces(state);
+        clear_forces(state, first_held());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
@@ -85,10 +90,6 @@ public:
                 (models == &structure ? structure_ : loads_).push_back(row);
                 (this->*row->prepare)(*model);
             }
-        const auto acts = [&](std::string_view block) {
-            return std::ranges::find(structure_, block, &Row::block) != structure_.end() ||
-                   std::ranges::find(loads_, block, &Row::block) != loads_.end();
-        };
         has_.springs = acts("fabric springs");
         has_.membrane = acts("membrane");
         has_.pressure = acts("canopy pressure");
@@ -318,6 +319,19 @@ private:
         step_began_ = now;
     }
 
+    static GoreNodes::What what_air_does(bool pressure, bool cloth_drag) {
+        using enum GoreNodes::What;
+        return !cloth_drag ? pushed : pressure ? pushed_and_dragged : dragged;
+    }
+
+    /// The first node whose forces are the state's: of trunk and guests, which nodes of gores come before.
+    std::size_t first_held() const {
+        NodeIndex first = gores_.trunk.front();
+        for (const auto& of_gores : gores_.guest)
+            first = std::min(first, std::ranges::min(of_gores));
+        return static_cast<std::size_t>(first);
+    }
+
     void make_nodes() {
         node_.assign(gores_.own, {});
         inverse_inertia_.assign(gores_.own, 0.0);
@@ -411,6 +425,7 @@ private:
         folded_ = state.folded;
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         triangle_rows_.clear();
+        if (has_.membrane) triangle_rows_.reserve(gores_.triangles.size());
         for (const GoreTriangle& t : gores_.triangles) {
             if (!has_.membrane) break;
             const TriangleRows flat = unstrained_rows(law, {{}, t.a, t.b, t.c});
@@ -491,6 +506,7 @@ private:
     void prepare_fabric(const ForceModel&) {
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
         membrane_.clear();
+        membrane_.reserve(gores_.triangles.size());
         for (const GoreTriangle& t : gores_.triangles)
             membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
                                  1.0 / t.a,
@@ -682,11 +698,12 @@ private:
         step_.alpha = scene_.full.alpha;
         step_.mean = plain(state.sums.system_velocity);
         const Lanes mean = to_lanes(state.sums.system_velocity);
+        const NodeForces::View on_node = state.force.view();
         Lanes dissipated = splat(0.0);
         for (const NodeIndex i : gores_.trunk) {
             const Lanes relative = state.node[i].v - mean;
             const Lanes resistance = step_.alpha * constants_.mass[i] * relative;
-            state.force[i].value -= resistance;
+            on_node[i].value -= resistance;
             dissipated += resistance * relative;
         }
         state.damping_power += sum3(dissipated);

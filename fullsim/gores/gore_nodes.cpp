@@ -5,8 +5,8 @@
 namespace twinchute::fullsim {
 
 GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
-    const bool everything = what == What::everything;
-    frame.components = everything ? 18 : 2;
+    const bool everything = what != What::row_sums, both = what == What::pushed_and_dragged;
+    frame.components = both ? 15 : everything ? 12 : 2;
     frame.lanes = lanes;
     frame.blocks = frame.last = (gores.count + lanes - 1) / lanes;
     frame.own = everything ? gores.own : gores.canopy;
@@ -15,18 +15,29 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     frame.canopy = gores.canopy;
     frame.gores = gores.count;
     const std::size_t nodes = frame.at(frame.blocks, 0), row = static_cast<std::size_t>(lanes);
-    const std::size_t all = nodes + 4 * frame.blocks * row;
+    const std::size_t half_steps = everything ? frame.half_at(frame.blocks, 0) : 0;
+    const std::size_t all = nodes + half_steps + 7 * frame.blocks * row;
     memory_.assign(all / Line{}.size() + 1, Line{});
     double* const begin = memory_.front().data();
     double* next = begin;
     // What a triangle reads and writes comes first.
-    double** const all_arrays[] = {&frame.x, &frame.v, &frame.force, &frame.push, &frame.v_half, &frame.aero};
+    double** const all_arrays[] = {&frame.x, &frame.v, &frame.force, &frame.push, &frame.aero};
     for (int k = 0; 3 * k < frame.components; ++k, next += 3 * row)
         *all_arrays[k] = next;
+    if (!both) frame.aero = frame.push;
     next = begin + nodes;
+    if (everything) frame.v_half = next;
+    next += half_steps;
     std::fill_n(next, gores.count, 1.0);
     frame.live = next;
     frame.pull = next + frame.blocks * row;
+    if (what == What::pushed) {
+        frame.skirt_aero = next + 4 * frame.blocks * row;
+        frame.skirt_stride = 3 * row;
+    } else if (everything) {
+        frame.skirt_aero = frame.aero + frame.at(0, gores.inner);
+        frame.skirt_stride = frame.at(1, 0);
+    }
     for (int gore = 0; gore < frame.blocks * lanes; ++gore)
         first_.push_back(frame.at(gore / lanes, 0) + static_cast<std::size_t>(gore % lanes));
     image_.assign(gores.canopy, -1);
@@ -69,7 +80,7 @@ void GoreNodes::load(const State& state) const {
             for (int c = 0; c < 3; ++c) {
                 at(frame.x, n, gore, c) = state.node[i].x[c];
                 at(frame.v, n, gore, c) = state.node[i].v[c];
-                at(frame.v_half, n, gore, c) = state.v_half[i].value[c];
+                half_at(n, gore, c) = state.v_half[i].value[c];
             }
         }
     receive_guests(state);
@@ -84,7 +95,7 @@ void GoreNodes::store(State& state) const {
             for (int c = 0; c < 3; ++c) {
                 state.node[i].x[c] = at(frame.x, n, gore, c);
                 state.node[i].v[c] = at(frame.v, n, gore, c);
-                state.v_half[i].value[c] = at(frame.v_half, n, gore, c);
+                state.v_half[i].value[c] = half_at(n, gore, c);
             }
         }
 }
@@ -100,12 +111,13 @@ void GoreNodes::receive_guests(const State& state) const {
         }
 }
 
-void GoreNodes::send_guests(double* array, std::vector<NodeVector>& forces) const {
+void GoreNodes::send_guests(double* array, NodeForces& forces) const {
+    const NodeForces::View on_node = forces.view();
     for (std::size_t k = 0; k < gores_.guest.size(); ++k) {
         const LocalNode n = first_guest() + static_cast<LocalNode>(k);
         for (int gore = 0; gore < gores_.count; ++gore)
             for (int c = 0; c < 3; ++c)
-                forces[gores_.guest[k][gore]].value[c] += at(array, n, gore, c);
+                on_node[gores_.guest[k][gore]].value[c] += at(array, n, gore, c);
         for (int block = 0; block < frame.blocks; ++block)
             std::fill_n(array + frame.at(block, n), 3 * frame.lanes, 0.0);
     }

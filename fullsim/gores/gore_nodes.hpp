@@ -16,10 +16,12 @@ namespace twinchute::fullsim {
 /// Arrays of a frame and the traffic between them and the state's node records.
 class GoreNodes {
 public:
-    enum class What { everything, row_sums };
-    /// All arrays of all nodes; or x alone, its first two components, of the canopy and its images. `gores`
-    /// has to live as long.
-    GoreNodes(const Gores& gores, int lanes, What what = What::everything);
+    /// By what the air does to cloth, since pressure and cloth drag share an array unless both act; or row
+    /// sums.
+    enum class What { pushed, dragged, pushed_and_dragged, row_sums };
+    /// All arrays of all nodes; of row sums x alone, its first two components, of the canopy and its images.
+    /// `gores` has to live as long.
+    GoreNodes(const Gores& gores, int lanes, What what);
 
     GoreFrame frame;
     std::size_t bytes() const { return bytes_of(memory_) + bytes_of(first_) + bytes_of(image_); }
@@ -28,6 +30,13 @@ public:
     double& at(double* array, LocalNode node, int gore, int component) const {
         return array[first_[gore] + static_cast<std::size_t>(node) * frame.stride() +
                      static_cast<std::size_t>(component) * frame.lanes];
+    }
+
+    /// The same of an own node's velocity half a step before.
+    double& half_at(LocalNode node, int gore, int component) const {
+        const int block = gore / frame.lanes, lane = gore % frame.lanes;
+        return frame
+            .v_half[frame.half_at(block, node) + static_cast<std::size_t>(component * frame.lanes + lane)];
     }
 
     /// From and to a state: positions and velocities, those half a step before, too.
@@ -48,7 +57,7 @@ public:
     /// Positions and velocities of nodes that gores share, which belong to the state.
     void receive_guests(const State& state) const;
     /// What gores did to nodes that they share goes to the state's forces.
-    void send_guests(double* array, std::vector<NodeVector>& forces) const;
+    void send_guests(double* array, NodeForces& forces) const;
 
     /// Every number, lanes without a gore among them.
     void keep(Keeper& k) {

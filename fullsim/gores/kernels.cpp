@@ -27,17 +27,19 @@ HWY_INLINE std::array<double, 3> sum3s(Vec3s a) {
 /// One block's nodes.
 struct Block {
     double *x, *v, *v_half, *force, *aero, *push;
-    double* pull;
+    double *pull, *skirt_aero;
     Vec live;
-    std::size_t stride;
+    std::size_t stride, half_stride;
 
     HWY_INLINE Block(const GoreFrame& f, int block) {
         const std::size_t at = f.at(block, 0);
-        x = f.x + at, v = f.v + at, v_half = f.v_half + at;
+        x = f.x + at, v = f.v + at, v_half = f.v_half + f.half_at(block, 0);
         force = f.force + at, aero = f.aero + at, push = f.push + at;
         pull = f.pull + static_cast<std::size_t>(block) * 3 * f.lanes;
+        skirt_aero = f.skirt_aero + static_cast<std::size_t>(block) * f.skirt_stride;
         live = load(f.live + static_cast<std::size_t>(block) * f.lanes);
         stride = f.stride();
+        half_stride = f.half_stride();
     }
     HWY_INLINE Vec3s position(std::int32_t node) const { return load3(x + node * stride); }
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
@@ -387,7 +389,8 @@ FabricSums line_pass(const GoreFrame& frame, LineElements lines, const LineAir& 
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         Vec block_dissipated = all(0.0), block_largest = block_dissipated;
-        double* pull_at = block.pull;  // the skirt's, then those of the line's own nodes
+        // The skirt's, then those of the line's own nodes.
+        double *pull_at = block.pull, *aero_at = block.skirt_aero;
         LineNode here = line_node(block, lines.front().node[0]);
         for (const CableElement& c : lines) {
             LineNode next = line_node(block, c.node[1]);
@@ -406,12 +409,13 @@ FabricSums line_pass(const GoreFrame& frame, LineElements lines, const LineAir& 
                 next.aero = end;
             }
             store3(here.pull, pull_at);
-            store3(here.aero, block.aero + c.node[0] * block.stride);
+            store3(here.aero, aero_at);
             pull_at = block.force + c.node[1] * block.stride;
+            aero_at = block.aero + c.node[1] * block.stride;
             here = next;
         }
         store3(here.pull, pull_at);
-        store3(here.aero, block.aero + lines.back().node[1] * block.stride);
+        store3(here.aero, aero_at);
         dissipated += block.live * block_dissipated;
         largest = larger(of_gores(block, block_largest), largest);
     }
@@ -478,11 +482,12 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         const std::size_t at = n * block.stride;
         const Vec mass = all(node.mass) * live, share = all(node.share) * live;
         constexpr bool on_line = !canopy;  // what acts there is set, not added to
+        double* const aero_at = canopy && pulled != Pulled::none ? block.skirt_aero : block.aero + at;
         Vec3s aero = none, force = load3(block.force + at);
-        if constexpr (with_aero) aero = load3(block.aero + at);
+        if constexpr (with_aero) aero = load3(aero_at);
         if constexpr (canopy) {
             store3(none, block.force + at);
-            if constexpr (with_aero) store3(none, block.aero + at);
+            if constexpr (with_aero) store3(none, aero_at);
             const std::int32_t image = step.image[n];
             if (step.pushed) {
                 Vec3s push = load3(block.push + at);
@@ -525,17 +530,17 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
         const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
-        const Vec3s before = load3(block.v_half + at);
+        const Vec3s before = load3(block.v_half + n * block.half_stride);
         const Vec3s after = before + kick * acceleration;
         Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
         if constexpr (pulled == Pulled::apart)
             middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * pull;
         sums.momentum += mass * middle.z;
-        store3(after, block.v_half + at);
+        store3(after, block.v_half + n * block.half_stride);
         if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
         if constexpr (canopy) sums.share_square += share * dot(middle, middle);
         if constexpr (pulled == Pulled::apart) {
-            store3(acceleration, block.aero + at);
+            store3(acceleration, aero_at);
             continue;
         }
         const Vec3s x = load3(block.x + at) + dt * after;
@@ -589,13 +594,13 @@ HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, std:
     const Vec kick = all(substep.step.kick) * block.live, dt = all(substep.step.dt) * block.live;
     const std::size_t at = n * block.stride;
     const Vec3s acceleration = all(substep.inverse_inertia[n]) * pull;
-    const Vec3s after = load3(block.v_half + at) + kick * acceleration;
+    const Vec3s after = load3(block.v_half + n * block.half_stride) + kick * acceleration;
     x += dt * after;
     Vec3s now = after + (0.5 * dt) * acceleration;
-    store3(after, block.v_half + at);
+    store3(after, block.v_half + n * block.half_stride);
     store3(x, block.x + at);
     if constexpr (last_of_step) {
-        now += (all(substep.half_step) * block.live) * load3(block.aero + at);
+        now += (all(substep.half_step) * block.live) * load3(canopy ? block.skirt_aero : block.aero + at);
         const Vec mass = all(substep.nodes[n].mass) * block.live;
         sums.position += mass * x;
         sums.velocity += mass * now;

@@ -24,18 +24,28 @@ struct GoreFrame {
     int first = 0, last = 0;                   ///< blocks that a kernel works on: all, or a thread's share
     int own = 0, canopy = 0;                   ///< the first nodes of a block
     double *x = nullptr, *v = nullptr;         ///< [m], [m/s] at the same time, as NodeRecord
-    double* v_half = nullptr;                  ///< [m/s] half a step before
+    double* v_half = nullptr;                  ///< [block][own node][x, y, z][lane] [m/s] half a step before
     double *force = nullptr, *aero = nullptr;  ///< [N] as State
-    double* push = nullptr;  ///< [m^2] area over which pressure acts on a node; nothing on lines
+    /// [m^2] area over which pressure acts on a node of the canopy. Lies in `aero`, where only lines have
+    /// something then, unless cloth drag acts as well.
+    double* push = nullptr;
     double* pull = nullptr;  ///< [block][x, y, z][lane] [N] of the line on the skirt, apart from `force`
+    /// `aero` of the skirt, [x, y, z][lane] of each block: apart from `push`, or in its place in `aero`.
+    double* skirt_aero = nullptr;
+    std::size_t skirt_stride = 0;  ///< from a block to the next
     const double* live = nullptr;  ///< [block][lane]
 
-    int components = 18;  ///< of a node: of six arrays, or the two that row sums are
+    int components = 12;  ///< of a node: of four or five arrays, or the two that row sums are
     /// From a node to the next.
     std::size_t stride() const { return static_cast<std::size_t>(components) * lanes; }
     /// Of a node's first lane in an array.
     std::size_t at(int block, int node) const {
         return (static_cast<std::size_t>(block) * nodes + node) * stride();
+    }
+    /// The same in v_half, which images and guests have none of.
+    std::size_t half_stride() const { return 3 * static_cast<std::size_t>(lanes); }
+    std::size_t half_at(int block, int node) const {
+        return (static_cast<std::size_t>(block) * own + node) * half_stride();
     }
 };
 

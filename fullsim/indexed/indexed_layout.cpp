@@ -265,7 +265,7 @@ private:
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
 
     indexed::Nodes nodes_of(State& state) {
-        return {doubles(state.node), doubles(state.force), doubles(state.aero), doubles(push_)};
+        return {doubles(state.node), doubles(state.force.held()), doubles(state.aero.held()), doubles(push_)};
     }
     static RowSums& cleared(RowSums& sums, const State& state) {
         sums.stiffness.assign(state.node.size(), 0.0);
@@ -311,8 +311,9 @@ private:
     /// Nodes on lines and risers, as advance_in_substeps.
     void move_in_substeps(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
         std::vector<NodeVector>& others = others_;
+        const NodeForces::View pull = state.force.view();
         for (std::size_t k = 0; k < pulled_.size(); ++k)
-            others[k].value = std::exchange(state.force[pulled_[k]].value, splat(0.0));
+            others[k].value = std::exchange(pull[pulled_[k]].value, splat(0.0));
         double damping = pull_lines(state);
         const double first_kick = substep(state, dt, count, 0).kick;
         const auto inertia = [&](NodeIndex i) {
@@ -320,7 +321,7 @@ private:
         };
         for (std::size_t k = 0; k < pulled_.size(); ++k) {
             const NodeIndex i = pulled_[k];
-            const Lanes force = others[k].value - state.force[i].value + damp_and_push(state, i);
+            const Lanes force = others[k].value - pull[i].value + damp_and_push(state, i);
             const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], inertia(i), first_kick, sums);
             sums.share_square += constants_.share[i] * sum3(middle * middle);
         }

@@ -262,11 +262,12 @@ private:
     void rig_lines() {
         const int lines_per_riser = chute_.gores / chute_.risers;
         const Vec3 link_place = link_height_ * mesh_.axis;
-        const NodeIndex first_link = mesh_.node_count();
-        mesh_.position.insert(mesh_.position.end(), chute_.risers, link_place);
+        // Links follow the lines: what no gore has is at the end.
+        const NodeIndex first_link = mesh_.node_count() + chute_.gores * (counts_.line_elements - 1);
         for (int gore = 0; gore < chute_.gores; ++gore)
             add_chain(mesh_.seam_rings.back()[gore], first_link + gore / lines_per_riser, link_place,
                       chute_.line_length, counts_.line_elements, CableKind::line, 1.0);
+        mesh_.position.insert(mesh_.position.end(), chute_.risers, link_place);
         // The payload is the last node: its number is known before it is placed.
         const NodeIndex payload = mesh_.node_count() + chute_.risers * (counts_.riser_elements - 1);
         for (int r = 0; r < chute_.risers; ++r)

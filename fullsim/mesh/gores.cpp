@@ -176,7 +176,9 @@ private:
         for (LocalNode k = 0; k < gores_.own; ++k) {
             const NodeIndex here = own_[gore][k], there = own_[0][k];
             require(same(mesh_.mass[here], mesh_.mass[there]), "nodes of different mass");
-            require(same(mesh_.tributary_area[here], mesh_.tributary_area[there]), "nodes of different area");
+            if (mesh_.is_canopy(here) && mesh_.is_canopy(there))
+                require(same(mesh_.tributary_area[here], mesh_.tributary_area[there]),
+                        "nodes of different area");
         }
     }
 

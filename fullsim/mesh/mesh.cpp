@@ -51,6 +51,9 @@ void lump_masses(Mesh& mesh, double payload_mass) {
         for (const NodeIndex i : mesh.cables[c].node)
             mesh.mass[std::min(i, mesh.payload())] += 0.5 * mesh.cable_mass(c);
     mesh.mass[mesh.payload()] += payload_mass;
+    // Cloth has no other nodes.
+    mesh.tributary_area.resize(mesh.canopy_nodes);
+    mesh.tributary_area.shrink_to_fit();
 }
 
 }  // namespace twinchute::fullsim

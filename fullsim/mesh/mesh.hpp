@@ -69,7 +69,7 @@ struct BodyMesh {
 
 class Mesh {
 public:
-    /// Nodes are numbered canopy first, then lines and risers, the payload last.
+    /// Nodes are numbered canopy first, then lines, links and risers, the payload last.
     int node_count() const { return static_cast<int>(position.size()); }
     NodeIndex payload() const { return node_count() - 1; }
     /// Takes the forces of padding elements.
@@ -88,9 +88,10 @@ public:
     /// Fabric area [m^2], the vent excluded.
     double fabric_area() const;
 
-    std::vector<Vec3> position;          ///< [m] at the start of a run, payload at the origin
-    std::vector<double> mass;            ///< [kg] material mass lumped to each node
-    std::vector<double> tributary_area;  ///< [m^2] of unstrained fabric, canopy nodes; sums to fabric_area()
+    std::vector<Vec3> position;  ///< [m] at the start of a run, payload at the origin
+    std::vector<double> mass;    ///< [kg] material mass lumped to each node
+    /// [m^2] of unstrained fabric, canopy nodes alone; sums to fabric_area().
+    std::vector<double> tributary_area;
     int canopy_nodes = 0;
 
     std::vector<Triangle> triangles;

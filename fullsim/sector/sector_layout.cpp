@@ -70,7 +70,7 @@ public:
     std::vector<PlanArray> arrays() const override { return arrays_.sizes(); }
 
     void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
-        clear_forces(state);
+        clear_forces(state, static_cast<std::size_t>(mesh_.payload()));
         load(state);
         step_ = {};
         structure_.clear();

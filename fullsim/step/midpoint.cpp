@@ -23,7 +23,7 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
     const double area = mesh.fabric_area();
     c.share.reserve(mesh.mass.size());
     for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
-        c.share.push_back(mesh.tributary_area[i] / area);
+        c.share.push_back(mesh.is_canopy(i) ? mesh.tributary_area[i] / area : 0.0);
         c.system_mass += mesh.mass[i];
         if (mesh.is_canopy(i)) c.canopy_mass += mesh.mass[i];
     }
@@ -59,9 +59,9 @@ TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, 
         mover.move(i, c.static_line_mass[i - first], c.static_line_mass[i - first], of_these);
     sums = of_these;
     NodeRecord& far_end = state_.node[last];
-    state_.external_power -= sum3(state_.force[last].value * far_end.v);
+    state_.external_power -= sum3(force_[last].value * far_end.v);
     far_end.x += dt_ * far_end.v;
-    state_.force[last].value = splat(0.0);
+    force_[last].value = splat(0.0);
 }
 
 TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double dt, double next_added_mass) {

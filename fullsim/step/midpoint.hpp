@@ -46,16 +46,22 @@ struct Substep {
 class NodeMover {
 public:
     NodeMover(State& state, const NodeConstants& c, double dt)
-        : state_(state), kick_(0.5 * (dt + state.dt)), dt_(dt), fall_{0.0, 0.0, -c.gravity, 0.0} {}
+        : state_(state),
+          force_(state.force.view()),
+          aero_(state.aero.view()),
+          kick_(0.5 * (dt + state.dt)),
+          dt_(dt),
+          fall_{0.0, 0.0, -c.gravity, 0.0} {}
 
     double kick() const { return kick_; }
 
     /// Adds to the sums of power and momentum; returns the velocity at t, exact for the energy balance.
     [[gnu::always_inline]] Lanes move(std::size_t i, double mass, double inertia, StepSums& sums) {
         NodeRecord& node = state_.node[i];
-        const Lanes aero = state_.aero[i].value;
+        NodeVector &force_here = force_[i], &aero_here = aero_[i];
+        const Lanes aero = aero_here.value;
         const Lanes weight = mass * fall_;
-        const Lanes acceleration = (state_.force[i].value + aero + weight) / splat(inertia);
+        const Lanes acceleration = (force_here.value + aero + weight) / splat(inertia);
         const Lanes before = state_.v_half[i].value;
         const Lanes after = before + kick_ * acceleration;
         const Lanes middle = 0.5 * (before + after);
@@ -64,7 +70,7 @@ public:
         state_.v_half[i].value = after;
         node.x += dt_ * after;
         node.v = after + (0.5 * dt_) * acceleration;
-        state_.force[i].value = state_.aero[i].value = splat(0.0);
+        force_here.value = aero_here.value = splat(0.0);
         return middle;
     }
     // A node that takes substeps, see substeps.hpp: the impulse of everything but lines and risers, some
@@ -73,29 +79,29 @@ public:
     /// end_substeps. Works as in move: the first substep's kick [s] under state.force comes at the same time.
     Lanes kick_alone(std::size_t i, Lanes force, double mass, double inertia, double first_kick,
                      StepSums& sums) {
-        const Lanes aero = state_.aero[i].value;
+        const Lanes aero = aero_[i].value;
         const Lanes acceleration = (force + aero + mass * fall_) / splat(inertia);
         const Lanes before = state_.v_half[i].value;
         const Lanes after = before + kick_ * acceleration;
-        const Lanes middle = 0.5 * (before + after + first_kick * state_.force[i].value / splat(inertia));
+        const Lanes middle = 0.5 * (before + after + first_kick * force_[i].value / splat(inertia));
         sums.drag_power += aero * middle;
         sums.momentum += mass * middle;
         state_.v_half[i].value = after;
-        state_.aero[i].value = acceleration;
+        aero_[i].value = acceleration;
         return middle;
     }
     void move_in_substep(std::size_t i, double inertia, const Substep& step) {
         NodeRecord& node = state_.node[i];
-        const Lanes acceleration = state_.force[i].value / splat(inertia);
+        const Lanes acceleration = force_[i].value / splat(inertia);
         const Lanes after = state_.v_half[i].value + step.kick * acceleration;
         state_.v_half[i].value = after;
         node.x += step.dt * after;
         node.v = after + (0.5 * step.dt) * acceleration;
-        state_.force[i].value = splat(0.0);
+        force_[i].value = splat(0.0);
     }
     void end_substeps(std::size_t i) {
-        state_.node[i].v += (0.5 * dt_) * state_.aero[i].value;
-        state_.aero[i].value = splat(0.0);
+        state_.node[i].v += (0.5 * dt_) * aero_[i].value;
+        aero_[i].value = splat(0.0);
     }
     [[gnu::always_inline]] void move_other(std::size_t i, double mass, StepSums& sums) {
         move(i, mass, mass, sums);
@@ -117,6 +123,7 @@ public:
 
 private:
     State& state_;
+    NodeForces::View force_, aero_;
     double kick_, dt_;
     Lanes fall_;
 };

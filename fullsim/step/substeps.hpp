@@ -25,19 +25,21 @@ public:
 
     /// Keeps what `lines` adds to the nodes' forces.
     template <class Lines>
-    void note(const State& state, Lines&& lines) {
+    void note(State& state, Lines&& lines) {
+        const NodeForces::View force = state.force.view();
         for (std::size_t k = 0; k < nodes_.size(); ++k)
-            pull_[k].value = state.force[nodes_[k]].value;
+            pull_[k].value = force[nodes_[k]].value;
         lines();
         for (std::size_t k = 0; k < nodes_.size(); ++k)
-            pull_[k].value = state.force[nodes_[k]].value - pull_[k].value;
+            pull_[k].value = force[nodes_[k]].value - pull_[k].value;
     }
     /// Only that stays in the forces.
     void take_others(State& state) {
+        const NodeForces::View force = state.force.view();
         for (std::size_t k = 0; k < nodes_.size(); ++k) {
-            Lanes& force = state.force[nodes_[k]].value;
-            others_[k].value = force - pull_[k].value;
-            force = pull_[k].value;
+            Lanes& of_node = force[nodes_[k]].value;
+            others_[k].value = of_node - pull_[k].value;
+            of_node = pull_[k].value;
         }
     }
     /// The rest [N], of node number k.

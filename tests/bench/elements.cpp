@@ -168,6 +168,7 @@ void measure_block(benchmark::State& bench, const Size& size, bool packed, const
     InFlight& flight = in_flight(size, packed);
     const fullsim::Mesh& mesh = flight.simulation().mesh();
     State state = flight.simulation().state();
+    clear_forces(state);  // of all nodes: its layout may hold those of some
     if (row.name == "membrane") count_fabric(bench, flight.fabric_states(state));
     const std::unique_ptr<const ForceModel> block = row.make(flight.scene(), mesh);
     for (auto _ : bench)
@@ -180,6 +181,7 @@ void measure_block(benchmark::State& bench, const Size& size, bool packed, const
 void measure_advance(benchmark::State& bench, const Size& size) {
     InFlight& flight = in_flight(size);
     State state = flight.simulation().state();
+    clear_forces(state);  // as above
     for (auto _ : bench)
         fullsim::advance(state, flight.simulation().constants(), 1e-7, state.added_mass);
     count_elements(bench, flight.simulation().mesh().node_count());

@@ -55,7 +55,7 @@ Mesh mesh_with_static_line() {
     return mesh;
 }
 
-double power(const std::vector<NodeVector>& forces, const State& state) {
+double power(const fullsim::NodeForces& forces, const State& state) {
     double sum = 0.0;
     for (std::size_t i = 0; i < forces.size(); ++i)
         sum += to_vec3(forces[i].value).dot(to_vec3(state.node[i].v));

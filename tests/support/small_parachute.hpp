@@ -57,8 +57,8 @@ inline fullsim::State state_of(const fullsim::Mesh& mesh, const Vec3& velocity =
     const std::size_t count = dummy + 1 + after.size();
     state.node.resize(count, {splat(0.0), splat(0.0)});
     state.v_half.resize(count, {splat(0.0)});
-    state.force.resize(count, {splat(0.0)});
-    state.aero.resize(count, {splat(0.0)});
+    state.force.clear(count);
+    state.aero.clear(count);
     for (std::size_t i = 0; i < count; ++i) {
         if (i == dummy) continue;
         const Vec3& place = i < dummy ? mesh.position[i] : after[i - dummy - 1];
@@ -93,9 +93,9 @@ inline void stretch_open(fullsim::State& state, double across, double along) {
 
 using fullsim::clear_forces;
 
-inline Vec3 total(const std::vector<fullsim::NodeVector>& forces) {
+inline Vec3 total(const fullsim::NodeForces& forces) {
     Lanes sum = splat(0.0);
-    for (const auto& f : forces)
+    for (const auto& f : forces.held())
         sum += f.value;
     return fullsim::to_vec3(sum);
 }

@@ -85,7 +85,7 @@ public:
         if (!mesh_.cables.empty()) blocks.push_back(fullsim::make_cable(mesh_, bulk_viscosity));
         state.node.assign(mesh_.position.size() + 1, {splat(0.0), splat(0.0)});
         state.v_half.assign(state.node.size(), {splat(0.0)});
-        state.force = state.aero = state.v_half;
+        clear_forces(state);
         for (std::size_t i = 0; i < mesh_.position.size(); ++i)
             state.node[i].x = fullsim::to_lanes(mesh_.position[i]);
         free_.assign(state.node.size(), {splat(1.0)});

@@ -71,8 +71,8 @@ State still_state(std::size_t places = 0) {
     State state;
     state.node.assign(2 + places, {splat(0.0), splat(0.0)});
     state.v_half.assign(2 + places, {splat(0.0)});
-    state.force.assign(2 + places, {splat(0.0)});
-    state.aero.assign(2 + places, {splat(0.0)});
+    state.force.clear(2 + places);
+    state.aero.clear(2 + places);
     state.body.emplace();
     return state;
 }

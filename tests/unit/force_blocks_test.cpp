@@ -20,7 +20,7 @@ using test::state_of;
 using test::stretch_open;
 using test::total;
 
-double power(const std::vector<NodeVector>& forces, const State& state) {
+double power(const fullsim::NodeForces& forces, const State& state) {
     double sum = 0.0;
     for (std::size_t i = 0; i < forces.size(); ++i)
         sum += to_vec3(forces[i].value).dot(to_vec3(state.node[i].v));
@@ -88,13 +88,13 @@ TEST(Cable, IsHookeanInTensionAndNothingInCompression) {
     const auto block = make_cable(mesh, 0.0);
     State state;
     state.node.assign(3, {splat(0.0), splat(0.0)});
-    state.force.assign(3, {splat(0.0)});
+    state.force.clear(3);
     state.node[1].x = Lanes{0, 0, 1.02, 0};
     block->add_forces(state);
     const double stiffness = 3.0 * 9.7e8 * 0.25 * pi * 16e-6;      // three strands
     EXPECT_NEAR(state.force[0].value[2], 0.02 * stiffness, 1e-3);  // the 1e-9 m of regularisation
     state.node[1].x = Lanes{0, 0, 0.98, 0};
-    state.force.assign(3, {splat(0.0)});
+    state.force.clear(3);
     block->add_forces(state);
     EXPECT_EQ(state.force[0].value[2], 0.0);
     EXPECT_EQ(block->energy(state), 0.0);
@@ -189,7 +189,7 @@ TEST(LineDrag, VanishesAlongTheLines) {
     state.node.assign(3, {splat(0.0), splat(0.0)});  // the last one pads
     state.node[0].v = state.node[1].v = Lanes{0, 0, -20, 0};
     state.node[1].x = Lanes{0, 0, 1, 0};
-    state.aero.assign(3, {splat(0.0)});
+    state.aero.clear(3);
     state.air.density = 1.225;
     state.air.viscosity = 1.79e-5;
     block->add_forces(state);

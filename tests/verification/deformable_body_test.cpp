@@ -26,7 +26,7 @@ State state_of(const SolidMesh& solid) {
     for (const Vec3& x : solid.node)
         state.node.push_back({to_lanes(x), splat(0.0)});
     state.v_half.assign(state.node.size(), {splat(0.0)});
-    state.force = state.aero = state.v_half;
+    clear_forces(state);
     return state;
 }
 
