@@ -140,10 +140,12 @@ std::vector<BlockCost> BlockClock::costs() const {
     return costs;
 }
 
-std::size_t Layout::elements(const ForceModels& structure) const {
-    std::size_t count = 0;
-    for (const auto& model : structure)
-        count += model->elements();
+ElementCount Layout::elements(const ForceModels& structure) const {
+    ElementCount count;
+    for (const auto& model : structure) {
+        count.all += model->elements();
+        if (force_block(model->name()).substeps) count.in_substeps += model->elements();
+    }
     return count;
 }
 

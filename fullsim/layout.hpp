@@ -77,6 +77,11 @@ inline bool is_folding_cloth(std::string_view block) {
 /// pack, an edge of 0.1 m would have to lengthen at 25 m/s to cross it unseen.
 inline constexpr double nearly_taut = -0.1;
 
+/// Structural elements: all, and those that pull once more in every further substep.
+struct ElementCount {
+    std::size_t all = 0, in_substeps = 0;
+};
+
 class Layout {
 public:
     virtual ~Layout() = default;
@@ -94,7 +99,7 @@ public:
     virtual void store_seams(State& state) const { store(state); }
 
     /// Structural elements that a step evaluates.
-    virtual std::size_t elements(const ForceModels& structure) const;
+    virtual ElementCount elements(const ForceModels& structure) const;
 
     /// What it keeps in memory since begin, by the force blocks whose elements they are.
     virtual std::vector<PlanArray> arrays() const { return {}; }

@@ -162,10 +162,7 @@ void Simulation::build_blocks() {
             names.emplace_back(model->name());
     clock_.begin(names);
     layout_->begin(state_, structure_, loads_);
-    elements_now_ = layout_->elements(structure_);
-    line_elements_now_ = 0;
-    for (const auto& model : structure_)
-        if (force_block(model->name()).substeps) line_elements_now_ += model->elements();
+    elements_ = layout_->elements(structure_);
 }
 
 void Simulation::renew_air() {
@@ -448,7 +445,7 @@ void Simulation::step_to(double end) {
     layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, dt);
     lags_ = true;
-    element_steps_ += static_cast<std::int64_t>(elements_now_ + (substeps_ - 1) * line_elements_now_);
+    element_steps_ += static_cast<std::int64_t>(elements_.all + (substeps_ - 1) * elements_.in_substeps);
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);

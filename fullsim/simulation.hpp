@@ -178,7 +178,7 @@ private:
     LargestLoads sound_loads_;
     BlockClock clock_;
     std::int64_t element_steps_ = 0;
-    std::size_t elements_now_ = 0, line_elements_now_ = 0;
+    ElementCount elements_;
 };
 
 }  // namespace twinchute::fullsim

@@ -55,10 +55,10 @@ struct SectorArrays::Group {
 };
 
 /// Runs as long as there are any. What would leave most of a register empty, at the end of a run or alone,
-/// becomes loose.
+/// becomes loose; of chains, which pull on their nodes more often, single elements alone.
 template <std::size_t corners>
 std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
-    const std::vector<std::array<LocalNode, corners>>& elements) {
+    const std::vector<std::array<LocalNode, corners>>& elements, std::vector<NodeCopy>& copies, bool chains) {
     Remaining<corners> remaining(elements);
     std::vector<Group<corners>> all;
     Group<corners> loose;
@@ -71,8 +71,8 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
         Group<corners> run{start, {}, false};
         for (Nodes<corners> at = start; remaining.has(at); at = next(at))
             run.element.push_back(remaining.take(at));
-        const auto left = static_cast<int>(run.element.size()) % lanes_;
-        if (left <= lanes_ / 4)
+        const auto count = static_cast<int>(run.element.size()), left = count % lanes_;
+        if (left <= lanes_ / 4 && !(chains && count > 1))
             for (int k = 0; k < left; ++k) {
                 loose.element.push_back(run.element.back());
                 run.element.pop_back();
@@ -86,7 +86,7 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
         }
         for (std::size_t c = 0; c < corners; ++c)
             for (std::size_t k = 0; k < loose.element.size(); ++k)
-                plan.copies.push_back(
+                copies.push_back(
                     {loose.node[c] + static_cast<std::int32_t>(k), elements[loose.element[k]][c]});
         all.push_back(std::move(loose));
     }
@@ -123,7 +123,7 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
     std::vector<Nodes<3>> nodes;
     for (const GoreTriangle& t : sector.triangles)
         nodes.push_back(t.node);
-    const auto all = groups(nodes);
+    const auto all = groups(nodes, plan.copies, false);
     int length = 0;
     for (const auto& group : all)
         length += padded(static_cast<int>(group.element.size()));
@@ -185,65 +185,77 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
 }
 
 void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta) {
-    std::vector<Nodes<2>> nodes, lines;
-    std::vector<int> cable_of_line;
+    std::vector<GoreCable> tapes, cords, lines;
     for (const GoreCable& c : sector.cables) {
-        nodes.push_back(c.node);
-        if (c.kind == CableKind::line) lines.push_back(c.node);
+        (is_tape(c.kind) ? tapes : cords).push_back(c);
+        if (c.kind == CableKind::line) lines.push_back(c);
     }
-    const auto all = groups(nodes), all_lines = groups(lines);
-    const auto length = [&](const auto& some) {
+    const auto nodes = [](const std::vector<GoreCable>& cables) {
+        std::vector<Nodes<2>> of;
+        for (const GoreCable& c : cables)
+            of.push_back(c.node);
+        return of;
+    };
+    const auto length = [&](const std::vector<Group<2>>& some) {
         int sum = 0;
         for (const auto& group : some)
             sum += padded(static_cast<int>(group.element.size()));
         return sum;
     };
-    enum : int { inverse_length, stiffness, dashpot, rest_length, line, tape, cord, rows_of_cables };
-    cable_constants_ = AlignedRows(rows_of_cables, length(all));
-    line_rows_ = AlignedRows(1, length(all_lines));
+    const auto of_tapes = groups(nodes(tapes), plan.copies, false),
+               of_cords = groups(nodes(cords), plan.cord_copies, true),
+               of_lines = groups(nodes(lines), plan.copies, false);
+    enum : int { inverse_length, stiffness, dashpot, rest_length, line, rows_of_cables };
+    cable_constants_ = AlignedRows(rows_of_cables, length(of_tapes) + length(of_cords));
+    line_rows_ = AlignedRows(1, length(of_lines));
     AlignedRows& rows = cable_constants_;
     std::int32_t first = 0;
-    for (const auto& group : all) {
-        const auto count = static_cast<int>(group.element.size());
-        const CableRun run{group.node, first, padded(count), new_stream(count)};
-        for (int k = 0; k < count; ++k) {
-            const GoreCable& c = sector.cables[group.element[k]];
-            const CableConstants constants = cable_constants(
-                mesh, {{c.node[0], c.node[1]}, c.rest_length, c.strands, c.kind}, bulk_viscosity, beta);
-            const int at = first + k;
-            rows[inverse_length][at] = 1.0 / c.rest_length;
-            rows[stiffness][at] = constants.stiffness;
-            rows[dashpot][at] = constants.dashpot;
-            rows[rest_length][at] = c.rest_length;
-            rows[line][at] = c.kind == CableKind::line ? 1.0 : 0.0;
-            rows[is_tape(c.kind) ? tape : cord][at] = 1.0;
-            tangents_.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
-            if (group.loose)
-                for (int end = 0; end < 2; ++end)
-                    plan.loose_cables.push_back({run.pull + k, c.node[end], end == 0 ? 1.0 : -1.0});
+    const auto lay = [&](const std::vector<GoreCable>& cables, const std::vector<Group<2>>& all,
+                         std::vector<CableRun>& runs, std::vector<LoosePull>& loose, Act::What plus,
+                         Act::What minus, std::vector<CableTangent>& tangents) {
+        for (const auto& group : all) {
+            const auto count = static_cast<int>(group.element.size());
+            const CableRun run{group.node, first, padded(count), new_stream(count)};
+            for (int k = 0; k < count; ++k) {
+                const GoreCable& c = cables[group.element[k]];
+                const CableConstants constants = cable_constants(
+                    mesh, {{c.node[0], c.node[1]}, c.rest_length, c.strands, c.kind}, bulk_viscosity, beta);
+                const int at = first + k;
+                rows[inverse_length][at] = 1.0 / c.rest_length;
+                rows[stiffness][at] = constants.stiffness;
+                rows[dashpot][at] = constants.dashpot;
+                rows[rest_length][at] = c.rest_length;
+                rows[line][at] = c.kind == CableKind::line ? 1.0 : 0.0;
+                tangents.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
+                if (group.loose)
+                    for (int end = 0; end < 2; ++end)
+                        loose.push_back({run.pull + k, c.node[end], end == 0 ? 1.0 : -1.0});
+            }
+            if (!group.loose) {
+                acts_.push_back({plus, run.pull, run.node[0], count});
+                acts_.push_back({minus, run.pull, run.node[1], count});
+            }
+            runs.push_back(run);
+            first += run.elements;
         }
-        if (!group.loose) {
-            acts_.push_back({Act::What::plus, run.pull, run.node[0], count});
-            acts_.push_back({Act::What::minus, run.pull, run.node[1], count});
-        }
-        plan.cables.push_back(run);
-        first += run.elements;
-    }
+    };
+    using enum Act::What;
+    lay(tapes, of_tapes, plan.tapes, plan.loose_tapes, plus, minus, tape_tangents_);
+    lay(cords, of_cords, plan.cords, plan.loose_cords, cord_plus, cord_minus, cord_tangents_);
     first = 0;
-    for (const auto& group : all_lines) {
+    for (const auto& group : of_lines) {
         const auto count = static_cast<int>(group.element.size());
         const CableRun run{group.node, first, padded(count), new_stream(count)};
         std::fill_n(line_rows_[0] + first, count, 1.0);
         for (int end = 0; end < 2; ++end) {
-            if (!group.loose) acts_.push_back({Act::What::aero, run.pull, run.node[end], count});
+            if (!group.loose) acts_.push_back({aero, run.pull, run.node[end], count});
             for (int k = 0; group.loose && k < count; ++k)
-                plan.loose_lines.push_back({run.pull + k, lines[group.element[k]][end], 1.0});
+                plan.loose_lines.push_back({run.pull + k, lines[group.element[k]].node[end], 1.0});
         }
         plan.lines.push_back(run);
         first += run.elements;
     }
-    frame.cable = {rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length],
-                   rows[line],           rows[tape],      rows[cord]};
+    frame.cable = {rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length], rows[line]};
     frame.line = line_rows_[0];
 }
 
@@ -262,11 +274,13 @@ void SectorArrays::lay_images(const Sector& sector) {
 
 void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constants) {
     const std::size_t length = nodes_ + lanes_, streams = streams_ + lanes_;
-    node_arrays_ = AlignedRows(20, length);
+    node_arrays_ = AlignedRows(27, length);
     int row = 0;
-    for (Components* array : {&frame.x, &frame.v, &frame.v_half, &frame.pull, &frame.push, &frame.aero})
+    for (Components* array : {&frame.x, &frame.v, &frame.v_half, &frame.pull, &frame.push, &frame.aero,
+                              &frame.cord_pull, &frame.slow})
         for (double*& component : *array)
             component = node_arrays_[row++];
+    frame.inverse = node_arrays_[row++];
     for (double*& extra : frame.row_extra)
         extra = node_arrays_[row++];
     stream_rows_ = AlignedRows(5, streams);
@@ -282,8 +296,11 @@ void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constant
         share,
         across,
         along,
+        on_cord,
         stiffness = cable_stiffness_row,
         damping,
+        cord_stiffness,
+        cord_damping,
         rows
     };
     node_rows_ = AlignedRows(rows, length);
@@ -297,8 +314,13 @@ void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constant
         node_rows_[across][n] = sector.on_axis[n] ? 0.0 : 1.0;
         node_rows_[along][n] = 1.0;
     }
-    frame.node = {node_rows_[mass],   node_rows_[canopy_mass], node_rows_[inertia],   node_rows_[share],
-                  node_rows_[across], node_rows_[along],       node_rows_[stiffness], node_rows_[damping]};
+    for (const CableTangent& c : cord_tangents_)
+        for (const LocalNode n : c.node)
+            if (n < sector.own) node_rows_[on_cord][n] = 1.0;
+    frame.node = {node_rows_[mass],           node_rows_[canopy_mass], node_rows_[inertia],
+                  node_rows_[share],          node_rows_[across],      node_rows_[along],
+                  node_rows_[on_cord],        node_rows_[stiffness],   node_rows_[damping],
+                  node_rows_[cord_stiffness], node_rows_[cord_damping]};
 }
 
 void SectorArrays::weigh(const Sector& sector, const std::vector<double>& weight) {
@@ -317,16 +339,30 @@ void SectorArrays::weigh(const Sector& sector, const std::vector<double>& weight
             triangle_rows_[first_stiffness_row + 3 + c][row.at] = row.of_triangle.damping * stiffness;
         }
     }
-    double* const stiffness = node_rows_[cable_stiffness_row];
-    double* const damping = node_rows_[cable_stiffness_row + 1];
-    std::fill_n(stiffness, sector.own + 1, 0.0);
-    std::fill_n(damping, sector.own + 1, 0.0);
-    for (const CableTangent& c : tangents_)
-        for (int end = 0; end < 2; ++end) {
-            const double columns = 1.0 + of(c.node[1 - end]) / of(c.node[end]);
-            stiffness[own(c.node[end])] += columns * c.stiffness;
-            damping[own(c.node[end])] += columns * c.damping;
+    for (int row = 0; row < 4; ++row)
+        std::fill_n(node_rows_[cable_stiffness_row + row], sector.own + 1, 0.0);
+    for (const auto& [tangents, row] : {std::pair{&tape_tangents_, cable_stiffness_row},
+                                        std::pair{&cord_tangents_, cable_stiffness_row + 2}})
+        for (const CableTangent& c : *tangents)
+            for (int end = 0; end < 2; ++end) {
+                const double columns = 1.0 + of(c.node[1 - end]) / of(c.node[end]);
+                node_rows_[row][own(c.node[end])] += columns * c.stiffness;
+                node_rows_[row + 1][own(c.node[end])] += columns * c.damping;
+            }
+}
+
+std::vector<SectorArrays::CordRow> SectorArrays::cord_rows() const {
+    std::map<LocalNode, CordRow> of;
+    for (const CableTangent& c : cord_tangents_)
+        for (const LocalNode n : c.node) {
+            CordRow& row = of.try_emplace(n, CordRow{n}).first->second;
+            row.stiffness += 2.0 * c.stiffness;
+            row.damping += 2.0 * c.damping;
         }
+    std::vector<CordRow> rows;
+    for (const auto& [node, row] : of)
+        rows.push_back(row);
+    return rows;
 }
 
 /// Of a register that begins at node `first`.
@@ -342,33 +378,40 @@ NodeSources SectorArrays::sources_of(int first, int nodes) {
     s.minus = collect(Act::What::plus);
     s.push = collect(Act::What::minus);
     s.aero = collect(Act::What::push);
-    s.end = collect(Act::What::aero);
-    s.extra = std::ranges::any_of(touched_, [&](std::int32_t n) { return first <= n && n < first + nodes; });
+    s.cord_plus = collect(Act::What::aero);
+    s.cord_minus = collect(Act::What::cord_plus);
+    s.end = collect(Act::What::cord_minus);
+    const auto touched = [&](std::initializer_list<const std::vector<LoosePull>*> all) {
+        return std::ranges::any_of(all, [&](const auto* loose) {
+            return std::ranges::any_of(
+                *loose, [&](const LoosePull& pull) { return first <= pull.to && pull.to < first + nodes; });
+        });
+    };
+    s.extra = touched({&plan.loose_triangles, &plan.loose_tapes, &plan.loose_pushes, &plan.loose_lines});
+    s.loose_cord = touched({&plan.loose_cords});
     return s;
 }
 
 void SectorArrays::collect_sources(const Sector& sector) {
     // The payload's are not the sector's to add up.
-    std::erase_if(plan.loose_cables, [&](const LoosePull& pull) {
+    std::erase_if(plan.loose_cords, [&](const LoosePull& pull) {
         if (pull.to == sector.payload()) payload.push_back(pull);
         return pull.to == sector.payload();
     });
-    for (const auto* loose :
-         {&plan.loose_triangles, &plan.loose_cables, &plan.loose_pushes, &plan.loose_lines})
-        for (const LoosePull& pull : *loose)
-            touched_.push_back(pull.to);
-
     SeamImages& images = plan.images;
     for (int n = 0; n < images.nodes; n += lanes_)
         images.sources.push_back(sources_of(images.image + n, std::min(lanes_, images.nodes - n)));
     for (int n = 0; n < sector.own; n += lanes_)
         plan.own.push_back(sources_of(n, std::min(lanes_, sector.own - n)));
+    for (std::size_t k = 0; k < plan.own.size(); ++k)
+        if (plan.own[k].cord_plus < plan.own[k].end || plan.own[k].loose_cord)
+            plan.on_cord.push_back(static_cast<std::int32_t>(k));
 
     for (const Act& act : acts_)
-        if ((act.what == Act::What::plus || act.what == Act::What::minus) && act.node <= sector.payload() &&
-            sector.payload() < act.node + act.elements)
+        if ((act.what == Act::What::cord_plus || act.what == Act::What::cord_minus) &&
+            act.node <= sector.payload() && sector.payload() < act.node + act.elements)
             payload.push_back({act.stream + sector.payload() - act.node, sector.payload(),
-                               act.what == Act::What::plus ? 1.0 : -1.0});
+                               act.what == Act::What::cord_plus ? 1.0 : -1.0});
 }
 
 }  // namespace twinchute::fullsim

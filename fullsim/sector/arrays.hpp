@@ -41,6 +41,13 @@ public:
     /// images are their nodes'. To be called before any bound is asked for.
     void weigh(const Sector& sector, const std::vector<double>& weight);
 
+    /// Row sums of cords alone, whose nodes weigh the same [N/m], [N s/m]; by node, the payload the last.
+    struct CordRow {
+        LocalNode node;
+        double stiffness = 0.0, damping = 0.0;
+    };
+    std::vector<CordRow> cord_rows() const;
+
     /// What is behind the frame.
     std::vector<PlanArray> sizes() const;
 
@@ -58,7 +65,8 @@ private:
     template <std::size_t corners>
     struct Group;
     template <std::size_t corners>
-    std::vector<Group<corners>> groups(const std::vector<std::array<LocalNode, corners>>& elements);
+    std::vector<Group<corners>> groups(const std::vector<std::array<LocalNode, corners>>& elements,
+                                       std::vector<NodeCopy>& copies, bool chains);
     void lay_triangles(const Sector& sector, const MembraneLaw& law);
     void lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta);
     void lay_images(const Sector& sector);
@@ -70,12 +78,11 @@ private:
 
     /// A stream and the nodes on which it acts.
     struct Act {
-        enum class What { plus, minus, push, aero } what;
+        enum class What { plus, minus, push, aero, cord_plus, cord_minus } what;
         std::int32_t stream, node;
         int elements;
     };
     std::vector<Act> acts_;
-    std::vector<std::int32_t> touched_;  // nodes on which loose elements act
     int lanes_;
     int nodes_;                 // with copies
     std::int32_t streams_ = 0;  // length of a row of all streams so far
@@ -88,9 +95,9 @@ private:
         std::array<LocalNode, 2> node;
         double stiffness, damping;  // [N/m], [N s/m]
     };
-    std::vector<CableTangent> tangents_;
+    std::vector<CableTangent> tape_tangents_, cord_tangents_;
     static constexpr int first_stiffness_row = 6;  // of a triangle's, in triangle_rows_; damping behind it
-    static constexpr int cable_stiffness_row = 6;  // in node_rows_, likewise
+    static constexpr int cable_stiffness_row = 7;  // in node_rows_, likewise; those of cords behind these
     AlignedRows triangle_rows_, cable_constants_, line_rows_, node_rows_, node_arrays_, stream_rows_;
 };
 

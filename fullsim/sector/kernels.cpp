@@ -71,10 +71,10 @@ FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const Membran
     return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
 }
 
-FabricSums cables(const SectorFrame& f, const SectorPlan& plan) {
+FabricSums cables(const SectorFrame& f, const std::vector<CableRun>& runs) {
     const CableConstantsRow& k = f.cable;
     Vec dissipated = all(0.0), largest = dissipated;
-    for_registers(plan.cables, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
+    for_registers(runs, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
         const Vec3s w = anywhere3(f.v, run.node[1] + e) - anywhere3(f.v, run.node[0] + e);
         const auto pull =
@@ -118,14 +118,14 @@ HWY_INLINE Vec3s taken3(const Components& from, std::int32_t at) {
 }
 
 /// Forces on a register of nodes.
-struct NodeForces {
+struct ForcesOn {
     Vec3s pull, push, aero;
 };
 
-HWY_INLINE NodeForces forces_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources& s,
-                                std::int32_t node) {
+HWY_INLINE ForcesOn forces_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources& s,
+                              std::int32_t node) {
     const Vec zero = all(0.0);
-    NodeForces forces{{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
+    ForcesOn forces{{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
     if (s.extra) forces = {taken3(f.pull, node), taken3(f.push, node), taken3(f.aero, node)};
     const std::int32_t* const from = plan.sources.data();
     for (std::int32_t k = s.plus; k < s.minus; ++k)
@@ -134,13 +134,37 @@ HWY_INLINE NodeForces forces_on(const SectorFrame& f, const SectorPlan& plan, co
         forces.pull = forces.pull - anywhere3(f.stream, from[k]);
     for (std::int32_t k = s.push; k < s.aero; ++k)
         forces.push += anywhere3(f.stream, from[k]);
-    for (std::int32_t k = s.aero; k < s.end; ++k)
+    for (std::int32_t k = s.aero; k < s.cord_plus; ++k)
         forces.aero += anywhere3(f.stream, from[k]);
     return forces;
+}
+HWY_INLINE Vec3s cords_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources& s,
+                          std::int32_t node) {
+    const Vec zero = all(0.0);
+    Vec3s pull = s.loose_cord ? taken3(f.cord_pull, node) : Vec3s{zero, zero, zero};
+    const std::int32_t* const from = plan.sources.data();
+    for (std::int32_t k = s.cord_plus; k < s.cord_minus; ++k)
+        pull += anywhere3(f.stream, from[k]);
+    for (std::int32_t k = s.cord_minus; k < s.end; ++k)
+        pull = pull - anywhere3(f.stream, from[k]);
+    return pull;
 }
 
 HWY_INLINE Vec3s turned(Vec3s a, Vec cosine, Vec sine) {
     return {cosine * a.x - sine * a.y, sine * a.x + cosine * a.y, a.z};
+}
+
+HWY_INLINE void renew(const SectorFrame& f, const std::vector<NodeCopy>& copies) {
+    const Components x = f.x, v = f.v;
+    for (const NodeCopy& copy : copies) {
+        const std::size_t to = copy.copy, from = copy.node;
+        x[0][to] = x[0][from];
+        x[1][to] = x[1][from];
+        x[2][to] = x[2][from];
+        v[0][to] = v[0][from];
+        v[1][to] = v[1][from];
+        v[2][to] = v[2][from];
+    }
 }
 
 void refresh(const SectorFrame& f, const SectorPlan& plan) {
@@ -156,21 +180,14 @@ void refresh(const SectorFrame& f, const SectorPlan& plan) {
             put_anywhere(image.z, a[2] + images.image + n);
         }
     }
-    const Components x = f.x, v = f.v;
-    for (const NodeCopy& copy : plan.copies) {
-        const std::size_t to = copy.copy, from = copy.node;
-        x[0][to] = x[0][from];
-        x[1][to] = x[1][from];
-        x[2][to] = x[2][from];
-        v[0][to] = v[0][from];
-        v[1][to] = v[1][from];
-        v[2][to] = v[2][from];
-    }
+    renew(f, plan.copies);
+    renew(f, plan.cord_copies);
 }
 
 SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdvance& step) {
     carry(f.stream, f.pull, plan.loose_triangles);
-    carry(f.stream, f.pull, plan.loose_cables);
+    carry(f.stream, f.pull, plan.loose_tapes);
+    carry(f.stream, f.cord_pull, plan.loose_cords);
     carry(f.stream, f.push, plan.loose_pushes);
     carry(f.stream, f.aero, plan.loose_lines);
 
@@ -179,13 +196,15 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     const Vec cosine = all(images.cosine), back = all(-images.sine);
     std::int32_t n = 0;
     for (const NodeSources& sources : images.sources) {
-        const NodeForces on = forces_on(f, plan, sources, images.image + n);
+        const ForcesOn on = forces_on(f, plan, sources, images.image + n);
         put3(turned(on.pull, cosine, back), f.stream, images.pull + n);
         put3(turned(on.push, cosine, back), f.stream, images.push + n);
         n += lanes_of_all;
     }
 
     const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
+    const Vec first_kick = all(step.first.kick), shorter = all(step.first.dt - step.dt),
+              half_first = all(0.5 * step.first.dt), later = all(step.only ? 0.0 : 1.0);
     const Vec pressure = all(step.pressure), flag = all(step.flag), gravity = all(step.gravity);
     const Vec added_mass = all(step.added_mass);
     const NodeRows& k = f.node;
@@ -194,7 +213,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     Vec drag_power = zero, momentum = zero, share_square = zero, dissipated = zero, accretion_power = zero;
     n = 0;
     for (const NodeSources& sources : plan.own) {
-        const NodeForces on = forces_on(f, plan, sources, n);
+        const ForcesOn on = forces_on(f, plan, sources, n);
         const Vec mass = load(k.mass + n), share = load(k.share + n), canopy = load(k.canopy_mass + n);
         Vec3s aero = on.aero + pressure * on.push;
         aero.z += share * flag;
@@ -223,21 +242,33 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         const Vec across = inverse * load(k.across + n), along = inverse * load(k.along + n);
         const Vec3s acceleration{across * total.x, across * total.y, along * total.z};
         const Vec3s before = aligned3(f.v_half, n);
-        const Vec3s after = before + kick * acceleration;
+        Vec3s after = before + kick * acceleration, now = half_dt * acceleration;
+        Vec time = dt, over = all(1.0);
+        if (sources.cord_plus < sources.end || sources.loose_cord) {
+            const Vec on_cord = load(k.on_cord + n);
+            const Vec3s pull = cords_on(f, plan, sources, n);
+            const Vec3s by_cords{across * pull.x, across * pull.y, along * pull.z};
+            over = over - later * on_cord;
+            put3(on_cord * acceleration, f.slow, n);
+            store(inverse, f.inverse + n);
+            after += first_kick * by_cords;
+            now = over * now + half_first * by_cords;
+            time += on_cord * shorter;
+        }
         const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
-        const Vec3s x = aligned3(f.x, n) + dt * after;
-        const Vec3s now = after + half_dt * acceleration;
+        const Vec3s x = aligned3(f.x, n) + time * after;
+        now += after;
         put3(after, f.v_half, n);
         put3(x, f.x, n);
         put3(now, f.v, n);
         momentum += mass * middle.z;
         drag_power += dot(aero, middle);
         share_square += share * dot(middle, middle);
-        canopy_position += canopy * x.z;
-        canopy_velocity += canopy * now.z;
-        position += mass * x.z;
-        velocity += mass * now.z;
-        area_velocity += share * now.z;
+        canopy_position += over * canopy * x.z;
+        canopy_velocity += over * canopy * now.z;
+        position += over * mass * x.z;
+        velocity += over * mass * now.z;
+        area_velocity += over * share * now.z;
         n += lanes_of_all;
     }
 
@@ -255,6 +286,48 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     return sums;
 }
 
+SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSubstep& substep) {
+    renew(f, plan.cord_copies);
+    const FabricSums of_cords = cables(f, plan.cords);
+    carry(f.stream, f.cord_pull, plan.loose_cords);
+    const Vec zero = all(0.0), kick = all(substep.step.kick), dt = all(substep.step.dt),
+              half_dt = all(0.5 * substep.step.dt), half_step = all(substep.half_step);
+    const NodeRows& k = f.node;
+    Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
+        area_velocity = zero;
+    for (const std::int32_t place : plan.on_cord) {
+        const std::int32_t n = place * lanes_of_all;
+        const Vec on_cord = load(k.on_cord + n), elsewhere = 1.0 - on_cord;
+        const Vec3s pull = cords_on(f, plan, plan.own[place], n);
+        const Vec inverse = load(f.inverse + n);
+        const Vec across = inverse * load(k.across + n), along = inverse * load(k.along + n);
+        const Vec3s acceleration{across * pull.x, across * pull.y, along * pull.z};
+        const Vec3s after = aligned3(f.v_half, n) + kick * acceleration;
+        const Vec3s x = aligned3(f.x, n) + (dt * on_cord) * after;
+        const Vec3s now = on_cord * (after + half_dt * acceleration + half_step * aligned3(f.slow, n)) +
+                          elsewhere * aligned3(f.v, n);
+        put3(after, f.v_half, n);
+        put3(x, f.x, n);
+        put3(now, f.v, n);
+        const Vec mass = on_cord * load(k.mass + n), canopy = on_cord * load(k.canopy_mass + n);
+        canopy_position += canopy * x.z;
+        canopy_velocity += canopy * now.z;
+        position += mass * x.z;
+        velocity += mass * now.z;
+        area_velocity += on_cord * load(k.share + n) * now.z;
+    }
+    SectorSums sums;
+    sums.dissipated = of_cords.dissipated;
+    sums.largest_tension = of_cords.largest_load;
+    if (!(substep.half_step > 0.0)) return sums;
+    sums.canopy_position = sum(canopy_position);
+    sums.canopy_velocity = sum(canopy_velocity);
+    sums.other_position = sum(position) - sums.canopy_position;
+    sums.other_velocity = sum(velocity) - sums.canopy_velocity;
+    sums.area_velocity = sum(area_velocity);
+    return sums;
+}
+
 /// As a triangle stands: its strain in its own plane.
 HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleRun& run, std::int32_t e,
                                           std::int32_t at) {
@@ -266,8 +339,8 @@ HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleRu
     return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
 }
 
-double stable_step(const SectorFrame& f, const SectorPlan& plan, double added_mass, double damping_by_share,
-                   double damping_by_mass) {
+SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double added_mass,
+                         double damping_by_share, double damping_by_mass) {
     for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec stretch = larger(principal(strain_of(f, run, e, at)).first(), all(0.0));
         // As Membrane::add_row_sums.
@@ -294,7 +367,10 @@ double stable_step(const SectorFrame& f, const SectorPlan& plan, double added_ma
         n += lanes_of_all;
     }
     const NodeRows& k = f.node;
-    Vec shortest = all(HUGE_VAL);
+    const auto bound = [](Vec stiffness, Vec damping) HWY_ATTR {
+        return all(2.0) / (square_root(damping * damping + stiffness) + damping + 1e-300);
+    };
+    Vec shortest = all(HUGE_VAL), of_canopy = shortest;
     n = 0;
     for (const NodeSources& s : plan.own) {
         const Vec mass = load(k.mass + n), share = load(k.share + n);
@@ -303,11 +379,13 @@ double stable_step(const SectorFrame& f, const SectorPlan& plan, double added_ma
         const Vec damping = inverse * (rows_of(s, 1, n) + load(k.damping + n) +
                                        all(damping_by_share) * share + all(damping_by_mass) * mass);
         // In this order: a node without a number must not hide what the others say.
-        shortest =
-            smaller(all(2.0) / (square_root(damping * damping + stiffness) + damping + 1e-300), shortest);
+        of_canopy = smaller(bound(stiffness, damping), of_canopy);
+        shortest = smaller(bound(stiffness + inverse * load(k.cord_stiffness + n),
+                                 damping + inverse * load(k.cord_damping + n)),
+                           shortest);
         n += lanes_of_all;
     }
-    return least(shortest);
+    return {least(shortest), least(of_canopy)};
 }
 
 ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law) {
@@ -321,18 +399,16 @@ ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const 
     return {sum(energy), greatest(strain)};
 }
 
-ElementLevels cable_levels(const SectorFrame& f, const SectorPlan& plan, const double* which) {
+ElementLevels cable_levels(const SectorFrame& f, const std::vector<CableRun>& runs) {
     const CableConstantsRow& k = f.cable;
     Vec energy = all(0.0), largest = all(-1.0);
-    for_registers(plan.cables, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
+    for_registers(runs, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
         const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
         const Vec square = dot(d, d) + 1e-18;
         const Vec strain = square * inverse_root(square) * load(k.inverse_length + at) - 1.0;
-        const Vec mine = load(which + at);
         const Vec taut = larger(strain, all(0.0));
-        energy += mine * (0.5 * load(k.stiffness + at) * load(k.length + at)) * taut * taut;
-        // Those of another kind are as long as nothing.
-        largest = larger(largest, mine * strain + (mine - 1.0));
+        energy += (0.5 * load(k.stiffness + at) * load(k.length + at)) * taut * taut;
+        largest = larger(largest, strain);  // -1 where a register is filled up
     });
     return {sum(energy), greatest(largest)};
 }
@@ -356,6 +432,7 @@ SectorKernels sector_kernels_here() {
             cables,
             line_drag,
             advance,
+            substep,
             refresh,
             stable_step,
             fabric_levels,

@@ -39,8 +39,10 @@ struct CableRun {
 
 /// Streams that the nodes of one register add up: places in `sources`.
 struct NodeSources {
-    std::int32_t plus = 0, minus = 0, push = 0, aero = 0, end = 0;
-    bool extra = false;  ///< loose elements act on one of them
+    std::int32_t plus = 0, minus = 0, push = 0, aero = 0;
+    std::int32_t cord_plus = 0, cord_minus = 0, end = 0;
+    bool extra = false;       ///< loose elements act on one of them
+    bool loose_cord = false;  ///< loose cords do
 };
 
 /// The first seam and its images, each in consecutive nodes.
@@ -63,12 +65,14 @@ struct LoosePull {
 /// What there is to do, in nodes and streams; made for one width of registers.
 struct SectorPlan {
     std::vector<TriangleRun> triangles;
-    std::vector<CableRun> cables, lines;  ///< lines: those that meet the air
-    std::vector<NodeSources> own;         ///< of each register of own nodes
+    /// Cords: lines and risers, which may take substeps. Lines: those of them that meet the air.
+    std::vector<CableRun> tapes, cords, lines;
+    std::vector<NodeSources> own;       ///< of each register of own nodes
+    std::vector<std::int32_t> on_cord;  ///< registers with a node on a cord: their places in `own`
     SeamImages images;
     std::vector<std::int32_t> sources;
-    std::vector<NodeCopy> copies;
-    std::vector<LoosePull> loose_triangles, loose_cables, loose_pushes, loose_lines;
+    std::vector<NodeCopy> copies, cord_copies;
+    std::vector<LoosePull> loose_triangles, loose_tapes, loose_cords, loose_pushes, loose_lines;
 };
 
 /// Constants of elements, one row each; zero where a register is filled up.
@@ -81,7 +85,7 @@ struct TriangleConstants {
 struct CableConstantsRow {
     const double *inverse_length, *stiffness, *dashpot;  // [1/m], EA [N], [N s/m]
     const double* length;                                // [m]
-    const double *line, *tape, *cord;  // 1 for suspension lines; for tapes; for lines and risers; else 0
+    const double* line;                                  // 1 for suspension lines, else 0
 };
 /// Constants of nodes.
 struct NodeRows {
@@ -90,12 +94,19 @@ struct NodeRows {
     const double* inertia;         // [kg] the mass, or one where a node does not move here
     const double* share;           // [-] of the whole fabric's area
     const double *across, *along;  // 1 where a node may move across the axis, along it
-    const double *stiffness, *damping;  // row sums of cables [N/m], [N s/m]
+    const double* on_cord;         // 1 where a cord acts, else 0
+    const double *stiffness, *damping;            // row sums of tapes [N/m], [N s/m]
+    const double *cord_stiffness, *cord_damping;  // and of cords
 };
 
 struct SectorFrame {
-    Components x{}, v{}, v_half{};        ///< [m], [m/s] as GoreFrame
-    Components pull{}, push{}, aero{};    ///< what loose elements do to nodes [N], [m^2], [N]
+    Components x{}, v{}, v_half{};  ///< [m], [m/s] as GoreFrame
+    /// What loose elements do to nodes [N], [m^2], [N], and loose cords [N].
+    Components pull{}, push{}, aero{}, cord_pull{};
+    /// [m/s^2] of nodes on cords by everything else, [1/kg] of all nodes: from the beginning of a step to its
+    /// last substep.
+    Components slow{};
+    double* inverse = nullptr;
     Components stream{};                  ///< of elements
     std::array<double*, 2> row_stream{};  ///< the same for row sums: stiffness, damping
     std::array<double*, 2> row_extra{};
@@ -111,9 +122,11 @@ struct SectorAir {
     double radial_pressure = 0.0;  ///< phi
 };
 
-/// One step of own nodes.
+/// One step of own nodes; of those on cords the first substep of `substeps`, see substeps.hpp.
 struct SectorAdvance {
     double kick = 0.0, dt = 0.0;  ///< [s] between half steps, and of the step
+    Substep first;
+    bool only = true;             ///< a step of one substep
     double gravity = 0.0;         ///< [m/s^2]
     double added_mass = 0.0;      ///< [kg] of the whole canopy, by share, as all of these:
     double pressure = 0.0;        ///< [Pa]
@@ -125,11 +138,24 @@ struct SectorAdvance {
     double accretion = 0.0;       ///< [kg/s] from air at rest
 };
 
-/// Sums over a sector, upwards where they have a direction.
+/// A further one of nodes on cords. half_step: [s] half of the whole step in its last, else nothing.
+struct SectorSubstep {
+    Substep step;
+    double half_step = 0.0;
+};
+
+/// Sums over a sector, upwards where they have a direction. Positions and velocities: of what a step is over
+/// for.
 struct SectorSums {
     double canopy_position = 0.0, canopy_velocity = 0.0, other_position = 0.0, other_velocity = 0.0;
     double area_velocity = 0.0;
     double drag_power = 0.0, momentum = 0.0, share_square = 0.0, dissipated = 0.0, accretion_power = 0.0;
+    double largest_tension = 0.0;  ///< [N] of lines, in a further substep
+};
+
+/// Stable steps [s] of own nodes.
+struct SectorBounds {
+    double all, canopy;  ///< held by everything; by everything but cords
 };
 
 struct SectorKernels {
@@ -137,21 +163,21 @@ struct SectorKernels {
     int lanes;
     FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
     /// No areas; the largest load is that of lines.
-    FabricSums (*cables)(const SectorFrame&, const SectorPlan&);
+    FabricSums (*cables)(const SectorFrame&, const std::vector<CableRun>&);
     /// diameter [m], density [kg/m^3], viscosity [Pa s]
     void (*line_drag)(const SectorFrame&, const SectorPlan&, const CylinderDragTable&, double diameter,
                       double density, double viscosity);
     SectorSums (*advance)(const SectorFrame&, const SectorPlan&, const SectorAdvance&);
+    /// Cords as they are, and the nodes on them.
+    SectorSums (*substep)(const SectorFrame&, const SectorPlan&, const SectorSubstep&);
     /// Images and copies are where their nodes are.
     void (*refresh)(const SectorFrame&, const SectorPlan&);
-    /// [s] the least bound over own nodes; node damping by share of the fabric's area and by mass [N s/m],
-    /// [1/s].
-    double (*stable_step)(const SectorFrame&, const SectorPlan&, double added_mass, double damping_by_share,
-                          double damping_by_mass);
+    /// The least over own nodes; node damping by share of the fabric's area and by mass [N s/m], [1/s].
+    SectorBounds (*stable_step)(const SectorFrame&, const SectorPlan&, double added_mass,
+                                double damping_by_share, double damping_by_mass);
     /// A sector's energy and its largest strain.
     ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembraneLaw&);
-    /// Of those that `which` marks.
-    ElementLevels (*cable_levels)(const SectorFrame&, const SectorPlan&, const double* which);
+    ElementLevels (*cable_levels)(const SectorFrame&, const std::vector<CableRun>&);
     /// [J] of own nodes
     double (*kinetic)(const SectorFrame&, const SectorPlan&, double added_mass);
 };

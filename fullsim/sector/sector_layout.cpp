@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/sector/arrays.hpp"
 #include "fullsim/step/stable_step.hpp"
+#include "fullsim/step/substeps.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
@@ -56,15 +58,18 @@ public:
                                                  sector_.gores * sector_.count)),
           fabric_area_(mesh.fabric_area()),
           smallest_area_(smallest_projected_area(scene.parachutes.front())),
-          line_diameter_(mesh.cord(CableKind::line).diameter) {
+          line_diameter_(mesh.cord(CableKind::line).diameter),
+          cord_rows_(arrays_.cord_rows()) {
         for (int s = 0; s < sector_.count; ++s)
             turns_.emplace_back(s * sector_.turn);
     }
 
     std::string_view name() const override { return name_; }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
-    std::size_t elements(const ForceModels&) const override {
-        return sector_.triangles.size() + sector_.cables.size();
+    ElementCount elements(const ForceModels&) const override {
+        const auto tapes = std::ranges::count_if(sector_.cables, is_tape, &GoreCable::kind);
+        return {sector_.triangles.size() + sector_.cables.size(),
+                sector_.cables.size() - static_cast<std::size_t>(tapes)};
     }
 
     std::vector<PlanArray> arrays() const override { return arrays_.sizes(); }
@@ -134,10 +139,7 @@ public:
     void evaluate(State& state, BlockClock& clock) override {
         for (const Row* row : structure_)
             clock.run([&] { (this->*row->add)(state); });
-        double pull = 0.0;
-        for (const LoosePull& p : arrays_.payload)
-            pull += p.sign * arrays_.frame.stream[2][p.from];
-        state.force[mesh_.payload()].value = up(sector_.count * pull);
+        state.force[mesh_.payload()].value = pull_ = pull_on_payload();
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         for (const Row* row : loads_)
             clock.run([&] { (this->*row->add)(state); });
@@ -154,40 +156,66 @@ public:
         const double payload_mass = constants_.mass[mesh_.payload()];
         const NodeRows& rows_of = arrays_.frame.node;
         const double payload = stable_step_of(
-            sector_.count * rows_of.stiffness[sector_.payload()],
-            sector_.count * rows_of.damping[sector_.payload()] + by_mass * payload_mass, payload_mass);
-        const double step = std::min(
-            payload, kernels_.stable_step(arrays_.frame, arrays_.plan, state.added_mass, by_share, by_mass));
-        // Lines take no steps of their own here: all are as short as theirs.
-        return {step, step, step};
+            sector_.count * rows_of.cord_stiffness[sector_.payload()],
+            sector_.count * rows_of.cord_damping[sector_.payload()] + by_mass * payload_mass, payload_mass);
+        const SectorBounds own =
+            kernels_.stable_step(arrays_.frame, arrays_.plan, state.added_mass, by_share, by_mass);
+        StableSteps steps{std::min(payload, own.all), own.canopy, std::numeric_limits<double>::infinity()};
+        for (const SectorArrays::CordRow& row : cord_rows_) {
+            const bool all = row.node == sector_.payload();
+            const double count = all ? sector_.count : 1.0;
+            const double mass = all ? payload_mass : rows_of.mass[row.node];
+            const double inertia =
+                all ? mass : rows_of.inertia[row.node] + rows_of.share[row.node] * state.added_mass;
+            steps.lines = std::min(
+                steps.lines,
+                stable_step_of(count * row.stiffness, count * row.damping + by_mass * mass, inertia));
+        }
+        return steps;
     }
 
-    void advance(State& state, double dt, int substeps, double next_added_mass) override {
-        if (substeps != 1) throw std::logic_error("a sector takes no substeps");
+    void advance(State& state, double dt, int count, double next_added_mass) override {
         const NodeIndex payload = mesh_.payload();
+        const double mass = constants_.mass[payload], all = sector_.count;
+        const bool only = count == 1;
         NodeMover mover(state, constants_, dt);
+        const Substep first = only ? Substep{mover.kick(), dt} : substep(state, dt, count, 0);
         StepSums sums;
-        mover.move_other(payload, constants_.mass[payload], sums);
+        const Lanes others = state.force[payload].value - pull_;
+        state.force[payload].value = pull_;
+        mover.kick_alone(payload, others, mass, mass, first.kick, sums);
         step_.kick = mover.kick();
         step_.dt = dt;
+        step_.first = first;
+        step_.only = only;
         step_.gravity = constants_.gravity;
         step_.added_mass = state.added_mass;
         const SectorSums one = kernels_.advance(arrays_.frame, arrays_.plan, step_);
-        place_payload(state);
-        kernels_.refresh(arrays_.frame, arrays_.plan);
-
-        const double all = sector_.count;
-        sums.canopy_position = up(all * one.canopy_position);
-        sums.canopy_velocity = up(all * one.canopy_velocity);
-        sums.other_position += up(all * one.other_position);
-        sums.other_velocity += up(all * one.other_velocity);
-        sums.area_velocity = up(all * one.area_velocity);
         sums.drag_power += up(all * one.drag_power);
         sums.momentum += up(all * one.momentum);
         sums.share_square = all * one.share_square;
         state.damping_power += all * one.dissipated;
         state.accretion_power += all * one.accretion_power;
-        finish_step(state, constants_, sums, mover.kick(), dt, dt, next_added_mass);
+        add_positions(one, sums);
+        sums.line_damping = first.kick * line_damping_;
+        mover.move_in_substep(payload, mass, first);
+        for (int k = 1; k < count; ++k) {
+            place_payload(state);
+            const SectorSubstep next{substep(state, dt, count, k), k + 1 == count ? 0.5 * dt : 0.0};
+            const SectorSums further = kernels_.substep(arrays_.frame, arrays_.plan, next);
+            add_positions(further, sums);
+            line_damping_ = all * further.dissipated;
+            sums.line_damping += next.step.kick * line_damping_;
+            state.largest.add_tension(further.largest_tension);
+            state.force[payload].value = pull_on_payload();
+            mover.move_in_substep(payload, mass, next.step);
+        }
+        sums.line_damping_power = line_damping_ / count;
+        mover.end_substeps(payload);
+        mover.add_other(payload, mass, sums);
+        place_payload(state);
+        kernels_.refresh(arrays_.frame, arrays_.plan);
+        finish_step(state, constants_, sums, mover.kick(), dt, dt / count, next_added_mass);
     }
 
     void keep(Keeper& k, const State&) override {
@@ -241,16 +269,33 @@ private:
         arrays_.frame.v[2][sector_.payload()] = payload.v[2];
     }
 
+    /// [N] of all cords.
+    Lanes pull_on_payload() const {
+        double pull = 0.0;
+        for (const LoosePull& p : arrays_.payload)
+            pull += p.sign * arrays_.frame.stream[2][p.from];
+        return up(sector_.count * pull);
+    }
+
+    void add_positions(const SectorSums& one, StepSums& sums) const {
+        const double all = sector_.count;
+        sums.canopy_position += up(all * one.canopy_position);
+        sums.canopy_velocity += up(all * one.canopy_velocity);
+        sums.other_position += up(all * one.other_position);
+        sums.other_velocity += up(all * one.other_velocity);
+        sums.area_velocity += up(all * one.area_velocity);
+    }
+
     /// Energies of all sectors.
     ElementLevels of_all(ElementLevels one) const { return {sector_.count * one.energy, one.strain}; }
     ElementLevels fabric_levels() const {
         return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, law_));
     }
     ElementLevels tape_levels() const {
-        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan, arrays_.frame.cable.tape));
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.tapes));
     }
     ElementLevels line_levels() const {
-        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan, arrays_.frame.cable.cord));
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.cords));
     }
 
     /// Membranes, and the areas that pressure acts on with them.
@@ -260,12 +305,14 @@ private:
         state.damping_power += sector_.count * fabric_.dissipated;
         state.largest.add_stress(fabric_.largest_load);
     }
-    /// Lines take tapes along: a seam and its line are one run.
-    void nothing(State&) {}
-    void add_cables(State& state) {
-        const FabricSums cables = kernels_.cables(arrays_.frame, arrays_.plan);
-        state.damping_power += sector_.count * cables.dissipated;
-        state.largest.add_tension(cables.largest_load);
+    void add_tapes(State& state) {
+        state.damping_power += sector_.count * kernels_.cables(arrays_.frame, arrays_.plan.tapes).dissipated;
+    }
+    /// What these dissipate is booked with the substep that it is of.
+    void add_cords(State& state) {
+        const FabricSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords);
+        line_damping_ = sector_.count * cords.dissipated;
+        state.largest.add_tension(cords.largest_load);
     }
     void add_pressure(State& state) {
         state.air.projected_area = sector_.count * fabric_.positive_area;
@@ -309,6 +356,9 @@ private:
     std::string name_;
     double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
     double line_diameter_;                // [m]
+    std::vector<SectorArrays::CordRow> cord_rows_;
+    Lanes pull_ = splat(0.0);    // [N] of all cords on the payload at the time of the forces
+    double line_damping_ = 0.0;  // [W] by all cords, likewise or in the last substep
     CylinderDragTable drag_coefficient_;
     std::vector<const Row*> structure_, loads_;
     bool has_breathing_ = false, has_accretion_ = false, has_mass_damping_ = false;
@@ -320,8 +370,8 @@ private:
 
 const std::array<SectorLayout::Row, 9> SectorLayout::rows{{
     {"membrane", &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
-    {"tapes", &SectorLayout::nothing, &SectorLayout::tape_levels},
-    {"lines", &SectorLayout::add_cables, &SectorLayout::line_levels},
+    {"tapes", &SectorLayout::add_tapes, &SectorLayout::tape_levels},
+    {"lines", &SectorLayout::add_cords, &SectorLayout::line_levels},
     {"canopy pressure", &SectorLayout::add_pressure},
     {"line drag", &SectorLayout::add_line_drag},
     {"breathing damping", &SectorLayout::add_breathing},

@@ -114,7 +114,6 @@ TEST(Allocation, StepsAskForNone) {
 
 TEST(Allocation, StepsOfASectorAskForNone) {
     for (Scene scene : {drawn_out(), open()}) {
-        scene.full.line_substeps = 1;  // a sector's lines take none
         scene.full.symmetry = Symmetry::sector;
         Simulation simulation(scene, one_sector.make);
         EXPECT_EQ(requests_of_steps(simulation), 0);

@@ -58,7 +58,7 @@ void compare_along(const Scene& scene, int steps) {
                 std::string why;
                 const auto sector = make_sector_layout(scene, simulation.mesh(), constants, &why, &kernels);
                 ASSERT_TRUE(sector) << why;
-                const Answer answer = answer_of(*sector, state, constants, structure, loads, false);
+                const Answer answer = answer_of(*sector, state, constants, structure, loads);
                 expect_same(reference, answer, stiffest, rounding);
                 // Of the payload the velocity: to its last bits, worth more than 1e-11 of the force on so
                 // heavy a node.

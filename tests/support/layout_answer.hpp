@@ -29,9 +29,8 @@ struct Answer {
     std::vector<Vec3> force_in_substeps;  ///< [N] mean, likewise
 };
 
-/// substeps: whether lines may take some.
 inline Answer answer_of(Layout& layout, const State& state, const NodeConstants& c,
-                        const ForceModels& structure, const ForceModels& loads, bool substeps = true) {
+                        const ForceModels& structure, const ForceModels& loads) {
     Answer a{state, {}, {}, {}, 0.0, state, {}};
     BlockClock clock;
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
@@ -54,21 +53,19 @@ inline Answer answer_of(Layout& layout, const State& state, const NodeConstants&
         return force;
     };
     a.force = step(a.state, 1);
-    if (substeps) a.force_in_substeps = step(a.in_substeps, 3);
+    a.force_in_substeps = step(a.in_substeps, 3);
     return a;
 }
 
 /// stiffest: EA [N] of the stiffest cable; rounding: of numbers near 1.
 inline void expect_same(const Answer& reference, const Answer& other, double stiffest,
                         double rounding = 1e-12) {
-    const bool substeps = !other.force_in_substeps.empty();
     double largest = reference.state.riser_force.norm(), difference = 0.0, in_substeps = 0.0;
     for (std::size_t i = 0; i + 1 < reference.force.size(); ++i) {  // the payload's tells its weight
         largest = std::max(largest, reference.force[i].norm());
         difference = std::max(difference, (reference.force[i] - other.force[i]).norm());
-        if (substeps)
-            in_substeps =
-                std::max(in_substeps, (reference.force_in_substeps[i] - other.force_in_substeps[i]).norm());
+        in_substeps =
+            std::max(in_substeps, (reference.force_in_substeps[i] - other.force_in_substeps[i]).norm());
     }
     // A strain is a ratio near 1 less 1, good to 2e-16: in free fall, when hardly a force acts, that is what
     // is left of it times the stiffest cable's EA.
@@ -82,21 +79,17 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     const double power = std::abs(r.energy.drag_power) + std::abs(r.energy.damping_power) +
                          std::abs(r.energy.gravity_power) + 1e-3;
     close(reference.stable.all, other.stable.all, reference.stable.all, "stable step");
-    if (substeps) {
-        close(reference.stable.canopy, other.stable.canopy, reference.stable.canopy, "of the canopy");
-        close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
-        const EnergyBook &rb = reference.in_substeps.energy, &ob = other.in_substeps.energy;
-        const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * largest;
-        close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
-        close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");
-        close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in substeps");
-        EXPECT_LT(
-            (reference.in_substeps.sums.system_velocity - other.in_substeps.sums.system_velocity).norm(),
-            rounding * 100.0);
-        EXPECT_LT(
-            (reference.in_substeps.sums.system_position - other.in_substeps.sums.system_position).norm(),
-            rounding * 1000.0);
-    }
+    close(reference.stable.canopy, other.stable.canopy, reference.stable.canopy, "of the canopy");
+    close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
+    const EnergyBook &rb = reference.in_substeps.energy, &ob = other.in_substeps.energy;
+    const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * largest;
+    close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
+    close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");
+    close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in substeps");
+    EXPECT_LT((reference.in_substeps.sums.system_velocity - other.in_substeps.sums.system_velocity).norm(),
+              rounding * 100.0);
+    EXPECT_LT((reference.in_substeps.sums.system_position - other.in_substeps.sums.system_position).norm(),
+              rounding * 1000.0);
     close(r.energy.drag_power, o.energy.drag_power, 10.0 * power, "drag power");
     close(r.energy.gravity_power, o.energy.gravity_power, power, "gravity power");
     // A small sum of large terms of both signs.
@@ -122,9 +115,8 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
           "largest tension");
     close(r.largest.fabric_stress, o.largest.fabric_stress, r.largest.fabric_stress + 4e-4 * stiffest,
           "largest stress");
-    if (substeps)
-        close(reference.in_substeps.largest.line_tension, other.in_substeps.largest.line_tension,
-              reference.in_substeps.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
+    close(reference.in_substeps.largest.line_tension, other.in_substeps.largest.line_tension,
+          reference.in_substeps.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
     EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), rounding * 100.0);
     EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), rounding * 1000.0);
     EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), rounding * 100.0);
