@@ -28,13 +28,17 @@ const Finding* worst_of(const std::vector<Finding>& findings) {
     return worst == findings.end() ? nullptr : &*worst;
 }
 
-void judge_answer(StabilityCell& cell, const Trial& trial) {
+/// `beside`: what the method on trial is held against, besides its case.
+void judge_answer(StabilityCell& cell, const Trial& trial, const Check& beside) {
     if (!cell.row->check) {
         cell.verdict = CellVerdict::silently_wrong;
         cell.reason = "it was answered, although there is nothing to answer";
         return;
     }
     cell.findings = cell.row->check(trial);
+    if (beside)
+        for (Finding& finding : beside(trial))
+            cell.findings.push_back(std::move(finding));
     const Finding* worst = worst_of(cell.findings);
     if (!worst) {
         cell.verdict = CellVerdict::silently_wrong;
@@ -110,20 +114,22 @@ std::optional<StabilityCell> judge(const StabilityCase& row, const StabilityMeth
     }
     Run run;
     run.stop = stop;
+    run.as_any_mesh = method.as_any_mesh;
     const RunRecord record = fidelity.run(scene, run);
     if (record.status.code == StatusCode::interrupted) return std::nullopt;
     cell.steps = record.cost.steps;
     cell.seconds = record.cost.wall_s;
     cell.status = status_name(record.status.code);
+    const Trial trial{scene, record, fidelity, stop, method.as_any_mesh};
     if (const Channel* time = record.find_channel("time"); time && !time->values.empty())
         cell.end = time->values.back();
     if (record.status.code == StatusCode::refused)
         judge_ending(cell, record.status, CellVerdict::refused);
     else if (is_numerical_failure(record.status.code)) {
         judge_ending(cell, record.status, CellVerdict::stopped);
-        if (row.latency) cell.latency = row.latency({scene, record, fidelity, stop});
+        if (row.latency) cell.latency = row.latency(trial);
     } else
-        judge_answer(cell, {scene, record, fidelity, stop});
+        judge_answer(cell, trial, method.check);
     if (stop.stop_requested()) return std::nullopt;  // what it is compared with may not be complete
     return cell;
 }

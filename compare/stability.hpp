@@ -23,11 +23,13 @@ struct Trial {
     const RunRecord& record;
     const Fidelity& fidelity;   ///< for runs that it is compared with
     std::stop_token stop = {};  ///< of those
+    bool as_any_mesh = false;   ///< those, like this run, are laid out as Run says
 
     /// Such a run.
     RunRecord run(const Scene& other) const {
         Run control;
         control.stop = stop;
+        control.as_any_mesh = as_any_mesh;
         return fidelity.run(other, control);
     }
 };
@@ -45,10 +47,12 @@ struct Finding {
 
 using Check = std::function<std::vector<Finding>(const Trial&)>;
 
-/// A way to compute a scene: settings of one fidelity.
+/// A way to compute a scene: settings of one fidelity, and of its memory what no scene asks for.
 struct StabilityMethod {
     std::string name;
     std::function<void(Scene&)> choose;
+    bool as_any_mesh = false;  ///< as Run::as_any_mesh
+    Check check = {};          ///< beside that of the case
 };
 
 struct StabilityCase {

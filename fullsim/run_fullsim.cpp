@@ -48,11 +48,12 @@ public:
         : scene_(scene),
           run_(run),
           record_(begin_record(scene, "full")),
-          simulation_(
-              scene,
-              [threads = run.threads](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-                  return make_layout(s, mesh, constants, threads);
-              }),
+          simulation_(scene,
+                      [threads = run.threads, any = run.as_any_mesh](const Scene& s, const Mesh& mesh,
+                                                                     const NodeConstants& constants) {
+                          return any ? make_indexed_layout(s, mesh, constants)
+                                     : make_layout(s, mesh, constants, threads);
+                      }),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
           fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
           frames_(simulation_.mesh(), static_cast<bool>(run.frames)),

@@ -209,9 +209,13 @@ constexpr std::int64_t steps_between_looks = 50;
 /// What tests of the time step hold forces to.
 constexpr double same_force = 0.005;
 
+/// Between layouts, whose sums differ in their order: found are 1e-8 and, where lines are all but slack,
+/// 4e-6. A single triangle of a thousand that pulled twice would be 1e-3.
+constexpr double same_but_for_rounding = 1e-4;
+
 /// Same ending, and the largest forces.
-std::vector<Finding> compare_steps(const Trial& trial, const RunRecord& truth, double limit) {
-    const std::string by = fmt::format(", {} steps for {}", truth.cost.steps, trial.record.cost.steps);
+std::vector<Finding> compare_runs(const Trial& trial, const RunRecord& truth, const std::string& by,
+                                  double limit) {
     std::vector<Finding> findings;
     if (truth.status.code != trial.record.status.code)
         findings.push_back(
@@ -223,6 +227,11 @@ std::vector<Finding> compare_steps(const Trial& trial, const RunRecord& truth, d
     return findings;
 }
 
+std::vector<Finding> compare_steps(const Trial& trial, const RunRecord& truth, double limit) {
+    return compare_runs(trial, truth,
+                        fmt::format(", {} steps for {}", truth.cost.steps, trial.record.cost.steps), limit);
+}
+
 RunRecord in_half_the_step(const Trial& trial) {
     Scene scene = trial.scene;
     scene.full.time_step_factor *= 0.5;
@@ -231,6 +240,13 @@ RunRecord in_half_the_step(const Trial& trial) {
 
 std::vector<Finding> of_half_the_step(const Trial& trial) {
     return compare_steps(trial, in_half_the_step(trial), same_force);
+}
+
+std::vector<Finding> of_its_own_layout(const Trial& trial) {
+    const Trial usual{trial.scene, trial.record, trial.fidelity, trial.stop};
+    const RunRecord truth = usual.run(trial.scene);
+    if (is_numerical_failure(truth.status.code)) return {};
+    return compare_runs(trial, truth, " in gores in lanes", same_but_for_rounding);
 }
 
 /// How far the peak moves when nodes of the canopy start a micrometre elsewhere, as a share of it.
@@ -359,6 +375,9 @@ Check energy_closes() {
 }
 Check same_in_half_the_step() {
     return of_half_the_step;
+}
+Check same_in_the_layout_of_its_mesh() {
+    return of_its_own_layout;
 }
 Check same_within_its_scatter() {
     return of_scatter;

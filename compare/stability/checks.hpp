@@ -41,6 +41,9 @@ Check energy_closes();
 /// Peak force and largest deceleration of the same scene in steps half as long, within 0.5 %, and no larger
 /// line tension: what is above the limit of stability or at its edge hangs on the step more than that.
 Check same_in_half_the_step();
+/// The same forces where the run is laid out as its mesh asks for, unless that one stops: arithmetic is the
+/// same, so that what differs is rounding and what becomes of it.
+Check same_in_the_layout_of_its_mesh();
 /// The same within the scatter of the scene itself, where that is larger: the range of the peak over starts
 /// that differ by a micrometre. For lines that slap taut on next to no mass.
 Check same_within_its_scatter();

@@ -42,6 +42,9 @@ struct Run {
     /// May be empty; takes the shapes for the report, once, at the end of a run that has some.
     std::function<void(ShapeFrames)> frames = {};
     int threads = 1;  ///< at most; the answer is the same for any number
+    /// Lays a structure out in memory as for a mesh without any order, where its own would allow a faster
+    /// way: the answer is the same but for rounding. For checks; no scene asks for it.
+    bool as_any_mesh = false;
     Checkpoints checkpoints = {};
 };
 

@@ -12,7 +12,9 @@ namespace {
 
 /// A fidelity that says what it is told to.
 StatusCode ending = StatusCode::completed;
-RunRecord say(const Scene& scene, Run&) {
+std::vector<bool> asked;  // whether each run was to be laid out as any mesh
+RunRecord say(const Scene& scene, Run& run) {
+    asked.push_back(run.as_any_mesh);
     RunRecord record = begin_record(scene, "fake");
     record.status = {ending, "because it was told to"};
     record.cost.steps = 7;
@@ -117,6 +119,28 @@ TEST_F(CompareStability, RefusalsAreThoseOfTheReaderAndOfTheFidelity) {
     EXPECT_EQ(verdict(), CellVerdict::misnamed);  // what ought to be answered was refused
     row_.asked = "payload.mass=1";
     EXPECT_EQ(verdict(), CellVerdict::silently_wrong);  // it was not refused after all
+}
+
+TEST_F(CompareStability, AMethodsOwnCheckCountsBesideThatOfItsCase) {
+    const StabilityMethod held{"held", [](Scene&) {}, false, peak_of(90.0)};
+    EXPECT_EQ(judge(row_, held, fake)->verdict, CellVerdict::silently_wrong);
+    EXPECT_EQ(judge(row_, held, fake)->findings.size(), 4u);
+    // It is no check of the case: what ought to be refused is not saved by it.
+    row_.check = {};
+    const StabilityMethod right{"right", [](Scene&) {}, false, peak_of(100.0)};
+    EXPECT_EQ(judge(row_, right, fake)->verdict, CellVerdict::silently_wrong);
+}
+
+TEST_F(CompareStability, AMethodsLayoutIsThatOfItsRunAndOfTheRunsItIsHeldAgainst) {
+    for (const bool any : {false, true}) {
+        asked.clear();
+        row_.check = [](const Trial& trial) {
+            trial.run(trial.scene);
+            return std::vector<Finding>{{"nothing", 0.0, 1.0}};
+        };
+        EXPECT_TRUE(judge(row_, {"as it is", [](Scene&) {}, any}, fake));
+        EXPECT_EQ(asked, (std::vector{any, any}));
+    }
 }
 
 TEST_F(CompareStability, AStopRequestIsNoVerdict) {

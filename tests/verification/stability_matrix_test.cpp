@@ -177,6 +177,66 @@ TEST(StabilityMatrix, EveryAnswerOfTheFullModelIsSeenWhenItIsWrong) {
     }
 }
 
+/// Full models whose indexed layout alone is wrong: a bound on the step that is one and a half times too
+/// long; forces that are off by a thousandth.
+RunRecord steps_too_long(const Scene& scene, Run& run) {
+    Scene longer = scene;
+    if (run.as_any_mesh) longer.full.time_step_factor *= 1.5;
+    return fullsim::full_fidelity().run(longer, run);
+}
+RunRecord pulls_too_hard(const Scene& scene, Run& run) {
+    RunRecord record = fullsim::full_fidelity().run(scene, run);
+    if (run.as_any_mesh) record.add_metric("peak_force_N", 1.001 * *record.metric("peak_force_N"));
+    return record;
+}
+
+TEST(StabilityMatrix, TheIndexedLayoutIsSeenWhenItAloneIsWrong) {
+    const auto lacks = fullsim::full_fidelity().lacks;
+    const Fidelity too_long_steps{"full", "steps too long", &steps_too_long, lacks},
+        too_hard{"full", "pulls too hard", &pulls_too_hard, lacks};
+    int indexed = 0;
+    for (const StabilityCase& row : stability_cases()) {
+        if (!row.quick || row.fidelity != "full" || !row.check) continue;
+        for (const StabilityMethod& method : row.methods) {
+            if (!method.as_any_mesh) continue;
+            const auto cell = judge(row, method, fullsim::full_fidelity());
+            if (cell->verdict != CellVerdict::stable) continue;
+            ++indexed;
+            EXPECT_TRUE(is_failure(judge(row, method, too_long_steps)->verdict)) << row.name;
+            EXPECT_EQ(judge(row, method, too_hard)->verdict, CellVerdict::silently_wrong) << row.name;
+        }
+    }
+    EXPECT_GE(indexed, 3);
+}
+
+std::string layout_of(const Scene& scene, bool as_any_mesh) {
+    Run run;
+    run.as_any_mesh = as_any_mesh;
+    return fullsim::full_fidelity().run(scene, run).provenance.instruction_set;
+}
+
+TEST(StabilityMatrix, CasesOfTheFullModelRunIndexedUnlessTheyAreOfOneSector) {
+    for (const StabilityCase& row : stability_cases()) {
+        if (row.fidelity != "full") continue;
+        bool indexed = false, of_all_gores = false;
+        for (const StabilityMethod& method : row.methods) {
+            Scene scene = row.base();
+            method.choose(scene);
+            indexed = indexed || method.as_any_mesh;
+            of_all_gores = of_all_gores || scene.full.symmetry == Symmetry::none;
+            EXPECT_FALSE(method.as_any_mesh && scene.full.symmetry == Symmetry::sector) << row.name;
+        }
+        EXPECT_EQ(indexed, of_all_gores) << row.name;
+    }
+    // And that is what it is in memory.
+    Scene scene = c9_coarse();
+    scene.stop = {Trigger::Kind::time, 0.01, 0.0};
+    for (const bool any : {false, true}) {
+        const std::string layout = layout_of(scene, any);
+        EXPECT_TRUE(layout.ends_with(any ? ", indexed" : ", gores in lanes")) << layout;
+    }
+}
+
 TEST(StabilityMatrix, AWrongBuildIsExitCodeOne) {
     const ScratchDir here;
     Arguments arguments;
