@@ -115,6 +115,19 @@ def work_full(tools):
             + table(["method", "at", "evaluations", "error of place, over D0", "of the opening force"], rows, left=2))
 
 
+def work_opening(tools):
+    """Three studies of whole openings below each other; at what is theirs."""
+    names = [f"opening-quick-{kind}" if tools.short else f"opening-{kind}" for kind in ("time", "mesh", "pack")]
+    curves = work_curves(tools, "opening", names)
+    rows = [[words, method, r["setting"], duration(float(r["seconds"])), f"{float(r['element_steps']):.1e}",
+             f"{float(r['peak_force_N']):.1f}"] + [f"{float(r[key]):.1e}" for key in ("error", "other_error", "filling_error")]
+            for name, words in zip(names, ("time", "mesh", "pack"))
+            for method, studies in curves.items() for r in studies.get(name, [])]
+    return (tools.made("cmake --build --preset bench --target docs-tables")
+            + table(["against", "method", "at", "time", "elements evaluated", "peak force [N]", "error of it", "of its time",
+                     "of the filling time"], rows, left=3))
+
+
 def bound(tools):
     said = tools.run([tools.tests, "--gtest_filter=StepBound.*"])
     rows = [list(found) for found in re.findall(r"^bound over true limit, (.*): ([\d.]+ to [\d.]+)$", said, re.MULTILINE)]
@@ -150,6 +163,7 @@ BLOCKS = {
     "stability": ("stability.md", stability, False),
     "work-rom": ("cost.md", work_rom, True),
     "work-full": ("cost.md", work_full, True),
+    "work-opening": ("cost.md", work_opening, True),
     "step-bound": ("stability.md", bound, False),
     "step-order": ("verification.md", order, True),
     "series": ("verification.md", series, False),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Leading {
     double dt = 0.0;
 };
 
+/// Looks at a march after each step, with the forces of that instant evaluated. May be empty.
+using Watch = std::function<void(fullsim::Simulation&)>;
+
 /// Ends of the phases before `end` [s], and `end`: where the right-hand side bends.
 inline std::vector<double> bends_of(const fullsim::Simulation& simulation, double end) {
     std::vector<double> bends;
@@ -42,12 +46,14 @@ inline void begin_next_phase(fullsim::Simulation& simulation) {
 }
 
 /// From the scene's release to `end` [s] by the model's own steps, at most `longest` [s] each.
-inline Marched by_own_steps(const Scene& scene, double end, double longest = INFINITY) {
+inline Marched by_own_steps(const Scene& scene, double end, double longest = INFINITY,
+                            const Watch& watch = {}) {
     fullsim::Simulation simulation(scene);
     Marched result;
     const auto evaluate = [&] {
         simulation.evaluate_forces();
         ++result.evaluations;
+        if (watch) watch(simulation);
     };
     for (const double bend : bends_of(simulation, end)) {
         const double begin = simulation.state().time;
@@ -64,16 +70,20 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
         if (bend < end) begin_next_phase(simulation);
     }
     simulation.evaluate_forces();  // for the force, not for a step
+    if (watch) watch(simulation);
     result.unknowns = simulation.unknowns();
     result.force = simulation.state().riser_force.norm();
     return result;
 }
 
-/// The same by one of ARKODE's pairs, which sees nothing but rates.
-inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Leading& leading, double end) {
+/// The same by one of ARKODE's pairs, which sees nothing but rates. What is evaluated for `watch` does not
+/// count.
+inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Leading& leading, double end,
+                           const Watch& watch = {}) {
     fullsim::Simulation simulation(scene);
     Marched result;
     const std::vector<double> start = simulation.unknowns();
+    std::vector<double> rates(start.size());
     OdeSolver solver(
         method,
         [&](double t, std::span<const double> y, std::span<double> f) {
@@ -86,8 +96,12 @@ inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Le
         if (leading.dt > 0.0) solver.fix_step(length / std::ceil(length / leading.dt - 1e-9));
         solver.stop_at(bend);
         auto outcome = OdeSolver::Outcome::stepped;
-        while (outcome == OdeSolver::Outcome::stepped)
+        while (outcome == OdeSolver::Outcome::stepped) {
             outcome = solver.advance();
+            if (!watch || outcome == OdeSolver::Outcome::failed) continue;
+            simulation.rates(solver.time(), solver.state(), rates);
+            watch(simulation);
+        }
         const bool finite = std::ranges::all_of(solver.state(), [](double v) { return std::isfinite(v); });
         if (outcome != OdeSolver::Outcome::reached_stop || !finite) {
             result.failure = finite ? solver.failure() : "not finite";
@@ -99,7 +113,6 @@ inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Le
         solver.restart(bend, y);
     }
     result.unknowns.assign(solver.state().begin(), solver.state().end());
-    std::vector<double> rates(start.size());
     simulation.rates(end, result.unknowns, rates);
     result.force = simulation.state().riser_force.norm();
     return result;
