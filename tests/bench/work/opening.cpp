@@ -133,7 +133,7 @@ void study_openings(const std::filesystem::path& directory, bool quick) {
     demo.stop = {Trigger::Kind::time, 4.0, 0.0};
     if (quick) {
         demo.full.mesh = {1, 3, 2, 1};
-        study_opening_in_time(demo, {"opening-quick-time", {0.95, 0.475}, {1e-4}, 1e-5}, directory);
+        study_opening_in_time(demo, {"opening-quick-time", {0.95, 0.475}, {1e-4}, 1e-5, 3, 3}, directory);
         study_opening_by_mesh(demo, {"opening-quick-mesh", {1, 1.5}, {1}, {2}, 2}, directory);
     } else {
         study_opening_in_time(demo, {"opening-time", {0.95, 0.475, 0.2375, 0.11875}, {1e-4, 1e-5}, 1e-6},

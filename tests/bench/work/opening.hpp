@@ -56,6 +56,7 @@ struct TimeSettings {
     std::string name;
     std::vector<double> factors, tolerances;  ///< of the model's own step, of pairs
     double truth_rtol = 0.0;                  ///< of the pair of order 4 that is the truth in time
+    int lowest_order = 3, highest_order = 5;  ///< of pairs
 };
 struct MeshSettings {
     std::string name;
