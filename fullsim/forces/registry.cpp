@@ -48,7 +48,7 @@ std::string strength(std::string_view key, double value) {
     return std::string(key) + (value > 0.0 ? " is above zero" : " is zero");
 }
 
-constexpr std::array<ForceBlock, 15> blocks{{
+constexpr std::array<ForceBlock, 16> blocks{{
     {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::fe || stage == Stage::ramp || stage == Stage::flight;
@@ -75,6 +75,15 @@ constexpr std::array<ForceBlock, 15> blocks{{
      },
      [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
      [](const Scene& s, const Mesh& m) { return make_static_line(m, s.full.bulk_viscosity, s.full.beta); }},
+    {"gore contact", "not in the paper; docs/theory/full-model.md", true, true, true, false, false, false,
+     [](const Scene& s, Stage stage) {
+         return s.full.contact == Contact::gores && stage != Stage::deployment;
+     },
+     [](const Scene& s) {
+         return std::string("full.contact is ") +
+                (s.full.contact == Contact::gores ? "\"gores\"" : "\"none\": cloth passes through cloth");
+     },
+     [](const Scene&, const Mesh& m) { return make_gore_contact(m); }},
     {"payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true, true, true, false, false,
      [](const Scene& s, Stage) { return s.payload.body && s.payload.body->elasticity; },
      [](const Scene& s) {

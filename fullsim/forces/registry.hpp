@@ -25,6 +25,8 @@ std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_visco
 /// Cables of a list, which is kept by reference.
 std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
                                               std::string_view name, double bulk_viscosity, double beta);
+/// Neighbouring gores of a generated mesh keep their cloth apart (fullsim/mesh/gore_contacts.hpp).
+std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
 /// Of the canopy as a piece of cloth, until snatch (paper, 3.2.1).
 std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient);

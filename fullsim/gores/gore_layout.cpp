@@ -6,15 +6,18 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/gores/crew.hpp"
 #include "fullsim/gores/gore_nodes.hpp"
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/layout.hpp"
+#include "fullsim/mesh/gore_contacts.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/step/energy.hpp"
@@ -76,6 +79,7 @@ public:
         tapes_.clear();
         lines_.clear();
         cords_.clear();
+        contacts_.clear();
         trunk_.clear();
         springs_ = {};
         make_nodes();
@@ -118,6 +122,7 @@ public:
         add_bytes(all, "tapes", bytes_of(tapes_));
         add_bytes(all, "lines", bytes_of(lines_));
         add_bytes(all, "static line", bytes_of(cords_));
+        add_bytes(all, "gore contact", bytes_of(contacts_));
         return all;
     }
 
@@ -279,7 +284,7 @@ private:
         void (GoreLayout::*finish)(State&, const FabricSums&);
         ElementLevels (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 14> rows;
+    static const std::array<Row, 15> rows;
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
@@ -466,6 +471,10 @@ private:
         const auto alike = [](LocalNode) { return 1.0; };
         if (!folded_) collect(tapes_, slow_rows_, weighed);
         collect(cords_, slow_rows_, weighed);
+        for (const ContactElement& pair : contacts_)
+            for (int end = 0; end < 2; ++end)
+                slow_rows_[pair.node[end]][0] +=
+                    (1.0 + weight(pair.node[1 - end]) / weight(pair.node[end])) * pair.stiffness;
         collect(lines_, line_rows_, alike);
 
         RowSums trunk = no_rows(state, weights_.by_node());
@@ -522,6 +531,7 @@ private:
         fabric_.radial_pressure = state.air.radial_pressure;
         fabric_.weight = state.fe_weight;
         wind_ = plain(state.air.wind);
+        if (!contacts_.empty()) axis_ = axis(state);
         density_ = state.air.density;
         viscosity_ = state.air.viscosity;
     }
@@ -582,6 +592,37 @@ private:
     /// Springs take the folds along: both need the same lengths.
     FabricSums hold_folds(const GoreFrame& part) const {
         return has_.springs ? FabricSums{} : stretch_edges(part);
+    }
+
+    // --- contact --------------------------------------------------------------------------
+
+    void prepare_contacts(const ForceModel&) {
+        std::unordered_map<NodeIndex, LocalNode> local;
+        for (LocalNode n = 0; n < gores_.own; ++n)
+            local.emplace(gores_.node[n], n);
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+            local.emplace(gores_.node[gores_.own + gores_.neighbour[k]],
+                          gores_.own + static_cast<LocalNode>(k));
+        for (const auto& [node, stiffness] : local_contacts(mesh_, 1, local))
+            contacts_.push_back({{node[0], node[1]}, stiffness});
+    }
+    CanopyAxis axis(const State& state) const {
+        return canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
+    }
+    ContactPass contact_pass(const CanopyAxis& axis) const {
+        return {contacts_, plain(axis.canopy), plain(axis.direction)};
+    }
+    FabricSums push_apart(const GoreFrame& part) const {
+        return kernels_.contacts(part, contact_pass(axis_));
+    }
+    void finish_contacts(State& state, const FabricSums& all) {
+        const AxisReaction on = axis_reaction(axis_, Vec3(all.by_arm.data()), Vec3(all.by_turning.data()));
+        state.force[mesh_.payload()].value += to_lanes(on.payload);
+        step_.leaned_on = true;
+        step_.lean = plain(on.canopy / constants_.canopy_mass);
+    }
+    ElementLevels contact_levels(const State& state) const {
+        return kernels_.contact_levels(nodes_->frame, contact_pass(axis(state)));
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -732,12 +773,14 @@ private:
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;
     FabricSums fabric_sums_;                        // of the last pass over membranes
-    std::array<std::vector<FabricSums>, 14> sums_;  // of each row of the table, by block of gores
+    std::array<std::vector<FabricSums>, 15> sums_;  // of each row of the table, by block of gores
     std::vector<GoreSums> step_sums_;               // likewise
     std::array<double, 3> wind_{};                  // [m/s] at the canopy
     double density_ = 0.0, viscosity_ = 0.0;        // of the air [kg/m^3], [Pa s]
     std::vector<SpringElement> springs_;
     std::vector<CableElement> tapes_, lines_, cords_;
+    std::vector<ContactElement> contacts_;
+    CanopyAxis axis_{};  // of the step
     CylinderDragTable drag_coefficient_;
     std::vector<GoreNode> node_;
     std::vector<double> inverse_inertia_, node_damping_;
@@ -757,7 +800,7 @@ private:
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 14> GoreLayout::rows{{
+const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
     {"membrane", &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane, &GoreLayout::finish_membrane,
      &GoreLayout::fabric_levels},
     {"fabric springs", &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
@@ -768,6 +811,8 @@ const std::array<GoreLayout::Row, 14> GoreLayout::rows{{
      &GoreLayout::line_levels},
     {"static line", &GoreLayout::prepare_static_line, &GoreLayout::stretch_cords,
      &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
+    {"gore contact", &GoreLayout::prepare_contacts, &GoreLayout::push_apart, &GoreLayout::finish_contacts,
+     &GoreLayout::contact_levels},
     {"canopy pressure", &GoreLayout::prepare_fabric, &GoreLayout::find_areas, &GoreLayout::finish_pressure},
     {"cloth drag", &GoreLayout::prepare_fabric, &GoreLayout::drag_cloth, &GoreLayout::finish_cloth_drag},
     {"fold resistance", &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "fullsim/forces/cable_kernel.hpp"
+#include "fullsim/forces/contact_kernel.hpp"
 #include "fullsim/forces/membrane_kernel.hpp"
 #include "fullsim/lanes/vec.hpp"
 
@@ -322,6 +323,46 @@ FabricSums cables(const GoreFrame& frame, std::span<const CableElement> elements
     return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
+/// The same pair of nodes of all gores.
+HWY_INLINE ContactPush<Vec, Vec3s> push_of(const Block& block, const ContactElement& pair, Vec3s centre,
+                                           Vec3s axis) {
+    const Vec3s x0 = block.position(pair.node[0]), x1 = block.position(pair.node[1]);
+    return contact_push(all(pair.stiffness), axis, x0 - centre, x1 - x0);
+}
+
+FabricSums contacts(const GoreFrame& frame, const ContactPass& pass) {
+    const Vec3s centre = splat3(pass.centre), axis = splat3(pass.direction);
+    const Vec zero = all(0.0);
+    Vec3s by_arm{zero, zero, zero}, by_turning = by_arm;
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        for (const ContactElement& pair : pass.pairs) {
+            const auto push = push_of(block, pair, centre, axis);
+            if (!any(push.behind > zero)) continue;
+            const Vec3s half = push.half_of_middle;
+            add3(push.apart - half, block.force + pair.node[0] * block.stride);
+            take3(push.apart + half, block.force + pair.node[1] * block.stride);
+            by_arm += (2.0 * block.live) * half;
+            by_turning += block.live * push.by_turning;
+        }
+    }
+    FabricSums sums;
+    sums.by_arm = sum3s(by_arm);
+    sums.by_turning = sum3s(by_turning);
+    return sums;
+}
+
+ElementLevels contact_levels(const GoreFrame& frame, const ContactPass& pass) {
+    const Vec3s centre = splat3(pass.centre), axis = splat3(pass.direction);
+    Vec energy = all(0.0);
+    for (int b = frame.first; b < frame.last; ++b) {
+        const Block block(frame, b);
+        for (const ContactElement& pair : pass.pairs)
+            energy += block.live * push_of(block, pair, centre, axis).energy;
+    }
+    return {sum(energy), 0.0};
+}
+
 ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
     const Vec zero = all(0.0), full = all(full_hardening_strain), repulsion = all(pass.repulsion);
     LaneLevels levels = levels_of_folded();
@@ -529,6 +570,7 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         }
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
+        if (canopy && step.leaned_on) total += mass * splat3(step.lean);
         const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
         const Vec3s before = load3(block.v_half + n * block.half_stride);
         const Vec3s after = before + kick * acceleration;
@@ -693,6 +735,8 @@ GoreKernels gore_kernels_here() {
             cloth_drag,
             springs,
             cables,
+            contacts,
+            contact_levels,
             line_pass<true, false>,
             line_pass<false, true>,
             line_pass<true, true>,

@@ -71,6 +71,12 @@ struct SpringElement {
     double fold_force;                                  // [N] that holds it while folded
 };
 
+/// Nodes that keep their order around the axis (ContactPair).
+struct ContactElement {
+    Node2 node;
+    double stiffness;  // [N/m]
+};
+
 /// Row sums of an unstrained triangle by corner, with the weights of its corners (RowWeights).
 struct WeighedRows {
     std::array<double, 3> stiffness, damping;  // [N/m], [N s/m]
@@ -83,12 +89,18 @@ struct FabricSums {
     /// Of the elements: elastic tension [N], or first principal stress resultant at full stiffness [N/m]. Not
     /// a number where that of one is none.
     double largest_load = 0.0;
+    /// Derivatives of what pairs in contact hold, by the arm from the axis and by its direction [N], [N m].
+    std::array<double, 3> by_arm{}, by_turning{};
 
     FabricSums& operator+=(const FabricSums& other) {
         positive_area += other.positive_area;
         signed_area += other.signed_area;
         dissipated += other.dissipated;
         largest_load = larger_or_none(largest_load, other.largest_load);
+        for (int c = 0; c < 3; ++c) {
+            by_arm[c] += other.by_arm[c];
+            by_turning[c] += other.by_turning[c];
+        }
         return *this;
     }
 };
@@ -99,6 +111,11 @@ struct MembranePass {
     std::array<double, 3> direction{};  ///< e_r
     double radial_pressure = 0.0;       ///< phi
     double weight = 1.0;                ///< share of their stiffness that membranes have
+};
+
+struct ContactPass {
+    std::span<const ContactElement> pairs;
+    std::array<double, 3> centre{}, direction{};  ///< of the axis: a point of it [m], a unit vector
 };
 
 /// A gore's line, element by element from the skirt to the link: each begins where the one before ends.
@@ -145,6 +162,8 @@ struct GoreAdvance {
     double gravity = 0.0;                ///< [m/s^2]
     double pressure = 0.0;               ///< [Pa] on `push`
     std::array<double, 3> flag{};        ///< [N] on the canopy by share
+    bool leaned_on = false;              ///< by contacts,
+    std::array<double, 3> lean{};        ///< [m/s^2] of the canopy, by what they push off on its axis
     std::array<double, 3> extraction{};  ///< [N]
     double breathing = 0.0;              ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
     std::array<double, 3> breathing_mean{};  ///< [m/s]
@@ -203,6 +222,9 @@ struct GoreKernels {
                              const std::array<double, 3>& wind);
     double (*springs)(const GoreFrame&, const SpringPass&);                 ///< [W] dissipated
     FabricSums (*cables)(const GoreFrame&, std::span<const CableElement>);  ///< no areas
+    /// Contact between gores, and what it holds.
+    FabricSums (*contacts)(const GoreFrame&, const ContactPass&);
+    ElementLevels (*contact_levels)(const GoreFrame&, const ContactPass&);
     /// Lines alone, the air on them alone, or both. They *set* what acts on their nodes: `pull` of the skirt,
     /// `force` of all others, `aero` of all, zero without air; nothing else but cloth drag on the skirt acts
     /// there, and comes later.

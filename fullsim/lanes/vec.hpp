@@ -103,6 +103,13 @@ HWY_INLINE Mask operator<=(Vec a, Vec b) {
 HWY_INLINE Vec select(Mask which, Vec a, Vec b) {
     TWINCHUTE_EACH(Vec, hn::IfThenElse(which.raw[k], a.raw[k], b.raw[k]));
 }
+/// Whether it is so in some lane.
+HWY_INLINE bool any(Mask which) {
+    bool found = false;
+    for (int k = 0; k < ways; ++k)
+        found = found || !hn::AllFalse(tag, which.raw[k]);
+    return found;
+}
 /// Of a pair; on x86 the second where the first is not a number.
 HWY_INLINE Vec larger(Vec a, Vec b) {
     TWINCHUTE_EACH(Vec, hn::Max(a.raw[k], b.raw[k]));

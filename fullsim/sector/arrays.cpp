@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <unordered_map>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/mesh/gore_contacts.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -94,10 +96,11 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
 }
 
 SectorArrays::SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
-                           double bulk_viscosity, double beta, int lanes)
+                           const FullSettings& settings, int lanes)
     : lanes_(lanes), nodes_(sector.nodes()) {
-    lay_triangles(sector, membrane_law(mesh.fabric, bulk_viscosity));
-    lay_cables(sector, mesh, bulk_viscosity, beta);
+    lay_triangles(sector, membrane_law(mesh.fabric, settings.bulk_viscosity));
+    lay_cables(sector, mesh, settings.bulk_viscosity, settings.beta);
+    if (settings.contact == Contact::gores) lay_contacts(sector, mesh);
     lay_images(sector);
     lay_nodes(sector, constants);
     collect_sources(sector);
@@ -108,6 +111,7 @@ std::vector<PlanArray> SectorArrays::sizes() const {
     add_bytes(all, "nodes of the sector", node_rows_.bytes() + node_arrays_.bytes());
     add_bytes(all, "triangles", triangle_rows_.bytes());
     add_bytes(all, "lines", cable_constants_.bytes() + line_rows_.bytes());
+    add_bytes(all, "gore contact", contact_rows_.bytes());
     add_bytes(all, "streams", stream_rows_.bytes());
     return all;
 }
@@ -259,6 +263,48 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
     frame.line = line_rows_[0];
 }
 
+void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
+    std::unordered_map<NodeIndex, LocalNode> local;
+    for (LocalNode n = 0; n < sector.own; ++n)
+        local.emplace(sector.node[n], n);
+    for (std::size_t k = 0; k < sector.seam.size(); ++k)
+        local.emplace(sector.node[sector.own + sector.seam[k]],
+                      sector.first_image() + static_cast<LocalNode>(k));
+    const auto pairs = local_contacts(mesh, sector.gores, local);
+    std::vector<Nodes<2>> nodes;
+    for (const auto& pair : pairs) {
+        nodes.push_back(pair.node);
+        tape_tangents_.push_back({pair.node, pair.stiffness, 0.0});
+    }
+    const auto all = groups(nodes, plan.copies, false);
+    int length = 0;
+    for (const auto& group : all)
+        length += padded(static_cast<int>(group.element.size()));
+    contact_rows_ = AlignedRows(1, length);
+    std::int32_t first = 0;
+    for (const auto& group : all) {
+        const auto count = static_cast<int>(group.element.size());
+        const ContactRun run{group.node, first, padded(count), new_stream(count), new_stream(count)};
+        for (int k = 0; k < count; ++k) {
+            const auto& [node, stiffness] = pairs[group.element[k]];
+            contact_rows_[0][first + k] = stiffness;
+            for (int end = 0; group.loose && end < 2; ++end) {
+                plan.loose_contacts.push_back({run.apart + k, node[end], end == 0 ? 1.0 : -1.0});
+                plan.loose_contacts.push_back({run.half + k, node[end], -1.0});
+            }
+        }
+        if (!group.loose) {
+            acts_.push_back({Act::What::plus, run.apart, run.node[0], count});
+            acts_.push_back({Act::What::minus, run.apart, run.node[1], count});
+            for (const std::int32_t node : run.node)
+                acts_.push_back({Act::What::minus, run.half, node, count});
+        }
+        plan.contacts.push_back(run);
+        first += run.elements;
+    }
+    frame.contact = contact_rows_[0];
+}
+
 void SectorArrays::lay_images(const Sector& sector) {
     SeamImages& images = plan.images;
     images.seam = sector.seam.front();
@@ -387,7 +433,8 @@ NodeSources SectorArrays::sources_of(int first, int nodes) {
                 *loose, [&](const LoosePull& pull) { return first <= pull.to && pull.to < first + nodes; });
         });
     };
-    s.extra = touched({&plan.loose_triangles, &plan.loose_tapes, &plan.loose_pushes, &plan.loose_lines});
+    s.extra = touched({&plan.loose_triangles, &plan.loose_tapes, &plan.loose_contacts, &plan.loose_pushes,
+                       &plan.loose_lines});
     s.loose_cord = touched({&plan.loose_cords});
     return s;
 }

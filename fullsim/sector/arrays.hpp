@@ -9,6 +9,7 @@
 #include "fullsim/sector/sector.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "lib/record/keeper.hpp"
+#include "lib/scene/scene.hpp"
 #include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
@@ -33,7 +34,7 @@ private:
 class SectorArrays {
 public:
     SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
-                 double bulk_viscosity, double beta, int lanes);
+                 const FullSettings& settings, int lanes);
     SectorArrays(const SectorArrays&) = delete;
     SectorArrays& operator=(const SectorArrays&) = delete;
 
@@ -69,6 +70,7 @@ private:
                                        std::vector<NodeCopy>& copies, bool chains);
     void lay_triangles(const Sector& sector, const MembraneLaw& law);
     void lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta);
+    void lay_contacts(const Sector& sector, const Mesh& mesh);
     void lay_images(const Sector& sector);
     void lay_nodes(const Sector& sector, const NodeConstants& constants);
     void collect_sources(const Sector& sector);
@@ -98,7 +100,8 @@ private:
     std::vector<CableTangent> tape_tangents_, cord_tangents_;
     static constexpr int first_stiffness_row = 6;  // of a triangle's, in triangle_rows_; damping behind it
     static constexpr int cable_stiffness_row = 7;  // in node_rows_, likewise; those of cords behind these
-    AlignedRows triangle_rows_, cable_constants_, line_rows_, node_rows_, node_arrays_, stream_rows_;
+    AlignedRows triangle_rows_, cable_constants_, line_rows_, contact_rows_, node_rows_, node_arrays_,
+        stream_rows_;
 };
 
 }  // namespace twinchute::fullsim

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "fullsim/forces/cable_kernel.hpp"
+#include "fullsim/forces/contact_kernel.hpp"
 #include "fullsim/forces/membrane_kernel.hpp"
 #include "fullsim/lanes/vec.hpp"
 
@@ -85,6 +86,31 @@ FabricSums cables(const SectorFrame& f, const std::vector<CableRun>& runs) {
     });
     const double lost = sum(dissipated);
     return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
+}
+
+/// Where the axis is.
+HWY_INLINE ContactPush<Vec, Vec3s> push_of(const SectorFrame& f, const ContactRun& run, std::int32_t e,
+                                           std::int32_t at, Vec3s axis) {
+    const Vec3s x0 = anywhere3(f.x, run.node[0] + e), x1 = anywhere3(f.x, run.node[1] + e);
+    // Places along the axis do not matter.
+    return contact_push(load(f.contact + at), axis, {x0.x, x0.y, all(0.0)}, x1 - x0);
+}
+
+void contacts(const SectorFrame& f, const SectorPlan& plan, double upwards) {
+    const Vec3s axis{all(0.0), all(0.0), all(upwards)};
+    for_registers(plan.contacts, [&](const ContactRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
+        const auto push = push_of(f, run, e, at, axis);
+        put3(push.apart, f.stream, run.apart + e);
+        put3(push.half_of_middle, f.stream, run.half + e);
+    });
+}
+
+ElementLevels contact_levels(const SectorFrame& f, const SectorPlan& plan, double upwards) {
+    const Vec3s axis{all(0.0), all(0.0), all(upwards)};
+    Vec energy = all(0.0);
+    for_registers(plan.contacts, [&](const ContactRun& run, std::int32_t e, std::int32_t at)
+                                     HWY_ATTR { energy += push_of(f, run, e, at, axis).energy; });
+    return {sum(energy), 0.0};
 }
 
 void line_drag(const SectorFrame& f, const SectorPlan& plan, const CylinderDragTable& table, double diameter,
@@ -188,6 +214,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     carry(f.stream, f.pull, plan.loose_triangles);
     carry(f.stream, f.pull, plan.loose_tapes);
     carry(f.stream, f.cord_pull, plan.loose_cords);
+    carry(f.stream, f.pull, plan.loose_contacts);
     carry(f.stream, f.push, plan.loose_pushes);
     carry(f.stream, f.aero, plan.loose_lines);
 
@@ -430,6 +457,8 @@ SectorKernels sector_kernels_here() {
             lanes_of_all,
             triangles,
             cables,
+            contacts,
+            contact_levels,
             line_drag,
             advance,
             substep,

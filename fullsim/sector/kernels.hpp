@@ -37,6 +37,13 @@ struct CableRun {
     std::int32_t pull = 0;  ///< stream: [N] on end 0, less that on end 1; of line drag, on either end
 };
 
+/// Pairs in contact likewise.
+struct ContactRun {
+    std::array<std::int32_t, 2> node;
+    std::int32_t first = 0, elements = 0;
+    std::int32_t apart = 0, half = 0;  ///< streams [N]: on node 0, less that on node 1; taken from either
+};
+
 /// Streams that the nodes of one register add up: places in `sources`.
 struct NodeSources {
     std::int32_t plus = 0, minus = 0, push = 0, aero = 0;
@@ -67,12 +74,14 @@ struct SectorPlan {
     std::vector<TriangleRun> triangles;
     /// Cords: lines and risers, which may take substeps. Lines: those of them that meet the air.
     std::vector<CableRun> tapes, cords, lines;
+    std::vector<ContactRun> contacts;
     std::vector<NodeSources> own;       ///< of each register of own nodes
     std::vector<std::int32_t> on_cord;  ///< registers with a node on a cord: their places in `own`
     SeamImages images;
     std::vector<std::int32_t> sources;
     std::vector<NodeCopy> copies, cord_copies;
-    std::vector<LoosePull> loose_triangles, loose_tapes, loose_cords, loose_pushes, loose_lines;
+    std::vector<LoosePull> loose_triangles, loose_tapes, loose_cords, loose_contacts, loose_pushes,
+        loose_lines;
 };
 
 /// Constants of elements, one row each; zero where a register is filled up.
@@ -113,7 +122,8 @@ struct SectorFrame {
     TriangleConstants triangle{};
     CableConstantsRow cable{};
     NodeRows node{};
-    const double* line = nullptr;  ///< 1 for a cable that meets the air, else 0
+    const double* line = nullptr;     ///< 1 for a cable that meets the air, else 0
+    const double* contact = nullptr;  ///< stiffness of a pair [N/m]
 };
 
 /// The air, along the axis.
@@ -164,6 +174,9 @@ struct SectorKernels {
     FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
     /// No areas; the largest load is that of lines.
     FabricSums (*cables)(const SectorFrame&, const std::vector<CableRun>&);
+    /// Contact between gores, around the axis. upwards: 1 where the canopy is above the payload, else -1.
+    void (*contacts)(const SectorFrame&, const SectorPlan&, double upwards);
+    ElementLevels (*contact_levels)(const SectorFrame&, const SectorPlan&, double upwards);
     /// diameter [m], density [kg/m^3], viscosity [Pa s]
     void (*line_drag)(const SectorFrame&, const SectorPlan&, const CylinderDragTable&, double diameter,
                       double density, double viscosity);

@@ -51,7 +51,7 @@ public:
           constants_(constants),
           kernels_(kernels),
           sector_(std::move(sector)),
-          arrays_(sector_, mesh, constants, scene.full.bulk_viscosity, scene.full.beta, kernels.lanes),
+          arrays_(sector_, mesh, constants, scene.full, kernels.lanes),
           law_(membrane_law(mesh.fabric, scene.full.bulk_viscosity)),
           name_(sector_.gores == 1 ? fmt::format("one gore of {}, rows in lanes", sector_.count)
                                    : fmt::format("{} gores of {}, rows in lanes", sector_.gores,
@@ -59,6 +59,7 @@ public:
           fabric_area_(mesh.fabric_area()),
           smallest_area_(smallest_projected_area(scene.parachutes.front())),
           line_diameter_(mesh.cord(CableKind::line).diameter),
+          axis_(mesh.axis.z() > 0.0 ? 1.0 : -1.0),
           cord_rows_(arrays_.cord_rows()) {
         for (int s = 0; s < sector_.count; ++s)
             turns_.emplace_back(s * sector_.turn);
@@ -231,7 +232,7 @@ private:
         void (SectorLayout::*add)(State&);
         ElementLevels (SectorLayout::*levels)() const = nullptr;  // of structure
     };
-    static const std::array<Row, 9> rows;
+    static const std::array<Row, 10> rows;
 
     bool acts(std::string_view block) const {
         return std::ranges::find(loads_, block, &Row::block) != loads_.end();
@@ -314,6 +315,11 @@ private:
         line_damping_ = sector_.count * cords.dissipated;
         state.largest.add_tension(cords.largest_load);
     }
+    /// On the axis, which stays where it is, nothing is left of what they do.
+    void add_contacts(State&) { kernels_.contacts(arrays_.frame, arrays_.plan, axis_); }
+    ElementLevels contact_levels() const {
+        return of_all(kernels_.contact_levels(arrays_.frame, arrays_.plan, axis_));
+    }
     void add_pressure(State& state) {
         state.air.projected_area = sector_.count * fabric_.positive_area;
         state.air.signed_area = sector_.count * fabric_.signed_area;
@@ -356,6 +362,7 @@ private:
     std::string name_;
     double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
     double line_diameter_;                // [m]
+    double axis_;                         // 1 where the canopy is above the payload, else -1
     std::vector<SectorArrays::CordRow> cord_rows_;
     Lanes pull_ = splat(0.0);    // [N] of all cords on the payload at the time of the forces
     double line_damping_ = 0.0;  // [W] by all cords, likewise or in the last substep
@@ -368,10 +375,11 @@ private:
     SectorAdvance step_;
 };
 
-const std::array<SectorLayout::Row, 9> SectorLayout::rows{{
+const std::array<SectorLayout::Row, 10> SectorLayout::rows{{
     {"membrane", &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
     {"tapes", &SectorLayout::add_tapes, &SectorLayout::tape_levels},
     {"lines", &SectorLayout::add_cords, &SectorLayout::line_levels},
+    {"gore contact", &SectorLayout::add_contacts, &SectorLayout::contact_levels},
     {"canopy pressure", &SectorLayout::add_pressure},
     {"line drag", &SectorLayout::add_line_drag},
     {"breathing damping", &SectorLayout::add_breathing},

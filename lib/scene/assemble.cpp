@@ -378,6 +378,7 @@ FullSettings full(const Values& v) {
     f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
     f.symmetry = v.word("full.symmetry") == "sector" ? Symmetry::sector : Symmetry::none;
     f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;
+    f.contact = v.word("full.contact") == "gores" ? Contact::gores : Contact::none;
     f.switch_area_ratio = v.number("full.switch_area_ratio");
     f.ramp_time = v.number("full.ramp_time");
     f.beta = v.number("full.beta");

@@ -239,6 +239,21 @@ void check_body(const Scene& scene, const Complain& complain) {
                        "give parachute.mesh, or the shape \"box\" or \"cylinder\"");
 }
 
+/// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
+void check_contact(const Scene& scene, const Complain& complain) {
+    if (scene.full.contact == Contact::none) return;
+    const auto refuse = [&](const char* problem, const char* why, const char* hint) {
+        complain.about("full.contact", problem, why,
+                       fmt::format("{}, or write full.contact = \"none\"", hint));
+    };
+    if (scene.parachutes.front().mesh)
+        refuse("\"gores\" with parachute.mesh", "which nodes of an imported mesh lie in one row is not known",
+               "leave parachute.mesh out");
+    if (scene.parachutes.front().deploy.starts_packed())
+        refuse("\"gores\" of a packed canopy", "drawn out of its pack its folds lie in no order",
+               "start at line stretch");
+}
+
 /// What makes sectors differ, although a run of one of them would not show it.
 void check_symmetry(const Scene& scene, const Complain& complain) {
     if (scene.full.symmetry == Symmetry::none) return;
@@ -389,6 +404,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     check_then(scene, complain);
     check_stop(scene, values.front(), complain);
     check_body(scene, complain);
+    check_contact(scene, complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);
     correct_drag_area(scene, complain);

@@ -112,6 +112,9 @@ Words gradings() {
 Words symmetries() {
     return {"none", "sector"};
 }
+Words contacts() {
+    return {"none", "gores"};
+}
 Words structures() {
     return {"msd-fe", "fe"};
 }
@@ -392,6 +395,9 @@ constexpr Key scene_rows[] = {
     {.path = "full.structure", .kind = word, .need = defaulted, .fallback = "msd-fe", .choices = structures, .user = full,
      .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
      .source = "paper 2"},
+    {.path = "full.contact", .kind = word, .need = defaulted, .fallback = "none", .choices = contacts, .user = full,
+     .meaning = "none: cloth passes through cloth; gores: the cloth of a gore stays between its seams, on a generated mesh that starts at line stretch or inflated",
+     .source = "docs/theory/full-model.md"},
     {.path = "full.switch_area_ratio", .unit = "1", .need = defaulted, .fallback = "0.12", .range = from(0, 1), .user = full,
      .meaning = "mouth over steady projected area at which finite elements take over", .source = "paper 4: 10 to 20 %"},
     {.path = "full.ramp_time", .unit = "s", .need = defaulted, .fallback = "0.15", .range = above(0, 10), .user = full,

@@ -244,10 +244,17 @@ enum class Symmetry {
     sector  ///< the smallest part that a turn about the axis brings onto the rest; the rest moves as it does
 };
 
+/// What keeps cloth from passing through cloth.
+enum class Contact {
+    none,  ///< nothing, as in the paper
+    gores  ///< the cloth of a gore stays between its seams, in the order of the gores around the axis
+};
+
 struct FullSettings {
     MeshCounts mesh;
     Symmetry symmetry = Symmetry::none;
     Structure structure = Structure::msd_fe;
+    Contact contact = Contact::none;
     double switch_area_ratio = 0.0;     ///< mouth area over the steady projected area at the change [-]
     double ramp_time = 0.0;             ///< [s] over which the stiffness of the finite elements grows
     double beta = 0.0;                  ///< [s] stiffness-proportional damping of cables and spring edges

@@ -257,6 +257,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.count("mesh.riser_elements", full.mesh.riser_elements);
     w.words("symmetry", full.symmetry == Symmetry::sector ? "sector" : "none");
     w.words("structure", full.structure == Structure::fe ? "fe" : "msd-fe");
+    w.words("contact", full.contact == Contact::gores ? "gores" : "none");
     w.number("switch_area_ratio", full.switch_area_ratio);
     w.number("ramp_time", full.ramp_time);
     w.number("beta", full.beta);

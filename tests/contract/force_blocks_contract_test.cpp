@@ -32,6 +32,7 @@ Scene full_scene(DeployBy by) {
     scene.payload.drag_area = 0.4;
     scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{1e5, 0.3}};
     scene.full.alpha = 2.0;
+    scene.full.contact = Contact::gores;
     scene.aerodynamics.added_mass->momentum = AddedMassMomentum::accreting;
     return scene;
 }
@@ -284,13 +285,14 @@ TEST(Registry, EveryStageHasItsOwnBlocks) {
     EXPECT_EQ(names(scene, Stage::deployment),
               (Names{"fabric springs", "tapes", "lines", "static line", "payload tetrahedra", "cloth drag",
                      "fold resistance", "line drag", "payload drag"}));
-    EXPECT_EQ(names(scene, Stage::springs),
-              (Names{"fabric springs", "tapes", "lines", "payload tetrahedra", "canopy pressure", "line drag",
-                     "breathing damping", "payload drag", "accretion", "mass damping"}));
+    EXPECT_EQ(
+        names(scene, Stage::springs),
+        (Names{"fabric springs", "tapes", "lines", "gore contact", "payload tetrahedra", "canopy pressure",
+               "line drag", "breathing damping", "payload drag", "accretion", "mass damping"}));
     EXPECT_EQ(names(scene, Stage::flight),
-              (Names{"membrane", "tapes", "lines", "payload tetrahedra", "canopy pressure", "line drag",
-                     "breathing damping", "payload drag", "accretion", "mass damping"}));
-    EXPECT_EQ(names(scene, Stage::ramp).size(), 11u);  // membrane beside springs
+              (Names{"membrane", "tapes", "lines", "gore contact", "payload tetrahedra", "canopy pressure",
+                     "line drag", "breathing damping", "payload drag", "accretion", "mass damping"}));
+    EXPECT_EQ(names(scene, Stage::ramp).size(), 12u);  // membrane beside springs
     Scene elements = full_scene(DeployBy::extraction);
     elements.full.structure = Structure::fe;
     elements.full.alpha_from_release = true;

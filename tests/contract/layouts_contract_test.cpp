@@ -93,6 +93,17 @@ TEST(Layouts, AgreeOnAPackedDropInEveryStage) {
                   120'000, 4);
 }
 
+TEST(Layouts, AgreeWhereGoresTouch) {
+    // While the demo opens to the point where gores of different risers meet, lines in substeps or not; a
+    // breath of noise, so that what contacts push off on the axis is not nothing.
+    for (const char* substeps : {"1", "4"})
+        compare_along(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                                 {"full.contact='gores'", "full.mesh.gore_columns=3", "full.mesh.gore_rows=6",
+                                  "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
+                                  std::string("full.line_substeps=") + substeps}),
+                      12'000);
+}
+
 TEST(Layouts, AgreeOnAnExtraction) {
     // At the apex and over the canopy; damping from release on, payload drag, single columns.
     for (const bool on_apex : {true, false}) {
@@ -114,6 +125,7 @@ TEST(Layouts, AgreeWhereElementsCarryThePack) {
 TEST(Layouts, AgreeWhereGoresFillNoBlock) {
     // Thirty and twelve gores, odd and even columns; accreting air; an oblique start and an open canopy.
     Scene scene = crane_drop({"full.mesh.gore_columns=3"});
+    scene.full.contact = Contact::gores;
     scene.parachutes.front().gores = 30;
     scene.parachutes.front().risers = 3;
     scene.parachutes.front().deploy.by = DeployBy::line_stretch;

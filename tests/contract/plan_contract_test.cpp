@@ -32,6 +32,12 @@ Scene coarse(Scene scene) {
     return scene;
 }
 
+Scene demo() {
+    Scene scene = coarse(test::c9_scene());
+    scene.full.contact = Contact::gores;
+    return scene;
+}
+
 /// Nothing that a scene may leave out.
 Scene bare() {
     Scene scene = coarse(test::c9_scene());
@@ -81,7 +87,7 @@ Scene inflated() {
 
 const std::vector<Case>& cases() {
     static const std::vector<Case> all{{"bare", bare()},
-                                       {"demo", coarse(test::c9_scene())},
+                                       {"demo", demo()},
                                        {"inflated", inflated()},
                                        {"packed, elements throughout", bare_from_the_pack()},
                                        {"static line", rich(DeployBy::static_line)},

@@ -30,6 +30,7 @@ Scene everything(int gores, int risers, const MeshCounts& mesh) {
     scene.full.alpha = 3.0;
     scene.full.beta = 1e-7;
     scene.full.mesh = mesh;
+    scene.full.contact = Contact::gores;
     scene.full.symmetry = Symmetry::sector;
     return scene;
 }
@@ -102,6 +103,7 @@ const Case cases[] = {
     {"three_columns", 12, 2, {3, 6, 4, 1, graded}, 4'000},
     {"three_uniform_columns", 30, 3, {3, 7, 5, 3, uniform}, 4'000},
     {"four_columns", 12, 1, {4, 6, 1, 1, graded}, 4'000},
+    {"gores_that_touch", 28, 4, {4, 6, 4, 2, graded}, 6'000},  // billows as wide as they are apart
     {"a_riser_for_each_gore", 6, 6, {2, 5, 3, 2, graded}, 4'000},
 };
 

@@ -349,6 +349,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "stop.height",
                                                     "stop.then",
                                                     "full.symmetry",
+                                                    "full.contact",
                                                     "parachute.count",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
@@ -431,6 +432,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                  return line.path == "parachute.mesh";
              }))
         put("parachute.mesh", "\"generated-mesh.msh\"");
+    const bool packed = by != "line-stretch" && by != "inflated";
+    const bool imported =
+        std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.mesh"; });
+    if (chance(0.5)) put("full.contact", imported || packed || chance(0.3) ? "\"none\"" : "\"gores\"");
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });

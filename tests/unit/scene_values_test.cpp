@@ -203,6 +203,7 @@ TEST(SceneValues, DefaultsAreThoseOfTheTable) {
     EXPECT_EQ(s.full.time_step_factor, 0.95);
     EXPECT_EQ(s.full.line_substeps, 4);
     EXPECT_EQ(s.full.mass_scaling, 0.0);
+    EXPECT_EQ(s.full.contact, Contact::none);
     EXPECT_EQ(s.full.strain_limit, 0.5);
     EXPECT_EQ(s.full.output_rate, 200.0);
     EXPECT_FALSE(s.full.fields_rate);
