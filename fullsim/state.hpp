@@ -48,6 +48,7 @@ public:
             : zero_(reinterpret_cast<std::uintptr_t>(forces.of_.data()) -
                     forces.first_ * sizeof(NodeVector)) {}
         NodeVector& operator[](std::size_t node) const {
+            // NOLINTNEXTLINE(performance-no-int-to-ptr): to subtract `first_` every time costs 3 % of a drop
             return *reinterpret_cast<NodeVector*>(zero_ + node * sizeof(NodeVector));
         }
 
