@@ -94,6 +94,9 @@ struct Case {
             auto one = finished_record(of_candidate, scene, place / of_candidate.name),
                  other = finished_record(of_reference, scene, place / of_reference.name);
             if (one && other) finished.emplace(std::move(*one), std::move(*other));
+            if (finished)
+                for (const Fidelity* of : {&of_candidate, &of_reference})
+                    remove_abandoned(place / of->name);
         }
         if (finished) return;
         candidate.emplace(of_candidate, scene, place / of_candidate.name, resumes);
@@ -227,6 +230,7 @@ private:
         batch.commit();
         if (of.candidate) of.candidate->ended(comparison.candidate);
         if (of.reference) of.reference->ended(comparison.reference);
+        remove_abandoned(of.place);  // of the comparison itself
 
         CaseOutcome outcome;
         outcome.row = series_case(scenes_[i], comparison);

@@ -80,9 +80,9 @@ void LongRun::save(const Checkpoint& checkpoint) {
 }
 
 void LongRun::ended(const RunRecord& record) {
-    if (!keeps_ || record.status.code == StatusCode::interrupted) return;
+    if (record.status.code == StatusCode::interrupted) return;
     std::error_code ignored;  // one that cannot go makes the next --resume end as this run did
-    fs::remove(checkpoint_file(directory_), ignored);
+    if (keeps_) fs::remove(checkpoint_file(directory_), ignored);
     remove_abandoned(directory_);
 }
 

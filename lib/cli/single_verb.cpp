@@ -22,7 +22,10 @@ struct Case {
         : scene(its_scene), place(directory_of(scene, directory.value_or(""))) {
         if (!directory) return;
         if (resumes) finished = finished_record(fidelity, scene, place);
-        if (!finished) long_run.emplace(fidelity, scene, place, resumes);
+        if (finished)
+            remove_abandoned(place);  // killed right after its record was written
+        else
+            long_run.emplace(fidelity, scene, place, resumes);
     }
 
     const Scene& scene;
