@@ -67,7 +67,7 @@ void keep(Keeper& k, LargestLoads& loads) {
 void keep(Keeper& k, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
            added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
-           external_power, riser_force, capped_steps, largest] = state;
+           external_power, riser_force, in_substeps, capped_steps, largest] = state;
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
         k.number("state", *x);
@@ -85,6 +85,8 @@ void keep(Keeper& k, State& state) {
     keep_air(k, air);
     k.row("energy", energy, energy_members);
     k.numbers("riser force", std::span(riser_force.data(), 3));
+    k.numbers("risers in substeps", std::span(in_substeps.sum.data(), 3));
+    k.whole("risers in substeps", in_substeps.count, 0);
     keep(k, largest);
 }
 

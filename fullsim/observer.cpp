@@ -45,12 +45,14 @@ Observer::Observer(const Mesh& mesh, double gravity, double output_rate)
 
 void Observer::observe(const State& state) {
     const double raw = state.riser_force.norm();
+    const MeanForce pull = mean_riser_force(state);
     const NodeIndex payload = mesh_.payload();
-    const Vec3 load = to_vec3(state.force[payload].value + state.aero[payload].value);
+    const Vec3 others = to_vec3(state.force[payload].value + state.aero[payload].value) - state.riser_force;
+    const Vec3 load = others + pull.value;
     // The payload node also carries half a riser element.
     const Vec3 acceleration = load / mesh_.mass[payload] - gravity_ * Vec3::UnitZ();
-    force_.push(state.time, raw);
-    acceleration_.push(state.time, acceleration.norm());
+    force_.push(pull.time, pull.value.norm());
+    acceleration_.push(pull.time, acceleration.norm());
     Extremes& most = extremes_;
     Peak& raw_most = state.time >= most.peak_from ? most.raw_peak : most.snatch_peak;
     if (raw > raw_most.value) raw_most = {raw, state.time};

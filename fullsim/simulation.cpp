@@ -119,6 +119,8 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
         if (std::max(c.node[0], c.node[1]) >= mesh_.first_place())
             riser_stiffness_ =
                 std::max(riser_stiffness_, c.strands * mesh_.cord(c.kind).axial_stiffness() / c.rest_length);
+    line_waves_ = line_waves(mesh_, constants_, scene.parachutes.front().line_length,
+                             scene.full.bulk_viscosity, scene.full.beta);
     state_.phase = first_phase(scene, inflation_);
     if (body_) body_->start(state_, mesh_.axis);
     if (scene.parachutes.front().deploy.starts_packed()) {
@@ -382,9 +384,12 @@ Simulation::Step Simulation::choose_step(const State& state) {
     const double share = !slaps ? 1.0 : std::min(1.0, share_while_slapping / factor);
     if (body_)
         step = std::min(step, body_->stable_step(state, structure_, mesh_.first_place(), riser_stiffness_));
+    // In a pack that only falls lines are slack.
+    const double quiet =
+        state.folded ? never : quiet_step(line_waves_, state.added_mass, stable.canopy) / factor;
     // A body takes steps with the canopy, and so does what hangs on it.
     for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
-        const double longer = share * std::min(stable.canopy, count * stable.lines);
+        const double longer = std::min(quiet, share * std::min(stable.canopy, count * stable.lines));
         const double dearness_of_count = cost_of(count) / longer;
         if (dearness_of_count >= dearness) continue;
         substeps = count;
@@ -442,6 +447,7 @@ void Simulation::step_to(double end) {
     const double dt = last ? left : std::min(step_, 0.5 * left);
     most_substeps_ = std::max(most_substeps_, substeps_);
     const double kick = 0.5 * (dt + state_.dt);
+    state_.in_substeps = {};
     layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, dt);
     lags_ = true;

@@ -14,6 +14,7 @@
 #include "fullsim/step/mass_scaling.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "fullsim/step/stable_step.hpp"
+#include "fullsim/step/substeps.hpp"
 #include "lib/models/inflation.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -170,6 +171,7 @@ private:
     std::unique_ptr<Layout> layout_;
     double step_ = 0.0;                     // [s] bound times factor, as last refreshed
     int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
+    LineWaves line_waves_;
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp

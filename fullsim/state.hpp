@@ -152,6 +152,17 @@ struct BodyState {
     Vec3 torque = Vec3::Zero();         ///< [N m] about its centre, of the risers, at time
 };
 
+/// What the risers apply to the payload in the substeps of a step, all but its first.
+struct RiserPulls {
+    Vec3 sum = Vec3::Zero();  ///< [N]
+    int count = 0;
+
+    void add(Lanes pull) {
+        sum += to_vec3(pull);
+        ++count;
+    }
+};
+
 struct State {
     double time = 0.0;     ///< [s] since release
     double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
@@ -180,9 +191,22 @@ struct State {
     double damping_power = 0.0;       ///< [W] dissipated now
     double external_power = 0.0;      ///< [W] of forces from outside the system now
     Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
+    RiserPulls in_substeps;           ///< and what they did within the last step
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
     LargestLoads largest;
 };
+
+/// riser_force as a mean [N], and the time [s] of that. Where lines take substeps, what the canopy does to
+/// them comes as one impulse a step and runs through them as a wave: the end of a step is always the same
+/// moment of it.
+struct MeanForce {
+    Vec3 value;
+    double time;
+};
+inline MeanForce mean_riser_force(const State& s) {
+    return {(s.in_substeps.sum + s.riser_force) / (1.0 + s.in_substeps.count),
+            s.time - 0.5 * s.in_substeps.count * s.line_dt};
+}
 
 /// No force on any node, and nothing dissipated yet; from here on the state holds those from node `first` on.
 inline void clear_forces(State& state, std::size_t first = 0) {

@@ -381,6 +381,7 @@ private:
                     state.largest.add_tension(of_part.largest_tension);
                 }
                 stretch_risers(state, dissipated);
+                state.in_substeps.add(state.force[mesh_.payload()].value);
                 nodes_->send_guests(nodes_->frame.force, state.force);
             }
             sums.line_damping += move.step.kick * line_damping_;

@@ -326,7 +326,10 @@ private:
             sums.share_square += constants_.share[i] * sum3(middle * middle);
         }
         for (int k = 0; k < count; ++k) {
-            if (k > 0) damping = pull_lines(state);
+            if (k > 0) {
+                damping = pull_lines(state);
+                state.in_substeps.add(pull[mesh_.payload()].value);
+            }
             const Substep step = substep(state, dt, count, k);
             sums.line_damping += step.kick * damping;
             for (const NodeIndex i : pulled_)

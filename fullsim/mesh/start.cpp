@@ -48,8 +48,10 @@ Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double l
 }
 
 /// Static line elements over those of suspension lines, in length: on light vent nodes, and held by many legs
-/// at one end, they would set the step of the whole parachute where lines take substeps.
+/// at one end, they would set the step of the whole parachute where lines take substeps. As many times as
+/// lines take substeps then, or this.
 constexpr double coarser_than_lines = 4.0;
+constexpr double fewest_elements = 4.0;  // of a static line
 
 /// As strong as one of four risers would be: by one leg from each of the vent's seams, together as strong, to
 /// the apex, from there to the far end. `axis`: from payload to apex.
@@ -60,8 +62,9 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
     const double strands = std::max(1.0, 0.25 * static_cast<double>(mesh.seam_rings.back().size()));
     const double length = chute.deploy.static_line_length;
     const auto of_line = std::ranges::find(mesh.cables, CableKind::line, &Cable::kind);
-    const double element = coarser_than_lines * of_line->rest_length;
-    const int elements = std::max(1, static_cast<int>(std::lround(length / element)));
+    const double coarser = std::max(coarser_than_lines, 1.0 * scene.full.line_substeps);
+    const double element = std::min(coarser * of_line->rest_length, length / fewest_elements);
+    const int elements = static_cast<int>(std::lround(length / element));
     const double linear = chute.line.linear_density();
     const double leg = vent_radius;
 

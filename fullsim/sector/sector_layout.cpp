@@ -209,6 +209,7 @@ public:
             sums.line_damping += next.step.kick * line_damping_;
             state.largest.add_tension(further.largest_tension);
             state.force[payload].value = pull_on_payload();
+            state.in_substeps.add(state.force[payload].value);
             mover.move_in_substep(payload, mass, next.step);
         }
         sums.line_damping_power = line_damping_ / count;

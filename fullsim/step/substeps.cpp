@@ -1,6 +1,38 @@
 #include "fullsim/step/substeps.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fullsim/forces/registry.hpp"
+
 namespace twinchute::fullsim {
+
+LineWaves line_waves(const Mesh& mesh, const NodeConstants& constants, double line_length,
+                     double bulk_viscosity, double beta) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    LineWaves line{0.0, none, none, none};
+    for (const Cable& c : mesh.cables) {
+        if (c.kind != CableKind::line) continue;
+        const CableConstants of_element = cable_constants(mesh, c, bulk_viscosity, beta);
+        line.stiffness = std::max(line.stiffness, of_element.stiffness / line_length);
+        line.lag = std::min(line.lag, of_element.dashpot * c.rest_length / of_element.stiffness);
+        for (const NodeIndex i : c.node) {
+            if (!mesh.is_canopy(i)) continue;
+            line.mass = std::min(line.mass, constants.mass[i]);
+            line.share = std::min(line.share, constants.share[i]);
+        }
+    }
+    return line;
+}
+
+double quiet_step(const LineWaves& line, double added_mass, double canopy_bound) {
+    if (line.stiffness == 0.0) return std::numeric_limits<double>::infinity();
+    const double mass = line.mass + line.share * added_mass;
+    constexpr double pi_to_5 = pi * pi * pi * pi * pi;
+    const double fifth = pi_to_5 * line.lag * canopy_bound * canopy_bound * mass / (8.0 * line.stiffness);
+    return 0.5 * std::pow(fifth, 0.2);
+}
 
 void advance_in_substeps(State& state, const NodeConstants& c, double dt, int count, double next_added_mass,
                          SubstepNodes& pulled, double damping, const LinePulls& lines) {
@@ -31,7 +63,10 @@ void advance_in_substeps(State& state, const NodeConstants& c, double dt, int co
     mover.move_static_line(c, sums);
 
     for (int k = 0; k < count; ++k) {
-        if (k > 0) damping = lines(state);
+        if (k > 0) {
+            damping = lines(state);
+            state.in_substeps.add(state.force[c.mass.size() - 1].value);
+        }
         const Substep step = substep(state, dt, count, k);
         sums.line_damping += step.kick * damping;
         for (const NodeIndex i : pulled.nodes())

@@ -59,6 +59,22 @@ void advance_in_substeps(State& state, const NodeConstants& constants, double dt
                          double next_added_mass, SubstepNodes& pulled, double damping,
                          const LinePulls& lines);
 
+/// A suspension line as waves run through it, from a node of the skirt to an end that stands still.
+struct LineWaves {
+    double stiffness = 0.0;          ///< EA/L of the whole line [N/m]; 0: there is none
+    double lag = 0.0;                ///< dashpot over stiffness of its elements, the least [s]
+    double mass = 0.0, share = 0.0;  ///< of the lightest node on the skirt: [kg], and of the added mass [-]
+};
+
+LineWaves line_waves(const Mesh& mesh, const NodeConstants& constants, double line_length,
+                     double bulk_viscosity, double beta);
+
+/// Longest step of the canopy [s] in which impulses do not make lines ring, however small their substeps are,
+/// by docs/theory/full-model.md, "Lines in steps of their own": H^5 = pi^5 lag h^2 m/(8 EA/L), of which half
+/// is taken. `canopy_bound`: h, the longest stable step of the canopy without lines [s]. Infinite without
+/// lines.
+double quiet_step(const LineWaves& line, double added_mass, double canopy_bound);
+
 /// The substep number `k` of as many in a step of `dt` [s].
 inline Substep substep(const State& state, double dt, int count, int k) {
     const double length = dt / count;

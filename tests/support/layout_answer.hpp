@@ -36,6 +36,7 @@ inline Answer answer_of(Layout& layout, const State& state, const NodeConstants&
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
     const auto step = [&](State& s, int count) {
         s.largest = {};
+        s.in_substeps = {};
         layout.begin(s, structure, loads);
         if (count == 1) a.levels = layout.levels(s);
         clock.begin_step(false);
@@ -117,6 +118,10 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
           "largest stress");
     close(reference.in_substeps.largest.line_tension, other.in_substeps.largest.line_tension,
           reference.in_substeps.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
+    const auto &rp = reference.in_substeps.in_substeps, &op = other.in_substeps.in_substeps;
+    EXPECT_EQ(rp.count, 2);
+    EXPECT_EQ(op.count, 2);
+    EXPECT_LT((rp.sum - op.sum).norm(), rounding * (largest + 4.0 * stiffest)) << "risers in substeps";
     EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), rounding * 100.0);
     EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), rounding * 1000.0);
     EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), rounding * 100.0);

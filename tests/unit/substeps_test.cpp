@@ -5,11 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <string>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/simulation.hpp"
 #include "fullsim/step/energy.hpp"
 #include "fullsim/step/stable_step.hpp"
 #include "fullsim/step/substeps.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::fullsim {
@@ -191,6 +196,90 @@ TEST(Substeps, RingWhereAStepIsHalfAPeriodOfTheLine) {
     EXPECT_GT(near_resonance(0.5, 0.0), 5e-5);
     EXPECT_LT(late_amplitude(Chain(0.5, 0.05, 4.0, 0.0, pull), 0.9), 2e-5);
     EXPECT_LT(near_resonance(5.0, 0.06), 2e-5);
+}
+
+/// Largest growth in a step of `dt` of a line whose one end is fixed, the other a skirt of `mass` on a spring
+/// with the bound `canopy` on its step: one impulse of the spring, then the line's exact motion. By elements:
+/// EA/l = 1 N/m and 1 kg; dashpots of `viscosity` times the impedance.
+double growth(int elements, double mass, double viscosity, double canopy, double dt) {
+    Eigen::MatrixXd rate = Eigen::MatrixXd::Zero(2 * elements, 2 * elements);
+    rate.topRightCorner(elements, elements).setIdentity();
+    for (int e = 0; e < elements; ++e)
+        for (const int row : {e, e + 1})
+            for (const int column : {e, e + 1}) {
+                if (std::max(row, column) == elements) continue;
+                const double pull = (row == column ? -1.0 : 1.0) / (row == 0 ? mass : 1.0);
+                rate(elements + row, column) += pull;
+                rate(elements + row, elements + column) += viscosity * pull;
+            }
+    Eigen::MatrixXd kick = Eigen::MatrixXd::Identity(2 * elements, 2 * elements);
+    kick(elements, 0) = -dt * 4.0 / (canopy * canopy);
+    return ((rate * dt).exp() * kick).eval().eigenvalues().cwiseAbs().maxCoeff();
+}
+
+TEST(Substeps, DoNotRingUpToTheQuietStep) {
+    // Against the eigenvalues of a whole step, which is the method's limit for infinitely small substeps. The
+    // canopy's own bound of 5 to 50 transit times of an element is that of stiff lines on a canopy that fills
+    // or is open.
+    constexpr int elements = 16;
+    int rang = 0;
+    for (const double mass : {0.3, 1.0, 5.0})
+        for (const double viscosity : {0.06, 0.24})
+            for (const double canopy : {5.0, 15.0, 50.0}) {
+                const LineWaves line{1.0 / elements, viscosity, mass, 0.0};
+                const double quiet = quiet_step(line, 0.0, canopy);
+                for (int i = 1; i <= 20; ++i)
+                    EXPECT_LT(
+                        growth(elements, mass, viscosity, canopy, std::min(quiet, 0.95 * canopy) * i / 20),
+                        1.0 + 1e-9)
+                        << mass << ' ' << viscosity << ' ' << canopy << ' ' << i;
+                for (double dt = quiet; dt < std::min(4.0 * quiet, 0.95 * canopy); dt *= 1.01)
+                    if (growth(elements, mass, viscosity, canopy, dt) > 1.0 + 1e-3) {
+                        ++rang;
+                        break;
+                    }
+            }
+    EXPECT_GT(rang, 6);  // the bound is needed
+    // Air on the skirt lets steps be longer, by the fifth root of its mass.
+    EXPECT_NEAR(quiet_step({1.0, 0.1, 1.0, 0.5}, 62.0, 5.0), 2.0 * quiet_step({1.0, 0.1, 1.0, 0.5}, 0.0, 5.0),
+                1e-12);
+    EXPECT_EQ(quiet_step({}, 0.0, 5.0), std::numeric_limits<double>::infinity());
+}
+
+TEST(Substeps, RecordWhatRisersGiveThePayload) {
+    // Lines a hundred times as stiff, in many substeps: the mean force over time is the payload's momentum
+    // and what gravity took of it; the force at the ends of steps is not.
+    for (const char* symmetry : {"none", "sector"}) {
+        const Scene scene =
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                       {"parachute.line=mil-c-5040-type-ii-printed", "parachute.deploy.by='inflated'",
+                        "release.speed='7.7 m/s'", "full.line_substeps=12", "full.mesh.gore_columns=1",
+                        "full.mesh.gore_rows=9", std::string("full.symmetry=") + symmetry});
+        Simulation simulation(scene);
+        const NodeIndex payload = simulation.mesh().payload();
+        const auto fly = [&](double until, auto&& see) {
+            while (simulation.outline().time < until) {
+                simulation.evaluate_forces();
+                see(simulation.outline());
+                simulation.step_to(until);
+            }
+        };
+        fly(0.1, [](const State&) {});
+        const double start = simulation.outline().time, before = simulation.outline().node[payload].v[2];
+        double impulse = 0.0, of_ends = 0.0, last = start;
+        fly(0.6, [&](const State& s) {
+            impulse += mean_riser_force(s).value.z() * (s.time - last);
+            of_ends += s.riser_force.z() * (s.time - last);
+            last = s.time;
+        });
+        const double after = simulation.outline().node[payload].v[2];
+        const double gained =
+            simulation.constants().mass[payload] *
+            (after - before + scene.environment.gravity * (simulation.outline().time - start));
+        EXPECT_GE(simulation.most_substeps(), 8) << symmetry;
+        EXPECT_NEAR(impulse, gained, 2e-3 * gained) << symmetry;  // a step at either end
+        EXPECT_GT(std::abs(of_ends - gained), 1e-2 * gained) << symmetry;
+    }
 }
 
 TEST(RowWeights, BringTheBoundOfAChainToItsLimit) {
