@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace twinchute::fullsim {
 namespace {
@@ -12,7 +13,8 @@ constexpr std::size_t most_memory = 24u << 20;
 constexpr std::size_t fewest_frames = 8;
 
 double first_principal(const PlaneTensor& a) {
-    return 0.5 * (a.xx + a.yy) + std::hypot(0.5 * (a.xx - a.yy), a.xy);
+    const double half_difference = 0.5 * (a.xx - a.yy);  // stresses are far from where squares overflow
+    return 0.5 * (a.xx + a.yy) + std::sqrt(half_difference * half_difference + a.xy * a.xy);
 }
 
 FabricFolds folds_of(FabricState state) {
@@ -47,11 +49,12 @@ ShapeCableKind shape_kind(CableKind kind) {
 
 }  // namespace
 
-FrameRecorder::FrameRecorder(const Mesh& mesh, bool wanted)
+FrameRecorder::FrameRecorder(const Mesh& mesh, bool wanted, int sectors)
     : mesh_(mesh),
       law_(membrane_law(mesh.fabric, 0.0)),
       wanted_(wanted),
       most_frames_(0),
+      sectors_(static_cast<std::size_t>(sectors)),
       tether_nodes_(mesh.static_line.position.size()),
       next_(std::numeric_limits<double>::infinity()) {
     if (!wanted) return;
@@ -97,7 +100,8 @@ void FrameRecorder::take(const State& state) {
     stress_.clear();
     std::vector<FabricFolds> folds;
     folds.reserve(mesh_.triangles.size());
-    for (const Triangle& t : mesh_.triangles) {
+    const std::size_t first_sector = mesh_.triangles.size() / sectors_;
+    for (const Triangle& t : std::span(mesh_.triangles).first(first_sector)) {
         FabricState wrinkling{};
         const PlaneTensor stress = membrane_stress(
             law_,
@@ -106,6 +110,10 @@ void FrameRecorder::take(const State& state) {
             &wrinkling);
         stress_.push_back(state.fe_weight * first_principal(stress));
         folds.push_back(folds_of(wrinkling));
+    }
+    for (std::size_t t = first_sector; t < mesh_.triangles.size(); ++t) {
+        stress_.push_back(stress_[t - first_sector]);
+        folds.push_back(folds[t - first_sector]);
     }
     shape_.frames.push_back(quantised(state.time, place_, stress_, std::move(folds)));
     next_ = begin_ + stretch_.interval * (std::floor((state.time - begin_) / stretch_.interval + 1e-9) + 1.0);

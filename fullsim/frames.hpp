@@ -21,8 +21,10 @@ struct FrameStretch {
 /// nobody knows beforehand how long a deployment or a descent lasts.
 class FrameRecorder {
 public:
-    /// Unless `wanted`, nothing is ever taken. `mesh` with the static line that it starts with.
-    FrameRecorder(const Mesh& mesh, bool wanted);
+    /// Unless `wanted`, nothing is ever taken. `mesh` with the static line that it starts with; `sectors`:
+    /// parts of its canopy that are images of each other (Layout::sectors), of which one is looked at for
+    /// stresses.
+    FrameRecorder(const Mesh& mesh, bool wanted, int sectors = 1);
 
     /// From `time` [s] on frames are taken as `stretch` says; those before stay.
     void begin(double time, const FrameStretch& stretch);
@@ -51,7 +53,7 @@ private:
     MembraneLaw law_;
     bool wanted_;
     std::size_t most_frames_;  // that memory is given to
-    std::size_t tether_nodes_;
+    std::size_t sectors_, tether_nodes_;
     NodeIndex apex_ = 0;  // where the static line is fixed
     FrameStretch stretch_{1.0, 2};
     double begin_ = 0.0, next_;             // [s]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "lib/solve/opening.hpp"
 
@@ -12,7 +13,7 @@ constexpr double filter_window = 5e-3;  // [s]
 
 }  // namespace
 
-CanopyShape canopy_shape(const State& state, const Mesh& mesh) {
+CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
     const auto centre_of = [&](const std::vector<NodeIndex>& ring) {
         Vec3 sum = Vec3::Zero();
         for (const NodeIndex i : ring)
@@ -25,17 +26,19 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh) {
     for (const auto& ring : mesh.seam_rings) {
         const Vec3 centre = centre_of(ring);
         double sum = 0.0;
-        for (const NodeIndex i : ring) {
+        const std::size_t unlike = ring.size() / static_cast<std::size_t>(sectors);
+        for (const NodeIndex i : std::span(ring).first(unlike)) {
             const Vec3 arm = to_vec3(state.node[i].x) - centre;
             sum += (arm - arm.dot(axis) * axis).norm();
         }
-        shape.seam_diameter = std::max(shape.seam_diameter, 2.0 * sum / static_cast<double>(ring.size()));
+        shape.seam_diameter = std::max(shape.seam_diameter, 2.0 * sum / static_cast<double>(unlike));
     }
     return shape;
 }
 
-Observer::Observer(const Mesh& mesh, double gravity, double output_rate)
+Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sectors)
     : mesh_(mesh),
+      sectors_(sectors),
       gravity_(gravity),
       interval_(1.0 / output_rate),
       force_(filter_window),
@@ -70,7 +73,7 @@ void Observer::observe(const State& state) {
 
 void Observer::add_row(const State& state, double force_raw) {
     const NodeRecord& payload = state.node[mesh_.payload()];
-    const CanopyShape shape = canopy_shape(state, mesh_);
+    const CanopyShape shape = canopy_shape(state, mesh_, sectors_);
     HistoryRow row{};
     row.time = state.time;
     row.position = to_vec3(payload.x);

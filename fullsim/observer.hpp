@@ -22,16 +22,17 @@ struct HistoryRow {
     double density;               // [kg/m^3]
 };
 
-/// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis.
+/// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis. Of
+/// `sectors` that are images of each other (Layout::sectors) one is measured.
 struct CanopyShape {
     double seam_diameter, depth;  // [m]
 };
-CanopyShape canopy_shape(const State& state, const Mesh& mesh);
+CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 
 class Observer {
 public:
-    /// gravity [m/s^2]; output_rate: rows per second.
-    Observer(const Mesh& mesh, double gravity, double output_rate);
+    /// gravity [m/s^2]; output_rate: rows per second; sectors as canopy_shape.
+    Observer(const Mesh& mesh, double gravity, double output_rate, int sectors = 1);
 
     /// Largest forces from here on [s] are the opening's, those before the snatch's. At or after the time of
     /// the last observation; 0 at first.
@@ -92,6 +93,7 @@ private:
     void settle_rows();
 
     const Mesh& mesh_;
+    int sectors_;
     double gravity_, interval_;
     double next_row_ = 0.0;
     std::vector<HistoryRow> rows_;

@@ -54,9 +54,10 @@ public:
                           return any ? make_indexed_layout(s, mesh, constants)
                                      : make_layout(s, mesh, constants, threads);
                       }),
-          observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate),
+          observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate,
+                    simulation_.sectors()),
           fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
-          frames_(simulation_.mesh(), static_cast<bool>(run.frames)),
+          frames_(simulation_.mesh(), static_cast<bool>(run.frames), simulation_.sectors()),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight) {
         if (!scene.parachutes.front().reefing.empty()) {

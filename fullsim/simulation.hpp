@@ -102,6 +102,8 @@ public:
     static double cost_of(int substeps);
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
+    /// As Layout.
+    int sectors() const { return layout_->sectors(); }
     /// What `full.mass_scaling` did to the mesh.
     const MassScaling& mass_scaling() const { return mass_scaling_; }
     /// Most substeps that lines have taken in a step.

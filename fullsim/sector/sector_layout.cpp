@@ -97,6 +97,8 @@ public:
         has_mass_damping_ = acts("mass damping");
     }
 
+    int sectors() const override { return sector_.count; }
+
     void store(State& state) const override {
         const SectorFrame& f = arrays_.frame;
         for (LocalNode n = 0; n < sector_.own; ++n) {

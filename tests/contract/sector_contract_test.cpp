@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "fullsim/frames.hpp"
+#include "fullsim/observer.hpp"
 #include "fullsim/sector/kernels.hpp"
 #include "fullsim/sector/sector.hpp"
 #include "fullsim/simulation.hpp"
@@ -138,6 +140,40 @@ TEST(Sector, CoversTheMesh) {
         }
         EXPECT_NEAR(riser * sector->count, 28 * 1.22, 1e-9);
         EXPECT_NEAR(line * sector->count, 28 * 7.31, 1e-9);
+    }
+}
+
+TEST(Sector, ShapesOfOneAreThoseOfAll) {
+    // Stresses to one of their 255 steps, on whose edge rounding may fall; diameters to rounding.
+    for (const int risers : {1, 4}) {
+        const Scene scene = everything(28, risers, {2, 6, 3, 2});
+        Simulation simulation(scene);
+        ASSERT_EQ(simulation.sectors(), risers == 1 ? 28 : 4);
+        while (simulation.outline().time < 0.5) {
+            simulation.evaluate_forces();
+            simulation.step_to(0.5);
+        }
+        const State& state = simulation.state();
+        std::vector<ShapeFrame> frames;
+        for (const int sectors : {1, simulation.sectors()}) {
+            FrameRecorder recorder(simulation.mesh(), true, sectors);
+            recorder.begin(state.time, {1.0, 2});
+            recorder.observe(state);
+            recorder.accept();
+            frames.push_back(recorder.finish().frames.front());
+        }
+        ASSERT_GT(frames[0].stress_step, 0.0);
+        EXPECT_NEAR(frames[1].stress_step, frames[0].stress_step, 1e-9 * frames[0].stress_step);
+        ASSERT_EQ(frames[0].stress.size(), simulation.mesh().triangles.size());
+        ASSERT_EQ(frames[1].stress.size(), frames[0].stress.size());
+        for (std::size_t t = 0; t < frames[0].stress.size(); ++t)
+            EXPECT_NEAR(frames[1].stress[t], frames[0].stress[t], 1) << t;
+        EXPECT_EQ(frames[1].folds, frames[0].folds);
+        EXPECT_EQ(frames[1].place, frames[0].place);
+        const CanopyShape all = canopy_shape(state, simulation.mesh()),
+                          one = canopy_shape(state, simulation.mesh(), simulation.sectors());
+        EXPECT_NEAR(one.seam_diameter, all.seam_diameter, 1e-12 * all.seam_diameter);
+        EXPECT_EQ(one.depth, all.depth);
     }
 }
 
