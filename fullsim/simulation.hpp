@@ -174,6 +174,7 @@ private:
     double step_ = 0.0;                     // [s] bound times factor, as last refreshed
     int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
     LineWaves line_waves_;
+    double share_left_ = 1.0;  // of slapping cloth's step, for what its residual leaves
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0;   // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
