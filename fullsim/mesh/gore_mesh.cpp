@@ -78,10 +78,23 @@ private:
         NodeIndex first_node;
     };
 
-    /// Rings from vent to skirt. On a graded mesh elements near the vent are longer than the rest, by four
-    /// times the vent's edge in the first row and by less from row to row: the smaller the width of an
-    /// element, the longer it has to be to oscillate no faster than its neighbours. At most half of the seam
-    /// is given away like that.
+    /// By how much the first row of a graded mesh is longer than the last ones [m]: four times the vent's
+    /// edge, which suits two elements across. More of them are so much the narrower; where all are narrow for
+    /// their height, those at the vent are lengthened in proportion, the same on meshes that are finer by as
+    /// much in both directions. At most so much that rows, longer by `all` times that together, give half of
+    /// the seam away.
+    double lengthening_of_the_first(double seam, double all) const {
+        if (counts_.grading == Grading::uniform) return 0.0;
+        const double edge_per_radius = 2.0 * std::sin(pattern_.half_angle);
+        const double width = pattern_.skirt_radius * edge_per_radius / counts_.gore_columns;
+        const double slender = seam / counts_.gore_rows / width;
+        const double factor = std::clamp(slender, 1.0, std::max(1.0, 0.5 * counts_.gore_columns));
+        return std::min(4.0 * factor * pattern_.vent_radius * edge_per_radius, 0.5 * seam / all);
+    }
+
+    /// Rings from vent to skirt. On a graded mesh elements near the vent are longer than the rest, by less
+    /// from row to row: the smaller the width of an element, the longer it has to be to oscillate no faster
+    /// than its neighbours.
     void lay_out_rows() {
         const bool graded = counts_.grading == Grading::graded;
         const double seam = pattern_.skirt_radius - pattern_.vent_radius;
@@ -89,8 +102,7 @@ private:
         double all = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row)
             all += lengthening(row);
-        const double vent_edge = 2.0 * pattern_.vent_radius * std::sin(pattern_.half_angle);
-        const double first = graded ? std::min(4.0 * vent_edge, 0.5 * seam / all) : 0.0;
+        const double first = lengthening_of_the_first(seam, all);
         const double plain = (seam - first * all) / counts_.gore_rows;
         double added = 0.0;
         NodeIndex node = 0;
