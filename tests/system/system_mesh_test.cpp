@@ -19,7 +19,8 @@ using Words = std::vector<std::string>;
 
 const std::string c9 = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
 const Words coarse{"--set", "full.mesh.gore_columns=1",  "--set", "full.mesh.gore_rows=4",
-                   "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.3"};
+                   "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.3",
+                   "--set", "full.contact=none"};
 
 class SystemMesh : public testing::Test {
 protected:
@@ -30,8 +31,8 @@ protected:
     }
     /// The C-9 with a mesh from here.
     std::string own_scene(const std::string& mesh) const {
-        directory_.write("own.toml",
-                         "base = \"c9.toml\"\nname = \"own\"\n[[parachute]]\nmesh = \"" + mesh + "\"\n");
+        directory_.write("own.toml", "base = \"c9.toml\"\nname = \"own\"\n[[parachute]]\nmesh = \"" + mesh +
+                                         "\"\n[full]\ncontact = \"none\"\n");
         std::ifstream from(c9);
         directory_.write("c9.toml", {std::istreambuf_iterator<char>(from), {}});
         return "own.toml";

@@ -21,7 +21,7 @@ TEST(SceneDigest, KnowsEveryKeyThatIsGiven) {
          {"payload.mass=153", "release.height='301 m'", "release.speed=20", "environment.gravity=9.8",
           "parachute.deploy.by='inflated'", "parachute.fill_time.n=4.1",
           "aerodynamics.breathing_damping.k=0.4", "stop.time=3", "stop.then='rom'", "rom.rtol=1e-7",
-          "full.mesh.gore_rows=16", "full.symmetry='sector'", "full.contact='gores'",
+          "full.mesh.gore_rows=16", "full.symmetry='sector'", "full.contact='none'",
           "full.noise={amplitude=1e-3}", "full.noise={amplitude=1e-3,seed=2}", "full.output_rate=100",
           "full.fields_rate=10", "full.time_step_factor=0.9", "full.line_substeps=3"}) {
         EXPECT_TRUE(seen.insert(scene_digest(scene({key}))).second) << key;

@@ -15,7 +15,7 @@ namespace {
 
 Scene reefed(const std::string& delay = "4 s") {
     const std::string until = "{ at = \"line-stretch\", delay = \"" + delay + "\" }";
-    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-reefed.toml",
                       {"parachute.reefing=[{ drag_area_ratio = 0.1, until = " + until + " }]"});
 }
 
