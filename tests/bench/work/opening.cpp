@@ -138,7 +138,7 @@ void study_openings(const std::filesystem::path& directory, bool quick) {
     } else {
         study_opening_in_time(demo, {"opening-time", {0.95, 0.475, 0.2375, 0.11875}, {1e-4, 1e-5}, 1e-6},
                               directory);
-        study_opening_by_mesh(demo, {"opening-mesh", {0.5, 1, 1.5, 2}, {0.5, 1, 1.5, 2, 3}, {4, 6, 8}, 4},
+        study_opening_by_mesh(demo, {"opening-mesh", {0.5, 1, 1.5, 2}, {0.5, 1, 1.5, 2, 3}, {6, 8, 12}, 4},
                               directory);
     }
     study_opening_from_pack(directory, quick);
