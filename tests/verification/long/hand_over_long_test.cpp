@@ -1,4 +1,4 @@
-// As tests/verification/hand_over_test.cpp, on the demo's own mesh and over two minutes of descent.
+// As tests/verification/hand_over_test.cpp, on the meshes of the scenes and over two minutes of descent.
 #include <gtest/gtest.h>
 
 #include <array>
