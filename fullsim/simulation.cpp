@@ -30,9 +30,10 @@ constexpr double substep_cost = 0.12;    // of a substep of lines over a step of
 /// share of its own bound.
 constexpr double share_while_slapping = 0.5;
 /// How much of its step slapping cloth is given, by the share of the largest residual that is used up: what
-/// it adds to the energy shrinks with the step. Half may go unnoticed, a fifth is left for the flight.
+/// it adds to the energy shrinks with the step. What a crane drop uses goes unnoticed, a fifth is left for
+/// the flight.
 double share_with(double used_up) {
-    return std::clamp((0.8 - used_up) / 0.3, 0.2, 1.0);
+    return std::clamp((0.8 - used_up) / 0.2, 0.2, 1.0);
 }
 constexpr double cut_line = 10.0;  // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
