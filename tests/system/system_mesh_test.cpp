@@ -103,8 +103,8 @@ TEST_F(SystemMesh, AWrongMeshIsRefusedBeforeAnythingIsWritten) {
 }
 
 TEST_F(SystemMesh, TheShippedExampleRunsOnTheLayoutForAnyMesh) {
-    const Ended ended =
-        run({"full", TWINCHUTE_SOURCE_DIR "/data/scenes/c9-window.toml", "--json", "--set", "stop.time=0.3"});
+    const std::string window = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-window.toml";
+    const Ended ended = run({"full", window, "--json", "--set", "stop.time=0.3"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json record = json::parse(ended.out);
     EXPECT_NE(record["provenance"]["instruction_set"].get<std::string>().find("indexed"), std::string::npos);
