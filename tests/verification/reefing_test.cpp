@@ -19,14 +19,31 @@ Scene reefed(const std::string& delay = "4 s") {
                       {"parachute.reefing=[{ drag_area_ratio = 0.1, until = " + until + " }]"});
 }
 
-TEST(Reefing, BothFidelitiesPeakWithinFivePerCentInEachStage) {
-    // The full model is the reduced-order one plus what lines, cloth and its own shape do; between 10 and 45
-    // m/s that is 3.5 % of an unreefed peak.
+/// [N] of the force over [from, to], trapezoidal.
+double mean_force(const RunRecord& record, double from, double to) {
+    const auto &time = record.find_channel("time")->values, &force = record.find_channel("force")->values;
+    double sum = 0.0, span = 0.0;
+    for (std::size_t i = 1; i < time.size(); ++i) {
+        if (time[i - 1] < from || time[i] > to) continue;
+        sum += 0.5 * (force[i] + force[i - 1]) * (time[i] - time[i - 1]);
+        span += time[i] - time[i - 1];
+    }
+    return sum / span;
+}
+
+TEST(Reefing, BothFidelitiesPullAlikeInEachStage) {
+    // The drag area is the same in both, and what it does to the payload: what the full model adds, a canopy
+    // that bounces on its lines, cancels in a mean. It does not in the peak of the reefed stage, a level
+    // stretch in the other model: found 7 % above. The second stage opens as an unreefed canopy does, whose
+    // peaks are 3.5 % apart between 10 and 45 m/s at most.
     const Scene scene = reefed();
     const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
     ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
-    for (const char* key : {"stage_1_peak_force_N", "stage_2_peak_force_N"})
-        EXPECT_NEAR(*full.metric(key), *rom.metric(key), 0.05 * *rom.metric(key)) << key;
+    const double steady = mean_force(rom, 1.0, 3.9);
+    EXPECT_NEAR(mean_force(full, 1.0, 3.9), steady, 0.01 * steady);
+    EXPECT_GE(*full.metric("stage_1_peak_force_N"), *rom.metric("stage_1_peak_force_N"));
+    EXPECT_NEAR(*full.metric("stage_2_peak_force_N"), *rom.metric("stage_2_peak_force_N"),
+                0.05 * *rom.metric("stage_2_peak_force_N"));
     EXPECT_EQ(full.find_event("disreef")->time, 4.0);  // exactly, by a step that ends there
     EXPECT_NEAR(*full.metric("stage_1_filling_time_s"), *rom.metric("stage_1_filling_time_s"), 1e-6);
     // What the line held goes with it and is booked; an unreefed run has 1e-4 at most.
