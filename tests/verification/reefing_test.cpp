@@ -34,8 +34,8 @@ double mean_force(const RunRecord& record, double from, double to) {
 TEST(Reefing, BothFidelitiesPullAlikeInEachStage) {
     // The drag area is the same in both, and so is what it does to the payload once the reefed canopy is
     // full. Where that filling ends, at 0.56 s, the full model's force overshoots and the other's does not:
-    // found 7 % above, in the peak of this stage, which is only held to be no lower. The second stage opens as an unreefed canopy does, whose
-    // peaks are 3.5 % apart between 10 and 45 m/s at most.
+    // found 7 % above, in the peak of this stage, which is only held to be no lower. The second stage opens
+    // as an unreefed canopy does, whose peaks are 3.5 % apart between 10 and 45 m/s at most.
     const Scene scene = reefed();
     const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
     ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
