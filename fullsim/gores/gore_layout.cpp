@@ -16,6 +16,7 @@
 #include "fullsim/gores/crew.hpp"
 #include "fullsim/gores/gore_nodes.hpp"
 #include "fullsim/gores/kernels.hpp"
+#include "fullsim/gores/ready_threads.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
 #include "fullsim/mesh/gores.hpp"
@@ -48,7 +49,9 @@ public:
           crew_(threads),
           gores_(std::move(gores)),
           fabric_area_(mesh.fabric_area()),
-          tethered_(!mesh.static_line.cables.empty()) {}
+          tethered_(!mesh.static_line.cables.empty()) {
+        if (threads > 1) threads_ = std::make_unique<ReadyThreads>(threads - 1);
+    }
 
     std::string_view name() const override { return "gores in lanes"; }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
@@ -236,12 +239,16 @@ public:
         step_.first_aero = has_.cloth_drag ? 0 : gores_.inner;
         step_.first_pulled = gores_.inner;
         step_.together = together;
-        step_.first_kick = substep(state, dt, substeps, 0).kick;
+        const GoreSubstep first = substep_of(state, dt, substeps, 0);
+        step_.first_kick = first.step.kick;
         step_.gravity = constants_.gravity;
         step_.image = nodes_->image();
         step_.pushed = has_.pressure;
         step_.image_aero = has_.cloth_drag;
-        for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.advance(part, step_); });
+        for_parts([&](const GoreFrame& part) {
+            step_sums_[part.first] = kernels_.advance(part, step_);
+            if (!together) kernels_.substep(part, first);  // of gores alone: it asks for no forces
+        });
 
         StepSums sums;
         for (const GoreSums& g : step_sums_) {
@@ -304,16 +311,11 @@ private:
             part.last = block + 1;
             work(part);
         };
-#ifdef _OPENMP
-        if (const int threads = crew_.now(); threads > 1) {
-#pragma omp parallel for schedule(static) num_threads(threads)
+        if (crew_.now() > 1)
+            threads_->share(blocks, do_part);
+        else
             for (int block = 0; block < blocks; ++block)
                 do_part(block);
-            return;
-        }
-#endif
-        for (int block = 0; block < blocks; ++block)
-            do_part(block);
     }
 
     /// From the last step to this.
@@ -362,19 +364,25 @@ private:
         sums.area_velocity += as_lanes(g.area_velocity);
     }
 
-    /// Skirt, lines, links, risers and payload, which have had the impulse of everything else.
+    GoreSubstep substep_of(const State& state, double dt, int count, int k) const {
+        return {node_,
+                inverse_inertia_,
+                lines_,
+                k == 0,
+                nodes_->image()[gores_.inner],
+                substep(state, dt, count, k),
+                k + 1 == count ? 0.5 * dt : 0.0};
+    }
+
+    /// Skirt, lines, links, risers and payload, which have had the impulse of everything else; in the first,
+    /// which gores have taken, the others alone.
     void take_substeps(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
         for (int k = 0; k < count; ++k) {
             const bool last = k + 1 == count;
-            const GoreSubstep move{node_,
-                                   inverse_inertia_,
-                                   lines_,
-                                   k == 0,
-                                   nodes_->image()[gores_.inner],
-                                   substep(state, dt, count, k),
-                                   last ? 0.5 * dt : 0.0};
-            for_parts([&](const GoreFrame& part) { step_sums_[part.first] = kernels_.substep(part, move); });
+            const GoreSubstep move = substep_of(state, dt, count, k);
             if (k > 0) {
+                for_parts(
+                    [&](const GoreFrame& part) { step_sums_[part.first] = kernels_.substep(part, move); });
                 double dissipated = 0.0;
                 for (const GoreSums& of_part : step_sums_) {
                     dissipated += of_part.dissipated;
@@ -416,9 +424,7 @@ private:
     }
 
     /// [1/s] mass damping.
-    double by_mass() const {
-        return has_.mass_damping ? scene_.full.alpha : 0.0;
-    }
+    double by_mass() const { return has_.mass_damping ? scene_.full.alpha : 0.0; }
 
     /// Of a node in row sums.
     double weight(LocalNode n) const {
@@ -507,9 +513,7 @@ private:
     }
 
     void nothing(const ForceModel&) {}
-    void book(State& state, const FabricSums& all) {
-        state.damping_power += all.dissipated;
-    }
+    void book(State& state, const FabricSums& all) { state.damping_power += all.dissipated; }
 
     // --- fabric ---------------------------------------------------------------------------
 
@@ -587,9 +591,7 @@ private:
     FabricSums stretch_edges(const GoreFrame& part) const {
         return {0.0, 0.0, kernels_.springs(part, edges())};
     }
-    ElementLevels edge_levels(const State&) const {
-        return kernels_.spring_levels(nodes_->frame, edges());
-    }
+    ElementLevels edge_levels(const State&) const { return kernels_.spring_levels(nodes_->frame, edges()); }
     /// Springs take the folds along: both need the same lengths.
     FabricSums hold_folds(const GoreFrame& part) const {
         return has_.springs ? FabricSums{} : stretch_edges(part);
@@ -638,12 +640,8 @@ private:
         for (const GoreCable& c : gores_.cables)
             if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
-    FabricSums stretch_tapes(const GoreFrame& part) const {
-        return kernels_.cables(part, tapes_);
-    }
-    ElementLevels tape_levels(const State&) const {
-        return kernels_.cable_levels(nodes_->frame, tapes_);
-    }
+    FabricSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
+    ElementLevels tape_levels(const State&) const { return kernels_.cable_levels(nodes_->frame, tapes_); }
     void collect_lines() {
         lines_.clear();
         for (const GoreCable& c : gores_.cables)
@@ -694,9 +692,7 @@ private:
                                      scene_.full.bulk_viscosity, scene_.full.beta));
         static_line_ = trunk_.back().get();
     }
-    FabricSums stretch_cords(const GoreFrame& part) const {
-        return kernels_.cables(part, cords_);
-    }
+    FabricSums stretch_cords(const GoreFrame& part) const { return kernels_.cables(part, cords_); }
     void finish_static_line(State& state, const FabricSums& all) {
         book(state, all);
         static_line_->add_forces(state);
@@ -750,18 +746,15 @@ private:
         }
         state.damping_power += sum3(dissipated);
     }
-    void prepare_payload_drag(const ForceModel& block) {
-        payload_drag_ = &block;
-    }
-    void finish_payload_drag(State& state, const FabricSums&) {
-        payload_drag_->add_forces(state);
-    }
+    void prepare_payload_drag(const ForceModel& block) { payload_drag_ = &block; }
+    void finish_payload_drag(State& state, const FabricSums&) { payload_drag_->add_forces(state); }
 
     const Scene& scene_;
     const Mesh& mesh_;
     const NodeConstants& constants_;
     const GoreKernels& kernels_;
     Crew crew_;
+    std::unique_ptr<ReadyThreads> threads_;  // if it may be more than one
     std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
     std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
