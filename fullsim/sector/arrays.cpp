@@ -95,9 +95,18 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
     return all;
 }
 
+/// Of all registers that they fill.
+template <std::size_t corners>
+int SectorArrays::lanes_in(const std::vector<Group<corners>>& groups) const {
+    int registers = 0;
+    for (const auto& group : groups)
+        registers += padded(static_cast<int>(group.element.size())) / lanes_;
+    return (registers + ways_ - 1) / ways_ * ways_ * lanes_;
+}
+
 SectorArrays::SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
-                           const FullSettings& settings, int lanes)
-    : lanes_(lanes), nodes_(sector.nodes()) {
+                           const FullSettings& settings, int lanes, int ways)
+    : lanes_(lanes), ways_(ways), nodes_(sector.nodes()) {
     lay_triangles(sector, membrane_law(mesh.fabric, settings.bulk_viscosity));
     lay_cables(sector, mesh, settings.bulk_viscosity, settings.beta);
     if (settings.contact == Contact::gores) lay_contacts(sector, mesh);
@@ -110,7 +119,8 @@ std::vector<PlanArray> SectorArrays::sizes() const {
     std::vector<PlanArray> all;
     add_bytes(all, "nodes of the sector", node_rows_.bytes() + node_arrays_.bytes());
     add_bytes(all, "triangles", triangle_rows_.bytes());
-    add_bytes(all, "lines", cable_constants_.bytes() + line_rows_.bytes());
+    add_bytes(all, "tapes", tape_constants_.bytes());
+    add_bytes(all, "lines", cord_constants_.bytes() + line_rows_.bytes());
     add_bytes(all, "gore contact", contact_rows_.bytes());
     add_bytes(all, "streams", stream_rows_.bytes());
     return all;
@@ -123,14 +133,25 @@ std::int32_t SectorArrays::new_stream(int elements) {
     return at;
 }
 
+/// One that is there to fill up has no elements: it reads the first node and writes zeros where zeros are.
+template <std::size_t corners, std::size_t streams>
+void SectorArrays::lay(std::vector<Stretch<corners, streams>>& stretches, const Group<corners>& group,
+                       const std::array<std::int32_t, streams>& stream) const {
+    Stretch<corners, streams> next{group.node, stream};
+    for (std::size_t k = 0; k < group.element.size(); k += lanes_) {
+        stretches.push_back(next);
+        for (std::int32_t& node : next.node)
+            node += lanes_;
+        for (std::int32_t& s : next.stream)
+            s += lanes_;
+    }
+}
+
 void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
     std::vector<Nodes<3>> nodes;
     for (const GoreTriangle& t : sector.triangles)
         nodes.push_back(t.node);
     const auto all = groups(nodes, plan.copies, false);
-    int length = 0;
-    for (const auto& group : all)
-        length += padded(static_cast<int>(group.element.size()));
     enum : int {
         inverse_a,
         inverse_c,
@@ -141,15 +162,15 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
         stiffness = first_stiffness_row,
         damping = stiffness + 3
     };
-    triangle_rows_ = AlignedRows(damping + 3, length);
+    triangle_rows_ = AlignedRows(damping + 3, lanes_in(all));
     AlignedRows& rows = triangle_rows_;
     std::int32_t first = 0;
     for (const auto& group : all) {
         const auto count = static_cast<int>(group.element.size());
-        TriangleRun run{group.node, first, padded(count)};
-        for (std::int32_t& pull : run.pull)
-            pull = new_stream(count);
-        run.push = new_stream(count);
+        std::array<std::int32_t, 4> stream;
+        for (std::int32_t& s : stream)
+            s = new_stream(count);
+        const std::int32_t push = stream[3];
         for (int k = 0; k < count; ++k) {
             const GoreTriangle& t = sector.triangles[group.element[k]];
             const Triangle flat{{}, t.a, t.b, t.c};
@@ -165,19 +186,20 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
         for (int c = 0; c < 3; ++c) {
             if (!group.loose) {
                 acts_.push_back(
-                    {c == 0 ? Act::What::plus : Act::What::minus, run.pull[c], run.node[c], count});
-                acts_.push_back({Act::What::push, run.push, run.node[c], count});
+                    {c == 0 ? Act::What::plus : Act::What::minus, stream[c], group.node[c], count});
+                acts_.push_back({Act::What::push, push, group.node[c], count});
                 continue;
             }
             for (int k = 0; k < count; ++k) {
                 const LocalNode node = sector.triangles[group.element[k]].node[c];
-                plan.loose_triangles.push_back({run.pull[c] + k, node, c == 0 ? 1.0 : -1.0});
-                plan.loose_pushes.push_back({run.push + k, node, 1.0});
+                plan.loose_triangles.push_back({stream[c] + k, node, c == 0 ? 1.0 : -1.0});
+                plan.loose_pushes.push_back({push + k, node, 1.0});
             }
         }
-        plan.triangles.push_back(run);
-        first += run.elements;
+        lay(plan.triangles, group, stream);
+        first += padded(count);
     }
+    pair_up(plan.triangles);
     frame.triangle = {rows[inverse_a],
                       rows[inverse_c],
                       rows[b_over_a],
@@ -200,26 +222,21 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
             of.push_back(c.node);
         return of;
     };
-    const auto length = [&](const std::vector<Group<2>>& some) {
-        int sum = 0;
-        for (const auto& group : some)
-            sum += padded(static_cast<int>(group.element.size()));
-        return sum;
-    };
     const auto of_tapes = groups(nodes(tapes), plan.copies, false),
                of_cords = groups(nodes(cords), plan.cord_copies, true),
                of_lines = groups(nodes(lines), plan.copies, false);
     enum : int { inverse_length, stiffness, dashpot, rest_length, line, rows_of_cables };
-    cable_constants_ = AlignedRows(rows_of_cables, length(of_tapes) + length(of_cords));
-    line_rows_ = AlignedRows(1, length(of_lines));
-    AlignedRows& rows = cable_constants_;
-    std::int32_t first = 0;
-    const auto lay = [&](const std::vector<GoreCable>& cables, const std::vector<Group<2>>& all,
-                         std::vector<CableRun>& runs, std::vector<LoosePull>& loose, Act::What plus,
-                         Act::What minus, std::vector<CableTangent>& tangents) {
+    tape_constants_ = AlignedRows(rows_of_cables, lanes_in(of_tapes));
+    cord_constants_ = AlignedRows(rows_of_cables, lanes_in(of_cords));
+    line_rows_ = AlignedRows(1, lanes_in(of_lines));
+    const auto lay_all = [&](const std::vector<GoreCable>& cables, const std::vector<Group<2>>& all,
+                             AlignedRows& rows, std::vector<CableStretch>& stretches,
+                             std::vector<LoosePull>& loose, Act::What plus, Act::What minus,
+                             std::vector<CableTangent>& tangents) {
+        std::int32_t first = 0;
         for (const auto& group : all) {
             const auto count = static_cast<int>(group.element.size());
-            const CableRun run{group.node, first, padded(count), new_stream(count)};
+            const std::int32_t stream = new_stream(count);
             for (int k = 0; k < count; ++k) {
                 const GoreCable& c = cables[group.element[k]];
                 const CableConstants constants = cable_constants(
@@ -233,33 +250,38 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
                 tangents.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
                 if (group.loose)
                     for (int end = 0; end < 2; ++end)
-                        loose.push_back({run.pull + k, c.node[end], end == 0 ? 1.0 : -1.0});
+                        loose.push_back({stream + k, c.node[end], end == 0 ? 1.0 : -1.0});
             }
             if (!group.loose) {
-                acts_.push_back({plus, run.pull, run.node[0], count});
-                acts_.push_back({minus, run.pull, run.node[1], count});
+                acts_.push_back({plus, stream, group.node[0], count});
+                acts_.push_back({minus, stream, group.node[1], count});
             }
-            runs.push_back(run);
-            first += run.elements;
+            lay<2, 1>(stretches, group, {stream});
+            first += padded(count);
         }
+        pair_up(stretches);
+        return CableConstantsRow{rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length],
+                                 rows[line]};
     };
     using enum Act::What;
-    lay(tapes, of_tapes, plan.tapes, plan.loose_tapes, plus, minus, tape_tangents_);
-    lay(cords, of_cords, plan.cords, plan.loose_cords, cord_plus, cord_minus, cord_tangents_);
-    first = 0;
+    frame.tape =
+        lay_all(tapes, of_tapes, tape_constants_, plan.tapes, plan.loose_tapes, plus, minus, tape_tangents_);
+    frame.cord = lay_all(cords, of_cords, cord_constants_, plan.cords, plan.loose_cords, cord_plus,
+                         cord_minus, cord_tangents_);
+    std::int32_t first = 0;
     for (const auto& group : of_lines) {
         const auto count = static_cast<int>(group.element.size());
-        const CableRun run{group.node, first, padded(count), new_stream(count)};
+        const std::int32_t stream = new_stream(count);
         std::fill_n(line_rows_[0] + first, count, 1.0);
         for (int end = 0; end < 2; ++end) {
-            if (!group.loose) acts_.push_back({aero, run.pull, run.node[end], count});
+            if (!group.loose) acts_.push_back({aero, stream, group.node[end], count});
             for (int k = 0; group.loose && k < count; ++k)
-                plan.loose_lines.push_back({run.pull + k, lines[group.element[k]].node[end], 1.0});
+                plan.loose_lines.push_back({stream + k, lines[group.element[k]].node[end], 1.0});
         }
-        plan.lines.push_back(run);
-        first += run.elements;
+        lay<2, 1>(plan.lines, group, {stream});
+        first += padded(count);
     }
-    frame.cable = {rows[inverse_length], rows[stiffness], rows[dashpot], rows[rest_length], rows[line]};
+    pair_up(plan.lines);
     frame.line = line_rows_[0];
 }
 
@@ -277,31 +299,23 @@ void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
         tape_tangents_.push_back({pair.node, pair.stiffness, 0.0});
     }
     const auto all = groups(nodes, plan.copies, false);
-    int length = 0;
-    for (const auto& group : all)
-        length += padded(static_cast<int>(group.element.size()));
-    contact_rows_ = AlignedRows(1, length);
+    contact_rows_ = AlignedRows(1, lanes_in(all));
     std::int32_t first = 0;
     for (const auto& group : all) {
         const auto count = static_cast<int>(group.element.size());
-        const ContactRun run{group.node, first, padded(count), new_stream(count), new_stream(count)};
+        const std::array<std::int32_t, 2> stream{new_stream(count), new_stream(count)};
         for (int k = 0; k < count; ++k) {
             const auto& [node, stiffness] = pairs[group.element[k]];
             contact_rows_[0][first + k] = stiffness;
-            for (int end = 0; group.loose && end < 2; ++end) {
-                plan.loose_contacts.push_back({run.apart + k, node[end], end == 0 ? 1.0 : -1.0});
-                plan.loose_contacts.push_back({run.half + k, node[end], -1.0});
-            }
+            for (int end = 0; group.loose && end < 2; ++end)
+                plan.loose_contacts.push_back({stream[end] + k, node[end], -1.0});
         }
-        if (!group.loose) {
-            acts_.push_back({Act::What::plus, run.apart, run.node[0], count});
-            acts_.push_back({Act::What::minus, run.apart, run.node[1], count});
-            for (const std::int32_t node : run.node)
-                acts_.push_back({Act::What::minus, run.half, node, count});
-        }
-        plan.contacts.push_back(run);
-        first += run.elements;
+        for (int end = 0; !group.loose && end < 2; ++end)
+            acts_.push_back({Act::What::minus, stream[end], group.node[end], count});
+        lay(plan.contacts, group, stream);
+        first += padded(count);
     }
+    pair_up(plan.contacts);
     frame.contact = contact_rows_[0];
 }
 
@@ -312,14 +326,15 @@ void SectorArrays::lay_images(const Sector& sector) {
     images.nodes = static_cast<std::int32_t>(sector.seam.size());
     images.cosine = std::cos(sector.turn);
     images.sine = std::sin(sector.turn);
-    images.pull = new_stream(images.nodes);
-    images.push = new_stream(images.nodes);
+    images.pull = new_stream(padded(images.nodes + (ways_ - 1) * lanes_));  // written hand in hand
+    images.push = new_stream(padded(images.nodes + (ways_ - 1) * lanes_));
     acts_.push_back({Act::What::plus, images.pull, images.seam, images.nodes});
     acts_.push_back({Act::What::push, images.push, images.seam, images.nodes});
 }
 
 void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constants) {
-    const std::size_t length = nodes_ + lanes_, streams = streams_ + lanes_;
+    // A register that has no node of its own reads and writes behind the last.
+    const std::size_t length = nodes_ + ways_ * lanes_, streams = streams_ + ways_ * lanes_;
     node_arrays_ = AlignedRows(27, length);
     int row = 0;
     for (Components* array : {&frame.x, &frame.v, &frame.v_half, &frame.pull, &frame.push, &frame.aero,
@@ -448,11 +463,16 @@ void SectorArrays::collect_sources(const Sector& sector) {
     SeamImages& images = plan.images;
     for (int n = 0; n < images.nodes; n += lanes_)
         images.sources.push_back(sources_of(images.image + n, std::min(lanes_, images.nodes - n)));
+    pair_up(images.sources);
     for (int n = 0; n < sector.own; n += lanes_)
         plan.own.push_back(sources_of(n, std::min(lanes_, sector.own - n)));
-    for (std::size_t k = 0; k < plan.own.size(); ++k)
-        if (plan.own[k].cord_plus < plan.own[k].end || plan.own[k].loose_cord)
-            plan.on_cord.push_back(static_cast<std::int32_t>(k));
+    pair_up(plan.own);
+    for (std::size_t k = 0; k < plan.own.size(); ++k) {
+        const auto first = static_cast<std::int32_t>(k / ways_ * ways_) * lanes_;
+        if ((plan.own[k].cord_plus < plan.own[k].end || plan.own[k].loose_cord) &&
+            (plan.on_cord.empty() || plan.on_cord.back() != first))
+            plan.on_cord.push_back(first);
+    }
 
     for (const Act& act : acts_)
         if ((act.what == Act::What::cord_plus || act.what == Act::What::cord_minus) &&

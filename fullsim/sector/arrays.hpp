@@ -30,11 +30,11 @@ private:
     std::vector<Line> memory_;
 };
 
-/// One sector in memory, for one width of registers.
+/// One sector in memory, for one width of registers and so many of them hand in hand.
 class SectorArrays {
 public:
     SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
-                 const FullSettings& settings, int lanes);
+                 const FullSettings& settings, int lanes, int ways);
     SectorArrays(const SectorArrays&) = delete;
     SectorArrays& operator=(const SectorArrays&) = delete;
 
@@ -75,8 +75,19 @@ private:
     void lay_nodes(const Sector& sector, const NodeConstants& constants);
     void collect_sources(const Sector& sector);
     NodeSources sources_of(int first, int nodes);
+    template <std::size_t corners>
+    int lanes_in(const std::vector<Group<corners>>& groups) const;
+    template <std::size_t corners, std::size_t streams>
+    void lay(std::vector<Stretch<corners, streams>>& stretches, const Group<corners>& group,
+             const std::array<std::int32_t, streams>& stream) const;
     std::int32_t new_stream(int elements);
     int padded(int elements) const { return (elements + lanes_ - 1) / lanes_ * lanes_; }
+    /// Filled up, so that all have their partners.
+    template <class T>
+    void pair_up(std::vector<T>& of_registers) const {
+        while (of_registers.size() % ways_ != 0)
+            of_registers.emplace_back();
+    }
 
     /// A stream and the nodes on which it acts.
     struct Act {
@@ -85,7 +96,7 @@ private:
         int elements;
     };
     std::vector<Act> acts_;
-    int lanes_;
+    int lanes_, ways_;
     int nodes_;                 // with copies
     std::int32_t streams_ = 0;  // length of a row of all streams so far
     struct UnstrainedRow {
@@ -100,8 +111,8 @@ private:
     std::vector<CableTangent> tape_tangents_, cord_tangents_;
     static constexpr int first_stiffness_row = 6;  // of a triangle's, in triangle_rows_; damping behind it
     static constexpr int cable_stiffness_row = 7;  // in node_rows_, likewise; those of cords behind these
-    AlignedRows triangle_rows_, cable_constants_, line_rows_, contact_rows_, node_rows_, node_arrays_,
-        stream_rows_;
+    AlignedRows triangle_rows_, tape_constants_, cord_constants_, line_rows_, contact_rows_, node_rows_,
+        node_arrays_, stream_rows_;
 };
 
 }  // namespace twinchute::fullsim

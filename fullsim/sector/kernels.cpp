@@ -34,12 +34,33 @@ HWY_INLINE void put_anywhere(Vec a, double* to) {
         hn::StoreU(a.raw[k], tag, to + k * lanes_of_register);
 }
 
-/// Registers of a run: work(e, place of their constants).
-template <class Run, class Work>
-HWY_INLINE void for_registers(const std::vector<Run>& runs, Work&& work) {
-    for (const Run& run : runs)
-        for (std::int32_t e = 0; e < run.elements; e += lanes_of_all)
-            work(run, e, run.first + e);
+/// Stretches hand in hand: work(the first of them, place of their constants).
+template <class Stretch, class Work>
+HWY_INLINE void for_stretches(const std::vector<Stretch>& stretches, Work&& work) {
+    for (std::size_t k = 0; k < stretches.size(); k += ways)
+        work(&stretches[k], static_cast<std::int32_t>(k * lanes_of_register));
+}
+/// What the corners of each have.
+template <class Stretch>
+HWY_INLINE Vec3s corner(const Components& from, const Stretch* s, int c) {
+    Vec3s at;
+    for (int k = 0; k < ways; ++k) {
+        at.x.raw[k] = hn::LoadU(tag, from[0] + s[k].node[c]);
+        at.y.raw[k] = hn::LoadU(tag, from[1] + s[k].node[c]);
+        at.z.raw[k] = hn::LoadU(tag, from[2] + s[k].node[c]);
+    }
+    return at;
+}
+template <class Stretch>
+HWY_INLINE void put_stream(Vec a, double* to, const Stretch* s, int which) {
+    for (int k = 0; k < ways; ++k)
+        hn::Store(a.raw[k], tag, to + s[k].stream[which]);
+}
+template <class Stretch>
+HWY_INLINE void put_stream(Vec3s a, const Components& to, const Stretch* s, int which) {
+    put_stream(a.x, to[0], s, which);
+    put_stream(a.y, to[1], s, which);
+    put_stream(a.z, to[2], s, which);
 }
 
 FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law,
@@ -48,78 +69,78 @@ FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const Membran
     const Vec third = all(air.direction / 3.0), radial = all(air.radial_pressure / 3.0);
     const TriangleConstants& k = f.triangle;
     Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
-    for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const Vec3s x0 = anywhere3(f.x, run.node[0] + e), v0 = anywhere3(f.v, run.node[0] + e);
-        const Vec3s e1 = anywhere3(f.x, run.node[1] + e) - x0, e2 = anywhere3(f.x, run.node[2] + e) - x0;
-        const Vec3s w1 = anywhere3(f.v, run.node[1] + e) - v0, w2 = anywhere3(f.v, run.node[2] + e) - v0;
+    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
+        const Vec3s x0 = corner(f.x, s, 0), v0 = corner(f.v, s, 0);
+        const Vec3s e1 = corner(f.x, s, 1) - x0, e2 = corner(f.x, s, 2) - x0;
+        const Vec3s w1 = corner(f.v, s, 1) - v0, w2 = corner(f.v, s, 2) - v0;
         const auto pulls =
             membrane_pulls(law, load(k.inverse_a + at), load(k.inverse_c + at), load(k.b_over_a + at),
                            load(k.area + at), load(k.viscosity + at), e1, e2, w1, w2);
         dissipated += pulls.dissipated;
         largest = larger(pulls.stress, largest);
-        put3(pulls.on_first, f.stream, run.pull[0] + e);
-        put3(pulls.on_second, f.stream, run.pull[1] + e);
-        put3(pulls.on_third, f.stream, run.pull[2] + e);
+        put_stream(pulls.on_first, f.stream, s, 0);
+        put_stream(pulls.on_second, f.stream, s, 1);
+        put_stream(pulls.on_third, f.stream, s, 2);
         // A third of A_p e_r + phi (A - (A.e_r) e_r) to each corner, e_r along the axis.
         const Vec3s area = load(k.half + at) * cross(e1, e2);
         const Vec along = area.z * up;
         const Vec swept = larger(along, zero);
         positive += swept;
         all_area += along;
-        put3({radial * area.x, radial * area.y, third * swept}, f.stream, run.push + e);
+        put_stream(Vec3s{radial * area.x, radial * area.y, third * swept}, f.stream, s, 3);
     });
     const double lost = sum(dissipated);
     return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
 }
 
-FabricSums cables(const SectorFrame& f, const std::vector<CableRun>& runs) {
-    const CableConstantsRow& k = f.cable;
+FabricSums cables(const SectorFrame& f, const std::vector<CableStretch>& stretches,
+                  const CableConstantsRow& k) {
     Vec dissipated = all(0.0), largest = dissipated;
-    for_registers(runs, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
-        const Vec3s w = anywhere3(f.v, run.node[1] + e) - anywhere3(f.v, run.node[0] + e);
+    for_stretches(stretches, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
+        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
+        const Vec3s w = corner(f.v, s, 1) - corner(f.v, s, 0);
         const auto pull =
             cable_pull(load(k.inverse_length + at), load(k.stiffness + at), load(k.dashpot + at), d, w);
         dissipated += pull.dissipated;
         largest = larger(load(k.line + at) * pull.spring, largest);
-        put3(pull.force, f.stream, run.pull + e);
+        put_stream(pull.force, f.stream, s, 0);
     });
     const double lost = sum(dissipated);
     return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
 /// Where the axis is.
-HWY_INLINE ContactPush<Vec, Vec3s> push_of(const SectorFrame& f, const ContactRun& run, std::int32_t e,
-                                           std::int32_t at, Vec3s axis) {
-    const Vec3s x0 = anywhere3(f.x, run.node[0] + e), x1 = anywhere3(f.x, run.node[1] + e);
+HWY_INLINE ContactPush<Vec, Vec3s> push_of(const SectorFrame& f, const ContactStretch* s, std::int32_t at,
+                                           Vec3s axis) {
+    const Vec3s x0 = corner(f.x, s, 0), x1 = corner(f.x, s, 1);
     // Places along the axis do not matter.
     return contact_push(load(f.contact + at), axis, {x0.x, x0.y, all(0.0)}, x1 - x0);
 }
 
 void contacts(const SectorFrame& f, const SectorPlan& plan, double upwards) {
     const Vec3s axis{all(0.0), all(0.0), all(upwards)};
-    for_registers(plan.contacts, [&](const ContactRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const auto push = push_of(f, run, e, at, axis);
-        put3(push.apart, f.stream, run.apart + e);
-        put3(push.half_of_middle, f.stream, run.half + e);
+    for_stretches(plan.contacts, [&](const ContactStretch* s, std::int32_t at) HWY_ATTR {
+        const auto push = push_of(f, s, at, axis);
+        put_stream(push.half_of_middle - push.apart, f.stream, s, 0);
+        put_stream(push.half_of_middle + push.apart, f.stream, s, 1);
     });
 }
 
 ElementLevels contact_levels(const SectorFrame& f, const SectorPlan& plan, double upwards) {
     const Vec3s axis{all(0.0), all(0.0), all(upwards)};
     Vec energy = all(0.0);
-    for_registers(plan.contacts, [&](const ContactRun& run, std::int32_t e, std::int32_t at)
-                                     HWY_ATTR { energy += push_of(f, run, e, at, axis).energy; });
+    for_stretches(plan.contacts, [&](const ContactStretch* s, std::int32_t at)
+                                     HWY_ATTR { energy += push_of(f, s, at, axis).energy; });
     return {sum(energy), 0.0};
 }
 
 void line_drag(const SectorFrame& f, const SectorPlan& plan, const CylinderDragTable& table, double diameter,
                double density, double viscosity) {
     const CylinderDrag drag(table, diameter, density, viscosity);
-    for_registers(plan.lines, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
-        const Vec3s v = -0.5 * (anywhere3(f.v, run.node[0] + e) + anywhere3(f.v, run.node[1] + e));
-        put3(load(f.line + at) * drag.on_end(d, v), f.stream, run.pull + e);
+    for_stretches(plan.lines, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
+        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
+        const Vec3s v = -0.5 * (corner(f.v, s, 0) + corner(f.v, s, 1));
+        put_stream(load(f.line + at) * drag.on_end(d, v), f.stream, s, 0);
     });
 }
 
@@ -133,47 +154,102 @@ HWY_INLINE void carry(const Components& from, const Components& to, const std::v
     }
 }
 
-/// What they have done to a register of nodes, which is cleared.
-HWY_INLINE Vec taken(double* from) {
-    const Vec a = load_anywhere(from);
-    put_anywhere(all(0.0), from);
-    return a;
+using Register = hn::Vec<Tag>;
+
+/// x, y and z of a register of nodes, one of those hand in hand.
+struct Sum3 {
+    Register x, y, z;
+
+    HWY_INLINE void add(const Components& from, std::int32_t at) {
+        x = hn::Add(x, hn::LoadU(tag, from[0] + at));
+        y = hn::Add(y, hn::LoadU(tag, from[1] + at));
+        z = hn::Add(z, hn::LoadU(tag, from[2] + at));
+    }
+    HWY_INLINE void subtract(const Components& from, std::int32_t at) {
+        x = hn::Sub(x, hn::LoadU(tag, from[0] + at));
+        y = hn::Sub(y, hn::LoadU(tag, from[1] + at));
+        z = hn::Sub(z, hn::LoadU(tag, from[2] + at));
+    }
+    HWY_INLINE void go_to(Vec3s& all, int way) const {
+        all.x.raw[way] = x;
+        all.y.raw[way] = y;
+        all.z.raw[way] = z;
+    }
+};
+HWY_INLINE Sum3 none() {
+    const Register zero = hn::Zero(tag);
+    return {zero, zero, zero};
 }
-HWY_INLINE Vec3s taken3(const Components& from, std::int32_t at) {
-    return {taken(from[0] + at), taken(from[1] + at), taken(from[2] + at)};
+/// What loose elements have done to such a register, which is cleared.
+HWY_INLINE Sum3 taken(const Components& from, std::int32_t at) {
+    const Sum3 sum{hn::LoadU(tag, from[0] + at), hn::LoadU(tag, from[1] + at), hn::LoadU(tag, from[2] + at)};
+    for (double* component : from)
+        hn::StoreU(hn::Zero(tag), tag, component + at);
+    return sum;
 }
 
-/// Forces on a register of nodes.
+/// Forces on nodes.
 struct ForcesOn {
     Vec3s pull, push, aero;
 };
 
-HWY_INLINE ForcesOn forces_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources& s,
+/// On registers that go hand in hand.
+HWY_INLINE ForcesOn forces_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources* sources,
                               std::int32_t node) {
-    const Vec zero = all(0.0);
-    ForcesOn forces{{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
-    if (s.extra) forces = {taken3(f.pull, node), taken3(f.push, node), taken3(f.aero, node)};
+    ForcesOn forces;
     const std::int32_t* const from = plan.sources.data();
-    for (std::int32_t k = s.plus; k < s.minus; ++k)
-        forces.pull += anywhere3(f.stream, from[k]);
-    for (std::int32_t k = s.minus; k < s.push; ++k)
-        forces.pull = forces.pull - anywhere3(f.stream, from[k]);
-    for (std::int32_t k = s.push; k < s.aero; ++k)
-        forces.push += anywhere3(f.stream, from[k]);
-    for (std::int32_t k = s.aero; k < s.cord_plus; ++k)
-        forces.aero += anywhere3(f.stream, from[k]);
+    for (int way = 0; way < ways; ++way) {
+        const NodeSources& s = sources[way];
+        const std::int32_t at = node + way * lanes_of_register;
+        Sum3 pull = none(), push = none(), aero = none();
+        if (s.extra) {
+            pull = taken(f.pull, at);
+            push = taken(f.push, at);
+            aero = taken(f.aero, at);
+        }
+        for (std::int32_t k = s.plus; k < s.minus; ++k)
+            pull.add(f.stream, from[k]);
+        for (std::int32_t k = s.minus; k < s.push; ++k)
+            pull.subtract(f.stream, from[k]);
+        for (std::int32_t k = s.push; k < s.aero; ++k)
+            push.add(f.stream, from[k]);
+        for (std::int32_t k = s.aero; k < s.cord_plus; ++k)
+            aero.add(f.stream, from[k]);
+        pull.go_to(forces.pull, way);
+        push.go_to(forces.push, way);
+        aero.go_to(forces.aero, way);
+    }
     return forces;
 }
-HWY_INLINE Vec3s cords_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources& s,
+HWY_INLINE Vec3s cords_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources* sources,
                           std::int32_t node) {
-    const Vec zero = all(0.0);
-    Vec3s pull = s.loose_cord ? taken3(f.cord_pull, node) : Vec3s{zero, zero, zero};
+    Vec3s pull;
     const std::int32_t* const from = plan.sources.data();
-    for (std::int32_t k = s.cord_plus; k < s.cord_minus; ++k)
-        pull += anywhere3(f.stream, from[k]);
-    for (std::int32_t k = s.cord_minus; k < s.end; ++k)
-        pull = pull - anywhere3(f.stream, from[k]);
+    for (int way = 0; way < ways; ++way) {
+        const NodeSources& s = sources[way];
+        Sum3 of_way = none();
+        if (s.loose_cord) of_way = taken(f.cord_pull, node + way * lanes_of_register);
+        for (std::int32_t k = s.cord_plus; k < s.cord_minus; ++k)
+            of_way.add(f.stream, from[k]);
+        for (std::int32_t k = s.cord_minus; k < s.end; ++k)
+            of_way.subtract(f.stream, from[k]);
+        of_way.go_to(pull, way);
+    }
     return pull;
+}
+/// Whether a cord acts on one of them.
+HWY_INLINE bool has_cord(const NodeSources* sources) {
+    bool found = false;
+    for (int way = 0; way < ways; ++way)
+        found = found || sources[way].cord_plus < sources[way].end || sources[way].loose_cord;
+    return found;
+}
+
+/// Registers of nodes hand in hand: work(the first's sources, the first node).
+template <class Work>
+HWY_INLINE void for_nodes(const std::vector<NodeSources>& sources, Work&& work) {
+    for (std::size_t k = 0; k < sources.size(); k += ways)
+        work(&sources[k], static_cast<std::int32_t>(k * lanes_of_register));
 }
 
 HWY_INLINE Vec3s turned(Vec3s a, Vec cosine, Vec sine) {
@@ -221,13 +297,11 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     const Vec zero = all(0.0), half = all(0.5);
     const SeamImages& images = plan.images;
     const Vec cosine = all(images.cosine), back = all(-images.sine);
-    std::int32_t n = 0;
-    for (const NodeSources& sources : images.sources) {
+    for_nodes(images.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
         const ForcesOn on = forces_on(f, plan, sources, images.image + n);
         put3(turned(on.pull, cosine, back), f.stream, images.pull + n);
         put3(turned(on.push, cosine, back), f.stream, images.push + n);
-        n += lanes_of_all;
-    }
+    });
 
     const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
     const Vec first_kick = all(step.first.kick), shorter = all(step.first.dt - step.dt),
@@ -238,8 +312,10 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
         area_velocity = zero;
     Vec drag_power = zero, momentum = zero, share_square = zero, dissipated = zero, accretion_power = zero;
-    n = 0;
-    for (const NodeSources& sources : plan.own) {
+    // Not by for_nodes: what it sums up would lie in memory.
+    for (std::size_t r = 0; r < plan.own.size(); r += ways) {
+        const NodeSources* const sources = &plan.own[r];
+        const auto n = static_cast<std::int32_t>(r * lanes_of_register);
         const ForcesOn on = forces_on(f, plan, sources, n);
         const Vec mass = load(k.mass + n), share = load(k.share + n), canopy = load(k.canopy_mass + n);
         Vec3s aero = on.aero + pressure * on.push;
@@ -271,7 +347,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         const Vec3s before = aligned3(f.v_half, n);
         Vec3s after = before + kick * acceleration, now = half_dt * acceleration;
         Vec time = dt, over = all(1.0);
-        if (sources.cord_plus < sources.end || sources.loose_cord) {
+        if (has_cord(sources)) {
             const Vec on_cord = load(k.on_cord + n);
             const Vec3s pull = cords_on(f, plan, sources, n);
             const Vec3s by_cords{across * pull.x, across * pull.y, along * pull.z};
@@ -296,7 +372,6 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         position += over * mass * x.z;
         velocity += over * mass * now.z;
         area_velocity += over * share * now.z;
-        n += lanes_of_all;
     }
 
     SectorSums sums;
@@ -315,17 +390,16 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
 
 SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSubstep& substep) {
     renew(f, plan.cord_copies);
-    const FabricSums of_cords = cables(f, plan.cords);
+    const FabricSums of_cords = cables(f, plan.cords, f.cord);
     carry(f.stream, f.cord_pull, plan.loose_cords);
     const Vec zero = all(0.0), kick = all(substep.step.kick), dt = all(substep.step.dt),
               half_dt = all(0.5 * substep.step.dt), half_step = all(substep.half_step);
     const NodeRows& k = f.node;
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
         area_velocity = zero;
-    for (const std::int32_t place : plan.on_cord) {
-        const std::int32_t n = place * lanes_of_all;
+    for (const std::int32_t n : plan.on_cord) {
         const Vec on_cord = load(k.on_cord + n), elsewhere = 1.0 - on_cord;
-        const Vec3s pull = cords_on(f, plan, plan.own[place], n);
+        const Vec3s pull = cords_on(f, plan, &plan.own[n / lanes_of_register], n);
         const Vec inverse = load(f.inverse + n);
         const Vec across = inverse * load(k.across + n), along = inverse * load(k.along + n);
         const Vec3s acceleration{across * pull.x, across * pull.y, along * pull.z};
@@ -356,11 +430,9 @@ SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSub
 }
 
 /// As a triangle stands: its strain in its own plane.
-HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleRun& run, std::int32_t e,
-                                          std::int32_t at) {
+HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleStretch* s, std::int32_t at) {
     const TriangleConstants& k = f.triangle;
-    const Vec3s x0 = anywhere3(f.x, run.node[0] + e);
-    const Vec3s e1 = anywhere3(f.x, run.node[1] + e) - x0, e2 = anywhere3(f.x, run.node[2] + e) - x0;
+    const Vec3s x0 = corner(f.x, s, 0), e1 = corner(f.x, s, 1) - x0, e2 = corner(f.x, s, 2) - x0;
     const Vec3s f1 = load(k.inverse_a + at) * e1;
     const Vec3s f2 = load(k.inverse_c + at) * (e2 - load(k.b_over_a + at) * e1);
     return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
@@ -368,38 +440,45 @@ HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleRu
 
 SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double added_mass,
                          double damping_by_share, double damping_by_mass) {
-    for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const Vec stretch = larger(principal(strain_of(f, run, e, at)).first(), all(0.0));
+    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
+        const Vec stretch = larger(principal(strain_of(f, s, at)).first(), all(0.0));
         // As Membrane::add_row_sums.
         const Vec stiffening = 1.0 + 3.0 * stretch, lengthening = 1.0 + 2.0 * stretch;
         for (int c = 0; c < 3; ++c) {
-            store(stiffening * load(f.triangle.stiffness[c] + at), f.row_stream[0] + run.pull[c] + e);
-            store(lengthening * load(f.triangle.damping[c] + at), f.row_stream[1] + run.pull[c] + e);
+            put_stream(stiffening * load(f.triangle.stiffness[c] + at), f.row_stream[0], s, c);
+            put_stream(lengthening * load(f.triangle.damping[c] + at), f.row_stream[1], s, c);
         }
     });
     for (int what = 0; what < 2; ++what)
         for (const LoosePull& p : plan.loose_triangles)
             f.row_extra[what][p.to] += f.row_stream[what][p.from];
-    const auto rows_of = [&](const NodeSources& s, int what, std::int32_t node) HWY_ATTR {
-        Vec row = s.extra ? taken(f.row_extra[what] + node) : all(0.0);
-        for (std::int32_t k = s.plus; k < s.push; ++k)
-            row += load_anywhere(f.row_stream[what] + plan.sources[k]);
-        return row;
+    const auto rows_of = [&](const NodeSources* sources, int what, std::int32_t node) HWY_ATTR {
+        Vec rows;
+        for (int way = 0; way < ways; ++way) {
+            const NodeSources& s = sources[way];
+            Register row = hn::Zero(tag);
+            if (s.extra) {
+                double* const extra = f.row_extra[what] + node + way * lanes_of_register;
+                row = hn::LoadU(tag, extra);
+                hn::StoreU(hn::Zero(tag), tag, extra);
+            }
+            for (std::int32_t k = s.plus; k < s.push; ++k)
+                row = hn::Add(row, hn::LoadU(tag, f.row_stream[what] + plan.sources[k]));
+            rows.raw[way] = row;
+        }
+        return rows;
     };
     const SeamImages& images = plan.images;
-    std::int32_t n = 0;
-    for (const NodeSources& sources : images.sources) {
+    for_nodes(images.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
         for (int what = 0; what < 2; ++what)
             store(rows_of(sources, what, images.image + n), f.row_stream[what] + images.pull + n);
-        n += lanes_of_all;
-    }
+    });
     const NodeRows& k = f.node;
     const auto bound = [](Vec stiffness, Vec damping) HWY_ATTR {
         return all(2.0) / (square_root(damping * damping + stiffness) + damping + 1e-300);
     };
     Vec shortest = all(HUGE_VAL), of_canopy = shortest;
-    n = 0;
-    for (const NodeSources& s : plan.own) {
+    for_nodes(plan.own, [&](const NodeSources* s, std::int32_t n) HWY_ATTR {
         const Vec mass = load(k.mass + n), share = load(k.share + n);
         const Vec inverse = load(k.along + n) / (load(k.inertia + n) + share * all(added_mass));
         const Vec stiffness = inverse * (rows_of(s, 0, n) + load(k.stiffness + n));
@@ -410,15 +489,14 @@ SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double ad
         shortest = smaller(bound(stiffness + inverse * load(k.cord_stiffness + n),
                                  damping + inverse * load(k.cord_damping + n)),
                            shortest);
-        n += lanes_of_all;
-    }
+    });
     return {least(shortest), least(of_canopy)};
 }
 
 ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law) {
     Vec energy = all(0.0), strain = all(0.0);
-    for_registers(plan.triangles, [&](const TriangleRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const auto p = principal(strain_of(f, run, e, at));
+    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
+        const auto p = principal(strain_of(f, s, at));
         energy += load(f.triangle.area + at) * relaxed_energy(law, p);
         // A register that is filled up with no triangles shows no strain.
         strain = larger(2.0 * load(f.triangle.half + at) * p.first(), strain);
@@ -426,11 +504,11 @@ ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const 
     return {sum(energy), greatest(strain)};
 }
 
-ElementLevels cable_levels(const SectorFrame& f, const std::vector<CableRun>& runs) {
-    const CableConstantsRow& k = f.cable;
+ElementLevels cable_levels(const SectorFrame& f, const std::vector<CableStretch>& stretches,
+                           const CableConstantsRow& k) {
     Vec energy = all(0.0), largest = all(-1.0);
-    for_registers(runs, [&](const CableRun& run, std::int32_t e, std::int32_t at) HWY_ATTR {
-        const Vec3s d = anywhere3(f.x, run.node[1] + e) - anywhere3(f.x, run.node[0] + e);
+    for_stretches(stretches, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
+        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
         const Vec square = dot(d, d) + 1e-18;
         const Vec strain = square * inverse_root(square) * load(k.inverse_length + at) - 1.0;
         const Vec taut = larger(strain, all(0.0));
@@ -442,11 +520,10 @@ ElementLevels cable_levels(const SectorFrame& f, const std::vector<CableRun>& ru
 
 double kinetic(const SectorFrame& f, const SectorPlan& plan, double added_mass) {
     Vec twice = all(0.0);
-    for (std::size_t r = 0; r < plan.own.size(); ++r) {
-        const auto n = static_cast<std::int32_t>(r * lanes_of_all);
+    for_nodes(plan.own, [&](const NodeSources*, std::int32_t n) HWY_ATTR {
         const Vec3s v = aligned3(f.v, n);
         twice += (load(f.node.mass + n) + load(f.node.share + n) * all(added_mass)) * dot(v, v);
-    }
+    });
     return 0.5 * sum(twice);
 }
 
@@ -454,7 +531,8 @@ double kinetic(const SectorFrame& f, const SectorPlan& plan, double added_mass) 
 
 SectorKernels sector_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
-            lanes_of_all,
+            lanes_of_register,
+            ways,
             triangles,
             cables,
             contacts,

@@ -21,28 +21,20 @@ namespace twinchute::fullsim {
 /// x, y and z of something, each in a row.
 using Components = std::array<double*, 3>;
 
-/// Triangles on consecutive nodes: corner c of the k-th has node[c] + k.
-struct TriangleRun {
-    std::array<std::int32_t, 3> node;
-    std::int32_t first = 0,
-                 elements = 0;  ///< place of their constants; their number, rounded up to full registers
-    std::array<std::int32_t, 3> pull{};  ///< streams: [N] on corner 0, less that on corner 1, on corner 2,
-    std::int32_t push = 0;               ///< [m^2] area over which pressure acts on each corner
+/// Elements of a kind on consecutive nodes, as many as a register has lanes: corner c of the k-th has
+/// node[c] + k. What they do goes into streams. Two registers that work hand in hand have a stretch each.
+template <std::size_t corners, std::size_t streams>
+struct Stretch {
+    std::array<std::int32_t, corners> node{};
+    std::array<std::int32_t, streams> stream{};
 };
-
-/// Cables likewise.
-struct CableRun {
-    std::array<std::int32_t, 2> node;
-    std::int32_t first = 0, elements = 0;
-    std::int32_t pull = 0;  ///< stream: [N] on end 0, less that on end 1; of line drag, on either end
-};
-
-/// Pairs in contact likewise.
-struct ContactRun {
-    std::array<std::int32_t, 2> node;
-    std::int32_t first = 0, elements = 0;
-    std::int32_t apart = 0, half = 0;  ///< streams [N]: on node 0, less that on node 1; taken from either
-};
+/// Streams of triangles: [N] on corner 0, less that on corner 1, on corner 2, and [m^2] the area over which
+/// pressure acts on each corner.
+using TriangleStretch = Stretch<3, 4>;
+/// [N] on end 0, less that on end 1; of line drag, on either end.
+using CableStretch = Stretch<2, 1>;
+/// [N] less that on node 0, on node 1, of pairs in contact.
+using ContactStretch = Stretch<2, 2>;
 
 /// Streams that the nodes of one register add up: places in `sources`.
 struct NodeSources {
@@ -57,7 +49,7 @@ struct SeamImages {
     std::int32_t seam = 0, image = 0, nodes = 0;
     std::int32_t pull = 0, push = 0;   ///< streams: what acts on the images, turned back
     double cosine = 1.0, sine = 0.0;   ///< of the turn from one sector to the next
-    std::vector<NodeSources> sources;  ///< of each register
+    std::vector<NodeSources> sources;  ///< of each register, none behind the last where it has no partner
 };
 
 /// A loose element works on copies of its nodes, and what it does to them is carried to the nodes one by one.
@@ -71,12 +63,12 @@ struct LoosePull {
 
 /// What there is to do, in nodes and streams; made for one width of registers.
 struct SectorPlan {
-    std::vector<TriangleRun> triangles;
+    std::vector<TriangleStretch> triangles;
     /// Cords: lines and risers, which may take substeps. Lines: those of them that meet the air.
-    std::vector<CableRun> tapes, cords, lines;
-    std::vector<ContactRun> contacts;
-    std::vector<NodeSources> own;       ///< of each register of own nodes
-    std::vector<std::int32_t> on_cord;  ///< registers with a node on a cord: their places in `own`
+    std::vector<CableStretch> tapes, cords, lines;
+    std::vector<ContactStretch> contacts;
+    std::vector<NodeSources> own;       ///< of each register of own nodes, none behind the last likewise
+    std::vector<std::int32_t> on_cord;  ///< first own nodes of registers hand in hand with a node on a cord
     SeamImages images;
     std::vector<std::int32_t> sources;
     std::vector<NodeCopy> copies, cord_copies;
@@ -84,7 +76,7 @@ struct SectorPlan {
         loose_lines;
 };
 
-/// Constants of elements, one row each; zero where a register is filled up.
+/// Constants of elements, one row each, in the order of their stretches; zero where a register is filled up.
 struct TriangleConstants {
     const double *inverse_a, *inverse_c, *b_over_a;   // [1/m], [1/m], [-]
     const double *area, *viscosity;                   // [m^2], [N s/m]
@@ -120,7 +112,7 @@ struct SectorFrame {
     std::array<double*, 2> row_stream{};  ///< the same for row sums: stiffness, damping
     std::array<double*, 2> row_extra{};
     TriangleConstants triangle{};
-    CableConstantsRow cable{};
+    CableConstantsRow tape{}, cord{};
     NodeRows node{};
     const double* line = nullptr;     ///< 1 for a cable that meets the air, else 0
     const double* contact = nullptr;  ///< stiffness of a pair [N/m]
@@ -170,10 +162,10 @@ struct SectorBounds {
 
 struct SectorKernels {
     std::string_view instruction_set;
-    int lanes;
+    int lanes, ways;  ///< of a register, and registers hand in hand
     FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
     /// No areas; the largest load is that of lines.
-    FabricSums (*cables)(const SectorFrame&, const std::vector<CableRun>&);
+    FabricSums (*cables)(const SectorFrame&, const std::vector<CableStretch>&, const CableConstantsRow&);
     /// Contact between gores, around the axis. upwards: 1 where the canopy is above the payload, else -1.
     void (*contacts)(const SectorFrame&, const SectorPlan&, double upwards);
     ElementLevels (*contact_levels)(const SectorFrame&, const SectorPlan&, double upwards);
@@ -190,7 +182,8 @@ struct SectorKernels {
                                 double damping_by_share, double damping_by_mass);
     /// A sector's energy and its largest strain.
     ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembraneLaw&);
-    ElementLevels (*cable_levels)(const SectorFrame&, const std::vector<CableRun>&);
+    ElementLevels (*cable_levels)(const SectorFrame&, const std::vector<CableStretch>&,
+                                  const CableConstantsRow&);
     /// [J] of own nodes
     double (*kinetic)(const SectorFrame&, const SectorPlan&, double added_mass);
 };

@@ -51,7 +51,7 @@ public:
           constants_(constants),
           kernels_(kernels),
           sector_(std::move(sector)),
-          arrays_(sector_, mesh, constants, scene.full, kernels.lanes),
+          arrays_(sector_, mesh, constants, scene.full, kernels.lanes, kernels.ways),
           law_(membrane_law(mesh.fabric, scene.full.bulk_viscosity)),
           name_(sector_.gores == 1 ? fmt::format("one gore of {}, rows in lanes", sector_.count)
                                    : fmt::format("{} gores of {}, rows in lanes", sector_.gores,
@@ -296,10 +296,10 @@ private:
         return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, law_));
     }
     ElementLevels tape_levels() const {
-        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.tapes));
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape));
     }
     ElementLevels line_levels() const {
-        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.cords));
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord));
     }
 
     /// Membranes, and the areas that pressure acts on with them.
@@ -310,11 +310,12 @@ private:
         state.largest.add_stress(fabric_.largest_load);
     }
     void add_tapes(State& state) {
-        state.damping_power += sector_.count * kernels_.cables(arrays_.frame, arrays_.plan.tapes).dissipated;
+        state.damping_power +=
+            sector_.count * kernels_.cables(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape).dissipated;
     }
     /// What these dissipate is booked with the substep that it is of.
     void add_cords(State& state) {
-        const FabricSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords);
+        const FabricSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord);
         line_damping_ = sector_.count * cords.dissipated;
         state.largest.add_tension(cords.largest_load);
     }
