@@ -11,6 +11,7 @@
 
 namespace twinchute::fullsim {
 
+using HWY_NAMESPACE::contact_arm;
 using HWY_NAMESPACE::contact_push;
 
 CanopyAxis canopy_axis(const Vec3& canopy, const Vec3& payload) {
@@ -63,7 +64,7 @@ public:
         for (const PairGroup& g : groups) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]),
                          x1 = gather_position(state.node, g.node[1]);
-            const auto push = contact_push(g.stiffness, u, x0 - centre, x1 - x0);
+            const auto push = contact_push(g.stiffness, u, contact_arm(splat(0.0), u, x0 - centre, x1 - x0));
             middles = middles + splat(2.0) * push.half_of_middle;
             turning = turning + push.by_turning;
             const CornerForces first(push.apart - push.half_of_middle),
@@ -92,7 +93,7 @@ public:
         for (const PairGroup& g : groups_.get([this] { return make_groups(); })) {
             const Lanes3 x0 = gather_position(state.node, g.node[0]),
                          x1 = gather_position(state.node, g.node[1]);
-            total += contact_push(g.stiffness, u, x0 - centre, x1 - x0).energy;
+            total += contact_push(g.stiffness, u, contact_arm(splat(0.0), u, x0 - centre, x1 - x0)).energy;
         }
         return sum(total);
     }

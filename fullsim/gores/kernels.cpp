@@ -324,10 +324,10 @@ FabricSums cables(const GoreFrame& frame, std::span<const CableElement> elements
 }
 
 /// The same pair of nodes of all gores.
-HWY_INLINE ContactPush<Vec, Vec3s> push_of(const Block& block, const ContactElement& pair, Vec3s centre,
-                                           Vec3s axis) {
+HWY_INLINE ContactArm<Vec, Vec3s> arm_of(const Block& block, const ContactElement& pair, Vec3s centre,
+                                         Vec3s axis) {
     const Vec3s x0 = block.position(pair.node[0]), x1 = block.position(pair.node[1]);
-    return contact_push(all(pair.stiffness), axis, x0 - centre, x1 - x0);
+    return contact_arm(all(0.0), axis, x0 - centre, x1 - x0);
 }
 
 FabricSums contacts(const GoreFrame& frame, const ContactPass& pass) {
@@ -337,8 +337,9 @@ FabricSums contacts(const GoreFrame& frame, const ContactPass& pass) {
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         for (const ContactElement& pair : pass.pairs) {
-            const auto push = push_of(block, pair, centre, axis);
-            if (!any(push.behind > zero)) continue;
+            const auto arm = arm_of(block, pair, centre, axis);
+            if (!any(arm.behind > zero)) continue;
+            const auto push = contact_push(all(pair.stiffness), axis, arm);
             const Vec3s half = push.half_of_middle;
             add3(push.apart - half, block.force + pair.node[0] * block.stride);
             take3(push.apart + half, block.force + pair.node[1] * block.stride);
@@ -358,7 +359,8 @@ ElementLevels contact_levels(const GoreFrame& frame, const ContactPass& pass) {
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         for (const ContactElement& pair : pass.pairs)
-            energy += block.live * push_of(block, pair, centre, axis).energy;
+            energy += block.live *
+                      contact_push(all(pair.stiffness), axis, arm_of(block, pair, centre, axis)).energy;
     }
     return {sum(energy), 0.0};
 }

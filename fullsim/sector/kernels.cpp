@@ -114,7 +114,8 @@ HWY_INLINE ContactPush<Vec, Vec3s> push_of(const SectorFrame& f, const ContactSt
                                            Vec3s axis) {
     const Vec3s x0 = corner(f.x, s, 0), x1 = corner(f.x, s, 1);
     // Places along the axis do not matter.
-    return contact_push(load(f.contact + at), axis, {x0.x, x0.y, all(0.0)}, x1 - x0);
+    const auto arm = contact_arm(all(0.0), axis, {x0.x, x0.y, all(0.0)}, x1 - x0);
+    return contact_push(load(f.contact + at), axis, arm);
 }
 
 void contacts(const SectorFrame& f, const SectorPlan& plan, double upwards) {
