@@ -1,5 +1,7 @@
 // Contact between neighbouring gores: cloth does not pass through cloth where folds of one gore meet those of
 // the next.
+#include <numeric>
+
 #include <Eigen/Geometry>
 
 #include "fullsim/forces/contact_kernel.hpp"
@@ -41,7 +43,10 @@ Vec3 sum_of(const Lanes3& a) {
 
 class GoreContact final : public ForceModel {
 public:
-    explicit GoreContact(const Mesh& mesh) : mesh_(mesh), pairs_(gore_contacts(mesh)) {}
+    explicit GoreContact(const Mesh& mesh)
+        : mesh_(mesh),
+          pairs_(gore_contacts(mesh)),
+          canopy_mass_(std::accumulate(mesh.mass.begin(), mesh.mass.begin() + mesh.canopy_nodes, 0.0)) {}
 
     std::string_view name() const override { return "gore contact"; }
     std::size_t bytes() const override { return bytes_of(pairs_); }
@@ -52,7 +57,7 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }), axis, by_middle, by_turning);
         const AxisReaction on = axis_reaction(axis, by_middle, by_turning);
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
-            state.force[i].value += to_lanes(mesh_.mass[i] / canopy_mass() * on.canopy);
+            state.force[i].value += to_lanes(mesh_.mass[i] / canopy_mass_ * on.canopy);
         state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 
@@ -99,17 +104,11 @@ public:
     }
 
 private:
-    double canopy_mass() const {
-        double sum = 0.0;
-        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
-            sum += mesh_.mass[i];
-        return sum;
-    }
     CanopyAxis axis_of(const State& state) const {
         Lanes sum = splat(0.0);
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
             sum += mesh_.mass[i] * state.node[i].x;
-        return canopy_axis(to_vec3(sum) / canopy_mass(), to_vec3(state.node[mesh_.payload()].x));
+        return canopy_axis(to_vec3(sum) / canopy_mass_, to_vec3(state.node[mesh_.payload()].x));
     }
     std::vector<PairGroup> make_groups() const {
         std::vector<PairGroup> groups;
@@ -128,6 +127,7 @@ private:
 
     const Mesh& mesh_;
     std::vector<ContactPair<NodeIndex>> pairs_;
+    double canopy_mass_;  // [kg]
     GroupsOnDemand<PairGroup> groups_;
 };
 
