@@ -105,9 +105,9 @@ public:
         has_.breathing = acts("breathing damping");
         has_.accretion = acts("accretion");
         has_.mass_damping = acts("mass damping");
-        seen_ = {nodes_->frame.force};
-        if (has_.cloth_drag) seen_.push_back(nodes_->frame.aero);  // lines see no image
-        if (has_.pressure) seen_.push_back(nodes_->frame.push);
+        handed_ = {nodes_->frame.force};
+        if (has_.cloth_drag) handed_.push_back(nodes_->frame.aero);  // lines see no image
+        if (has_.pressure) handed_.push_back(nodes_->frame.push);
         const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
         weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
         weigh_rows(state);
@@ -130,7 +130,7 @@ public:
     }
 
     double membrane_energy(State&) const override {
-        return kernels_.membrane_levels(nodes_->frame, fabric_).energy;
+        return kernels_.membrane_levels(nodes_->seen(), fabric_).energy;
     }
 
     Levels levels(const State& state) const override {
@@ -165,10 +165,14 @@ public:
         const bool at_once = crew_.now() > 1 && !clock.timed();
         if (at_once)
             for_parts([&](const GoreFrame& part) {
+                nodes_->see_next_gore(part.first);
                 for (const auto* blocks : {&structure_, &loads_})
                     for (const Row* row : *blocks)
                         work(row, part);
+                nodes_->hand_images(part.first, handed_);
             });
+        else
+            nodes_->seen();
         const auto run = [&](const std::vector<const Row*>& blocks) {
             for (const Row* row : blocks)
                 clock.run([&] {
@@ -183,6 +187,7 @@ public:
         run(structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         run(loads_);
+        if (!at_once) for_parts([&](const GoreFrame& part) { nodes_->hand_images(part.first, handed_); });
     }
 
     StableSteps stable_steps(const State& state) override {
@@ -192,6 +197,7 @@ public:
             set_rows(n, slow_rows_[n < sums.own ? n : n - sums.own + gores_.own]);
         fabric_.weight = state.fe_weight;
         for_parts([&](const GoreFrame& part) {
+            nodes_->see_next_gore(part.first);
             if (has_.membrane) kernels_.membrane_rows(part, fabric_, triangle_rows_, sums);
             if (has_.springs || has_.folds) kernels_.spring_rows(part, edges(), spring_columns_, sums);
         });
@@ -226,8 +232,6 @@ public:
             trunk_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
         nodes_->send_guests(frame.force, state.force);
         nodes_->send_guests(frame.aero, state.aero);
-        for (double* array : seen_)
-            nodes_->carry_over(array);
         NodeMover mover(state, constants_, dt);
         find_inverse_inertia(state);
         step_.nodes = node_;
@@ -246,8 +250,12 @@ public:
         step_.pushed = has_.pressure;
         step_.image_aero = has_.cloth_drag;
         for_parts([&](const GoreFrame& part) {
+            nodes_->take_images(part.first, handed_);
             step_sums_[part.first] = kernels_.advance(part, step_);
-            if (!together) kernels_.substep(part, first);  // of gores alone: it asks for no forces
+            if (together)
+                nodes_->show_first_gore(part.first);
+            else
+                kernels_.substep(part, first);  // of gores alone: it asks for no forces
         });
 
         StepSums sums;
@@ -271,7 +279,6 @@ public:
         mover.move_static_line(constants_, sums);
         if (!together) take_substeps(state, mover, dt, substeps, sums);
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
-        nodes_->show_first_gores();
         nodes_->receive_guests(state);
     }
 
@@ -381,8 +388,10 @@ private:
             const bool last = k + 1 == count;
             const GoreSubstep move = substep_of(state, dt, count, k);
             if (k > 0) {
-                for_parts(
-                    [&](const GoreFrame& part) { step_sums_[part.first] = kernels_.substep(part, move); });
+                for_parts([&](const GoreFrame& part) {
+                    step_sums_[part.first] = kernels_.substep(part, move);
+                    if (last) nodes_->show_first_gore(part.first);
+                });
                 double dissipated = 0.0;
                 for (const GoreSums& of_part : step_sums_) {
                     dissipated += of_part.dissipated;
@@ -542,7 +551,7 @@ private:
     }
     ElementLevels fabric_levels(const State& state) const {
         // Cloth that is held by springs still carries its share only.
-        ElementLevels levels = kernels_.membrane_levels(nodes_->frame, fabric_);
+        ElementLevels levels = kernels_.membrane_levels(nodes_->seen(), fabric_);
         levels.energy *= state.fe_weight;
         levels.strain *= state.fe_weight;
         return levels;
@@ -591,7 +600,7 @@ private:
     FabricSums stretch_edges(const GoreFrame& part) const {
         return {0.0, 0.0, kernels_.springs(part, edges())};
     }
-    ElementLevels edge_levels(const State&) const { return kernels_.spring_levels(nodes_->frame, edges()); }
+    ElementLevels edge_levels(const State&) const { return kernels_.spring_levels(nodes_->seen(), edges()); }
     /// Springs take the folds along: both need the same lengths.
     FabricSums hold_folds(const GoreFrame& part) const {
         return has_.springs ? FabricSums{} : stretch_edges(part);
@@ -625,7 +634,7 @@ private:
         step_.lean = plain(on.canopy / constants_.canopy_mass);
     }
     ElementLevels contact_levels(const State& state) const {
-        return kernels_.contact_levels(nodes_->frame, contact_pass(axis(state)));
+        return kernels_.contact_levels(nodes_->seen(), contact_pass(axis(state)));
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -641,7 +650,7 @@ private:
             if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
     FabricSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
-    ElementLevels tape_levels(const State&) const { return kernels_.cable_levels(nodes_->frame, tapes_); }
+    ElementLevels tape_levels(const State&) const { return kernels_.cable_levels(nodes_->seen(), tapes_); }
     void collect_lines() {
         lines_.clear();
         for (const GoreCable& c : gores_.cables)
@@ -679,7 +688,7 @@ private:
         line_damping_ = std::exchange(state.damping_power, others);
     }
     ElementLevels line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->frame, lines_), *risers_, state);
+        return with(kernels_.cable_levels(nodes_->seen(), lines_), *risers_, state);
     }
     /// Lanes of gores, and what belongs to none.
     ElementLevels with(ElementLevels gores, const ForceModel& trunk, const State& state) const {
@@ -698,7 +707,7 @@ private:
         static_line_->add_forces(state);
     }
     ElementLevels static_line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->frame, cords_), *static_line_, state);
+        return with(kernels_.cable_levels(nodes_->seen(), cords_), *static_line_, state);
     }
     FabricSums drag_lines(const GoreFrame& part) const {
         return lines_row_ || !(density_ > 0.0) ? FabricSums{} : kernels_.line_drag(part, lines_, line_air());
@@ -762,7 +771,7 @@ private:
     bool tethered_;                            // to a static line
     std::vector<const Row*> structure_, loads_;
     Has has_;
-    std::vector<double*> seen_;  // arrays in which gores add to the image of the next one's seam
+    std::vector<double*> handed_;  // arrays in which gores add to the image of the next one's seam
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;

@@ -18,6 +18,11 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     const std::size_t half_steps = everything ? frame.half_at(frame.blocks, 0) : 0;
     const std::size_t all = nodes + half_steps + 7 * frame.blocks * row;
     memory_.assign(all / Line{}.size() + 1, Line{});
+    // Three arrays of what is handed over, places and velocities of what is shown; lines of its own for each
+    // block.
+    const std::size_t edge_lines = (15 * gores.neighbour.size() + Line{}.size() - 1) / Line{}.size();
+    if (everything) edge_.assign(frame.blocks * edge_lines, Line{});
+    edge_length_ = edge_lines * Line{}.size();
     double* const begin = memory_.front().data();
     double* next = begin;
     // What a triangle reads and writes comes first.
@@ -45,30 +50,55 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
         image_[gores.neighbour[k]] = gores.own + static_cast<std::int32_t>(k);
 }
 
-void GoreNodes::carry_over(double* array) const {
-    for (int gore = 0; gore < gores_.count; gore += frame.lanes)
+void GoreNodes::hand_images(int block, std::span<double* const> arrays) const {
+    double* to = handed(block);
+    const int gore = last_gore(block);
+    for (double* array : arrays)
         for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
             for (int c = 0; c < 3; ++c)
-                at(array, gores_.neighbour[k], gore, c) +=
-                    at(array, gores_.own + static_cast<LocalNode>(k), before(gore), c);
+                *to++ = at(array, gores_.own + static_cast<LocalNode>(k), gore, c);
 }
 
-void GoreNodes::show_first_gores() const {
-    for (int gore = 0; gore < gores_.count; gore += frame.lanes)
-        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
-            show(static_cast<LocalNode>(k), before(gore), gore);
+void GoreNodes::take_images(int block, std::span<double* const> arrays) const {
+    const double* from = handed(before(block));
+    const int gore = block * frame.lanes;
+    for (double* array : arrays)
+        for (const LocalNode n : gores_.neighbour)
+            for (int c = 0; c < 3; ++c)
+                at(array, n, gore, c) += *from++;
 }
 
-void GoreNodes::show_all() const {
-    for (int gore = 0; gore < gores_.count; ++gore)
-        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
-            show(static_cast<LocalNode>(k), before(gore), gore);
-}
-
-void GoreNodes::show(LocalNode k, int to, int gore) const {
+void GoreNodes::show_first_gore(int block) const {
+    double* to = shown(block);
+    const int gore = block * frame.lanes;
     for (double* array : {frame.x, frame.v})
-        for (int c = 0; c < 3; ++c)
-            at(array, gores_.own + k, to, c) = at(array, gores_.neighbour[k], gore, c);
+        for (const LocalNode n : gores_.neighbour)
+            for (int c = 0; c < 3; ++c)
+                *to++ = at(array, n, gore, c);
+}
+
+void GoreNodes::see_next_gore(int block) const {
+    const double* from = shown(after(block));
+    const int gore = last_gore(block);
+    for (double* array : {frame.x, frame.v})
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+            for (int c = 0; c < 3; ++c)
+                at(array, gores_.own + static_cast<LocalNode>(k), gore, c) = *from++;
+}
+
+const GoreFrame& GoreNodes::seen() const {
+    for (int block = 0; block < frame.blocks; ++block)
+        see_next_gore(block);
+    return frame;
+}
+
+void GoreNodes::show_within(int block) const {
+    for (int gore = block * frame.lanes; gore < last_gore(block); ++gore)
+        for (double* array : {frame.x, frame.v})
+            for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+                for (int c = 0; c < 3; ++c)
+                    at(array, gores_.own + static_cast<LocalNode>(k), gore, c) =
+                        at(array, gores_.neighbour[k], gore + 1, c);
 }
 
 void GoreNodes::load(const State& state) const {
@@ -84,7 +114,10 @@ void GoreNodes::load(const State& state) const {
             }
         }
     receive_guests(state);
-    show_all();
+    for (int block = 0; block < frame.blocks; ++block) {
+        show_within(block);
+        show_first_gore(block);
+    }
 }
 
 void GoreNodes::store(State& state) const {

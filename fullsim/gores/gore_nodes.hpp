@@ -1,6 +1,7 @@
 // Where the nodes of gores in lanes lie, and their traffic with the records of a state.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -24,7 +25,9 @@ public:
     GoreNodes(const Gores& gores, int lanes, What what);
 
     GoreFrame frame;
-    std::size_t bytes() const { return bytes_of(memory_) + bytes_of(first_) + bytes_of(image_); }
+    std::size_t bytes() const {
+        return bytes_of(memory_) + bytes_of(edge_) + bytes_of(first_) + bytes_of(image_);
+    }
 
     /// A component of a node of a gore.
     double& at(double* array, LocalNode node, int gore, int component) const {
@@ -43,14 +46,20 @@ public:
     void load(const State& state) const;
     void store(State& state) const;
 
-    // The next gore's seam as gores see it. Within a block the kernels see to it; between the last gore of
-    // one and the first of the next it is done here.
-    /// What the last gores have added to their images goes to the first ones' own nodes.
-    void carry_over(double* array) const;
-    /// Where the first gores' own nodes are now.
-    void show_first_gores() const;
-    /// All of them.
-    void show_all() const;
+    // The next gore's seam as gores see it. Within a block the kernels see to it. Between the last gore of
+    // one and the first of the next it goes through a few lines of memory that one block writes and another
+    // reads: a thread that fetched it from the other's arrays, number by number, would wait longer than it
+    // works.
+    /// What the block's last gore has added to its images, from these arrays, at most three.
+    void hand_images(int block, std::span<double* const> arrays) const;
+    /// What was handed over goes to the first gore's own nodes.
+    void take_images(int block, std::span<double* const> arrays) const;
+    /// Where the first gore's own nodes are now,
+    void show_first_gore(int block) const;
+    /// for the last gore of the block before.
+    void see_next_gore(int block) const;
+    /// The frame when all have.
+    const GoreFrame& seen() const;
     /// The image of each canopy node, or -1.
     const std::vector<std::int32_t>& image() const { return image_; }
 
@@ -61,18 +70,29 @@ public:
 
     /// Every number, lanes without a gore among them.
     void keep(Keeper& k) {
-        k.numbers("nodes of gores", std::span(memory_.front().data(), 8 * memory_.size()));
+        k.numbers("nodes of gores", numbers(memory_));
+        k.numbers("seams between blocks of gores", numbers(edge_));
     }
 
 private:
-    int before(int gore) const { return gore > 0 ? gore - 1 : gores_.count - 1; }
-    void show(LocalNode k, int to, int gore) const;
+    int last_gore(int block) const { return std::min((block + 1) * frame.lanes, gores_.count) - 1; }
+    int before(int block) const { return (block > 0 ? block : frame.blocks) - 1; }
+    int after(int block) const { return (block + 1) % frame.blocks; }
+    double* handed(int block) const { return edge_.front().data() + block * edge_length_; }
+    double* shown(int block) const { return handed(block) + 9 * gores_.neighbour.size(); }
+    void show_within(int block) const;
     LocalNode first_guest() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
 
-    struct alignas(64) Line : std::array<double, 8> {};  // of a cache
+    struct alignas(128) Line : std::array<double, 16> {};  // two of a cache, which come together
+
+    static std::span<double> numbers(std::vector<Line>& lines) {
+        return {lines.front().data(), Line{}.size() * lines.size()};
+    }
 
     const Gores& gores_;
     std::vector<Line> memory_;
+    mutable std::vector<Line> edge_;  // of each block: what is handed over, what is shown
+    std::size_t edge_length_ = 0;
     std::vector<std::size_t> first_;  // where the first node of a gore is, by gore, and of lanes without one
     std::vector<std::int32_t> image_;
 };
