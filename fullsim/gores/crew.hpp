@@ -26,13 +26,11 @@ public:
                 if (left_ == 0) begin_all();
                 break;
             case State::all:
-                slow_ += seconds > (left_ == trial ? woken : too_long * one_);
-                // The first wakes them, and says little else.
-                if (left_ == trial) least_ = std::numeric_limits<double>::infinity();
-                // The least of some steps is what they take when nothing else is in the way, and one that is
-                // far too long says enough.
-                if (slow_ == 0 && left_ > 0) break;
-                choose(slow_ == 0 && least_ < one_ ? most_ : 1);
+                // The least of some steps is what they take when nothing else is in the way. One that is far
+                // too long may be that others had to wake.
+                if (seconds > too_long * one_) slow_ = seconds > waking ? patience : slow_ + 1;
+                if (slow_ < patience && left_ > 0) break;
+                choose(slow_ < patience && least_ < one_ ? most_ : 1);
                 break;
             case State::chosen:
                 if (threads_ > 1) slow_ = seconds > too_long * one_ ? slow_ + 1 : 0;
@@ -44,7 +42,7 @@ public:
 
 private:
     static constexpr int trial = 8, first_interval = 500, longest_interval = 8000, patience = 2;
-    static constexpr double too_long = 4.0, woken = 2e-3;  // times a step of one's; [s]
+    static constexpr double too_long = 4.0, waking = 2e-3;  // times a step of one's; [s]
     enum class State { one, all, chosen };
 
     void enter(State state, int threads, int steps) {
@@ -57,7 +55,7 @@ private:
     void begin_one() { enter(State::one, 1, trial); }
     void begin_all() {
         one_ = least_;
-        enter(State::all, most_, 1 + trial);
+        enter(State::all, most_, trial);
     }
     /// For longer than the last time, if it is the same again.
     void choose(int threads) {

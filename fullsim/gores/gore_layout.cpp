@@ -86,9 +86,7 @@ public:
         trunk_.clear();
         springs_ = {};
         make_nodes();
-        for (auto& of_row : sums_)
-            of_row.assign(nodes_->frame.blocks, {});
-        step_sums_.assign(nodes_->frame.blocks, {});
+        sums_.assign(nodes_->frame.blocks, {});
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
                 const auto row = std::ranges::find(rows, model->name(), &Row::block);
@@ -129,8 +127,8 @@ public:
         return all;
     }
 
-    double membrane_energy(State&) const override {
-        return kernels_.membrane_levels(nodes_->seen(), fabric_).energy;
+    double membrane_energy(State& state) const override {
+        return kernels_.membrane_levels(nodes_->up_to_date(state), fabric_).energy;
     }
 
     Levels levels(const State& state) const override {
@@ -157,7 +155,7 @@ public:
         count_time();
         use_air(state);
         const auto work = [this](const Row* row, const GoreFrame& part) {
-            FabricSums& sums = sums_[row - rows.data()][part.first];
+            FabricSums& sums = sums_[part.first].of_row[row - rows.data()];
             sums = row->work ? (this->*row->work)(part) : FabricSums{};
         };
         // For the clock, one block of forces after the other; otherwise each thread does all of them for the
@@ -166,28 +164,29 @@ public:
         if (at_once)
             for_parts([&](const GoreFrame& part) {
                 nodes_->see_next_gore(part.first);
+                nodes_->receive_guests(state, part.first);
                 for (const auto* blocks : {&structure_, &loads_})
                     for (const Row* row : *blocks)
                         work(row, part);
-                nodes_->hand_images(part.first, handed_);
+                hand_over(part.first);
             });
         else
-            nodes_->seen();
+            nodes_->up_to_date(state);
         const auto run = [&](const std::vector<const Row*>& blocks) {
             for (const Row* row : blocks)
                 clock.run([&] {
                     if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
                     FabricSums total;
                     if (row->work)
-                        for (const FabricSums& of_part : sums_[row - rows.data()])
-                            total += of_part;
+                        for (const SumsOfBlock& of_part : sums_)
+                            total += of_part.of_row[row - rows.data()];
                     (this->*row->finish)(state, total);
                 });
         };
         run(structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         run(loads_);
-        if (!at_once) for_parts([&](const GoreFrame& part) { nodes_->hand_images(part.first, handed_); });
+        if (!at_once) for_parts([&](const GoreFrame& part) { hand_over(part.first); });
     }
 
     StableSteps stable_steps(const State& state) override {
@@ -224,14 +223,13 @@ public:
     }
 
     void advance(State& state, double dt, int substeps, double next_added_mass) override {
-        const GoreFrame& frame = nodes_->frame;
         const bool together = substeps == 1;
         if (together)
             state.damping_power += line_damping_;
         else
             trunk_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
-        nodes_->send_guests(frame.force, state.force);
-        nodes_->send_guests(frame.aero, state.aero);
+        nodes_->send_guests(0, state.force);
+        nodes_->send_guests(1, state.aero);
         NodeMover mover(state, constants_, dt);
         find_inverse_inertia(state);
         step_.nodes = node_;
@@ -251,7 +249,7 @@ public:
         step_.image_aero = has_.cloth_drag;
         for_parts([&](const GoreFrame& part) {
             nodes_->take_images(part.first, handed_);
-            step_sums_[part.first] = kernels_.advance(part, step_);
+            sums_[part.first].step = kernels_.advance(part, step_);
             if (together)
                 nodes_->show_first_gore(part.first);
             else
@@ -259,7 +257,7 @@ public:
         });
 
         StepSums sums;
-        for (const GoreSums& g : step_sums_) {
+        for (const auto& [of_row, g] : sums_) {
             add_positions(g, sums);
             sums.drag_power[2] += g.drag_power;
             sums.momentum[2] += g.momentum;
@@ -279,7 +277,6 @@ public:
         mover.move_static_line(constants_, sums);
         if (!together) take_substeps(state, mover, dt, substeps, sums);
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
-        nodes_->receive_guests(state);
     }
 
     void keep(Keeper& k, const State& state) override {
@@ -299,6 +296,12 @@ private:
         ElementLevels (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
     static const std::array<Row, 15> rows;
+
+    /// On lines of its own, since another thread writes those of the next block.
+    struct alignas(128) SumsOfBlock {
+        std::array<FabricSums, 15> of_row{};  // of the last pass of each row of the table
+        GoreSums step;
+    };
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
@@ -323,6 +326,12 @@ private:
         else
             for (int block = 0; block < blocks; ++block)
                 do_part(block);
+    }
+
+    /// What a block's gores did to nodes of others.
+    void hand_over(int block) const {
+        nodes_->hand_images(block, handed_);
+        nodes_->hand_guests(block, std::array{nodes_->frame.force, nodes_->frame.aero});
     }
 
     /// From the last step to this.
@@ -389,25 +398,26 @@ private:
             const GoreSubstep move = substep_of(state, dt, count, k);
             if (k > 0) {
                 for_parts([&](const GoreFrame& part) {
-                    step_sums_[part.first] = kernels_.substep(part, move);
+                    nodes_->receive_guests(state, part.first);
+                    sums_[part.first].step = kernels_.substep(part, move);
+                    nodes_->hand_guests(part.first, {&nodes_->frame.force, 1});
                     if (last) nodes_->show_first_gore(part.first);
                 });
                 double dissipated = 0.0;
-                for (const GoreSums& of_part : step_sums_) {
-                    dissipated += of_part.dissipated;
-                    state.largest.add_tension(of_part.largest_tension);
+                for (const SumsOfBlock& of_part : sums_) {
+                    dissipated += of_part.step.dissipated;
+                    state.largest.add_tension(of_part.step.largest_tension);
                 }
                 stretch_risers(state, dissipated);
                 state.in_substeps.add(state.force[mesh_.payload()].value);
-                nodes_->send_guests(nodes_->frame.force, state.force);
+                nodes_->send_guests(0, state.force);
             }
             sums.line_damping += move.step.kick * line_damping_;
             for (const NodeIndex i : gores_.trunk)
                 mover.move_in_substep(i, constants_.mass[i], move.step);
-            if (!last) nodes_->receive_guests(state);
         }
-        for (const GoreSums& of_part : step_sums_)
-            add_positions(of_part, sums);
+        for (const SumsOfBlock& of_part : sums_)
+            add_positions(of_part.step, sums);
         sums.line_damping_power = line_damping_ / count;
         for (const NodeIndex i : gores_.trunk) {
             mover.end_substeps(i);
@@ -551,7 +561,7 @@ private:
     }
     ElementLevels fabric_levels(const State& state) const {
         // Cloth that is held by springs still carries its share only.
-        ElementLevels levels = kernels_.membrane_levels(nodes_->seen(), fabric_);
+        ElementLevels levels = kernels_.membrane_levels(nodes_->up_to_date(state), fabric_);
         levels.energy *= state.fe_weight;
         levels.strain *= state.fe_weight;
         return levels;
@@ -600,7 +610,9 @@ private:
     FabricSums stretch_edges(const GoreFrame& part) const {
         return {0.0, 0.0, kernels_.springs(part, edges())};
     }
-    ElementLevels edge_levels(const State&) const { return kernels_.spring_levels(nodes_->seen(), edges()); }
+    ElementLevels edge_levels(const State& state) const {
+        return kernels_.spring_levels(nodes_->up_to_date(state), edges());
+    }
     /// Springs take the folds along: both need the same lengths.
     FabricSums hold_folds(const GoreFrame& part) const {
         return has_.springs ? FabricSums{} : stretch_edges(part);
@@ -634,7 +646,7 @@ private:
         step_.lean = plain(on.canopy / constants_.canopy_mass);
     }
     ElementLevels contact_levels(const State& state) const {
-        return kernels_.contact_levels(nodes_->seen(), contact_pass(axis(state)));
+        return kernels_.contact_levels(nodes_->up_to_date(state), contact_pass(axis(state)));
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -650,7 +662,9 @@ private:
             if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
     FabricSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
-    ElementLevels tape_levels(const State&) const { return kernels_.cable_levels(nodes_->seen(), tapes_); }
+    ElementLevels tape_levels(const State& state) const {
+        return kernels_.cable_levels(nodes_->up_to_date(state), tapes_);
+    }
     void collect_lines() {
         lines_.clear();
         for (const GoreCable& c : gores_.cables)
@@ -688,7 +702,7 @@ private:
         line_damping_ = std::exchange(state.damping_power, others);
     }
     ElementLevels line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->seen(), lines_), *risers_, state);
+        return with(kernels_.cable_levels(nodes_->up_to_date(state), lines_), *risers_, state);
     }
     /// Lanes of gores, and what belongs to none.
     ElementLevels with(ElementLevels gores, const ForceModel& trunk, const State& state) const {
@@ -707,7 +721,7 @@ private:
         static_line_->add_forces(state);
     }
     ElementLevels static_line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->seen(), cords_), *static_line_, state);
+        return with(kernels_.cable_levels(nodes_->up_to_date(state), cords_), *static_line_, state);
     }
     FabricSums drag_lines(const GoreFrame& part) const {
         return lines_row_ || !(density_ > 0.0) ? FabricSums{} : kernels_.line_drag(part, lines_, line_air());
@@ -775,11 +789,10 @@ private:
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;
-    FabricSums fabric_sums_;                        // of the last pass over membranes
-    std::array<std::vector<FabricSums>, 15> sums_;  // of each row of the table, by block of gores
-    std::vector<GoreSums> step_sums_;               // likewise
-    std::array<double, 3> wind_{};                  // [m/s] at the canopy
-    double density_ = 0.0, viscosity_ = 0.0;        // of the air [kg/m^3], [Pa s]
+    FabricSums fabric_sums_;  // of the last pass over membranes
+    std::vector<SumsOfBlock> sums_;
+    std::array<double, 3> wind_{};            // [m/s] at the canopy
+    double density_ = 0.0, viscosity_ = 0.0;  // of the air [kg/m^3], [Pa s]
     std::vector<SpringElement> springs_;
     std::vector<CableElement> tapes_, lines_, cords_;
     std::vector<ContactElement> contacts_;

@@ -1,6 +1,7 @@
 #include "fullsim/gores/gore_nodes.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace twinchute::fullsim {
 
@@ -18,9 +19,23 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     const std::size_t half_steps = everything ? frame.half_at(frame.blocks, 0) : 0;
     const std::size_t all = nodes + half_steps + 7 * frame.blocks * row;
     memory_.assign(all / Line{}.size() + 1, Line{});
-    // Three arrays of what is handed over, places and velocities of what is shown; lines of its own for each
-    // block.
-    const std::size_t edge_lines = (15 * gores.neighbour.size() + Line{}.size() - 1) / Line{}.size();
+    guests_.resize(frame.blocks);
+    for (std::size_t k = 0; everything && k < gores.guest.size(); ++k)
+        for (int gore = 0; gore < gores.count; ++gore) {
+            auto& of_block = guests_[gore / lanes];
+            const LocalNode local = first_guest() + static_cast<LocalNode>(k);
+            const NodeIndex node = gores.guest[k][gore];
+            if (!of_block.empty() && of_block.back().node == node && of_block.back().local == local)
+                ++of_block.back().last;
+            else
+                of_block.push_back({node, local, gore, gore + 1});
+        }
+    // Three arrays of what is handed over, places and velocities of what is shown, two arrays of what is done
+    // to guests; each block has lines of its own.
+    std::size_t most = 0;
+    for (const auto& of_block : guests_)
+        most = std::max(most, 15 * gores.neighbour.size() + 6 * of_block.size());
+    const std::size_t edge_lines = (most + Line{}.size() - 1) / Line{}.size();
     if (everything) edge_.assign(frame.blocks * edge_lines, Line{});
     edge_length_ = edge_lines * Line{}.size();
     double* const begin = memory_.front().data();
@@ -53,42 +68,52 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
 void GoreNodes::hand_images(int block, std::span<double* const> arrays) const {
     double* to = handed(block);
     const int gore = last_gore(block);
-    for (double* array : arrays)
-        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+    for (double* array : arrays) {
+        const double* image = &at(array, gores_.own, gore, 0);
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k, image += frame.stride())
             for (int c = 0; c < 3; ++c)
-                *to++ = at(array, gores_.own + static_cast<LocalNode>(k), gore, c);
+                *to++ = image[c * frame.lanes];
+    }
 }
 
 void GoreNodes::take_images(int block, std::span<double* const> arrays) const {
     const double* from = handed(before(block));
     const int gore = block * frame.lanes;
     for (double* array : arrays)
-        for (const LocalNode n : gores_.neighbour)
+        for (const LocalNode n : gores_.neighbour) {
+            double* const own = &at(array, n, gore, 0);
             for (int c = 0; c < 3; ++c)
-                at(array, n, gore, c) += *from++;
+                own[c * frame.lanes] += *from++;
+        }
 }
 
 void GoreNodes::show_first_gore(int block) const {
     double* to = shown(block);
     const int gore = block * frame.lanes;
     for (double* array : {frame.x, frame.v})
-        for (const LocalNode n : gores_.neighbour)
+        for (const LocalNode n : gores_.neighbour) {
+            const double* const own = &at(array, n, gore, 0);
             for (int c = 0; c < 3; ++c)
-                *to++ = at(array, n, gore, c);
+                *to++ = own[c * frame.lanes];
+        }
 }
 
 void GoreNodes::see_next_gore(int block) const {
     const double* from = shown(after(block));
     const int gore = last_gore(block);
-    for (double* array : {frame.x, frame.v})
-        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
+    for (double* array : {frame.x, frame.v}) {
+        double* image = &at(array, gores_.own, gore, 0);
+        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k, image += frame.stride())
             for (int c = 0; c < 3; ++c)
-                at(array, gores_.own + static_cast<LocalNode>(k), gore, c) = *from++;
+                image[c * frame.lanes] = *from++;
+    }
 }
 
-const GoreFrame& GoreNodes::seen() const {
-    for (int block = 0; block < frame.blocks; ++block)
+const GoreFrame& GoreNodes::up_to_date(const State& state) const {
+    for (int block = 0; block < frame.blocks; ++block) {
         see_next_gore(block);
+        receive_guests(state, block);
+    }
     return frame;
 }
 
@@ -113,8 +138,8 @@ void GoreNodes::load(const State& state) const {
                 half_at(n, gore, c) = state.v_half[i].value[c];
             }
         }
-    receive_guests(state);
     for (int block = 0; block < frame.blocks; ++block) {
+        receive_guests(state, block);
         show_within(block);
         show_first_gore(block);
     }
@@ -133,26 +158,39 @@ void GoreNodes::store(State& state) const {
         }
 }
 
-void GoreNodes::receive_guests(const State& state) const {
-    for (std::size_t k = 0; k < gores_.guest.size(); ++k)
-        for (int gore = 0; gore < gores_.count; ++gore) {
-            const NodeRecord& node = state.node[gores_.guest[k][gore]];
+void GoreNodes::receive_guests(const State& state, int block) const {
+    for (const Sharing& s : guests_[block]) {
+        const NodeRecord& node = state.node[s.node];
+        double *const x = &at(frame.x, s.local, s.first, 0), *const v = &at(frame.v, s.local, s.first, 0);
+        for (int gore = 0; gore < s.last - s.first; ++gore)
             for (int c = 0; c < 3; ++c) {
-                at(frame.x, first_guest() + static_cast<LocalNode>(k), gore, c) = node.x[c];
-                at(frame.v, first_guest() + static_cast<LocalNode>(k), gore, c) = node.v[c];
+                x[c * frame.lanes + gore] = node.x[c];
+                v[c * frame.lanes + gore] = node.v[c];
             }
-        }
+    }
 }
 
-void GoreNodes::send_guests(double* array, NodeForces& forces) const {
+void GoreNodes::hand_guests(int block, std::span<double* const> arrays) const {
+    for (std::size_t which = 0; which < arrays.size(); ++which) {
+        double* to = of_guests(block, static_cast<int>(which));
+        for (const Sharing& s : guests_[block]) {
+            const double* on = &at(arrays[which], s.local, s.first, 0);
+            for (int c = 0; c < 3; ++c, on += frame.lanes)
+                *to++ = std::accumulate(on, on + (s.last - s.first), 0.0);
+        }
+        for (std::size_t k = 0; k < gores_.guest.size(); ++k)
+            std::fill_n(arrays[which] + frame.at(block, first_guest() + static_cast<LocalNode>(k)),
+                        3 * frame.lanes, 0.0);
+    }
+}
+
+void GoreNodes::send_guests(int which, NodeForces& forces) const {
     const NodeForces::View on_node = forces.view();
-    for (std::size_t k = 0; k < gores_.guest.size(); ++k) {
-        const LocalNode n = first_guest() + static_cast<LocalNode>(k);
-        for (int gore = 0; gore < gores_.count; ++gore)
+    for (int block = 0; block < frame.blocks; ++block) {
+        const double* from = of_guests(block, which);
+        for (const Sharing& s : guests_[block])
             for (int c = 0; c < 3; ++c)
-                on_node[gores_.guest[k][gore]].value[c] += at(array, n, gore, c);
-        for (int block = 0; block < frame.blocks; ++block)
-            std::fill_n(array + frame.at(block, n), 3 * frame.lanes, 0.0);
+                on_node[s.node].value[c] += *from++;
     }
 }
 

@@ -42,6 +42,9 @@ public:
             .v_half[frame.half_at(block, node) + static_cast<std::size_t>(component * frame.lanes + lane)];
     }
 
+    /// The frame when all blocks have seen the next gore and received their guests.
+    const GoreFrame& up_to_date(const State& state) const;
+
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;
@@ -58,15 +61,16 @@ public:
     void show_first_gore(int block) const;
     /// for the last gore of the block before.
     void see_next_gore(int block) const;
-    /// The frame when all have.
-    const GoreFrame& seen() const;
     /// The image of each canopy node, or -1.
     const std::vector<std::int32_t>& image() const { return image_; }
 
-    /// Positions and velocities of nodes that gores share, which belong to the state.
-    void receive_guests(const State& state) const;
-    /// What gores did to nodes that they share goes to the state's forces.
-    void send_guests(double* array, NodeForces& forces) const;
+    // Nodes that gores share belong to the state. Who works on a block fetches and sums up there.
+    /// Their positions and velocities, for the block.
+    void receive_guests(const State& state, int block) const;
+    /// What the block's gores did to them, in each of these arrays, at most two, which are cleared.
+    void hand_guests(int block, std::span<double* const> arrays) const;
+    /// What was handed over of the first array, or of the second, goes to the state's forces.
+    void send_guests(int which, NodeForces& forces) const;
 
     /// Every number, lanes without a gore among them.
     void keep(Keeper& k) {
@@ -80,6 +84,10 @@ private:
     int after(int block) const { return (block + 1) % frame.blocks; }
     double* handed(int block) const { return edge_.front().data() + block * edge_length_; }
     double* shown(int block) const { return handed(block) + 9 * gores_.neighbour.size(); }
+    /// Of the `which`-th array.
+    double* of_guests(int block, int which) const {
+        return shown(block) + 6 * gores_.neighbour.size() + 3 * which * guests_[block].size();
+    }
     void show_within(int block) const;
     LocalNode first_guest() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
 
@@ -89,9 +97,17 @@ private:
         return {lines.front().data(), Line{}.size() * lines.size()};
     }
 
+    /// Gores of a block that follow each other and share a node.
+    struct Sharing {
+        NodeIndex node;
+        LocalNode local;
+        int first, last;  // behind the last
+    };
+
     const Gores& gores_;
+    std::vector<std::vector<Sharing>> guests_;  // by block
     std::vector<Line> memory_;
-    mutable std::vector<Line> edge_;  // of each block: what is handed over, what is shown
+    mutable std::vector<Line> edge_;  // of each block: what it hands over, shows, and does to shared nodes
     std::size_t edge_length_ = 0;
     std::vector<std::size_t> first_;  // where the first node of a gore is, by gore, and of lanes without one
     std::vector<std::int32_t> image_;
