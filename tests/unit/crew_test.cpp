@@ -73,6 +73,21 @@ TEST(Crew, NoticesWhenOthersCome) {
     EXPECT_EQ(crew.now(), 2);
 }
 
+TEST(Crew, IsHardlySlowerThanOneWhereOthersComeAndGo) {
+    // Two other programs on both processors: for 3 ms all threads run, then one of them waits as long for its
+    // turn. A program with one thread has its processor for half of the time as well, so that each step
+    // counts as long as on an idle machine, and what waiting adds is lost: 3 ms of 6, more than is gained.
+    Crew crew(2);
+    auto shared = [gone = 0.0](int threads) mutable {
+        if (threads == 1) return idle(1);
+        gone += idle(threads);
+        if (gone < 3e-3) return idle(threads);
+        gone = 0.0;
+        return idle(threads) + 3e-3;
+    };
+    EXPECT_LT(total(crew, 50'000, shared), 1.05 * 50'000 * idle(1));
+}
+
 TEST(Crew, ForgivesASingleLongStep) {
     // One in which a frame was written, say.
     Crew crew(2);
