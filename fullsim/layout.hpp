@@ -119,7 +119,8 @@ public:
     virtual StableSteps stable_steps(const State& state) = 0;
 
     /// One step with these forces (see advance in midpoint.hpp), in which lines, risers and payload take
-    /// `substeps` (substeps.hpp).
+    /// `substeps` (substeps.hpp). What risers do to the payload in substeps after the first goes to
+    /// state.in_substeps, which is empty.
     virtual void advance(State& state, double dt, int substeps, double next_added_mass) = 0;
 
     /// What it knows after a step and the state does not, so that it goes on to the same bits. `state` is

@@ -12,6 +12,7 @@
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/step/choose_step.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -141,8 +142,7 @@ public:
         std::ranges::nth_element(seconds, middle);
         const Stopwatch check;
         simulation_.find_fault();
-        seconds_ =
-            (*middle + time_of(check) / steps_of_check) / Simulation::cost_of(simulation_.step().substeps);
+        seconds_ = (*middle + time_of(check) / steps_of_check) / cost_of(simulation_.step().substeps);
     }
 
     double seconds() const { return seconds_; }      ///< [s] of wall time of a step without substeps
@@ -184,7 +184,7 @@ public:
             const double drawn_out = folded_share * begin;
             add(probe, "deployment", 0.0, begin, [&](double time) {
                 if (time > drawn_out) return probe.simulation().step_with(0.0, 0.0);
-                return Simulation::Step{probe.mean_step(), probe.simulation().step().substeps};
+                return ChosenStep{probe.mean_step(), probe.simulation().step().substeps};
             });
         }
         if (opens && stages.size() > 2) begin = add_springs(begin);
@@ -211,7 +211,7 @@ public:
     }
 
 private:
-    using StepAt = std::function<Simulation::Step(double time)>;
+    using StepAt = std::function<ChosenStep(double time)>;
 
     void run(Probe& probe) {
         probe.run(budget_);
@@ -231,17 +231,17 @@ private:
     void add(const Probe& probe, const char* name, double begin, double end, const StepAt& step_at) {
         PlanStage stage{name, begin, end};
         if (!plan_.whole) {
-            const Simulation::Step step = step_at(begin);
+            const ChosenStep step = step_at(begin);
             stage.end = begin + step.dt;
             stage.steps = 1.0;
-            stage.seconds = probe.seconds() * Simulation::cost_of(step.substeps);
+            stage.seconds = probe.seconds() * cost_of(step.substeps);
         } else if (end > begin) {
             const double length = (end - begin) / parts_of_stage;
             for (int k = 0; k < parts_of_stage; ++k) {
-                const Simulation::Step step = step_at(begin + (k + 0.5) * length);
+                const ChosenStep step = step_at(begin + (k + 0.5) * length);
                 const double steps = length / step.dt;
                 stage.steps += steps;
-                stage.seconds += steps * probe.seconds() * Simulation::cost_of(step.substeps);
+                stage.seconds += steps * probe.seconds() * cost_of(step.substeps);
             }
         }
         plan_.stages.push_back(std::move(stage));
@@ -318,7 +318,7 @@ private:
                     basis_.threads);
         run(probe);
         add(probe, "open canopy", begin, course_.end, [&](double) {
-            return Simulation::Step{probe.mean_step(), probe.simulation().step().substeps};
+            return ChosenStep{probe.mean_step(), probe.simulation().step().substeps};
         });
     }
 

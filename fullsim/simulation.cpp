@@ -24,18 +24,7 @@ constexpr std::int64_t most_steps = 2'000'000'000;
 constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
 constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
 constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
-constexpr double substep_cost = 0.12;    // of a substep of lines over a step of everything
-/// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
-/// the energy grows with the step, and so do lines. Where lines take substeps, either takes no more than this
-/// share of its own bound.
-constexpr double share_while_slapping = 0.5;
-/// How much of its step slapping cloth is given, by the share of the largest residual that is used up: what
-/// it adds to the energy shrinks with the step. What a crane drop uses goes unnoticed, a fifth is left for
-/// the flight.
-double share_with(double used_up) {
-    return std::clamp((0.8 - used_up) / 0.2, 0.2, 1.0);
-}
-constexpr double cut_line = 10.0;  // length of a reefing line that no longer holds, over pi D0
+constexpr double cut_line = 10.0;        // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
@@ -377,43 +366,29 @@ StableStep Simulation::bound() const {
     return stable_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 
-double Simulation::cost_of(int substeps) {
-    return 1.0 + substep_cost * (substeps - 1);
-}
-
-Simulation::Step Simulation::choose_step(const State& state) {
+ChosenStep Simulation::choose_step(const State& state) {
     const StableSteps stable = layout_->stable_steps(state);
-    int substeps = 1;
-    const double factor = scene_.full.time_step_factor;
-    const bool slaps = state.stage != Stage::flight && !state.folded;
-    const double share = !slaps ? 1.0 : std::min(1.0, share_while_slapping / factor);
-    const double share_left = slaps ? share_left_ : 1.0;
-    double step = share_left * stable.all, dearness = 1.0 / step;
-    if (body_)
-        step = std::min(step, body_->stable_step(state, structure_, mesh_.first_place(), riser_stiffness_));
+    StepRules rules;
+    rules.factor = scene_.full.time_step_factor;
+    rules.slaps = state.stage != Stage::flight && !state.folded;
+    rules.share_left = share_left_;
     // In a pack that only falls lines are slack.
-    const double quiet =
-        state.folded ? never : quiet_step(line_waves_, state.added_mass, stable.canopy) / factor;
+    if (!state.folded) rules.quiet = quiet_step(line_waves_, state.added_mass, stable.canopy);
     // A body takes steps with the canopy, and so does what hangs on it.
-    for (int count = 2; count <= (body_ ? 1 : scene_.full.line_substeps); ++count) {
-        const double longer =
-            std::min(quiet, share_left * share * std::min(stable.canopy, count * stable.lines));
-        const double dearness_of_count = cost_of(count) / longer;
-        if (dearness_of_count >= dearness) continue;
-        substeps = count;
-        step = longer;
-        dearness = dearness_of_count;
-    }
-    return {factor * step, substeps};
+    if (body_)
+        rules.payload = body_->stable_step(state, structure_, mesh_.first_place(), riser_stiffness_);
+    else
+        rules.most_substeps = scene_.full.line_substeps;
+    return fullsim::choose_step(stable, rules);
 }
 
 void Simulation::refresh_step() {
-    const Step chosen = choose_step(state_);
+    const ChosenStep chosen = choose_step(state_);
     step_ = chosen.dt;
     substeps_ = chosen.substeps;
 }
 
-Simulation::Step Simulation::step_with(double added_mass, double fe_weight) {
+ChosenStep Simulation::step_with(double added_mass, double fe_weight) {
     State state = whole();
     state.added_mass = added_mass;
     state.fe_weight = fe_weight;

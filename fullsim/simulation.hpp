@@ -10,6 +10,7 @@
 #include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/layout.hpp"
+#include "fullsim/step/choose_step.hpp"
 #include "fullsim/step/energy.hpp"
 #include "fullsim/step/mass_scaling.hpp"
 #include "fullsim/step/midpoint.hpp"
@@ -88,18 +89,11 @@ public:
 
     /// [s] the bound on the stable step of the current tangent, without safety factor.
     StableStep bound() const;
-    /// A step [s] with safety factor, and the substeps of lines in it.
-    struct Step {
-        double dt = 0.0;
-        int substeps = 1;
-    };
-    Step step() const { return {step_, substeps_}; }
+    ChosenStep step() const { return {step_, substeps_}; }
     /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
     /// stiffness, no cloth were folded and nothing else were different. For forecasts: weights of the bound
     /// may change with it.
-    Step step_with(double added_mass, double fe_weight);
-    /// Of a step with so many substeps over one without.
-    static double cost_of(int substeps);
+    ChosenStep step_with(double added_mass, double fe_weight);
     double dt_min() const { return dt_min_; }
     double dt_max() const { return dt_max_; }
     /// As Layout.
@@ -143,7 +137,7 @@ private:
     void take_shape(bool tethered, std::size_t reefing_stage);
     /// Whether cloth could come taut now; the bound then counts it from here on.
     void look_at_folds();
-    Step choose_step(const State& state);
+    ChosenStep choose_step(const State& state);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
