@@ -9,7 +9,6 @@
 #include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
-#include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
 
@@ -45,11 +44,9 @@ class GoreContact final : public ForceModel {
 public:
     explicit GoreContact(const Mesh& mesh)
         : mesh_(mesh),
-          pairs_(gore_contacts(mesh)),
           canopy_mass_(std::accumulate(mesh.mass.begin(), mesh.mass.begin() + mesh.canopy_nodes, 0.0)) {}
 
     std::string_view name() const override { return "gore contact"; }
-    std::size_t bytes() const override { return bytes_of(pairs_); }
 
     void add_forces(State& state) const override {
         const CanopyAxis axis = axis_of(state);
@@ -87,10 +84,11 @@ public:
 
     /// As if all pairs met: they may at any time.
     void add_row_sums(const State&, RowSums& sums) const override {
-        for (const auto& pair : pairs_)
+        for_each_contact(mesh_, [&](const ContactPair<NodeIndex>& pair) {
             for (int end = 0; end < 2; ++end)
                 sums.stiffness[pair.node[end]] +=
                     (1.0 + sums.over(pair.node[1 - end], pair.node[end])) * pair.stiffness;
+        });
     }
 
     double energy(const State& state) const override {
@@ -113,14 +111,15 @@ private:
         return canopy_axis(to_vec3(sum) / canopy_mass_, to_vec3(state.node[mesh_.payload()].x));
     }
     std::vector<PairGroup> make_groups() const {
+        const auto pairs = gore_contacts(mesh_);
         std::vector<PairGroup> groups;
-        for (std::size_t first = 0; first < pairs_.size(); first += lane_count) {
+        for (std::size_t first = 0; first < pairs.size(); first += lane_count) {
             PairGroup g{};
             for (int k = 0; k < lane_count; ++k) {
-                const bool padding = first + k >= pairs_.size();
+                const bool padding = first + k >= pairs.size();
                 for (int end = 0; end < 2; ++end)
-                    g.node[end][k] = padding ? mesh_.dummy() : pairs_[first + k].node[end];
-                g.stiffness[k] = padding ? 0.0 : pairs_[first + k].stiffness;
+                    g.node[end][k] = padding ? mesh_.dummy() : pairs[first + k].node[end];
+                g.stiffness[k] = padding ? 0.0 : pairs[first + k].stiffness;
             }
             groups.push_back(g);
         }
@@ -128,7 +127,6 @@ private:
     }
 
     const Mesh& mesh_;
-    std::vector<ContactPair<NodeIndex>> pairs_;
     double canopy_mass_;  // [kg]
     GroupsOnDemand<PairGroup> groups_;
 };

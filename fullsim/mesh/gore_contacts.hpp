@@ -23,6 +23,28 @@ struct ContactPair {
 /// meets that of the next gore. K: a quarter of the fabric's E t, shared by the pairs that end at a seam on
 /// one side. A canopy's pressure strains fabric by a per cent at most, so that nodes pass each other by a few
 /// per cent of a gore's width, and twice or half of it changes nothing (docs/theory/full-model.md).
+///
+/// visit(pair) for each.
+template <class Visit>
+void for_each_contact(const Mesh& mesh, Visit&& visit) {
+    constexpr double stiffness_share = 0.25;  // of E t
+    const double modulus = mesh.fabric.youngs_modulus * mesh.fabric.thickness;
+    const std::size_t gores = mesh.seam_rings.front().size();
+    for (std::size_t gore = 0; gore < gores; ++gore)
+        for (const auto& seams : mesh.seam_rings) {
+            // A row's nodes are numbered around, the first seam first.
+            const int columns = seams[1] - seams[0];
+            const NodeIndex seam = seams[gore], next = seams[(gore + 1) % gores];
+            const double stiffness = stiffness_share * modulus / columns;
+            visit(ContactPair<NodeIndex>{{seam, next}, stiffness});
+            for (int column = 1; column < columns; ++column) {
+                visit(ContactPair<NodeIndex>{{seam, seam + column}, stiffness});
+                visit(ContactPair<NodeIndex>{{seam + column, next}, stiffness});
+            }
+        }
+}
+
+/// All of them.
 std::vector<ContactPair<NodeIndex>> gore_contacts(const Mesh& mesh);
 
 /// Those of the first gores, in local nodes: `local` has all nodes of these gores and those of the seam after
