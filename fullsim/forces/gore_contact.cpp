@@ -67,7 +67,7 @@ public:
             const Lanes3 x0 = gather_position(state.node, g.node[0]),
                          x1 = gather_position(state.node, g.node[1]);
             const auto arm = contact_arm(splat(0.0), u, x0 - centre, x1 - x0);
-            if (sum(arm.behind) == 0.0) continue;  // all in order; what is no number goes on
+            if (sum(arm.behind) == 0.0) continue;  // all in order
             const auto push = contact_push(g.stiffness, u, arm);
             middles = middles + splat(2.0) * push.half_of_middle;
             turning = turning + push.by_turning;

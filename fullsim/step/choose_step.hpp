@@ -17,9 +17,8 @@ struct ChosenStep {
 struct StepRules {
     static constexpr double never = std::numeric_limits<double>::infinity();
 
-    double factor = 1.0;  ///< full.time_step_factor
-    int most_substeps =
-        1;  ///< full.line_substeps; 1 where a body hangs on the lines, which moves with the canopy
+    double factor = 1.0;      ///< full.time_step_factor
+    int most_substeps = 1;    ///< full.line_substeps; 1 under a body, which moves with the canopy
     bool slaps = false;       ///< cloth comes taut and slack: before flight, unless all of it is folded
     double share_left = 1.0;  ///< of slapping cloth's step, see share_with
     double quiet = never;     ///< [s] the longest, factor and all, in which lines do not ring (quiet_step)

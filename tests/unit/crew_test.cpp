@@ -88,6 +88,39 @@ TEST(Crew, IsHardlySlowerThanOneWhereOthersComeAndGo) {
     EXPECT_LT(total(crew, 50'000, shared), 1.05 * 50'000 * idle(1));
 }
 
+TEST(Crew, StaysWithOneWhereMoreAreALittleSlower) {
+    // Half of a step more: none is far too long.
+    Crew crew(2);
+    const auto slower = [](int threads) { return idle(1) * (threads == 1 ? 1.0 : 1.5); };
+    EXPECT_LT(total(crew, 50'000, slower), 1.01 * 50'000 * idle(1));
+}
+
+TEST(Crew, ForgetsTroubleOnceAllHaveWorkedForLong) {
+    Crew crew(2);
+    total(crew, 20'000, crowded);  // rests 8000 steps at a time by then
+    total(crew, 30'000, idle);
+    ASSERT_EQ(crew.now(), 2);
+    total(crew, 400, crowded);
+    ASSERT_EQ(crew.now(), 1);
+    total(crew, 600, idle);  // a first rest again: 500 steps
+    EXPECT_EQ(crew.now(), 2);
+}
+
+TEST(Crew, TriesAgainSoonAfterTrouble) {
+    Crew crew(2);
+    total(crew, 40'000, idle);  // all work 8000 steps at a time by then
+    total(crew, 400, crowded);
+    total(crew, 600, idle);
+    ASSERT_EQ(crew.now(), 2);
+    int alone = 0;
+    const auto counted = [&alone](int threads) {
+        alone += threads == 1;
+        return idle(threads);
+    };
+    total(crew, 700, counted);
+    EXPECT_EQ(alone, 8);  // one trial, 500 steps on
+}
+
 TEST(Crew, ForgivesASingleLongStep) {
     // One in which a frame was written, say.
     Crew crew(2);
