@@ -19,23 +19,44 @@ std::optional<SideValue> side_value(const RunRecord& record, std::string_view ke
     return SideValue{metric->value, metric->standing, metric->note};
 }
 
-Verdict judge(const MetricGap& gap) {
-    if (!gap.tolerance) return Verdict::not_judged;
-    if (!gap.difference) return Verdict::missing;
-    const double allowed = gap.tolerance->relative ? gap.tolerance->value * std::abs(gap.reference->value)
-                                                   : gap.tolerance->value;
-    return std::abs(*gap.difference) <= allowed * (1 + round_off) ? Verdict::within : Verdict::exceeded;
+/// Why a record has no value of a metric that it should have; null where it says nothing of it.
+const MissingMetric* missing_in(const RunRecord& record, std::string_view key) {
+    const auto found = std::ranges::find(record.missing, key, &MissingMetric::metric);
+    return found == record.missing.end() ? nullptr : &*found;
 }
 
-/// What a run that broke off says of a maximum or a time is not that maximum or time.
-bool ended(const RunRecord& record) {
-    return twinchute::exit_code(record.status.code) == ExitCode::done;
+/// Whether it is no fault of a side that it has no value: it has one, or the scene stopped before.
+bool is_excused(const std::optional<SideValue>& side, const MissingMetric* missing) {
+    return side || (missing && missing->not_reached);
+}
+
+Verdict judge(const MetricGap& gap, bool excused, double zero) {
+    if (!gap.tolerance) return Verdict::not_judged;
+    // Whoever asks for a tolerance wants it held against something.
+    if (!gap.difference)
+        return excused && gap.origin == ToleranceOrigin::fallback ? Verdict::not_reached : Verdict::missing;
+    return is_within(*gap.difference, *gap.tolerance, gap.reference->value, zero) ? Verdict::within
+                                                                                  : Verdict::exceeded;
+}
+
+/// Why each of those that lack a metric does, where they say so.
+std::string reasons(const MetricGap& gap, const RunRecord& reference, const RunRecord& candidate) {
+    std::string text;
+    const auto add = [&](const std::optional<SideValue>& side, const RunRecord& record) {
+        if (const MissingMetric* missing = missing_in(record, gap.row->key); !side && missing)
+            text += fmt::format("{} {}: {}", text.empty() ? "," : ";", record.fidelity, missing->why);
+    };
+    add(gap.candidate, candidate);
+    add(gap.reference, reference);
+    return text;
 }
 
 std::string note_of(const MetricGap& gap, const RunRecord& reference, const RunRecord& candidate) {
-    if (!gap.reference && !gap.candidate) return "neither side has it";
-    if (!gap.reference) return fmt::format("only {} has it", candidate.fidelity);
-    if (!gap.candidate) return fmt::format("only {} has it", reference.fidelity);
+    const auto why = [&] { return reasons(gap, reference, candidate); };
+    if (!gap.reference && !gap.candidate) return "neither side has it" + why();
+    if (!gap.reference) return fmt::format("only {} has it", candidate.fidelity) + why();
+    if (!gap.candidate) return fmt::format("only {} has it", reference.fidelity) + why();
+    if (gap.difference && !gap.relative && gap.reference->value != 0) return "zero but for rounding";
     if (gap.reference->standing == Standing::input && gap.candidate->standing == Standing::input) {
         return "an input of both: the difference says nothing about the models";
     }
@@ -106,6 +127,8 @@ std::string_view verdict_name(Verdict verdict) {
             return "exceeded";
         case Verdict::missing:
             return "missing";
+        case Verdict::not_reached:
+            return "not reached";
         case Verdict::not_judged:
             return "not judged";
     }
@@ -127,24 +150,30 @@ std::string_view origin_name(ToleranceOrigin origin) {
 FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                         const std::map<std::string, Tolerance>& tolerances, const Names& of_command_line) {
     FidelityGap gap;
-    const bool both_ended = ended(reference) && ended(candidate);
+    const bool both_ended = is_judged(reference) && is_judged(candidate);
     for (const MetricRow& row : metric_rows()) {
         MetricGap metric;
         metric.row = &row;
         metric.reference = side_value(reference, row.key);
         metric.candidate = side_value(candidate, row.key);
         const auto asked = tolerances.find(std::string(row.name));
-        // A default tolerance on what neither side has is no request; one that somebody wrote down is.
-        const bool wanted = row.show == Show::always && (metric.reference || metric.candidate);
+        const MissingMetric *of_reference = missing_in(reference, row.key),
+                            *of_candidate = missing_in(candidate, row.key);
+        // A default tolerance on what the physics of neither side knows is no request; one that somebody
+        // wrote down is.
+        const bool wanted = row.show == Show::always &&
+                            (metric.reference || metric.candidate || of_reference || of_candidate);
         if (!wanted && asked == tolerances.end()) continue;
         metric.tolerance = asked == tolerances.end() ? row.tolerance : asked->second;
         if (asked != tolerances.end()) metric.origin = origin_of(row.name, of_command_line);
+        const double zero = round_off_of(row.unit, reference, candidate);
         if (metric.reference && metric.candidate) {
             metric.difference = metric.candidate->value - metric.reference->value;
-            if (metric.reference->value != 0)
-                metric.relative = *metric.difference / std::abs(metric.reference->value);
+            metric.relative = relative_difference(metric.candidate->value, metric.reference->value, zero);
         }
-        metric.verdict = both_ended ? judge(metric) : Verdict::not_judged;
+        const bool excused =
+            is_excused(metric.reference, of_reference) && is_excused(metric.candidate, of_candidate);
+        metric.verdict = both_ended ? judge(metric, excused, zero) : Verdict::not_judged;
         metric.note = note_of(metric, reference, candidate);
         gap.metrics.push_back(std::move(metric));
     }
@@ -166,39 +195,84 @@ Verdict overall_verdict(const FidelityGap& gap) {
     return count(gap, Verdict::within) > 0 ? Verdict::within : Verdict::not_judged;
 }
 
+Verdict overall_verdict(const Comparison& comparison) {
+    for (const RunRecord* side : {&comparison.reference, &comparison.candidate})
+        if (side->status.code == StatusCode::not_opened) return Verdict::exceeded;
+    return overall_verdict(comparison.gap);
+}
+
+bool is_judged(const RunRecord& record) {
+    const ExitCode code = twinchute::exit_code(record.status.code);
+    return code == ExitCode::done || code == ExitCode::verdict;
+}
+
+double round_off_of(std::string_view unit, const RunRecord& one, const RunRecord& other) {
+    constexpr double share = 1e-9;
+    if (unit.empty()) return share;
+    double largest = 0.0;
+    for (const RunRecord* record : {&one, &other})
+        for (const Channel& channel : record->channels) {
+            if (channel.unit != unit) continue;
+            for (const double value : channel.values)
+                if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+        }
+    return share * largest;
+}
+
+std::optional<double> relative_difference(double value, double of, double zero) {
+    if (of == 0.0 || std::max(std::abs(value), std::abs(of)) <= zero) return {};
+    return (value - of) / std::abs(of);
+}
+
+bool is_within(double difference, const Tolerance& tolerance, double of, double zero) {
+    // Of what is zero but for rounding no share means anything; a tolerance of 0 asks for the same bits.
+    double allowed = tolerance.value;
+    if (tolerance.relative && allowed > 0.0) allowed = std::max(allowed * std::abs(of), zero);
+    return std::abs(difference) <= allowed * (1 + round_off);
+}
+
 ExitCode exit_code(const Comparison& comparison) {
     const ExitCode reference = twinchute::exit_code(comparison.reference.status.code);
     const ExitCode candidate = twinchute::exit_code(comparison.candidate.status.code);
     for (const ExitCode code : {ExitCode::interrupted, ExitCode::numerical, ExitCode::usage}) {
         if (reference == code || candidate == code) return code;
     }
-    return overall_verdict(comparison.gap) == Verdict::exceeded ? ExitCode::verdict : ExitCode::done;
+    return overall_verdict(comparison) == Verdict::exceeded ? ExitCode::verdict : ExitCode::done;
 }
 
 std::string verdict_line(const Comparison& comparison) {
+    std::string unopened;
     for (const RunRecord* side : {&comparison.reference, &comparison.candidate}) {
-        if (!ended(*side)) {
+        if (!is_judged(*side)) {
             return fmt::format("no verdict: {} ended as {}{}{}", side->fidelity,
                                status_name(side->status.code), side->status.detail.empty() ? "" : ": ",
                                side->status.detail);
         }
+        if (side->status.code == StatusCode::not_opened)
+            unopened += fmt::format("not opened in {}: {}; ", side->fidelity, side->status.detail);
     }
     const FidelityGap& gap = comparison.gap;
     const auto within = count(gap, Verdict::within);
     const auto exceeded = count(gap, Verdict::exceeded);
     const auto missing = count(gap, Verdict::missing);
+    const auto not_reached = count(gap, Verdict::not_reached);
     const auto judged = within + exceeded + missing;
-    if (judged == 0) return "nothing judged: no metric has a tolerance";
+    const std::string rest = not_reached > 0 ? fmt::format(", {} not reached ({})", not_reached,
+                                                           joined_names(gap, Verdict::not_reached))
+                                             : "";
+    if (judged == 0)
+        return unopened + (not_reached > 0 ? "nothing was compared" + rest
+                                           : "nothing judged: no metric has a tolerance");
     if (exceeded + missing == 0)
-        return fmt::format("within tolerance: {} of {} judged metrics", within, judged);
-    std::string line = "tolerance not met:";
+        return unopened + fmt::format("within tolerance: {} of {} judged metrics", within, judged) + rest;
+    std::string line = unopened + "tolerance not met:";
     if (exceeded > 0)
         line += fmt::format(" {} exceeded ({})", exceeded, joined_names(gap, Verdict::exceeded));
     if (missing > 0) {
         line += fmt::format("{} {} missing ({})", exceeded > 0 ? "," : "", missing,
                             joined_names(gap, Verdict::missing));
     }
-    return line + fmt::format(", {} of {} judged metrics within", within, judged);
+    return line + fmt::format(", {} of {} judged metrics within", within, judged) + rest;
 }
 
 }  // namespace twinchute::compare

@@ -22,11 +22,12 @@ namespace twinchute::compare {
 enum class Verdict {
     within,
     exceeded,
-    missing,    ///< a tolerance is asked for, and at least one side has no value
-    not_judged  ///< no tolerance, or a run that broke off
+    missing,      ///< a tolerance is asked for, and at least one side has no value
+    not_reached,  ///< a side has no value since the scene's own stop came before; of tolerances by default
+    not_judged    ///< no tolerance, or a run that broke off
 };
 
-/// "within", "exceeded", "missing", "not judged".
+/// "within", "exceeded", "missing", "not reached", "not judged".
 std::string_view verdict_name(Verdict verdict);
 
 /// Where a tolerance is from.
@@ -46,7 +47,7 @@ struct MetricGap {
     const MetricRow* row = nullptr;
     std::optional<SideValue> reference, candidate;
     std::optional<double> difference;    ///< candidate - reference, in the row's unit
-    std::optional<double> relative;      ///< difference over |reference|; absent when that is zero
+    std::optional<double> relative;      ///< difference over |reference|; absent when both are round-off
     std::optional<Tolerance> tolerance;  ///< scene or command line, else the row's
     ToleranceOrigin origin = ToleranceOrigin::fallback;  ///< of the tolerance, where there is one
     Verdict verdict = Verdict::not_judged;
@@ -65,7 +66,8 @@ struct HistoryGap {
 };
 
 struct FidelityGap {
-    std::vector<MetricGap> metrics;  ///< those that at least one side has or a tolerance is asked for
+    /// Those that at least one side has, or should have, or a tolerance is asked for.
+    std::vector<MetricGap> metrics;
     std::vector<HistoryGap> histories;
     std::optional<double> cost_ratio;  ///< wall time of the reference over that of the candidate
 };
@@ -93,6 +95,22 @@ Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase);
 /// Of all judged metrics and histories: exceeded if any is exceeded or missing, within if all are, else not
 /// judged.
 Verdict overall_verdict(const FidelityGap& gap);
+/// Verdict of the gap, exceeded where a parachute never opened.
+Verdict overall_verdict(const Comparison& comparison);
+
+/// What a run that broke off says of a maximum or a time is not that maximum or time.
+bool is_judged(const RunRecord& record);
+
+/// Magnitude of a metric [`unit`] up to which it is zero but for rounding: a share of 1e-9 of the largest
+/// value of that unit in the histories of the records, of 1 for numbers without a unit. A double holds
+/// sixteen digits; neither the tolerance of an integrator nor sums over millions of steps leave fewer than
+/// nine of them open to the order of operations. 0 where no history has the unit: nothing is known then.
+double round_off_of(std::string_view unit, const RunRecord& one, const RunRecord& other);
+/// (value - of)/|of|; nothing where `of` is zero, or both are up to `zero`.
+std::optional<double> relative_difference(double value, double of, double zero);
+/// Whether a difference is within a tolerance, a relative one being a share of |of|: exactly at it is within,
+/// and so is what is up to `zero`, unless the tolerance is 0.
+bool is_within(double difference, const Tolerance& tolerance, double of, double zero);
 
 /// Interrupted before failed before exceeded.
 ExitCode exit_code(const Comparison& comparison);

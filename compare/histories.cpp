@@ -32,6 +32,13 @@ std::size_t segment_after(const Curve& curve, double time) {
     return std::clamp<std::size_t>(i, 1, curve.time.size() - 1) - 1;
 }
 
+/// The segment in which a piece of time just before `time` lies; time is not before the start.
+std::size_t segment_before(const Curve& curve, double time) {
+    const auto next = std::ranges::lower_bound(curve.time, time);
+    const auto i = static_cast<std::size_t>(next - curve.time.begin());
+    return std::clamp<std::size_t>(i, 1, curve.time.size() - 1) - 1;
+}
+
 /// Times of the points strictly inside, and both ends.
 void add_times(std::vector<double>& times, const Curve& curve, double from, double to) {
     const auto begin = std::ranges::upper_bound(curve.time, from),
@@ -94,6 +101,16 @@ std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, 
 }
 
 }  // namespace
+
+double value_before(const Curve& curve, double time) {
+    if (time <= curve.time.front()) return curve.value.front();
+    return on_segment(curve, segment_before(curve, time), time);
+}
+
+double value_after(const Curve& curve, double time) {
+    if (time >= curve.time.back()) return curve.value.back();
+    return on_segment(curve, segment_after(curve, time), time);
+}
 
 Curve difference(const Curve& a, const Curve& b, double from, double to) {
     return combined(a, &b, from, to);

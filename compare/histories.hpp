@@ -17,6 +17,11 @@ struct Curve {
     std::vector<double> time, value;  ///< of one length, finite
 };
 
+/// The value just before and just after a time within the curve, linear between its points: where the curve
+/// jumps, what was and what follows; elsewhere the same.
+double value_before(const Curve& curve, double time);
+double value_after(const Curve& curve, double time);
+
 /// a - b over [from, to], on the union of both clocks, so that between its points it is exactly linear. Both
 /// curves have to reach over the interval.
 Curve difference(const Curve& a, const Curve& b, double from, double to);

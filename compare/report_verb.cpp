@@ -165,6 +165,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
         if (!place.comparison) {
             const RunRecord record = read_record(place.directory);
             told.rows.push_back(record_row(record, place.directory.string()));
+            told.code = gravest(told.code, twinchute::exit_code(record.status.code));
             told.json.push_back(summary_json(record));
             continue;
         }

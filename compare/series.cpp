@@ -69,6 +69,38 @@ std::string markdown_table(const std::vector<std::string>& header,
     return text;
 }
 
+/// Names and groups as they are, numbers of both fidelities for reading.
+Table brief_table(const CaseSeries& series) {
+    const std::vector<const MetricRow*> columns = columns_of(series, brief);
+    Table table;
+    table.header = {"case", "group", "status"};
+    table.right = {false, false, false};
+    const auto both = [&](const std::optional<double>& candidate, const std::optional<double>& reference) {
+        const auto cell = [](const std::optional<double>& v) { return v ? readable(*v) : std::string("-"); };
+        const std::string a = cell(candidate), b = cell(reference);
+        return a == b ? a : a + " / " + b;
+    };
+    for (const MetricRow* column : columns)
+        table.header.push_back(fmt::format("{}{}", column->title,
+                                           column->unit.empty() ? "" : fmt::format(" [{}]", column->unit)));
+    for (const char* more : {"gap in peak force", "energy left over", "wall [s]"})
+        table.header.emplace_back(more);
+    table.right.resize(table.header.size(), true);
+    for (const SeriesCase& one : series.cases) {
+        const SeriesSide &a = one.candidate, &b = one.reference;
+        std::vector<std::string> row{
+            one.name, one.group,
+            a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
+        for (const MetricRow* column : columns)
+            row.push_back(both(a.value_of(*column), b.value_of(*column)));
+        row.push_back(per_cent(one.gap));
+        row.push_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
+        row.push_back(both(a.row.wall_s, b.row.wall_s));
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
 }  // namespace
 
 std::optional<double> SeriesSide::value_of(const MetricRow& metric) const {
@@ -85,8 +117,8 @@ SeriesCase series_case(const Scene& scene, const Comparison& comparison) {
     for (const MetricGap& gap : comparison.gap.metrics)
         if (gap.row->name == "peak_force") {
             one.gap = gap.relative;
-            one.verdict = verdict_name(gap.verdict);
         }
+    one.verdict = verdict_name(overall_verdict(comparison.gap));
     return one;
 }
 
@@ -128,37 +160,32 @@ std::string series_markdown(const CaseSeries& series) {
         fmt::format("# {}\n\n{} cases at both fidelities, {:.3g} s.\n\n![{} against {}](series.svg)\n\n",
                     markdown_text(series.title), series.cases.size(), series.wall_s,
                     find_metric_row(series.spec.y)->title, find_metric_row(series.spec.x)->title);
-    const std::vector<const MetricRow*> columns = columns_of(series, brief);
-    std::vector<std::string> header{"case", "group", "status"};
-    std::vector<std::vector<std::string>> rows;
-    const auto both = [&](const std::optional<double>& candidate, const std::optional<double>& reference) {
-        const auto cell = [](const std::optional<double>& v) { return v ? readable(*v) : std::string("-"); };
-        const std::string a = cell(candidate), b = cell(reference);
-        return a == b ? a : a + " / " + b;
-    };
-    for (const MetricRow* column : columns)
-        header.push_back(fmt::format("{}{}", column->title,
-                                     column->unit.empty() ? "" : fmt::format(" [{}]", column->unit)));
-    for (const char* more : {"gap in peak force", "energy left over", "wall [s]"})
-        header.emplace_back(more);
-    for (const SeriesCase& one : series.cases) {
-        const SeriesSide &a = one.candidate, &b = one.reference;
-        std::vector<std::string> row{
-            markdown_text(one.name), markdown_text(one.group),
-            a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
-        for (const MetricRow* column : columns)
-            row.push_back(both(a.value_of(*column), b.value_of(*column)));
-        row.push_back(per_cent(one.gap));
-        row.push_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
-        row.push_back(both(a.row.wall_s, b.row.wall_s));
-        rows.push_back(std::move(row));
-    }
-    text += markdown_table(header, rows, 3);
+    Table table = brief_table(series);
+    for (auto& row : table.rows)
+        for (std::size_t i = 0; i < 2; ++i)
+            row[i] = markdown_text(row[i]);
+    text += markdown_table(table.header, table.rows, 3);
     const std::string& candidate = series.cases.empty() ? "rom" : series.cases.front().candidate.row.fidelity;
     const std::string& reference =
         series.cases.empty() ? "full" : series.cases.front().reference.row.fidelity;
     return text + fmt::format("\nWhere two numbers stand: {} / {}. All metrics: series.csv.\n", candidate,
                               reference);
+}
+
+std::string series_terminal(const CaseSeries& series, const Style& style) {
+    Table table = brief_table(series);
+    table.header.insert(table.header.begin() + 2, "verdict");
+    table.right.insert(table.right.begin() + 2, false);
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+        std::vector<std::string>& row = table.rows[i];
+        row.insert(row.begin() + 2, series.cases[i].verdict);
+        for (std::string& cell : row)
+            cell = printable(cell);
+    }
+    return aligned(table, style) +
+           fmt::format("where two numbers stand: {} / {}\n",
+                       series.cases.empty() ? "" : series.cases.front().candidate.row.fidelity,
+                       series.cases.empty() ? "" : series.cases.front().reference.row.fidelity);
 }
 
 void add_series(FileBatch& batch, const CaseSeries& series, const std::filesystem::path& directory) {

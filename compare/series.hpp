@@ -47,6 +47,9 @@ std::string series_csv(const CaseSeries& series);
 /// The same for reading, of what says most.
 std::string series_markdown(const CaseSeries& series);
 
+/// That table for a terminal, with the verdict of each case.
+std::string series_terminal(const CaseSeries& series, const Style& style);
+
 /// spec.y against spec.x, cases of a group joined, with the points of a test where the scene names some.
 std::string series_svg(const CaseSeries& series);
 

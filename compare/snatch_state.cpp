@@ -1,31 +1,30 @@
 #include "compare/snatch_state.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "compare/histories.hpp"
 #include "lib/scene/assemble.hpp"
 
 namespace twinchute::compare {
 namespace {
 
-/// A channel at time t, linear between its rows; nothing where the record has none of that name.
+/// A channel at time t within the record, linear between its rows, where it jumps what follows; nothing where
+/// the record has none of that name.
 std::optional<double> channel_at(const RunRecord& record, const char* name, double t) {
-    const Channel *time = record.find_channel("time"), *channel = record.find_channel(name);
-    if (time == nullptr || channel == nullptr || time->values.size() < 2) return {};
-    const auto& x = time->values;
-    const auto above = std::clamp<std::ptrdiff_t>(std::ranges::lower_bound(x, t) - x.begin(), 1,
-                                                  static_cast<std::ptrdiff_t>(x.size()) - 1);
-    const auto i = static_cast<std::size_t>(above);
-    const double step = x[i] - x[i - 1];
-    const double share = step > 0.0 ? std::clamp((t - x[i - 1]) / step, 0.0, 1.0) : 1.0;
-    return channel->values[i - 1] + share * (channel->values[i] - channel->values[i - 1]);
+    const std::optional<Curve> curve = curve_of(record, name);
+    if (!curve) return {};
+    return value_after(*curve, t);
 }
 
-/// Difference quotient over the 10 ms around t: histories of the full model have a row every 5 ms.
+/// Difference quotient over the 10 ms around t: histories of the full model have a row every 5 ms. Over the
+/// 5 ms after t where the speed jumps there, as lines do to it that lock up without weight.
 double rate_at(const RunRecord& record, const char* name, double t) {
     constexpr double reach = 5e-3;
-    const auto before = channel_at(record, name, t - reach), after = channel_at(record, name, t + reach);
-    return before && after ? (*after - *before) / (2.0 * reach) : 0.0;
+    const std::optional<Curve> curve = curve_of(record, name), speed = curve_of(record, "speed");
+    if (!curve) return 0.0;
+    const bool jumps = speed && value_before(*speed, t) != value_after(*speed, t);
+    const double from = jumps ? t : t - reach, to = t + reach;
+    return (value_before(*curve, to) - value_after(*curve, from)) / (to - from);
 }
 
 }  // namespace

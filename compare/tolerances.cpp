@@ -45,7 +45,7 @@ std::vector<std::string> tolerance_overrides(const Arguments& arguments, std::st
                             "--{0} peak_force=10% or --{0} peak_force=500N",
                             option, text));
         }
-        overrides.push_back(std::string(prefix) + text);
+        overrides.push_back(fmt::format("--{} {}{}", option, prefix, text));
     }
     return overrides;
 }

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "lib/record/metric_key.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-/// Exactly at the tolerance is within, whatever its last bit.
-constexpr double round_off = 1e-12;
 
 std::optional<double> value_of(const RunRecord& record, const std::string& key) {
     const std::optional<double> value = record.metric(key);
@@ -29,17 +28,21 @@ std::vector<std::string> keys_of(const RunRecord& before, const RunRecord& now) 
     return keys;
 }
 
-Verdict judge(const MetricChange& change) {
-    if (!change.tolerance || !change.before) return Verdict::not_judged;  // a new metric has no past
-    if (!change.now) return Verdict::missing;
-    const double allowed = change.tolerance->relative ? change.tolerance->value * std::abs(*change.before)
-                                                      : change.tolerance->value;
-    return std::abs(*change.difference) <= allowed * (1 + round_off) ? Verdict::within : Verdict::exceeded;
+/// `asked`: by name, so that it has to be there. `missing`: what the record of now says of it, or null.
+Verdict judge(const MetricChange& change, bool asked, const MissingMetric* missing, double zero) {
+    if (!change.tolerance) return Verdict::not_judged;
+    if (!change.now) {
+        if (missing && missing->not_reached && !asked) return Verdict::not_reached;
+        return change.before || asked ? Verdict::missing : Verdict::not_judged;
+    }
+    if (!change.before) return Verdict::not_judged;  // a new metric has no past
+    return is_within(*change.difference, *change.tolerance, *change.before, zero) ? Verdict::within
+                                                                                  : Verdict::exceeded;
 }
 
-bool moved(const MetricChange& change) {
+bool moved(const MetricChange& change, double zero) {
     if (!change.difference) return true;  // it came or went
-    return std::abs(*change.difference) > trend_threshold * std::abs(*change.before);
+    return std::abs(*change.difference) > std::max(trend_threshold * std::abs(*change.before), zero);
 }
 
 double size_of(const MetricChange& change) {
@@ -50,26 +53,63 @@ using Tolerances = std::map<std::string, Tolerance>;
 
 Tolerances judged_metrics(const FidelityGap& gap, const Tolerances& asked) {
     Tolerances judged = asked;  // they win
+    for (const MetricRow& row : metric_rows())
+        if (row.tolerance) judged.try_emplace(std::string(row.name), trend_tolerance);
     for (const MetricGap& metric : gap.metrics)
         if (metric.tolerance) judged.try_emplace(std::string(metric.row->name), trend_tolerance);
     return judged;
 }
 
+/// Names that somebody asks for: of the baseline, or of the gap.
+std::set<std::string> asked_names(const FidelityGap& gap, const Tolerances& asked) {
+    std::set<std::string> names;
+    for (const auto& [name, tolerance] : asked)
+        names.insert(name);
+    for (const MetricGap& metric : gap.metrics)
+        if (metric.tolerance && metric.origin != ToleranceOrigin::fallback)
+            names.insert(std::string(metric.row->name));
+    return names;
+}
+
 void add_changes(Trend& trend, const RunRecord& before, const RunRecord& now, const Tolerances& judged,
-                 bool both_ended) {
+                 const std::set<std::string>& asked, bool both_ended) {
     for (const std::string& key : keys_of(before, now)) {
         MetricChange change{now.fidelity, key, value_of(before, key), value_of(now, key), {}, {}};
         if (!change.before && !change.now) continue;
+        const auto [name, unit] = split_metric_key(key);
+        const double zero = round_off_of(unit, before, now);
         if (change.before && change.now) {
             change.difference = *change.now - *change.before;
-            if (*change.before != 0) change.relative = *change.difference / std::abs(*change.before);
+            change.relative = relative_difference(*change.now, *change.before, zero);
         }
-        const auto tolerance = judged.find(std::string(split_metric_key(key).name));
+        const auto tolerance = judged.find(std::string(name));
         if (tolerance != judged.end()) change.tolerance = tolerance->second;
-        if (both_ended) change.verdict = judge(change);
+        const auto missing = std::ranges::find(now.missing, key, &MissingMetric::metric);
+        const MissingMetric* why = missing == now.missing.end() ? nullptr : &*missing;
+        if (why && !change.now) change.note = why->why;
+        if (both_ended) change.verdict = judge(change, asked.contains(std::string(name)), why, zero);
         ++trend.compared;
-        trend.judged += change.verdict != Verdict::not_judged;
-        if (moved(change) || change.verdict == Verdict::exceeded) trend.changes.push_back(std::move(change));
+        trend.judged += change.verdict != Verdict::not_judged && change.verdict != Verdict::not_reached;
+        if (moved(change, zero) || change.verdict == Verdict::exceeded)
+            trend.changes.push_back(std::move(change));
+    }
+}
+
+/// A tolerance that somebody asks for on what neither fidelity has, then or now, is held against nothing.
+void add_unknown(Trend& trend, const Comparison& before, const Comparison& now, const Tolerances& asked) {
+    for (const auto& [name, tolerance] : asked) {
+        const MetricRow* row = find_metric_row(name);
+        const auto has = [&](const RunRecord& record) {
+            return row && value_of(record, std::string(row->key));
+        };
+        if (has(before.candidate) || has(before.reference) || has(now.candidate) || has(now.reference))
+            continue;
+        MetricChange change{now.reference.fidelity, row ? std::string(row->key) : name, {}, {}, {}, {}};
+        change.tolerance = tolerance;
+        change.verdict = Verdict::missing;
+        change.note = row ? "no record has it" : "a history, which no baseline is held against";
+        ++trend.judged;
+        trend.changes.push_back(std::move(change));
     }
 }
 
@@ -99,10 +139,6 @@ void add_provenance(Trend& trend, const Comparison& before, const Comparison& no
     add_if_other(trend.machine, "processor", then.host_cpu, today.host_cpu);
     add_if_other(trend.machine, "instruction set", then.instruction_set, today.instruction_set);
     add_if_other(trend.machine, "threads", std::to_string(then.threads), std::to_string(today.threads));
-}
-
-bool ended(const RunRecord& record) {
-    return twinchute::exit_code(record.status.code) == ExitCode::done;
 }
 
 std::vector<std::string> names_of(const Trend& trend, Verdict verdict) {
@@ -140,20 +176,23 @@ std::vector<OtherChange> input_changes(const std::vector<Input>& before, const s
 Trend measure_trend(const Comparison& before, const Comparison& now, const Tolerances& asked) {
     Trend trend;
     const Tolerances judged = judged_metrics(now.gap, asked);
+    const std::set<std::string> names = asked_names(now.gap, asked);
     const std::pair<const RunRecord&, const RunRecord&> sides[] = {{before.candidate, now.candidate},
                                                                    {before.reference, now.reference}};
     for (const auto& [then, today] : sides) {
-        const bool both_ended = ended(then) && ended(today);
+        const bool both_ended = is_judged(then) && is_judged(today);
         if (!both_ended)
-            trend.note =
-                fmt::format("{} of the {} ended as {}", today.fidelity, ended(then) ? "new run" : "baseline",
-                            status_name((ended(then) ? today : then).status.code));
-        add_changes(trend, then, today, judged, both_ended);
+            trend.note = fmt::format("{} of the {} ended as {}", today.fidelity,
+                                     is_judged(then) ? "new run" : "baseline",
+                                     status_name((is_judged(then) ? today : then).status.code));
+        trend.no_baseline = trend.no_baseline || !is_judged(then);
+        add_changes(trend, then, today, judged, names, both_ended);
     }
+    if (trend.note.empty()) add_unknown(trend, before, now, asked);
     std::ranges::stable_sort(trend.changes, std::greater{}, size_of);
     trend.inputs = input_changes(before.reference.inputs, now.reference.inputs);
     add_provenance(trend, before, now);
-    if (trend.note.empty() && trend.judged == 0) trend.note = "no metric has a tolerance";
+    if (trend.note.empty() && trend.judged == 0) trend.note = "no metric with a tolerance is in both";
     return trend;
 }
 
@@ -161,7 +200,7 @@ Verdict overall_verdict(const Trend& trend) {
     const auto bad = [](const MetricChange& change) {
         return change.verdict == Verdict::exceeded || change.verdict == Verdict::missing;
     };
-    if (std::ranges::any_of(trend.changes, bad)) return Verdict::exceeded;
+    if (trend.no_baseline || std::ranges::any_of(trend.changes, bad)) return Verdict::exceeded;
     return trend.judged == 0 ? Verdict::not_judged : Verdict::within;
 }
 
@@ -169,14 +208,16 @@ std::string verdict_line(const Trend& trend) {
     const std::string counts =
         fmt::format("{} judged, {} of {} metrics moved", trend.judged, trend.changes.size(), trend.compared);
     std::string line;
-    if (overall_verdict(trend) == Verdict::exceeded) {
-        std::vector<std::string> names = names_of(trend, Verdict::exceeded);
-        for (const std::string& name : names_of(trend, Verdict::missing))
-            names.push_back(name + " (gone)");
+    std::vector<std::string> names = names_of(trend, Verdict::exceeded);
+    for (const std::string& name : names_of(trend, Verdict::missing))
+        names.push_back(name + " (gone)");
+    if (!names.empty()) {
         line = fmt::format("moved too far from the baseline: {} ({})", fmt::join(names, ", "), counts);
     } else if (trend.judged > 0) {
         line = fmt::format("no judged metric moved beyond its tolerance ({})", counts);
     }
+    if (const auto early = names_of(trend, Verdict::not_reached); !early.empty() && !line.empty())
+        line += fmt::format("; not reached: {}", fmt::join(early, ", "));
     if (trend.note.empty()) return line;
     return line.empty() ? "nothing judged: " + trend.note : line + "; " + trend.note;
 }

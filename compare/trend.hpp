@@ -17,7 +17,10 @@ struct MetricChange {
     std::optional<double> difference;         ///< now - before
     std::optional<double> relative;           ///< over |before|; absent when that is zero
     std::optional<Tolerance> tolerance = {};  ///< where it is judged
-    Verdict verdict = Verdict::not_judged;    ///< missing: it was there and is judged
+    /// missing: it was there, or somebody asks for it, and is judged. not_reached: it was there, nobody asks
+    /// for it by name, and the scene's own stop comes before it now.
+    Verdict verdict = Verdict::not_judged;
+    std::string note = {};  ///< why it is not there now, where the record says so
 };
 
 /// Something else that the two runs differ in: a key of the scene, the program, the machine.
@@ -32,7 +35,8 @@ struct Trend {
     std::vector<OtherChange> inputs;    ///< by key
     std::vector<OtherChange> model;     ///< version, commit, compiler, flags
     std::vector<OtherChange> machine;   ///< processor, instruction set, threads
-    std::string note;                   ///< why nothing is judged; empty when something is
+    std::string note;                   ///< why nothing is judged, or not all; empty otherwise
+    bool no_baseline = false;           ///< a run of the baseline broke off: nothing to hold against
 };
 
 /// Two that a record does not know (not a number) are the same.
@@ -49,12 +53,14 @@ inline constexpr double trend_threshold = 1e-6;
 /// sums, another compiler.
 inline constexpr Tolerance trend_tolerance{1e-3, true};
 
-/// `before` and `now` are of the same two fidelities. Judged: metrics that have a tolerance in `now`, and
-/// those of `asked`, by name. Relative tolerances are shares of the earlier value.
+/// `before` and `now` are of the same two fidelities. Judged: metrics that have a tolerance by default or in
+/// `now`, and those of `asked`, by name. Relative tolerances are shares of the earlier value. What is zero
+/// but for rounding then and now has not moved (round_off_of()).
 Trend measure_trend(const Comparison& before, const Comparison& now,
                     const std::map<std::string, Tolerance>& asked);
 
-/// Exceeded if a judged metric is exceeded or missing; not judged if none is.
+/// Exceeded if a judged metric is exceeded or missing, or a run of the baseline broke off; not judged if none
+/// is.
 Verdict overall_verdict(const Trend& trend);
 
 /// "no judged metric moved by more than its tolerance (6 judged, 3 of 52 moved at all)", or which did.

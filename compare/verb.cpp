@@ -223,9 +223,9 @@ private:
                 explained(comparison, scenes_[i], reference_, candidate_, why_, interrupt_, quiet_);
         const LadderBeside beside = ladder_there(of.place, comparison);
         if (of.finished)
-            add_gap_files(batch, comparison, of.place, beside);
+            add_gap_files(batch, comparison, of.place, beside, trend ? &*trend : nullptr);
         else
-            add_report(batch, comparison, of.place, beside);
+            add_report(batch, comparison, of.place, beside, trend ? &*trend : nullptr);
         baseline_.add_files(batch, trend, comparison, of.place);
         batch.commit();
         if (of.candidate) of.candidate->ended(comparison.candidate);
@@ -265,7 +265,8 @@ private:
         add_series(batch, series, directory_);
         batch.commit();
         if (!quiet_ && !arguments_.has("json"))
-            print(fmt::format("\nseries    {}\n", printable((directory_ / "series.md").string())));
+            print(fmt::format("\n{}\nseries    {}\n", series_terminal(series, output_style()),
+                              printable((directory_ / "series.md").string())));
     }
 
     const Fidelity &reference_, &candidate_;

@@ -2,6 +2,7 @@
 // is the same in each layout; which one a run has is the mesh's choice.
 #pragma once
 
+#include <boost/container/static_vector.hpp>
 #include <chrono>
 #include <string>
 #include <string_view>
@@ -59,9 +60,10 @@ private:
 
 /// What the checks of a run look at.
 struct Levels {
-    double kinetic = 0.0;        ///< [J] as kinetic_energy
-    double elastic = 0.0;        ///< [J] as elastic_energy
-    std::vector<double> strain;  ///< largest, by structural block, as ForceModel::extreme
+    double kinetic = 0.0;  ///< [J] as kinetic_energy
+    double elastic = 0.0;  ///< [J] as elastic_energy
+    /// Largest, by structural block, as ForceModel::extreme. In place: steps ask for no memory.
+    boost::container::static_vector<double, 16> strain;
 };
 
 /// From the node records and the blocks themselves.

@@ -86,10 +86,12 @@ void check_target(const fs::path& file) {
     std::error_code ignored;
     if (!fs::exists(file, ignored)) return;
     std::string head(512, '\0');
-    std::ifstream stream(file, std::ios::binary);
-    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-    for (const char* note : {"<!-- twinchute", "$Comments\ntwinchute"})
-        if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
+    if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
+        std::ifstream stream(file, std::ios::binary);
+        stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+        for (const char* note : {"<!-- twinchute", "$Comments\ntwinchute"})
+            if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
+    }
     throw UsageError(fmt::format(
         "'{}' is no mesh of twinchute (nothing else is overwritten), name another file with --out",
         file.string()));
@@ -144,7 +146,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
         if (!view.file.empty()) mesh["file"] = view.file.string();
         meshes.push_back(std::move(mesh));
     }
-    return json_text({{"generator", "twinchute"},
+    ordered_json json{{"generator", "twinchute"},
                       {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
                       {"grading", grading_name(scene.full.mesh.grading)},
                       {"nodes", s.nodes},
@@ -155,7 +157,9 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
                       {"nominal_area_m2", circles.nominal},
                       {"vent_area_m2", circles.vent},
                       {"smallest_edge_m", s.smallest_edge},
-                      {"meshes", std::move(meshes)}});
+                      {"meshes", std::move(meshes)}};
+    if (const auto other = stand_in(scene.parachutes.front())) json["note"] = other->what + ": " + other->why;
+    return json_text(json);
 }
 
 std::string summary_text_of(const Scene& scene, const std::vector<View>& views) {
@@ -194,6 +198,8 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     std::string text = style.paint(printable(scene.name), Colour::bold);
     if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
     text += "\n\n" + aligned(table, style, 2) + "\n" + aligned(sizes, style, 2);
+    if (const auto other = stand_in(chute))
+        text += fmt::format("\nnote      {}: {}", other->what, other->why);
     for (const View& view : views)
         if (!view.file.empty()) text += fmt::format("\nmesh      {}", printable(view.file.string()));
     return text + (views.front().file.empty() ? "" : "\n");
@@ -208,6 +214,12 @@ ExitCode run_mesh(const Arguments& arguments) {
             throw UsageError(
                 fmt::format("{}: the parachute has no structure to mesh ({}), give these keys or a design",
                             scene.file.string(), lacking_text(scene, missing)));
+    for (const Scene& scene : scenes)
+        if (const std::string why = lacks_canopy(scene.parachutes.front()); !why.empty())
+            throw UsageError(
+                fmt::format("{}: no canopy is meshed for 'parachute.type' ({}), give parachute.mesh, "
+                            "or run the scene with `twinchute rom`",
+                            scene.file.string(), why));
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;

@@ -1,6 +1,7 @@
 // A centred moving average of a signal that arrives at uneven steps.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "lib/record/keeper.hpp"
@@ -21,6 +22,20 @@ public:
     double centre() const { return centre_; }  ///< [s] the time that value() belongs to
     double value() const { return value_; }
 
+    /// Means at the end of the signal, whose windows would reach beyond its last sample and are cut off
+    /// there, as visit(centre, mean): one for each sample that such a window may begin with. At least one
+    /// once two samples have come.
+    template <class Visit>
+    void cut_off(Visit&& visit) const {
+        if (end_ == 0 || !(at(end_ - 1).t > start_)) return;
+        const Sample& last = at(end_ - 1);
+        if (!(last.t - start_ > half_))
+            return visit(0.5 * (start_ + last.t), last.integral / (last.t - start_));
+        for (std::size_t i = first_; i < end_ && at(i).t + half_ <= last.t; ++i)
+            if (at(i).t + 2.0 * half_ >= last.t)
+                visit(at(i).t + half_, (last.integral - at(i).integral) / (last.t - at(i).t));
+    }
+
     void keep(Keeper& k);
 
 private:
@@ -35,6 +50,48 @@ private:
     double start_ = 0.0, last_value_ = 0.0;
     double centre_ = 0.0, value_ = 0.0;
     bool ready_ = false;
+};
+
+/// Largest moving average of a signal over an interval, which reaches from its first sample to its last. A
+/// window that would reach beyond either end is cut off there, to half its length at the end itself, so that
+/// the average never exceeds the largest sample: nothing from outside the interval counts. Over an interval
+/// shorter than half a window it is the mean of all of it.
+class IntervalPeak {
+public:
+    explicit IntervalPeak(double window) : window_(window), average_(window) {}
+
+    struct Peak {
+        double value = 0.0, time = 0.0;  ///< time [s]: centre of the window before it is cut
+    };
+
+    /// The next sample of the interval, as MovingAverage::push.
+    void push(double t, double value) {
+        average_.push(t, value);
+        if (average_.ready()) consider(average_.centre(), average_.value());
+    }
+    /// The interval ends at its last sample: its peak. Another one begins with the next.
+    Peak end() {
+        average_.cut_off([this](double t, double value) { consider(t, value); });
+        average_ = MovingAverage(window_);
+        return std::exchange(peak_, {});
+    }
+    /// So far, of windows that have passed.
+    const Peak& peak() const { return peak_; }
+
+    void keep(Keeper& k) {
+        average_.keep(k);
+        k.number("peak", peak_.value);
+        k.number("peak", peak_.time);
+    }
+
+private:
+    void consider(double t, double value) {
+        if (value > peak_.value) peak_ = {value, t};
+    }
+
+    double window_;  // [s]
+    MovingAverage average_;
+    Peak peak_;
 };
 
 }  // namespace twinchute::fullsim

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "lib/solve/opening.hpp"
-
 namespace twinchute::fullsim {
 namespace {
 
@@ -42,26 +40,31 @@ Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sec
       gravity_(gravity),
       interval_(1.0 / output_rate),
       force_(filter_window),
-      acceleration_(filter_window) {
+      acceleration_(filter_window),
+      opening_(filter_window) {
     rows_.reserve(4096);
 }
 
 void Observer::observe(const State& state) {
     const double raw = state.riser_force.norm();
     const MeanForce pull = mean_riser_force(state);
+    const double mean = pull.value.norm();
     const NodeIndex payload = mesh_.payload();
     const Vec3 others = to_vec3(state.force[payload].value + state.aero[payload].value) - state.riser_force;
     const Vec3 load = others + pull.value;
     // The payload node also carries half a riser element.
     const Vec3 acceleration = load / mesh_.mass[payload] - gravity_ * Vec3::UnitZ();
-    force_.push(pull.time, pull.value.norm());
+    force_.push(pull.time, mean);
     acceleration_.push(pull.time, acceleration.norm());
     Extremes& most = extremes_;
     Peak& raw_most = state.time >= most.peak_from ? most.raw_peak : most.snatch_peak;
     if (raw > raw_most.value) raw_most = {raw, state.time};
+    if (pull.time >= most.peak_from) {  // the step lies within the interval
+        if (mean > raw_most.value) raw_most = {mean, pull.time};
+        opening_.push(pull.time, mean);
+        most.peak = opening_.peak();
+    }
     if (force_.ready()) {
-        if (force_.value() > most.peak.value && force_.centre() >= most.peak_from)
-            most.peak = {force_.value(), force_.centre()};
         most.acceleration = std::max(most.acceleration, acceleration_.value());
         settle_rows();
     }
@@ -105,9 +108,11 @@ void Observer::finish() {
         rows_[unsettled_].force = force_.value();
         rows_[unsettled_].acceleration = acceleration_.value();
     }
+    if (sound_) extremes_.peak = opening_.end();
 }
 
 void Observer::forget() {
+    sound_ = false;
     // The first row is the scene's own start and stays: a record has at least one.
     rows_.resize(std::max<std::size_t>(1, accepted_.rows));
     unsettled_ = std::min(accepted_.unsettled, rows_.size());
@@ -127,28 +132,6 @@ double Observer::mean(double HistoryRow::*column, double seconds) const {
         integral += 0.5 * (rows_[i].time - rows_[i - 1].time) * (rows_[i].*column + rows_[i - 1].*column);
     const double span = rows_.back().time - rows_[i].time;
     return span > 0.0 ? integral / span : rows_.back().*column;
-}
-
-double Observer::mean_descent_rate(double seconds) const {
-    std::size_t i = rows_.size() - 1;
-    while (i > 0 && rows_.back().time - rows_[i].time < seconds - 1e-9)
-        --i;
-    return (rows_[i].position.z() - rows_.back().position.z()) / (rows_.back().time - rows_[i].time);
-}
-
-bool Observer::is_steady(double from) const {
-    const double now = rows_.back().time;
-    if (now - from < 2.0) return false;
-    double sum[2] = {0.0, 0.0};
-    int count[2] = {0, 0};
-    for (std::size_t i = rows_.size(); i-- > 0 && now - rows_[i].time < 2.0;) {
-        const int second = now - rows_[i].time < 1.0 ? 0 : 1;
-        sum[second] += rows_[i].airspeed * std::sqrt(rows_[i].density);
-        ++count[second];
-    }
-    if (count[0] == 0 || count[1] == 0) return false;
-    const double last = sum[0] / count[0], before = sum[1] / count[1];
-    return std::abs(last - before) < steady_descent_change * before;
 }
 
 double Observer::impulse(double from, double to) const {
@@ -196,6 +179,7 @@ void Observer::keep(Keeper& k) {
     k.whole("unsettled", unsettled_, 0, rows_.size());
     force_.keep(k);
     acceleration_.keep(k);
+    opening_.keep(k);
     keep_extremes(k, extremes_);
     k.whole("accepted rows", accepted_.rows, 0, rows_.size());
     k.whole("accepted unsettled", accepted_.unsettled, 0, rows_.size());

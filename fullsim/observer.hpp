@@ -1,5 +1,4 @@
-// What a full run writes down: history rows, filtered and raw force maxima, canopy shape, and
-// when the descent became steady.
+// What a full run writes down: history rows, filtered and raw force maxima, canopy shape.
 #pragma once
 
 #include <optional>
@@ -40,7 +39,7 @@ public:
     /// Another stage of the opening begins at `time` [s], that of the last observation: peak() is then its
     /// own.
     void begin_stage(double time) {
-        extremes_.earlier.push_back(extremes_.peak);
+        extremes_.earlier.push_back(opening_.end());
         extremes_.peak = {};
         extremes_.peak_from = time;
     }
@@ -60,24 +59,22 @@ public:
     /// Settles rows that still wait for their filter; no more observations after this.
     void finish();
 
-    struct Peak {
-        double value = 0.0, time = 0.0;
-    };
+    using Peak = IntervalPeak::Peak;
     const std::vector<HistoryRow>& rows() const { return rows_; }
-    const Peak& peak() const { return extremes_.peak; }  ///< of the filtered force [N], in this stage
+    /// Peak of the filtered force [N] in this stage, by windows that stay within it (IntervalPeak): never
+    /// above the raw one. Windows that the end of the run cuts off count once it is finished. The history's
+    /// column is filtered across all ends.
+    const Peak& peak() const { return extremes_.peak; }
     const std::vector<Peak>& earlier_peaks() const { return extremes_.earlier; }  ///< of the stages before
-    const Peak& raw_peak() const { return extremes_.raw_peak; }                   ///< of the raw force [N]
+    /// Peak of the raw force [N]: that at the end of a step, or its mean over the substeps of one, see
+    /// MeanForce.
+    const Peak& raw_peak() const { return extremes_.raw_peak; }
     const Peak& snatch_peak() const { return extremes_.snatch_peak; }  ///< raw, before the peak counts [N]
     double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
 
-    /// Whether the mean of v sqrt(rho), v the canopy's airspeed, over the last second of the rows differs
-    /// from that over the second before by less than steady_descent_change; `from`: rows before it do not
-    /// count.
-    bool is_steady(double from) const;
     /// Mean of a column over the last `seconds` of the rows, trapezoidal.
     double mean(double HistoryRow::*column, double seconds) const;
-    double mean_descent_rate(double seconds) const;
     /// [N s] of the filtered force over [from, to].
     double impulse(double from, double to) const;
     /// First time from `from` on at which the projected area reaches `area`; linear between rows.
@@ -99,6 +96,8 @@ private:
     std::vector<HistoryRow> rows_;
     std::size_t unsettled_ = 0;  // first row whose filtered columns are still open
     MovingAverage force_, acceleration_;
+    IntervalPeak opening_;  // of the force, since the peak counts
+    bool sound_ = true;     // nothing has been dropped
     struct Extremes {
         Peak peak, raw_peak, snatch_peak;
         std::vector<Peak> earlier;

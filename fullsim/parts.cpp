@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "fullsim/forces/registry.hpp"
+#include "lib/scene/needs.hpp"
 #include "lib/solve/hand_over.hpp"
 
 namespace twinchute::fullsim {
@@ -42,6 +43,12 @@ std::string structure(const Scene& scene) {
 }
 bool has_springs(const Scene& scene) {
     return packed(scene) && scene.full.structure == Structure::msd_fe;
+}
+bool has_sound(const Scene& scene) {
+    return scene.environment.atmosphere.model->has_temperature;
+}
+std::string sound(const Scene& scene) {
+    return has_sound(scene) ? "the air has a temperature" : "air of one density has no temperature";
 }
 std::string stop(const Scene&) {
     return "the scene may stop there";
@@ -82,6 +89,20 @@ constexpr std::array pieces{
           [](const Scene& s) {
               return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
           }},
+    Piece{physics, "drag area by Mach number", "a factor on the prescribed one",
+          [](const Scene& s) { return s.parachutes.front().drag_area_mach_table.has_value(); },
+          [](const Scene& s) {
+              return given("parachute.drag_area_mach_table",
+                           s.parachutes.front().drag_area_mach_table.has_value());
+          }},
+    Piece{physics, "shape of the canopy's type", "gores and openings as the type is sewn",
+          [](const Scene& s) { return !stand_in(s.parachutes.front()); },
+          [](const Scene& s) {
+              if (const auto other = stand_in(s.parachutes.front())) return other->what;
+              if (s.parachutes.front().mesh) return given("parachute.mesh", true);
+              return std::string("the canopy is flat circular");
+          }},
+    Piece{physics, "Mach number", "what is subsonic is judged by it", &has_sound, &sound},
     Piece{physics, "turning of the payload",
           "it is a body of one density, of tetrahedra lumped into a rigid one or each by itself",
           [](const Scene& s) { return s.payload.body.has_value(); },

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/simulation.hpp"
@@ -21,8 +22,6 @@ namespace twinchute::fullsim {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr int steps_of_bound = 20;  // from one bound on the step to the next
-constexpr int steps_of_check = 50;  // from one check of a run to the next
 constexpr int parts_of_stage = 32;  // of the midpoint rule over a stage
 /// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
 /// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.
@@ -74,7 +73,7 @@ Course course_of(const Scene& scene, const RunRecord* expected) {
             make_inflation(scene, chute, snatch, course.speed, density_at(scene, course.altitude));
     }
     course.full_open = std::isfinite(course.snatch) ? course.inflation.end_of(Phase::filling) : course.snatch;
-    // A descent is found steady by the means of two seconds, both with the canopy open.
+    // A descent is not called steady before there is a shape to report, a mean over two seconds.
     if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(course.full_open))
         course.end = std::max(course.end, course.full_open + 2.0 + scene.stop.delay);
     return course;
@@ -127,13 +126,13 @@ public:
         const Stopwatch all;
         do {
             const Stopwatch watch;
-            for (int k = 0; k < steps_of_bound; ++k) {
+            for (int k = 0; k < Simulation::steps_between_bounds; ++k) {
                 simulation_.evaluate_forces();
                 const State& outline = simulation_.outline();
                 observer_.observe(observer_.row_is_due(outline.time) ? simulation_.seams() : outline);
                 simulation_.step_to(never);
             }
-            seconds.push_back(time_of(watch) / steps_of_bound);
+            seconds.push_back(time_of(watch) / Simulation::steps_between_bounds);
         } while (all.wall() < budget);
         steps_ = simulation_.outline().step - before;
         mean_step_ = (simulation_.outline().time - start) / static_cast<double>(steps_);
@@ -142,7 +141,8 @@ public:
         std::ranges::nth_element(seconds, middle);
         const Stopwatch check;
         simulation_.find_fault();
-        seconds_ = (*middle + time_of(check) / steps_of_check) / cost_of(simulation_.step().substeps);
+        seconds_ = (*middle + time_of(check) / Simulation::steps_between_checks) /
+                   cost_of(simulation_.step().substeps);
     }
 
     double seconds() const { return seconds_; }      ///< [s] of wall time of a step without substeps
@@ -267,9 +267,9 @@ private:
             return true;
         });
         run(probe);
-        const double end = std::min(course_.end, change + scene_.full.ramp_time);
+        const double ramp = probe.simulation().ramp_time(), end = std::min(course_.end, change + ramp);
         add(probe, "ramp", change, end, [&](double time) {
-            const double share = end > change ? (time - change) / scene_.full.ramp_time : 1.0;
+            const double share = end > change ? (time - change) / ramp : 1.0;
             return probe.simulation().step_with(added_mass_at(scene_, course_, time), share * share * share);
         });
         return end;
@@ -334,7 +334,8 @@ private:
 }  // namespace
 
 Plan plan_full(const Scene& scene, const PlanBasis& basis) {
-    return Forecast(scene, basis).make();
+    const Scene meshed = weighed(scene);
+    return Forecast(meshed, basis).make();
 }
 
 }  // namespace twinchute::fullsim

@@ -20,12 +20,15 @@
 #include "lib/scene/needs.hpp"
 #include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
+#include "lib/solve/shortfall.hpp"
+#include "lib/solve/steady_descent.hpp"
 #include "lib/solve/stopwatch.hpp"
+#include "lib/solve/validity.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-constexpr int steps_between_checks = 50;
+constexpr int steps_between_falls = 10;  // samples of the fall: some ten a bounce, of lines that are short
 constexpr int steps_between_reports = 500;
 constexpr double shape_average = 2.0;  // [s]: the shape settles later than the speed
 // Of the steady projected area: a filled canopy (docs/theory/filling-time.md), and what has to come soon
@@ -35,7 +38,9 @@ constexpr double nearly_filled = 0.95;
 constexpr double sound_area = 0.9;   // signed over positive area below which gores lie inside out
 constexpr double early_peak = 0.25;  // drag area over the steady one below which a peak is the snatch's
 constexpr double ringing = 1.02;     // raw over filtered peak force; a sound opening has 1.00 to 1.01
-constexpr double taut_hold = 2e-3;   // [s] that lines have to stay taut: flailing ones do not
+// How long lines have to stay taut, since flailing ones do not, over the time that a wave takes along them:
+// 2 ms of a C-9's line (7.31 m of 462 kg/m^3 and 0.97 GPa).
+const double taut_hold = 2e-3 / (7.31 * std::sqrt(462.0 / 9.7e8));
 // Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
 constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
 constexpr std::size_t opening_frames = 48;
@@ -44,8 +49,10 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 class FullRun {
 public:
-    FullRun(const Scene& scene, Run& run)
+    /// The parachute weighs what its mesh does; `stated_mass`: what the scene says of it [kg].
+    FullRun(const Scene& scene, double stated_mass, Run& run)
         : scene_(scene),
+          stated_mass_(stated_mass),
           run_(run),
           record_(begin_record(scene, "full")),
           simulation_(scene,
@@ -56,6 +63,7 @@ public:
                       }),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate,
                     simulation_.sectors()),
+          fall_(scene.environment),
           fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
           frames_(simulation_.mesh(), static_cast<bool>(run.frames), simulation_.sectors()),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
@@ -85,12 +93,12 @@ public:
         }
         while (!ended_) {
             // Right after a check no frame of the fields waits for the next one.
-            if (state().step % steps_between_checks == 1) save_if_due();
+            if (state().step % Simulation::steps_between_checks == 1) save_if_due();
             simulation_.evaluate_forces();
             observer_.observe(observer_.row_is_due(state().time) ? simulation_.seams() : state());
             fields_.observe(fields_.frame_is_due(state().time) ? simulation_.state() : state());
             observe_frame();
-            if (state().step % steps_between_checks == 0) check();
+            if (state().step % Simulation::steps_between_checks == 0) check();
             if (!ended_) look_for_events();
             // An end between two checks must not hide what the next one would have found.
             if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
@@ -151,7 +159,8 @@ private:
     double next_stop() const {
         const double deployed = state().stage == Stage::deployment
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
-                                    : simulation_.inflation().end_of(state().phase);
+                                    : std::min(simulation_.inflation().end_of(state().phase),
+                                               simulation_.inflation().next_kink());
         const double cut = canopies_ ? canopies_->next_time() : never;
         return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
     }
@@ -270,13 +279,19 @@ private:
         if (!ended_) look_for_stop();
     }
 
+    /// [s]
+    double hold() const {
+        const Parachute& chute = scene_.parachutes.front();
+        return taut_hold * (chute.line_length * std::sqrt(chute.line.density / chute.line.youngs_modulus));
+    }
+
     /// Lines count as taut once they have stayed so for a while; the end of that is the snatch.
     void look_for_snatch() {
         const double now = state().time;
         if (!simulation_.lines_are_taut()) {
             hold_end_ = never;
         } else if (hold_end_ == never) {
-            hold_end_ = now + taut_hold;
+            hold_end_ = now + hold();
         }
         if (now < hold_end_) {
             if (now >= longest_deployment)
@@ -284,7 +299,7 @@ private:
                     fmt::format("the lines never came taut within {:g} s of release", longest_deployment));
             return;
         }
-        line_stretch_time_ = now - taut_hold;
+        line_stretch_time_ = now - hold();
         payload_snatch_speed_ =
             (to_vec3(state().node[simulation_.mesh().payload()].v) - state().air.wind_at_payload).norm();
         const Vec3 airspeed = state().sums.system_velocity - state().air.wind;
@@ -303,6 +318,8 @@ private:
     void look_for_opening() {
         const double now = state().time;
         bool opens = false;
+        while (now >= simulation_.inflation().next_kink())
+            simulation_.pass_kink();
         if (now >= simulation_.inflation().end_of(state().phase)) {
             opens = state().phase == Phase::filling;
             if (opens && !stages_.empty() && !stages_.back().full) stages_.back().full = now;
@@ -322,9 +339,12 @@ private:
             simulation_.end_ramp();
             add_event("finite-elements-alone");
         }
-        if (state().phase == Phase::open && !descent_altitude_ && state().step % steps_between_checks == 0 &&
-            observer_.is_steady(drag_area_steady())) {
+        look_at_fall();
+        // Not before there is a shape to report.
+        if (state().phase == Phase::open && !descent_altitude_ && now >= drag_area_steady() + shape_average &&
+            falls_steadily()) {
             add_event("steady-descent");
+            descent_ = last_window_;
             descent_altitude_ = state().node[simulation_.mesh().payload()].x[2];
             if (scene_.stop.kind == Trigger::Kind::steady_descent ||
                 scene_.stop.kind == Trigger::Kind::peak_force)
@@ -337,9 +357,7 @@ private:
 
     /// The canopies know when a line is cut; drag area and added mass go on from where they are.
     void look_for_disreef() {
-        if (canopies_->waits_for_steady_descent() && state().step % steps_between_checks == 0 &&
-            state().phase == Phase::open &&
-            observer_.is_steady(simulation_.inflation().end_of(Phase::filling))) {
+        if (canopies_->waits_for_steady_descent() && state().phase == Phase::open && falls_steadily()) {
             add_event("steady-descent");
             canopies_->descends_steadily(situation());
         }
@@ -353,6 +371,38 @@ private:
             if (canopy.phase == Phase::initial) simulation_.begin(Phase::initial);
             begin_opening_frames();
         }
+    }
+
+    /// A sample of the fall, while the drag area is steady.
+    void look_at_fall() {
+        if (state().phase != Phase::open) return fall_.restart();
+        if (state().step % steps_between_falls == 0) fall_.add(fall_now());
+    }
+    /// Judged now and then.
+    bool falls_steadily() {
+        if (state().step % Simulation::steps_between_checks != 0) return false;
+        last_window_ = fall_.judge(state().node[simulation_.mesh().payload()].x[2]);
+        return last_window_ && last_window_->is_steady();
+    }
+    FallSample fall_now() const {
+        const State& s = state();
+        const double material = simulation_.constants().system_mass, gravity = scene_.environment.gravity;
+        const Vec3 air = s.air.airspeed * s.air.direction;  // relative to the canopy
+        const Vec3 arm = s.sums.canopy_position - to_vec3(s.node[simulation_.mesh().payload()].x);
+        const double length = arm.norm(), sink = air.z();
+        FallSample now;
+        now.time = s.time;
+        now.density = s.air.density;
+        now.sink = sink;
+        now.airspeed = s.air.airspeed;
+        now.updraft = s.air.wind.z();
+        now.system_sink = -s.sums.system_velocity.z();
+        now.air_sink = -s.sums.canopy_area_velocity.z();
+        now.added_mass_ratio = s.added_mass / material;
+        now.accretion = accretes_ ? std::max(0.0, s.added_mass_rate) / material : 0.0;
+        now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
+        now.period = 2.0 * pi * std::sqrt(length / gravity);
+        return now;
     }
 
     /// What the scene may stop at happens now.
@@ -402,12 +452,16 @@ private:
     Observer::Peak largest_peak() const;
     ParachuteResult opening_in_stages(double snatch) const;
     void add_warnings();
+    std::vector<NeverOpened> never_opened_here() const;
+    Reached reached_at(double end, bool has_filling_time) const;
 
     const Scene& scene_;
+    const double stated_mass_;  // [kg]
     Run& run_;
     RunRecord record_;
     Simulation simulation_;
     Observer observer_;
+    SteadyDescent fall_;
     FieldRecorder fields_;
     FrameRecorder frames_;
     double descent_frames_from_ = never;  // [s]
@@ -421,6 +475,9 @@ private:
     double snatch_ = 0.0;  // [s]
     double snatch_speed_ = 0.0, snatch_path_angle_ = 0.0, payload_snatch_speed_ = 0.0, snatch_density_ = 0.0;
     std::optional<double> descent_altitude_, landing_time_, steady_area_;
+    std::optional<DescentWindow> descent_, last_window_;  // found steady; judged last
+    const bool accretes_ = scene_.aerodynamics.added_mass &&
+                           scene_.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting;
     std::optional<Canopies> canopies_;                   // of a reefed parachute
     std::vector<ParachuteResult::Stage> stages_ = {{}};  // of its opening
 
@@ -430,10 +487,21 @@ private:
     bool saved_for_stop_ = false;
 };
 
+void keep_window(Keeper& k, std::optional<DescentWindow>& window) {
+    bool is_there = window.has_value();
+    k.flag("window", is_there);
+    if (!is_there) return window.reset();
+    if (k.reads()) window.emplace();
+    auto& [from, to, rate, amplitude, drift, remaining] = *window;
+    for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining})
+        k.number("window", *x);
+}
+
 /// What the constructor makes anew is not kept.
 void FullRun::keep(Keeper& k) {
     simulation_.keep(k);
     observer_.keep(k);
+    fall_.keep(k);
     fields_.keep(k);
     frames_.keep(k);
     if (canopies_) canopies_->keep(k);
@@ -450,6 +518,8 @@ void FullRun::keep(Keeper& k) {
         k.number("run", *x);
     for (std::optional<double>* x : {&line_stretch_time_, &descent_altitude_, &landing_time_, &steady_area_})
         k.number("run", *x);
+    for (std::optional<DescentWindow>* window : {&descent_, &last_window_})
+        keep_window(k, *window);
     k.flag("switched late", switched_late_);
     k.length("stages", stages_, 1000);
     for (ParachuteResult::Stage& stage : stages_) {
@@ -521,8 +591,13 @@ void FullRun::fill_results() {
     if (canopies_ && result.snatched) result.parachutes.push_back(opening_in_stages(snatch));
     if (last.time >= filled && !inflated()) result.impulse = observer_.impulse(snatch, filled);
     result.max_deceleration = observer_.largest_acceleration();
-    if (descent_altitude_) result.descent_rate = observer_.mean_descent_rate(1.0);
+    result.descent = descent_;
     result.descent_altitude = descent_altitude_;
+    // Of the end of the run, where it is steady there, too.
+    if (const auto end = fall_.judge(state().node[simulation_.mesh().payload()].x[2])) {
+        last_window_ = end;
+        if (descent_ && end->is_steady()) result.descent = end;
+    }
     result.landing_time = landing_time_;
     result.end_position = last.position;
 
@@ -564,7 +639,11 @@ void FullRun::fill_results() {
     add_strength_margins(record_, chute);
     record_.energy = simulation_.ledger();
     record_.channels = observer_.channels();
+    add_validity(record_, scene_, result);
     add_warnings();
+    const Reached reached = reached_at(last.time, result.filling_time.has_value());
+    note_never_opened(record_, scene_, never_opened_here(), reached);
+    note_missing_metrics(record_, scene_, reached);
     record_.left_out = left_out_of(parts_of(scene_));
     if (const MassScaling& scaling = simulation_.mass_scaling(); scaling.nodes > 0)
         record_.left_out.push_back(
@@ -573,6 +652,25 @@ void FullRun::fill_results() {
                          "that may be "
                          "{:.1f} % longer before the air moves along",
                          scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0))});
+}
+
+std::vector<NeverOpened> FullRun::never_opened_here() const {
+    if (canopies_) return never_opened(*canopies_);
+    if (std::isfinite(snatch_)) return {};
+    return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
+}
+
+Reached FullRun::reached_at(double end, bool has_filling_time) const {
+    Reached reached;
+    reached.ground = landing_time_.has_value();
+    reached.full_open = std::isfinite(snatch_) && end >= full_open();
+    if (!reached.full_open || has_filling_time) return reached;
+    reached.filling_cut_short = end < full_open() + shape_average;
+    reached.no_filling_time =
+        reached.filling_cut_short
+            ? fmt::format("the run ended less than {:g} s after full open", shape_average)
+            : fmt::format("the projected area never came to {:g} % of its steady mean", 100.0 * filled_share);
+    return reached;
 }
 
 void FullRun::add_warnings() {
@@ -615,16 +713,23 @@ void FullRun::add_warnings() {
                          scene_.full.switch_area_ratio),
              "look at the shape; a smaller full.switch_area_ratio hands over earlier");
     const double meshed = simulation_.mesh().parachute_mass();
-    if (std::abs(meshed - chute.mass) > 0.02 * chute.mass)
-        warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, chute.mass),
+    if (std::abs(meshed - stated_mass_) > 0.02 * stated_mass_)
+        warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, stated_mass_),
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
+    if (auto warning = stand_in(chute)) record_.warnings.push_back(std::move(*warning));
     if (chute.mesh)
         std::ranges::copy(size_warnings(import_mesh(scene_), scene_), std::back_inserter(record_.warnings));
     if (const auto sound = record_.metric("signed_area_ratio"); sound && *sound < sound_area)
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
-             "gores are folded inside out; the model has no contact that would prevent it",
-             "look at the shape before trusting the loads");
+             scene_.full.contact == Contact::none
+                 ? "gores are folded inside out; cloth passes through cloth here"
+                 : "gores are folded inside out; contact keeps neighbours in order, not a canopy from "
+                   "turning over",
+             scene_.full.contact == Contact::none && !chute.mesh
+                 ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
+                   "in order"
+                 : "look at the shape before trusting the loads");
     if (const auto filled = record_.metric("filling_time_s")) {
         const double snatch = snatch_;
         const auto nearly = observer_.first_time_of_area(nearly_filled * *steady_area_, last_stage(snatch));
@@ -642,13 +747,11 @@ void FullRun::add_warnings() {
                 100.0 * static_cast<double>(state().capped_steps) / static_cast<double>(state().step)),
             "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
             "give the canopy a larger initial_drag_area_ratio if this matters");
+    if (opened && !descent_altitude_) warn_of_unsteady_descent(record_, scene_, last_window_);
     if (record_.status.code != StatusCode::completed || !opened) return;
     if (!steady_area_)
         warn("no filling time and no steady shape",
              fmt::format("the run ended less than {:g} s after full open", shape_average),
-             "set stop.time later, or stop.at = \"steady-descent\"");
-    if (!descent_altitude_)
-        warn("no descent rate", "the run ended before the descent was steady",
              "set stop.time later, or stop.at = \"steady-descent\"");
 }
 
@@ -664,6 +767,7 @@ std::vector<std::string> lacks(const Scene& scene) {
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
+    if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
     // What cannot start is found before anything runs.
     if (keys.empty() && (chute.mesh || scene.payload.body)) {
@@ -676,7 +780,8 @@ std::vector<std::string> lacks(const Scene& scene) {
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
-    return FullRun(scene, run).fly();
+    const Scene meshed = weighed(scene);
+    return FullRun(meshed, scene.parachutes.front().mass, run).fly();
 }
 
 const Fidelity& full_fidelity() {

@@ -17,14 +17,14 @@
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double smallest_step = 1e-9;       // [s] below which nothing would ever finish
-constexpr double largest_residual = 0.002;   // of the energy that changed hands; sound runs: 1e-5 to 1e-4
-constexpr double energy_of_rounding = 1e-6;  // [J] more than elements at rest have from rounded positions
+constexpr double smallest_step = 1e-9;      // [s] below which nothing would ever finish
+constexpr double largest_residual = 0.002;  // of the energy that changed hands; sound runs: 1e-5 to 1e-4
 constexpr std::int64_t most_steps = 2'000'000'000;
-constexpr double relaxation_time = 0.1;  // [s] of the added mass toward the open canopy's shape
-constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
-constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
-constexpr double cut_line = 10.0;        // length of a reefing line that no longer holds, over pi D0
+// Times over D0/v: of the added mass toward the open canopy's shape, of the ramp where the scene gives none.
+constexpr double relaxation = 0.1 / time_scale_of_c9, ramp_share = 0.15 / time_scale_of_c9;
+constexpr double taut_lines = 0.8;    // share of line elements in tension at snatch (paper, 5.2)
+constexpr double taut_risers = 0.05;  // riser load at snatch over the payload's weight
+constexpr double cut_line = 10.0;     // length of a reefing line that no longer holds, over pi D0
 constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
@@ -125,8 +125,11 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
                              [](const Cable& c) { return c.kind == CableKind::line; });
     }
     build_blocks();
-    state_.folded = state_.stage == Stage::deployment && scene.full.structure != Structure::fe &&
-                    layout_->cloth_strain(state_) < nearly_taut;
+    if (state_.stage == Stage::deployment) {
+        cloth_lengthens();
+        state_.folded = scene.full.structure != Structure::fe && cloth_strain_ < nearly_taut;
+        impacts_.expect();
+    }
     update_sums(state_, constants_);
     update_air(state_, scene.environment, mesh_.payload(), constants_.system_mass, 0.0);
     if (scene.aerodynamics.added_mass && state_.stage == Stage::flight)
@@ -165,9 +168,12 @@ void Simulation::build_blocks() {
 void Simulation::renew_air() {
     State& s = state_;
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
-               air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling)));
+               air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling), time_scale()));
     if (s.stage != Stage::deployment) {
         s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
+        if (const auto& table = scene_.parachutes.front().drag_area_mach_table)
+            s.air.drag_area *= table->factor(
+                s.air.airspeed / *scene_.environment.atmosphere.speed_of_sound(s.node[mesh_.payload()].x[2]));
         s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
         s.added_mass_rate = added_mass_after(0.0).rate;
     }
@@ -249,6 +255,7 @@ std::optional<RunStatus> Simulation::snatch() {
     state_.phase = first_phase(scene_, inflation_);
     if (!mesh_.static_line.cables.empty()) let_static_line_go();
     lines_ = {};
+    start_anew(whole());
     // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
     const double before = kinetic_energy(whole(), constants_);
     state_.stage = stages_of(scene_)[1];
@@ -306,6 +313,7 @@ bool Simulation::mouth_is_open() const {
 
 void Simulation::begin_ramp() {
     ramp_start_ = state_.time;
+    ramp_time_ = ramp_time();
     ramp_energy_ = 0.0;
     change_stage(Stage::ramp);
 }
@@ -316,15 +324,26 @@ void Simulation::end_ramp() {
     change_stage(Stage::flight);
 }
 
+double Simulation::time_scale() const {
+    const Parachute& chute = scene_.parachutes.front();
+    const double weight = constants_.system_mass * scene_.environment.gravity;
+    const double speed = std::sqrt(2.0 * weight / (state_.air.density * chute.drag_area));
+    return chute.nominal_diameter / speed;
+}
+
+double Simulation::ramp_time() const {
+    return scene_.full.ramp_time.value_or(ramp_share * time_scale());
+}
+
 double Simulation::ramp_end() const {
-    return state_.stage == Stage::ramp ? ramp_start_ + scene_.full.ramp_time : never;
+    return state_.stage == Stage::ramp ? ramp_start_ + ramp_time_ : never;
 }
 
 /// The stiffness of the finite elements at state().time, w = (t/T)^3, and the energy that its growth under
 /// strain has brought in since the last step.
 void Simulation::grow_ramp() {
     State& s = state_;
-    const double share = std::min(1.0, (s.time - ramp_start_) / scene_.full.ramp_time);
+    const double share = std::min(1.0, (s.time - ramp_start_) / ramp_time_);
     const double weight = share * share * share, before = s.fe_weight;
     const double energy = layout_->membrane_energy(s);
     s.energy.ramp += 0.5 * (weight - before) * (ramp_energy_ + energy);
@@ -355,8 +374,9 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     // Once open, the air belongs to the shape that the canopy really has.
     const double radius = std::sqrt(state_.air.projected_area / pi);
     const double missing = spec.mass(rho, {radius, 0.0}, {1.0, 0.0}).value - state_.added_mass;
-    const double gained = missing * -std::expm1(-dt / relaxation_time);
-    return {state_.added_mass + gained, (missing - gained) / relaxation_time};
+    const double time = relaxation * time_scale();
+    const double gained = missing * -std::expm1(-dt / time);
+    return {state_.added_mass + gained, (missing - gained) / time};
 }
 
 StableStep Simulation::bound() const {
@@ -366,12 +386,16 @@ StableStep Simulation::bound() const {
     return stable_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 
-ChosenStep Simulation::choose_step(const State& state) {
+double Simulation::residual_share(const EnergyLedger& e) {
+    return residual(e) / book_scale(state_.energy);
+}
+
+ChosenStep Simulation::choose_step(const State& state, double share) {
     const StableSteps stable = layout_->stable_steps(state);
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
-    rules.slaps = state.stage != Stage::flight && !state.folded;
-    rules.share_left = share_left_;
+    rules.slaps = slaps_in(state);
+    rules.share = share;
     // In a pack that only falls lines are slack.
     if (!state.folded) rules.quiet = quiet_step(line_waves_, state.added_mass, stable.canopy);
     // A body takes steps with the canopy, and so does what hangs on it.
@@ -383,8 +407,12 @@ ChosenStep Simulation::choose_step(const State& state) {
 }
 
 void Simulation::refresh_step() {
-    const ChosenStep chosen = choose_step(state_);
+    const ChosenStep chosen = choose_step(state_, impacts_count() ? impacts_.share() : 1.0);
     step_ = chosen.dt;
+    if (state_.stage == Stage::deployment && !state_.folded) {
+        const double rate = cloth_lengthens();
+        step_ = std::min(step_, step_to_first_impact(cloth_strain_, rate));
+    }
     substeps_ = chosen.substeps;
 }
 
@@ -393,7 +421,7 @@ ChosenStep Simulation::step_with(double added_mass, double fe_weight) {
     state.added_mass = added_mass;
     state.fe_weight = fe_weight;
     state.folded = false;
-    return choose_step(state);
+    return choose_step(state, 1.0);
 }
 
 std::vector<PlanArray> Simulation::arrays() const {
@@ -416,15 +444,34 @@ std::vector<PlanArray> Simulation::arrays() const {
     return all;
 }
 
+double Simulation::cloth_lengthens() {
+    const double strain = layout_->cloth_strain(state_), since = state_.time - cloth_seen_;
+    const double rate = since > 0.0 ? (strain - cloth_strain_) / since : 0.0;
+    cloth_strain_ = strain;
+    cloth_seen_ = state_.time;
+    return rate;
+}
+
 void Simulation::look_at_folds() {
-    if (!state_.folded || layout_->cloth_strain(state_) < nearly_taut) return;
+    if (!state_.folded) return;
+    // Cloth that is torn out may lack more than that and be taut two steps later.
+    const double rate = cloth_lengthens();
+    if (cloth_strain_ < nearly_taut && cloth_strain_ + 2.0 * rate * state_.dt < 0.0) return;
     state_.folded = false;
+    impacts_.expect();
     refresh_step();
 }
 
 void Simulation::step_to(double end) {
     look_at_folds();
-    if (state_.step > 0 && state_.step % steps_between_bounds == 0) refresh_step();
+    const bool due = state_.step > 0 && state_.step % steps_between_bounds == 0;
+    if (impacts_count() &&
+        ((due && impacts_.alert()) || impacts_.is_due(state_.energy.damping, book_scale(state_.energy)))) {
+        impacts_.look(residual_share(ledger()) / largest_residual, state_.energy.damping);
+        refresh_step();
+    } else if (due) {
+        refresh_step();
+    }
     const double left = end - state_.time;
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
@@ -469,8 +516,11 @@ void Simulation::keep(Keeper& k) {
     const Parachute& chute = scene_.parachutes.front();
     twinchute::keep(k, inflation_, chute.drag_area_law,
                     chute.drag_area_table ? &*chute.drag_area_table : nullptr);
-    for (double* x : {&step_, &dt_min_, &dt_max_, &ramp_start_, &ramp_energy_, &share_left_})
+    for (double* x : {&step_, &dt_min_, &dt_max_, &ramp_start_, &ramp_time_, &ramp_energy_})
         k.number("step", *x);
+    for (double* x : {&cloth_strain_, &cloth_seen_})
+        k.number("cloth strain", *x);
+    impacts_.keep(k);
     k.whole("substeps", substeps_, 1);
     k.whole("most substeps", most_substeps_, 1);
     k.whole("element steps", element_steps_, 0);
@@ -491,6 +541,19 @@ std::string Simulation::first_bad_node(const State& state) const {
     return std::isfinite(state.added_mass) ? "a load" : "the added mass";
 }
 
+std::string Simulation::hardest_hit() const {
+    const State& s = whole();
+    double most = -1.0;
+    std::string name = "elements";
+    for (const auto& model : structure_)
+        if (const Extreme extreme = model->extreme(s); extreme.strain > most) {
+            most = extreme.strain;
+            name =
+                fmt::format("{}, strained by {:.1f} %", model->element_name(extreme.element), 100.0 * most);
+        }
+    return name;
+}
+
 std::optional<RunStatus> Simulation::find_fault() {
     const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
     // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
@@ -506,21 +569,26 @@ std::optional<RunStatus> Simulation::find_fault() {
                          fmt::format("stable step {:.3g} s set by node {} {}", step_, bound().node, where())};
     for (std::size_t i = 0; i < structure_.size(); ++i)
         if (const double strain = levels.strain[i]; strain > scene_.full.strain_limit)
-            return RunStatus{StatusCode::strain_limit,
-                             fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}",
-                                         structure_[i]->element_name(structure_[i]->extreme(whole()).element),
-                                         100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
+            return RunStatus{
+                StatusCode::strain_limit,
+                fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}: it would have torn; a lighter "
+                            "payload, a slower release or a slower filling loads it less, "
+                            "full.strain_limit lets it stretch further",
+                            structure_[i]->element_name(structure_[i]->extreme(whole()).element),
+                            100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
     const EnergyLedger e = ledger_of(levels);
-    // At rest nothing has changed hands yet, and what does not add up is rounding.
-    const double scale = energy_of_rounding + state_.energy.kinetic_start + state_.energy.elastic_start +
-                         std::abs(e.gravity_work) + std::abs(e.drag_work) + std::abs(e.external_work);
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
-    const double used_up = std::abs(residual(e)) / (largest_residual * scale);
-    share_left_ = share_with(used_up);
-    if (!(used_up <= 1.0))
-        return RunStatus{StatusCode::energy_grew,
-                         fmt::format("{:.3g} J of energy do not add up, {:.1f} % of what changed hands, {}",
-                                     residual(e), 100.0 * residual(e) / scale, where())};
+    const double share = residual_share(e);
+    if (!(std::abs(share) <= largest_residual)) {
+        const bool lost = share < 0.0;
+        return RunStatus{
+            lost ? StatusCode::solver_failed : StatusCode::energy_grew,
+            fmt::format(
+                "{:.3g} J of energy {}, {:.1f} % of what changed hands, {}: the step of {:.2g} s is too "
+                "long for impacts of {}; a smaller full.time_step_factor (now {:g}) brings shorter ones",
+                std::abs(residual(e)), lost ? "were lost" : "came from nowhere", 100.0 * std::abs(share),
+                where(), step_, hardest_hit(), scene_.full.time_step_factor)};
+    }
     if (state_.step >= most_steps)
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};

@@ -66,6 +66,8 @@ public:
 
     /// The inflation phase changes at state().time, which step_to has reached exactly.
     void begin(Phase phase) { state_.phase = phase; }
+    /// The drag area has come to a kink at state().time, likewise.
+    void pass_kink() { ++inflation_.piece; }
 
     // Changes of stage at state().time, which step_to has reached exactly. Each evaluates the forces anew.
 
@@ -84,6 +86,11 @@ public:
     /// Whether the mouth has opened far enough for that: the signed area, since folds make the positive one
     /// of a pack as large as a quarter of the canopy.
     bool mouth_is_open() const;
+    /// D0/v [s], v the steady speed of the open canopy with all that hangs on it in the air at hand: the
+    /// time in which air passes by. It does not follow the motion, so that nothing feeds back.
+    double time_scale() const;
+    /// [s] that the ramp takes if it begins now.
+    double ramp_time() const;
     /// [s] end of the ramp; infinite when none is going on.
     double ramp_end() const;
 
@@ -122,9 +129,10 @@ public:
     /// is of another mesh, layout or instruction set.
     void keep(Keeper& k);
 
-private:
-    static constexpr int steps_between_bounds = 20;
+    /// From one bound on the step to the next, and what a run leaves between two looks for faults.
+    static constexpr int steps_between_bounds = 20, steps_between_checks = 50;
 
+private:
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at state().time.
@@ -137,7 +145,19 @@ private:
     void take_shape(bool tethered, std::size_t reefing_stage);
     /// Whether cloth could come taut now; the bound then counts it from here on.
     void look_at_folds();
-    ChosenStep choose_step(const State& state);
+    /// [1/s] rate of its largest strain since the last time, cloth_strain_ from now on.
+    double cloth_lengthens();
+    /// Cloth comes taut and slack: before flight, unless all of it is folded.
+    static bool slaps_in(const State& state) { return state.stage != Stage::flight && !state.folded; }
+    /// Impacts shorten steps, in flight as well of a parachute that came from its pack and whose steps are
+    /// stable: shorter ones would hide a step beyond its bound.
+    bool impacts_count() const {
+        return slaps_in(state_) ||
+               (state_.stage == Stage::flight && scene_.parachutes.front().deploy.starts_packed() &&
+                scene_.full.time_step_factor <= 1.0);
+    }
+    /// share: of every bound, see StepRules.
+    ChosenStep choose_step(const State& state, double share);
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
@@ -146,6 +166,10 @@ private:
             body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
         return energy_ledger(state_, levels.kinetic + turning, levels.elastic);
     }
+    /// What does not add up, over what changed hands [-].
+    double residual_share(const EnergyLedger& ledger);
+    /// The most strained element, in words.
+    std::string hardest_hit() const;
     /// In `state`.
     std::string first_bad_node(const State& state) const;
 
@@ -168,9 +192,10 @@ private:
     double step_ = 0.0;                     // [s] bound times factor, as last refreshed
     int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
     LineWaves line_waves_;
-    double share_left_ = 1.0;  // of slapping cloth's step, for what its residual leaves
+    ImpactWatch impacts_;
+    double cloth_strain_ = -1.0, cloth_seen_ = 0.0;  // [-] of the longest before snatch, and when [s]
     double dt_min_ = 0.0, dt_max_ = 0.0;
-    double ramp_start_ = 0.0;   // [s]
+    double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
     std::size_t reefing_stage_ = 0;
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch

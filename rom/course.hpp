@@ -16,6 +16,11 @@ inline constexpr double smallest_scale = 1.0;
 /// Why the integration of a stage stopped.
 enum class Leg { reached_end, root, failed, not_finite, interrupted, too_many_steps };
 
+/// Whether single canopies pull less than all of them together may.
+inline bool has_several_canopies(const Scene& scene) {
+    return scene.parachutes.size() > 1 || scene.parachutes.front().count > 1;
+}
+
 class Course {
 public:
     Course(const Scene& scene, Run& run, RunRecord& to)
@@ -24,7 +29,9 @@ public:
                                                            : unlimited()),
           scene_(scene),
           run_(run),
-          stop_is_set_(scene.stop.kind == Trigger::Kind::time) {}
+          stop_is_set_(scene.stop.kind == Trigger::Kind::time) {
+        if (has_several_canopies(scene)) observer.watch_canopies();
+    }
 
     RunRecord& record;
     Observer observer;

@@ -9,6 +9,7 @@
 
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
+#include "rom/canopy_force.hpp"
 #include "rom/methods.hpp"
 #include "rom/two_bodies.hpp"
 
@@ -40,10 +41,10 @@ ForcePiece piece_of(const ForceHistory& force, double zero, double begin, double
     return {value, (value - force.at(begin + quarter - zero)) / quarter, middle};
 }
 
-template <int dimensions>
+template <int dimensions, bool by_mach>
 class DeploymentRun {
     static constexpr int size = 4 * dimensions;
-    using Model = TwoBodies<dimensions>;
+    using Model = TwoBodies<dimensions, by_mach>;
 
 public:
     DeploymentRun(const Scene& scene, Course& course, Canopies& canopies, Openings& openings, double time,
@@ -219,11 +220,25 @@ private:
         if constexpr (dimensions >= 2) r.east = m.position[0];
         if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.riser_force(t, m, s, carried_mass(), model_.payload_drag_area);
-        r.drag_area = canopies_.drag_area(t) + (model_.bond == Bond::held ? 0.0 : model_.pack_drag_area);
+        r.drag_area =
+            model_.canopy_drag_area(t, m) + (model_.bond == Bond::held ? 0.0 : model_.pack_drag_area);
         r.dynamic_pressure = 0.5 * model_.atmosphere.at(m.altitude()).density *
                              airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind).squaredNorm();
         r.acceleration = model_.payload_acceleration(t, m, s).norm();
         r.separation = s.length();
+        if (several_) {
+            const LargestPull pull = largest_pull<dimensions>(
+                canopies_,
+                {t, model_.atmosphere.at(m.altitude()).density, model_.gravity, model_.mach_number(m),
+                 model_.added_mass, false, airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind),
+                 model_.payload_acceleration(t, m, s)});
+            const double own = model_.tension(s) / chute_.count;  // alike, and drawn out together
+            const auto leaving = std::ranges::find(canopies_.all(), *canopies_.leaves_pack(), &Canopy::index);
+            r.canopies = pull.canopies + (own > 0.0 ? chute_.count : 0);
+            r.canopy_force = std::max(own, pull.force);
+            r.canopy =
+                own > pull.force ? static_cast<std::size_t>(leaving - canopies_.all().begin()) : pull.canopy;
+        }
         return r;
     }
 
@@ -259,6 +274,7 @@ private:
     const std::vector<double> corners_;
     Model model_;
     double start_ = 0.0;  // [s] of the stage of taut lines
+    const bool several_ = has_several_canopies(scene_);
 };
 
 }  // namespace
@@ -290,7 +306,9 @@ Motion<dimensions> released(const Scene& scene) {
 template <int dimensions>
 Deployed<dimensions> deploy(const Scene& scene, Course& course, Canopies& canopies, Openings& openings,
                             double time, const Motion<dimensions>& motion) {
-    return DeploymentRun<dimensions>(scene, course, canopies, openings, time, motion).run(motion);
+    if (canopies.go_by_mach())
+        return DeploymentRun<dimensions, true>(scene, course, canopies, openings, time, motion).run(motion);
+    return DeploymentRun<dimensions, false>(scene, course, canopies, openings, time, motion).run(motion);
 }
 
 template Motion<1> released(const Scene&);

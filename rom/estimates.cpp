@@ -40,8 +40,10 @@ void add_estimates(RunRecord& record, const Scene& scene, const OpeningResult& r
     for (const OpeningForceForm& form : opening_force_forms()) {
         const double force = share * form.force(in);
         if (!std::isfinite(force)) continue;
+        const bool by_mach = scene.parachutes.front().drag_area_mach_table.has_value();
         record.estimates.push_back({std::string(form.name), std::string(form.title), "peak_force_N", force,
-                                    std::string(form.source), form.outside(in)});
+                                    std::string(form.source),
+                                    by_mach ? "its drag area knows no Mach number" : form.outside(in)});
     }
 }
 

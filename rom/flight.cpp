@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "rom/canopy_force.hpp"
 #include "rom/methods.hpp"
 #include "rom/rigid_composite.hpp"
 
@@ -14,9 +15,18 @@ namespace {
 constexpr double explicit_reach = 3.3;  // of Dormand and Prince's pair on the negative real axis
 constexpr double many_steps = 100.0;    // for which another method pays
 
-template <int dimensions, Air air>
+/// What remains [-] of a departure from the steady rate, over a window at whose end it is exp(-x) of what it
+/// was at its beginning, x = T/tau: in the mean, and from the mean of the first half to that of the second.
+double mean_of_decay(double x) {
+    return -std::expm1(-x) / x;
+}
+double drift_of_decay(double x) {
+    return 2.0 / x * std::expm1(-0.5 * x) * std::expm1(-0.5 * x);
+}
+
+template <int dimensions, Air air, bool by_mach>
 class Flight {
-    using Model = RigidComposite<dimensions, air>;
+    using Model = RigidComposite<dimensions, air, by_mach>;
 
 public:
     Flight(const Scene& scene, Course& course, Canopies& canopies, double time, Motion<dimensions>& motion,
@@ -35,6 +45,7 @@ public:
 
     std::optional<RunStatus> fly() {
         const std::optional<Leg> leg = follow();
+        note_last_window();
         course_.count(*solver_);
         motion_ = here();
         if (refusal_.code == StatusCode::refused) return refusal_;
@@ -83,6 +94,13 @@ private:
         }
     }
 
+    /// Where a drag area goes by it; otherwise 0.
+    double mach_number([[maybe_unused]] const Motion<dimensions>& m,
+                       [[maybe_unused]] const Vec<dimensions>& airspeed) const {
+        if constexpr (by_mach) return model_.mach_number(m, airspeed);
+        return 0.0;
+    }
+
     HistoryRow row(double t, std::span<const double> y) const {
         const auto m = motion_of<dimensions>(y);
         const auto loads = model_.loads(t, m);
@@ -95,8 +113,15 @@ private:
         if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.opening_force(loads);
         r.drag_area = loads.drag_area;
-        if (has_cluster_ && r.drag_area > 0.0)
-            r.canopy_force = r.force * canopies_.largest_drag_area(t) / r.drag_area;
+        if (several_) {
+            const LargestPull pull = largest_pull<dimensions>(
+                canopies_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
+                            model_.added_mass, air == Air::accreting,
+                            model_.canopy_airspeed(m, loads.airspeed), loads.acceleration});
+            r.canopy_force = pull.force;
+            r.canopy = pull.canopy;
+            r.canopies = pull.canopies;
+        }
         r.dynamic_pressure = 0.5 * loads.density * loads.airspeed.squaredNorm();
         r.acceleration = loads.acceleration.norm();
         r.separation = separation_;
@@ -104,22 +129,77 @@ private:
         return r;
     }
 
-    /// Relative change per second of v sqrt(rho), v through the air, less the limit; negative once the
-    /// descent is steady.
+    /// How a point mass with constant drag area falls; see lib/solve/steady_descent.hpp for the terms.
+    struct Fall {
+        double sink = 0.0;              ///< w [m/s]
+        double added_mass_ratio = 0.0;  ///< mu [-]
+        double departure = 1.0;  ///< [-] |ln(w/w_e)|, of slip and of drag against weight, each for itself
+    };
+    /// Without slip 1/2 rho C_D S w^2 = W; so 2 ln(u/u_b) = ln(w/V) + ln(D/W), D/W = 1 + (1 + mu) a/g with a
+    /// upward. Both terms fade at the same rate and may have opposite signs: where the speed has a turning
+    /// point they cancel, and do not stay so.
+    Fall fall(double t, const Motion<dimensions>& m) const {
+        const auto loads = model_.loads(t, m);
+        const Vec<dimensions> velocity = model_.canopy_airspeed(m, loads.airspeed);
+        const double sink = -velocity[dimensions - 1];
+        Fall now{sink, loads.added_mass / (model_.hung_mass() + canopies_.out_mass()), 1.0};
+        const double drag =
+            1.0 + (1.0 + now.added_mass_ratio) * loads.acceleration[dimensions - 1] / model_.gravity;
+        if (!(sink > 0.0) || !(drag > 0.0)) return now;
+        const double lag = density_lag(scene_.environment, m.altitude(), sink, now.added_mass_ratio);
+        now.departure =
+            0.5 * std::abs(std::log(sink / velocity.norm())) + std::abs(0.5 * std::log(drag) - lag);
+        return now;
+    }
+    Fall fall() const { return fall(solver_->time(), here()); }
+
+    /// The departure at the beginning of a window less the one from which on the mean over it is steady;
+    /// negative once such a window may begin.
     double unsteadiness(double t, const Motion<dimensions>& m) const {
-        const double z = m.altitude(), climb = m.velocity[dimensions - 1];
-        const auto density = [&](double h) { return scene_.environment.atmosphere.at(h).density; };
-        const double relative_density_slope = (density(z + 1.0) - density(z - 1.0)) / (2.0 * density(z));
-        const Vec<dimensions> velocity = model_.airspeed(m);
-        if (velocity.squaredNorm() == 0.0) return 1.0;  // at rest nothing is steady yet
-        Vec<dimensions> rate = model_.acceleration(t, m);
-        if constexpr (dimensions == 3)  // falling through shear changes the speed through the air, too
-            rate -= climb * 0.5 * (model_.wind->at(z + 1.0) - model_.wind->at(z - 1.0));
-        const double relative_rate =
-            velocity.dot(rate) / velocity.squaredNorm() + 0.5 * relative_density_slope * climb;
-        return std::abs(relative_rate) - steady_descent_change;
+        const Fall now = fall(t, m);
+        const double lasts =
+            2.0 * descent_window(1.0, now.added_mass_ratio, 1.0) / (1.0 + now.added_mass_ratio);
+        return now.departure - std::min(steady_descent_remaining / mean_of_decay(lasts),
+                                        steady_descent_change / drift_of_decay(lasts));
     }
     double unsteadiness() const { return unsteadiness(solver_->time(), here()); }
+
+    /// The window that ends now, where the drag area has not changed in it.
+    std::optional<DescentWindow> window() const {
+        const Fall now = fall();
+        const double end = solver_->time(), altitude = here().altitude();
+        const double length = descent_window(std::max(0.0, now.sink), now.added_mass_ratio, model_.gravity);
+        if (!(length > 0.0) || end - length < open_since_) return std::nullopt;
+        const auto u = [&](double rate, double z) {
+            return rate * std::sqrt(scene_.environment.atmosphere.at(z).density);
+        };
+        const double begin = course_.observer.altitude_at(end - length),
+                     middle = course_.observer.altitude_at(end - 0.5 * length);
+        const double first = u(2.0 * (begin - middle) / length, 0.5 * (begin + middle)),
+                     second = u(2.0 * (middle - altitude) / length, 0.5 * (middle + altitude));
+        const double last = u(-here().velocity[dimensions - 1], altitude);
+        double least = last, most = last;
+        const auto& rows = course_.observer.rows();
+        for (auto row = rows.rbegin(); row != rows.rend() && row->time >= end - length; ++row) {
+            least = std::min(least, u(-row->vertical_speed, row->altitude));
+            most = std::max(most, u(-row->vertical_speed, row->altitude));
+        }
+        DescentWindow window{end - length, end, (begin - altitude) / length, 0.0, second / first - 1.0, 0.0};
+        window.amplitude = (most - least) / (first + second);
+        window.remaining = std::abs(std::log(0.5 * (first + second) / last)) + now.departure;
+        if (!std::isfinite(window.remaining)) return std::nullopt;
+        if (window.is_steady())
+            window.remaining += change_below(scene_.environment, altitude, now.sink, now.added_mass_ratio);
+        return window;
+    }
+
+    /// The window at the end of the run: a ground that comes first does not make it less steady.
+    void note_last_window() {
+        result_.last_window = window();
+        if (!result_.last_window || !result_.last_window->is_steady() || !canopies_.is_settled()) return;
+        result_.descent = result_.last_window;
+        if (!result_.descent_altitude) result_.descent_altitude = here().altitude();
+    }
 
     Motion<dimensions> here() const { return motion_of<dimensions>(solver_->state()); }
     Situation now() const { return situation_of<dimensions>(scene_, solver_->time(), here()); }
@@ -166,7 +246,7 @@ private:
             openings_.before_stage(done, now());
             refusal_ = openings_.check();
             if (refusal_.code == StatusCode::refused) return Leg::reached_end;
-            if (!done.empty()) is_steady_ = false;
+            if (!done.empty()) is_steady_ = false, open_since_ = solver_->time();
             begin_stage(sought());
             openings_.after_stage(done, solver_->time());
             if (canopies_.leaves_pack()) return std::nullopt;
@@ -188,6 +268,7 @@ private:
         const bool seeks_peak = roots_.size() > 2 && roots_[2] == Root::peak;
         if (seeks_peak && above_past_peak(solver_->time(), here()) < 0.0) return end_after_peak();
         if (!seeks_steady || !(unsteadiness() < 0.0)) {
+            settling_since_.reset();
             const Leg leg =
                 course_.integrate_to(*solver_, std::min(canopies_.next_time(), course_.stop_time));
             if (leg == Leg::reached_end && goes_on()) return std::nullopt;
@@ -208,9 +289,13 @@ private:
         return solver_->time() < course_.stop_time || canopies_.next_time() <= solver_->time();
     }
 
-    /// Steady by its rate now; declared so after a second of it (see steady_descent_change).
+    /// Declared steady after a window that begins here; where it is not, looked at again and again.
     std::optional<Leg> verify_steady() {
-        const double steady_since = solver_->time() + 1.0;
+        constexpr double again = 0.5;  // of a window
+        const Fall begin = fall();
+        const double length = descent_window(begin.sink, begin.added_mass_ratio, model_.gravity);
+        if (!settling_since_) settling_since_ = solver_->time();
+        const double steady_since = std::max(*settling_since_ + length, solver_->time() + again * length);
         begin_stage({});
         const double end = std::min({steady_since, canopies_.next_time(), course_.stop_time});
         const Leg leg = course_.integrate_to(*solver_, end);
@@ -220,19 +305,23 @@ private:
         }
         if (leg != Leg::reached_end) return leg;
         if (solver_->time() < steady_since) return goes_on() ? std::nullopt : std::optional(leg);
-        if (unsteadiness() >= 0.0) return std::nullopt;  // a turning point of the speed, no steady descent
+        const std::optional<DescentWindow> found = window();
+        if (!found || !found->is_steady()) {
+            if (canopies_.is_settled()) take_long_steps();  // thin air may keep it from being steady for long
+            return std::nullopt;
+        }
         is_steady_ = true;
         const bool last = canopies_.is_settled();
         course_.add_event("steady-descent");
         canopies_.descends_steadily(now());
         if (!last) return std::nullopt;
+        result_.descent = found;
         result_.descent_altitude = course_.observer.rows().back().altitude;
         const Trigger& stop = scene_.stop;
         if (stop.kind == Trigger::Kind::peak_force || stop.kind == Trigger::Kind::steady_descent)
             course_.end_at(solver_->time() + stop.delay);
         if (solver_->time() >= course_.stop_time) return leg;
-        if (scene_.rom.method == automatic && is_long(course_.stop_time))
-            change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
+        take_long_steps();
         return course_.integrate_to(*solver_, course_.stop_time);
     }
 
@@ -265,6 +354,12 @@ private:
         return steps > many_steps;
     }
 
+    void take_long_steps() {
+        if (takes_long_steps_ || scene_.rom.method != automatic || !is_long(course_.stop_time)) return;
+        takes_long_steps_ = true;
+        change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
+    }
+
     void change_to(const OdeMethod& method, double rtol) {
         course_.count(*solver_);
         const std::vector<double> y(solver_->state().begin(), solver_->state().end());
@@ -283,10 +378,12 @@ private:
     std::unique_ptr<OdeSolver> solver_;
     RunStatus refusal_;        // of an opening that cannot take place
     std::vector<Root> roots_;  // of the stage, in the solver's order
-    const bool has_cluster_ =
-        std::ranges::any_of(scene_.parachutes, [](const Parachute& p) { return p.count > 1; });
+    const bool several_ = has_several_canopies(scene_);
     bool is_limited_ = false;  // the length of steps
-    bool is_steady_ = false;   // since the last event of a canopy
+    bool takes_long_steps_ = false;
+    bool is_steady_ = false;                // since the last event of a canopy
+    double open_since_ = 0.0;               // [s] that event
+    std::optional<double> settling_since_;  // [s] from which on unsteadiness() has been negative
 };
 
 }  // namespace
@@ -295,7 +392,11 @@ template <int dimensions>
 std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& canopies, double time,
                                 Motion<dimensions>& motion, double separation, Openings& openings) {
     const auto fly = [&]<Air air>() {
-        return Flight<dimensions, air>(scene, course, canopies, time, motion, separation, openings).fly();
+        if (canopies.go_by_mach())
+            return Flight<dimensions, air, true>(scene, course, canopies, time, motion, separation, openings)
+                .fly();
+        return Flight<dimensions, air, false>(scene, course, canopies, time, motion, separation, openings)
+            .fly();
     };
     if (!scene.aerodynamics.added_mass) return fly.template operator()<Air::none>();
     if (scene.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting)

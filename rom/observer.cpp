@@ -20,13 +20,14 @@ void Observer::step(const OdeSolver& solver) {
         solver.interpolate(t, buffer_);
         return row_of_(t, buffer_);
     };
-    const double force = force_.best.value, acceleration = acceleration_.best.value;
+    std::array<double, std::tuple_size_v<decltype(peaks_)>> before{};
+    std::ranges::transform(peaks_, before.begin(), [](const Peak& peak) { return peak.best.value; });
     for (int i = 1; i <= pieces; ++i) {
         rows_.push_back(i < pieces ? at(a + (b - a) * i / pieces) : row_of_(b, solver.state()));
         consider(rows_.back());
     }
-    refine(force_, force, a, b, at);
-    refine(acceleration_, acceleration, a, b, at);
+    for (std::size_t i = 0; i < watched_; ++i)
+        refine(peaks_[i], before[i], a, b, at);
 }
 
 template <class RowAt>
@@ -52,8 +53,15 @@ bool Observer::is_finite() {
 }
 
 Maximum Observer::take_peak() {
-    force_.row = rows_.size();
-    return std::exchange(force_.best, {0.0, -1.0});
+    peaks_[of_force].row = rows_.size();
+    return std::exchange(peaks_[of_force].best, {0.0, -1.0});
+}
+
+std::pair<Maximum, std::size_t> Observer::take_canopy_peak() {
+    Peak& peak = peaks_[of_canopy_force];
+    const std::size_t whose = peak.row < rows_.size() ? rows_[peak.row].canopy : 0;
+    peak.row = rows_.size();
+    return {std::exchange(peak.best, {0.0, -1.0}), whose};
 }
 
 const HistoryRow& Observer::row_near(double t) const {
@@ -90,10 +98,10 @@ double Observer::altitude_at(double t) const {
 }
 
 void Observer::consider(const HistoryRow& row) {
-    for (Peak* peak : {&force_, &acceleration_}) {
-        if (!(row.*peak->quantity > peak->best.value)) continue;
-        peak->best = {row.time, row.*peak->quantity};
-        peak->row = static_cast<std::size_t>(&row - rows_.data());
+    for (Peak& peak : std::span(peaks_).first(watched_)) {
+        if (!(row.*peak.quantity > peak.best.value)) continue;
+        peak.best = {row.time, row.*peak.quantity};
+        peak.row = static_cast<std::size_t>(&row - rows_.data());
     }
 }
 

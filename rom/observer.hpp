@@ -2,8 +2,10 @@
 // Everything is taken from the integrator's dense output, so that no step size shows in it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lib/math/maximum.hpp"
@@ -16,7 +18,9 @@ struct HistoryRow {
     double east, north;                            // [m] from the release; downrange in a plane
     double force, drag_area, dynamic_pressure, added_mass, acceleration;
     double separation;    // [m] of payload and parachute, packed starts only
-    double canopy_force;  // [N] of the canopy that pulls most, by its share of the drag area
+    double canopy_force;  // [N] of the canopy that pulls most; several canopies only
+    std::size_t canopy;   // which it is, of Canopies::all()
+    int canopies;         // that pull; several canopies only
 };
 
 class Observer {
@@ -25,6 +29,8 @@ public:
     using RowOf = std::function<HistoryRow(double t, std::span<const double> y)>;
 
     void watch(RowOf row_of) { row_of_ = std::move(row_of); }
+    /// Follows the largest force of a single canopy, too.
+    void watch_canopies() { watched_ = peaks_.size(); }
 
     /// A point where a stage begins or ends; the force may jump there.
     void mark(double t, std::span<const double> y);
@@ -34,11 +40,14 @@ public:
     bool is_finite();
 
     const std::vector<HistoryRow>& rows() const { return rows_; }
-    double largest_deceleration() const { return acceleration_.best.value; }
+    double largest_deceleration() const { return peaks_[of_acceleration].best.value; }
 
     /// The largest force since the run began, or since take_peak().
-    const Maximum& peak() const { return force_.best; }
+    const Maximum& peak() const { return peaks_[of_force].best; }
     Maximum take_peak();
+    /// The largest force of a single canopy since the run began, or since it was last taken, and whose it is;
+    /// below zero where there was none.
+    std::pair<Maximum, std::size_t> take_canopy_peak();
 
     /// The row at or after a time inside the run.
     const HistoryRow& row_near(double t) const;
@@ -65,8 +74,11 @@ private:
     RowOf row_of_;
     std::vector<HistoryRow> rows_;
     std::vector<double> buffer_;
-    Peak force_{&HistoryRow::force, {0.0, -1.0}};
-    Peak acceleration_{&HistoryRow::acceleration, {0.0, 0.0}};
+    enum Followed { of_force, of_acceleration, of_canopy_force };
+    std::array<Peak, 3> peaks_{{{&HistoryRow::force, {0.0, -1.0}},
+                                {&HistoryRow::acceleration, {0.0, 0.0}},
+                                {&HistoryRow::canopy_force, {0.0, -1.0}}}};
+    std::size_t watched_ = of_canopy_force;  // that many of the first of them
 };
 
 }  // namespace twinchute::rom

@@ -12,6 +12,10 @@ const Canopy& canopy_of(const Canopies& canopies, std::size_t index) {
     return *std::ranges::find(canopies.all(), index, &Canopy::index);
 }
 
+void keep_larger(std::optional<CanopyPeak>& largest, const CanopyPeak& peak) {
+    if (peak.force > 0.0 && (!largest || peak.force > largest->force)) largest = peak;
+}
+
 }  // namespace
 
 void Openings::before_stage(const std::vector<Occurrence>& done, const Situation& now) {
@@ -24,9 +28,22 @@ void Openings::after_stage(const std::vector<Occurrence>& done, double time) {
         note_event(what, time);
 }
 
+CanopyPeak Openings::take_canopy_peak() {
+    const auto [peak, canopy] = course_.observer.take_canopy_peak();
+    const Canopy& whose = canopies_.all()[canopy];
+    std::string note = fmt::format("{} at t = {:.4g} s", whose.chute->name, peak.at);
+    if (whose.chute->count > whose.count)
+        note = fmt::format("{} of {} {}, lag {:g} s, at t = {:.4g} s", whose.count, whose.chute->count,
+                           whose.chute->name, whose.lag, peak.at);
+    return {peak.value, std::move(note)};
+}
+
 Maximum Openings::take_peak() {
     const Maximum peak = course_.observer.take_peak();
     result.max_force = std::max(result.max_force, peak.value);
+    if (!has_several_canopies(scene_)) return peak;
+    canopy_peak_ = take_canopy_peak();
+    keep_larger(result.max_canopy_force, canopy_peak_);
     return peak;
 }
 
@@ -39,6 +56,7 @@ void Openings::close() {
         return;
     }
     if (peak.value < 0.0) return;
+    if (has_several_canopies(scene_)) keep_larger(result.peak_canopy_force, canopy_peak_);
     chute.stages.back().peak_force = peak.value;
     chute.stages.back().peak_time = peak.at;
 }

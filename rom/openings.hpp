@@ -46,10 +46,12 @@ private:
     void note_snatch(const Occurrence& what, const Situation& now);
     void note_full(ParachuteResult& chute, const Occurrence& what, double time);
     Maximum take_peak();
+    CanopyPeak take_canopy_peak();
 
     const Scene& scene_;
     Course& course_;
     const Canopies& canopies_;
+    CanopyPeak canopy_peak_;  // taken with the last peak
 };
 
 }  // namespace twinchute::rom

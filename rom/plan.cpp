@@ -89,6 +89,12 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
                   "this model's payload hangs straight behind the parachute: the drag area of angle 0");
     parts.optional("added mass", "air moves with the canopy", "aerodynamics.added_mass",
                    scene.aerodynamics.added_mass.has_value());
+    parts.optional("drag area by Mach number", "a factor on the prescribed one",
+                   "parachute.drag_area_mach_table",
+                   any([](const Parachute& p) { return p.drag_area_mach_table.has_value(); }));
+    const bool has_sound = scene.environment.atmosphere.model->has_temperature;
+    parts.add(physics, "Mach number", "what is subsonic is judged by it", has_sound,
+              has_sound ? "the air has a temperature" : "air of one density has no temperature");
     parts.optional("payload drag", "of its body in the air", "payload.drag_area",
                    scene.payload.drag_area.has_value());
 

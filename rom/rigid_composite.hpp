@@ -13,7 +13,8 @@ namespace twinchute::rom {
 /// What the air that moves with the canopy does to the equation of motion.
 enum class Air { none, inertia_only, accreting };
 
-template <int dimensions, Air air>
+/// by_mach: the drag area of a canopy goes by the Mach number.
+template <int dimensions, Air air, bool by_mach = false>
 struct RigidComposite {
     Atmosphere atmosphere;
     const Canopies* canopies = nullptr;
@@ -39,6 +40,17 @@ struct RigidComposite {
         return airspeed_of<dimensions>(motion.velocity, motion.altitude() + above, wind);
     }
 
+    /// C_D S [m^2] of all canopies that are out, in air that the payload meets with `airspeed` [m/s].
+    double canopy_drag_area(double t, const Motion<dimensions>& motion,
+                            const Vec<dimensions>& airspeed) const {
+        if constexpr (by_mach) return canopies->drag_area(t, mach_number(motion, airspeed));
+        return canopies->drag_area(t);
+    }
+    /// Not for air without a temperature.
+    double mach_number(const Motion<dimensions>& motion, const Vec<dimensions>& airspeed) const {
+        return airspeed.norm() / *atmosphere.speed_of_sound(motion.altitude());
+    }
+
     /// What acts on the composite at one moment.
     struct Loads {
         double density, drag_area, added_mass;   ///< [kg/m^3], [m^2] of all canopies that are out, [kg]
@@ -48,8 +60,8 @@ struct RigidComposite {
     /// (m_l + m_p + M_a) dv/dt = (m_l + m_p) g + D [- (dM_a/dt) v_air while M_a grows, if accreting]:
     /// gravity weighs the material, not the air. Drag, m_p and M_a: of all canopies that are out.
     Loads loads(double t, const Motion<dimensions>& motion) const {
-        Loads now{
-            atmosphere.at(motion.altitude()).density, canopies->drag_area(t), 0.0, airspeed(motion), {}};
+        Loads now{atmosphere.at(motion.altitude()).density, 0.0, 0.0, airspeed(motion), {}};
+        now.drag_area = canopy_drag_area(t, motion, now.airspeed);
         const double weighed = hung_mass() + canopies->out_mass();
         const Vec<dimensions> velocity = canopy_airspeed(motion, now.airspeed);
         Vec<dimensions> force = drag_of<dimensions>(now.density, now.drag_area, velocity) +

@@ -43,7 +43,7 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
     channel("force", "N", [](const HistoryRow& r) { return r.force; });
     channel("drag_area", "m^2", [](const HistoryRow& r) { return r.drag_area; });
     channel("dynamic_pressure", "Pa", [](const HistoryRow& r) { return r.dynamic_pressure; });
-    if (std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.count > 1; }))
+    if (std::ranges::any_of(rows, [](const HistoryRow& r) { return r.canopies > 1; }))
         channel("canopy_force", "N", [](const HistoryRow& r) { return r.canopy_force; });
     if (scene.aerodynamics.added_mass)
         channel("added_mass", "kg", [](const HistoryRow& r) { return r.added_mass; });

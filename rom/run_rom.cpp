@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "lib/solve/opening.hpp"
+#include "lib/solve/shortfall.hpp"
 #include "lib/solve/stopwatch.hpp"
+#include "lib/solve/validity.hpp"
 #include "rom/deployment.hpp"
 #include "rom/estimates.hpp"
 #include "rom/fidelity.hpp"
@@ -68,11 +70,15 @@ void judge(const Scene& scene, int dimensions, Course& course, Openings& opening
         record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
         std::ranges::stable_sort(record.events, {}, &Event::time);
     }
+    // Of one canopy at a time they repeat the forces above.
+    if (std::ranges::none_of(observer.rows(), [](const HistoryRow& r) { return r.canopies > 1; })) {
+        result.peak_canopy_force.reset();
+        result.max_canopy_force.reset();
+    }
     if (result.filling_time)
         result.impulse =
             observer.impulse_between(result.snatch_time, result.snatch_time + *result.filling_time);
     result.max_deceleration = observer.largest_deceleration();
-    if (result.descent_altitude) result.descent_rate = observer.altitude_at(last.time - 1.0) - last.altitude;
     result.end_position = place_of(last, scene, dimensions);
 }
 
@@ -93,16 +99,20 @@ void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& res
     const Metric descent{"", 0.0, Standing::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record, scene, result, filling, descent);
-    if (record.status.code == StatusCode::completed && !result.descent_rate &&
-        scene.stop.kind == Trigger::Kind::time)
-        record.warnings.push_back({"no descent rate", "the run ended before the descent was steady",
-                                   "set stop.time later, or stop.at = \"steady-descent\""});
+    if (!result.descent) warn_of_unsteady_descent(record, scene, result.last_window);
 }
 
 /// What the formulas of openings are for: one canopy that opens at once.
 bool is_one_opening(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
+}
+
+Reached reached_by(const Scene& scene, const Course& course, const Canopies& canopies) {
+    constexpr double on_ground = 1e-6;  // [m] to which a stop at the altitude of the ground is met
+    const bool landed = course.record.find_event("ground") != nullptr ||
+                        course.observer.rows().back().altitude - scene.environment.ground < on_ground;
+    return {landed, canopies.unopened().empty() && canopies.is_open()};
 }
 
 template <int dimensions>
@@ -115,11 +125,15 @@ RunRecord run_in(const Scene& scene, Run& run) {
     Openings openings(scene, course, canopies, result);
     record.status = fly<dimensions>(scene, course, canopies, openings);
     judge(scene, dimensions, course, openings);
+    const Reached reached = reached_by(scene, course, canopies);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
+    note_never_opened(record, scene, never_opened(canopies), reached);
+    note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
     add_channels(record, course.observer.rows(), scene, dimensions);
+    add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
     return record;

@@ -35,8 +35,8 @@ enum class Bond {
 
 /// State vector: the payload's position and velocity, then distance and velocity of the parachute from it.
 /// The distance is a component of its own because it is small beside the altitude, and the lines' stretch
-/// smaller.
-template <int dimensions>
+/// smaller. by_mach: the drag area of a canopy that is out goes by the Mach number.
+template <int dimensions, bool by_mach = false>
 struct TwoBodies {
     Atmosphere atmosphere;
     const Wind* wind = nullptr;
@@ -82,13 +82,26 @@ struct TwoBodies {
         return tension(s) / s.length() * s.distance;
     }
 
+    /// C_D S [m^2] of all canopies that are out, in the air that the payload meets.
+    double canopy_drag_area(double t, const Motion<dimensions>& m) const {
+        if constexpr (by_mach) return canopies->drag_area(t, mach_number(m));
+        return canopies->drag_area(t);
+    }
+    /// Of the payload, where a drag area goes by it; otherwise 0.
+    double mach_number([[maybe_unused]] const Motion<dimensions>& m) const {
+        if constexpr (by_mach)
+            return airspeed_of<dimensions>(m.velocity, m.altitude(), wind).norm() /
+                   *atmosphere.speed_of_sound(m.altitude());
+        return 0.0;
+    }
+
     /// (m_l + M_a) dv/dt = m_l g + D_l + T e, with the drag and added mass of canopies that are out.
     Vec<dimensions> payload_acceleration(double t, const Motion<dimensions>& m,
                                          const Separation<dimensions>& s) const {
         double inertia = payload_mass;
         if (added_mass)
             inertia += canopies->added_mass(*added_mass, t, atmosphere.at(m.altitude()).density).value;
-        const double drag_area = payload_drag_area + canopies->drag_area(t);
+        const double drag_area = payload_drag_area + canopy_drag_area(t, m);
         return acceleration_of(payload_mass, inertia, drag(drag_area, m.velocity, m.altitude()) + pull(s));
     }
 

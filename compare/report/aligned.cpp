@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "compare/histories.hpp"
-#include "lib/math/interpolation.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -13,23 +12,20 @@ namespace {
 // What a screen can show, and what a page has room for.
 constexpr std::size_t fine_points = 900, coarse_points = 400;
 
-/// The rows of a channel with finite times that rise, in the page's clock.
-struct Rows {
-    std::vector<double> time, value;
-};
-
-Rows rows_of(const RunRecord& record, std::string_view channel, double zero) {
-    Rows rows;
+/// The rows of a channel with finite times that do not fall, in the page's clock; nothing where that does not
+/// last.
+Curve rows_of(const RunRecord& record, std::string_view channel, double zero) {
+    Curve rows;
     const Channel* time = record.find_channel("time");
     const Channel* values = record.find_channel(channel);
     if (time == nullptr || values == nullptr) return rows;
     for (std::size_t i = 0; i < std::min(time->values.size(), values->values.size()); ++i) {
         const double t = time->values[i] - zero;
-        if (!std::isfinite(t) || (!rows.time.empty() && !(t > rows.time.back()))) continue;
+        if (!std::isfinite(t) || (!rows.time.empty() && t < rows.time.back())) continue;
         rows.time.push_back(t);
         rows.value.push_back(values->values[i]);
     }
-    if (rows.time.size() < 2) return {};
+    if (rows.time.empty() || !(rows.time.back() > rows.time.front())) return {};
     return rows;
 }
 
@@ -48,21 +44,33 @@ void add_evenly(std::vector<double>& clock, double from, double to, std::size_t 
         clock.push_back(from + (to - from) * static_cast<double>(i) / static_cast<double>(points));
 }
 
-std::vector<double> resampled(const Rows& rows, const std::vector<double>& clock) {
+/// Instants at which rows jump.
+void add_jumps(std::vector<double>& jumps, const Curve& rows) {
+    for (std::size_t i = 1; i < rows.time.size(); ++i)
+        if (rows.time[i] == rows.time[i - 1] && rows.value[i] != rows.value[i - 1])
+            jumps.push_back(rows.time[i]);
+}
+
+/// Values at the instants of the clock: at the first of two equal ones what was, at the second what follows.
+std::vector<double> resampled(const Curve& rows, const std::vector<double>& clock) {
     std::vector<double> values;
     values.reserve(clock.size());
-    for (const double t : clock)
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+        const double t = clock[i];
+        const bool follows = i > 0 && clock[i - 1] == t;
         values.push_back(t < rows.time.front() || t > rows.time.back()
                              ? std::numeric_limits<double>::quiet_NaN()
-                             : Between(rows.time, t).linear(rows.value));
+                         : follows ? value_after(rows, t)
+                                   : value_before(rows, t));
+    }
     return values;
 }
 
 /// The instants of a test, as many as can be told apart. Its clock begins at release: on this one it lies as
 /// the reference does.
-Rows measured_rows(const Curve& measured, double zero) {
+Curve measured_rows(const Curve& measured, double zero) {
     constexpr std::size_t most = 400;
-    Rows rows;
+    Curve rows;
     const std::size_t count = measured.time.size(), stride = (count + most - 1) / most;
     const double largest = std::ranges::max(measured.value);
     for (std::size_t i = 0; i < count; ++i)
@@ -75,7 +83,7 @@ Rows measured_rows(const Curve& measured, double zero) {
 
 /// Those rows at their own instants of the clock, nothing in between. What lies before the runs or after them
 /// has none.
-std::vector<double> placed(const Rows& rows, const std::vector<double>& clock) {
+std::vector<double> placed(const Curve& rows, const std::vector<double>& clock) {
     std::vector<double> values(clock.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < rows.time.size(); ++i)
         if (const auto at = std::ranges::lower_bound(clock, rows.time[i]);
@@ -90,11 +98,11 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     AlignedHistories aligned;
     const PageClock clock = page_clock(comparison);
     const auto sides = page_sides(comparison);
-    std::vector<std::array<Rows, 2>> rows;
+    std::vector<std::array<Curve, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;
-    std::vector<double> peaks;
+    std::vector<double> peaks, jumps;
     for (const HistoryRow& row : history_rows()) {
-        std::array<Rows, 2> both;
+        std::array<Curve, 2> both;
         AlignedChannel channel{row.channel, row.title, {}, {}, {}, {}};
         for (std::size_t s = 0; s < 2; ++s) {
             both[s] = rows_of(*sides[s].record, row.channel, clock.zero[s]);
@@ -105,6 +113,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
             last = std::max(last, both[s].time.back());
             const auto at = std::ranges::max_element(both[s].value) - both[s].value.begin();
             peaks.push_back(both[s].time[static_cast<std::size_t>(at)]);
+            add_jumps(jumps, both[s]);
         }
         if (!channel.there[0] && !channel.there[1]) continue;
         aligned.channels.push_back(std::move(channel));
@@ -116,15 +125,20 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     aligned.clock = std::move(peaks);
     add_evenly(aligned.clock, first, aligned.opening_end, fine_points);
     if (aligned.opening_end < last) add_evenly(aligned.clock, aligned.opening_end, last, coarse_points);
-    std::vector<Rows> measured(rows.size());
+    std::vector<Curve> measured(rows.size());
     for (std::size_t c = 0; comparison.test && c < rows.size(); ++c)
         if (const Curve* curve = comparison.test->find(aligned.channels[c].channel)) {
             measured[c] = measured_rows(*curve, clock.zero[1]);
             std::ranges::copy_if(measured[c].time, std::back_inserter(aligned.clock),
                                  [&](double t) { return t >= first && t <= last; });
         }
+    aligned.clock.insert(aligned.clock.end(), jumps.begin(), jumps.end());
+    for (std::vector<double>* list : {&aligned.clock, &jumps}) {
+        std::ranges::sort(*list);
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    aligned.clock.insert(aligned.clock.end(), jumps.begin(), jumps.end());
     std::ranges::sort(aligned.clock);
-    aligned.clock.erase(std::unique(aligned.clock.begin(), aligned.clock.end()), aligned.clock.end());
     for (std::size_t c = 0; c < rows.size(); ++c) {
         for (std::size_t s = 0; s < 2; ++s)
             if (aligned.channels[c].there[s])

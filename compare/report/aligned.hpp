@@ -19,12 +19,15 @@ struct AlignedChannel {
 };
 
 struct AlignedHistories {
-    std::vector<double> clock;             ///< [s] as PageClock says, rising
+    /// [s] as PageClock says; it does not fall. An instant at which a history jumps stands there twice: what
+    /// was before it, and what follows.
+    std::vector<double> clock;
     double opening_end = 0.0;              ///< [s] on it: by then the opening is over on both sides
     std::vector<AlignedChannel> channels;  ///< those that at least one side has
 };
 
-/// The channels of history_rows(), linear between the rows of a record. The clock is fine until opening_end
+/// The channels of history_rows(), linear between the rows of a record, on either side of a jump by itself:
+/// two rows of one time are one. The clock is fine until opening_end
 /// and coarse after it, and has the instant at which each channel of each side is largest, so that no peak is
 /// cut.
 AlignedHistories aligned_histories(const Comparison& comparison);

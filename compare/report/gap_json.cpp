@@ -96,7 +96,7 @@ std::string gap_json(const Comparison& comparison) {
     json["generator"] = "twinchute";
     json["schema"] = gap_schema;
     json["scene"] = scene_json(comparison.reference.scene);
-    json["verdict"] = verdict_name(overall_verdict(comparison.gap));
+    json["verdict"] = verdict_name(overall_verdict(comparison));
     json["exit_code"] = static_cast<int>(exit_code(comparison));
     json["summary"] = verdict_line(comparison);
     Json& metrics = json["metrics"] = Json::object();

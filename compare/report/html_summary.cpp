@@ -25,6 +25,7 @@ Mark mark_of(Verdict verdict) {
             return {"exceeded", "\u2717"};
         case Verdict::missing:
             return {"exceeded", "?"};
+        case Verdict::not_reached:
         case Verdict::not_judged:
             break;
     }
@@ -45,6 +46,7 @@ std::string difference_words(const MetricGap& metric, const Comparison& comparis
     if (!metric.difference) return metric.note;
     if (*metric.difference == 0) return fmt::format("{} and {} say the same", candidate, reference);
     const std::string_view more = *metric.difference > 0 ? "more" : "less";
+    if (!metric.relative && metric.reference->value != 0) return metric.note;
     if (!metric.relative) return fmt::format("{} says {} than {}", candidate, more, reference);
     return fmt::format("{} says {:.1f} % {} than {}", candidate, 100 * std::abs(*metric.relative), more,
                        reference);
@@ -183,12 +185,19 @@ std::string verdict_words(const Comparison& comparison, Verdict verdict) {
     return fmt::format("{0} of {0} judged metrics. {1}", judged, largest_gap(comparison));
 }
 
+bool is_unopened(const Comparison& comparison) {
+    return comparison.reference.status.code == StatusCode::not_opened ||
+           comparison.candidate.status.code == StatusCode::not_opened;
+}
+
 std::string verdict_banner(const Comparison& comparison) {
     const ExitCode code = exit_code(comparison);
-    const Verdict verdict = overall_verdict(comparison.gap);
+    const Verdict verdict = overall_verdict(comparison);
     std::string_view style = "exceeded", sign = "\u2717", word = "Outside tolerance";
     if (code == ExitCode::interrupted || code == ExitCode::numerical || code == ExitCode::usage)
         style = "broken", sign = "!", word = "No verdict";
+    else if (is_unopened(comparison))
+        word = "A parachute never opened";
     else if (verdict == Verdict::within)
         style = "within", sign = "\u2713", word = "Within tolerance";
     else if (verdict == Verdict::not_judged)

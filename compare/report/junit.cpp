@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "compare/report/escape.hpp"
+#include "compare/report/trend_text.hpp"
 #include "compare/report/words.hpp"
+#include "lib/record/metric_key.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -20,8 +23,8 @@ struct Case {
 
 Case run_case(const RunRecord& record) {
     Case row{"run " + record.fidelity, record.cost.wall_s, {}, {}, {}};
-    if (twinchute::exit_code(record.status.code) != ExitCode::done) {
-        row.problem = "error";
+    if (const ExitCode code = twinchute::exit_code(record.status.code); code != ExitCode::done) {
+        row.problem = code == ExitCode::verdict ? "failure" : "error";
         row.type = status_name(record.status.code);
         row.message = record.status.detail.empty() ? row.type : record.status.detail;
     }
@@ -32,6 +35,11 @@ Case run_case(const RunRecord& record) {
 void skip(Case& row, bool has_tolerance) {
     row.problem = "skipped";
     row.message = has_tolerance ? "a run broke off" : "no tolerance asked for";
+}
+
+void skip_unreached(Case& row, const std::string& note) {
+    row.problem = "skipped";
+    row.message = note.empty() ? "not reached" : "not reached: " + note;
 }
 
 Case history_case(const HistoryGap& history) {
@@ -52,10 +60,40 @@ Case metric_case(const MetricGap& metric, const Comparison& comparison) {
         row.problem = "failure";
         row.type = verdict_name(metric.verdict);
         row.message = failure_text(metric, comparison);
+    } else if (metric.verdict == Verdict::not_reached) {
+        skip_unreached(row, metric.note);
     } else if (metric.verdict == Verdict::not_judged) {
         skip(row, metric.tolerance.has_value());
     }
     return row;
+}
+
+/// One for each metric that moved and is judged, and one for the baseline as a whole.
+std::vector<Case> baseline_cases(const Trend& trend) {
+    Case whole{"baseline", 0.0, {}, {}, {}};
+    const Verdict verdict = overall_verdict(trend);
+    if (verdict == Verdict::exceeded) whole.problem = "failure";
+    if (verdict == Verdict::not_judged) whole.problem = "skipped";
+    whole.type = verdict_name(verdict);
+    whole.message = verdict_line(trend);
+    std::vector<Case> cases{std::move(whole)};
+    for (const MetricChange& change : trend.changes) {
+        if (change.verdict == Verdict::not_judged) continue;
+        Case row{fmt::format("baseline {} {}", change.fidelity, split_metric_key(change.key).name),
+                 0.0,
+                 {},
+                 {},
+                 {}};
+        if (change.verdict == Verdict::not_reached) {
+            skip_unreached(row, change.note);
+        } else if (change.verdict != Verdict::within) {
+            row.problem = "failure";
+            row.type = verdict_name(change.verdict);
+            row.message = failure_text(change);
+        }
+        cases.push_back(std::move(row));
+    }
+    return cases;
 }
 
 std::string case_xml(const Case& row, std::string_view class_name) {
@@ -72,12 +110,13 @@ std::string case_xml(const Case& row, std::string_view class_name) {
 
 }  // namespace
 
-std::string junit_xml(const Comparison& comparison) {
+std::string junit_xml(const Comparison& comparison, const Trend* trend) {
     std::vector<Case> cases{run_case(comparison.reference), run_case(comparison.candidate)};
     for (const MetricGap& metric : comparison.gap.metrics)
         cases.push_back(metric_case(metric, comparison));
     for (const HistoryGap& history : comparison.gap.histories)
         cases.push_back(history_case(history));
+    if (trend != nullptr) std::ranges::move(baseline_cases(*trend), std::back_inserter(cases));
     int failures = 0, errors = 0, skipped = 0;
     double seconds = 0;
     // Dashboards take what stands before the last '.' for a package.

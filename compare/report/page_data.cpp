@@ -32,7 +32,8 @@ std::string word(std::string_view text) {
     return safe;
 }
 
-/// Strictly rising, whatever the rounding did: two instants that look alike are told apart.
+/// Never falling, whatever the rounding did. An instant that stands there twice is a jump: scripts draw it
+/// upright.
 std::string clock_numbers(const std::vector<double>& clock) {
     std::string text = "[";
     for (const double t : clock)

@@ -19,6 +19,7 @@ Colour verdict_colour(Verdict verdict) {
         case Verdict::exceeded:
         case Verdict::missing:
             return Colour::red;
+        case Verdict::not_reached:
         case Verdict::not_judged:
             return Colour::none;
     }

@@ -73,10 +73,22 @@ Json metric_json(const MetricChange& change) {
     if (change.tolerance)
         json["tolerance"] = {{"value", change.tolerance->value}, {"relative", change.tolerance->relative}};
     json["verdict"] = verdict_name(change.verdict);
+    if (!change.note.empty()) json["note"] = change.note;
     return json;
 }
 
 }  // namespace
+
+std::string failure_text(const MetricChange& change) {
+    const auto [name, unit] = split_metric_key(change.key);
+    const std::string tolerance = change.tolerance ? tolerance_text(*change.tolerance, unit) : "none";
+    const std::string text = fmt::format("{} of {}: baseline {}, now {}", name, change.fidelity,
+                                         value_or_dash(change.before, unit), value_or_dash(change.now, unit));
+    if (change.verdict == Verdict::missing)
+        return fmt::format("{}{}{}, so that the tolerance of {} cannot be judged", text,
+                           change.note.empty() ? "" : ", ", change.note, tolerance);
+    return fmt::format("{}, change {}, tolerance {}", text, change_text(change, unit), tolerance);
+}
 
 std::string trend_terminal(const Trend& trend, const std::string& baseline, const Style& style) {
     std::string text = fmt::format("\nbaseline  {}\n", printable(baseline));

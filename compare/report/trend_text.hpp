@@ -9,6 +9,9 @@
 
 namespace twinchute::compare {
 
+/// Names what is wrong with a metric that moved too far or is gone, in one line.
+std::string failure_text(const MetricChange& change);
+
 /// `baseline`: the directory of the earlier one, as the reader named it.
 std::string trend_terminal(const Trend& trend, const std::string& baseline, const Style& style);
 

@@ -11,22 +11,22 @@
 namespace twinchute::compare {
 
 void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                   const LadderBeside& beside) {
+                   const LadderBeside& beside, const Trend* trend) {
     batch.add(directory / "force.svg", force_svg(comparison));
     batch.add(directory / "speed.svg", speed_svg(comparison));
     batch.add(directory / "report.md", report_markdown(comparison));
     batch.add(directory / "report.html", report_html(comparison, beside));
-    batch.add(directory / "junit.xml", junit_xml(comparison));
+    batch.add(directory / "junit.xml", junit_xml(comparison, trend));
     batch.add(directory / "gap.json", sealed(gap_json(comparison)), FileBatch::Kind::marker);
 }
 
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                const LadderBeside& beside) {
+                const LadderBeside& beside, const Trend* trend) {
     add_record(batch, comparison.candidate, directory / comparison.candidate.fidelity,
                comparison.candidate_frames);
     add_record(batch, comparison.reference, directory / comparison.reference.fidelity,
                comparison.reference_frames);
-    add_gap_files(batch, comparison, directory, beside);
+    add_gap_files(batch, comparison, directory, beside, trend);
 }
 
 void write_report(const Comparison& comparison, const std::filesystem::path& directory,

@@ -5,6 +5,7 @@
 
 #include "compare/gap.hpp"
 #include "compare/ladder_beside.hpp"
+#include "compare/trend.hpp"
 #include "lib/record/file_batch.hpp"
 
 namespace twinchute::compare {
@@ -15,12 +16,12 @@ namespace twinchute::compare {
 void write_report(const Comparison& comparison, const std::filesystem::path& directory,
                   const LadderBeside& beside = {});
 
-/// The same as part of a larger batch.
+/// The same as part of a larger batch. `trend`: against a baseline, for junit.xml; null where there is none.
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                const LadderBeside& beside = {});
+                const LadderBeside& beside = {}, const Trend* trend = nullptr);
 
 /// The same without the records: what can be made again from them.
 void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                   const LadderBeside& beside = {});
+                   const LadderBeside& beside = {}, const Trend* trend = nullptr);
 
 }  // namespace twinchute::compare

@@ -197,6 +197,18 @@ std::optional<double> full_open_time(const RunRecord& record, const Scene&, cons
     return event->time;
 }
 
+std::optional<double> switch_time(const RunRecord& record, const Scene&, const QuantityArguments&) {
+    const Event* event = record.find_event("switch");
+    if (!event) return {};
+    return event->time;
+}
+
+std::optional<double> opening_time(const RunRecord& record, const Scene&, const QuantityArguments&) {
+    const Event *open = record.find_event("full-open"), *snatch = record.find_event("snatch");
+    if (!open || !snatch) return {};
+    return open->time - snatch->time;
+}
+
 constexpr std::array table{
     Quantity{"mean_peak_force", "N", "largest mean of the opening force over a window", "window",
              mean_peak_force},
@@ -210,6 +222,9 @@ constexpr std::array table{
     Quantity{"fall_speed_ratio", "1", "that at one height over that at another", "from|to", fall_speed_ratio},
     Quantity{"full_open_speed", "m/s", "of the payload when the drag area is full", "", full_open_speed},
     Quantity{"full_open_time", "s", "since release, when the drag area is full", "", full_open_time},
+    Quantity{"switch_time", "s", "since release, when finite elements begin to take over", "", switch_time},
+    Quantity{"opening_time", "s",
+             "from snatch until the drag area is full: what the fill constant prescribes", "", opening_time},
 };
 
 }  // namespace

@@ -243,6 +243,11 @@ ValidationCase read_case(SuiteTable& reader) {
                       where = reader.text("where");
     for (SuiteTable& row : reader.list("row"))
         found.rows.push_back(read_row(row, found));
+    found.offsets = reader.texts("offsets");
+    for (const std::string& name : found.offsets)
+        if (std::ranges::find(found.rows, name, &ExpectedRow::quantity) == found.rows.end())
+            reader.refuse("offsets", fmt::format("'{}' is no quantity of the case's rows", name), "",
+                          "name quantities that have an expected value here");
     reader.end();
     for (ExpectedRow& row : found.rows) {
         if (row.source.empty()) row.source = source;

@@ -58,6 +58,8 @@ std::string suite_table(const SuiteResult& suite, const Style& style) {
                         fmt::format("  {}: {}: {}", row_verdict_name(row.verdict), row_title(row), row.why)) +
                     "\n";
     }
+    for (const std::string& offsets : suite.offsets)
+        text += printable(fmt::format("  off by: {}", offsets)) + "\n";
     for (const GroupResult& group : suite.groups())
         text += fmt::format("  {}: {}\n", printable(group.name), agreement_text(group));
     return text;

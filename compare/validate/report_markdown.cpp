@@ -131,6 +131,12 @@ std::string validation_markdown(const Validation& validation, const Provenance& 
         text += fmt::format("## {}\n\n", markdown_text(suite.title));
         if (!suite.about.empty()) text += markdown_text(suite.about) + "\n\n";
         text += suite_summary(suite) + ".\n\n" + main_table(shown) + group_text(suite);
+        if (!suite.offsets.empty()) {
+            text += "Predicted less expected, together:\n\n";
+            for (const std::string& offsets : suite.offsets)
+                text += "- " + markdown_text(offsets) + "\n";
+            text += "\n";
+        }
         if (!suite.remarks.empty()) {
             text += "Cases:\n\n";
             for (const std::string& remark : suite.remarks)

@@ -9,6 +9,7 @@
 #include "compare/validate/case_scene.hpp"
 #include "compare/validate/parallel.hpp"
 #include "compare/validate/series_run.hpp"
+#include "lib/cli/exit_code.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/solve/hand_over.hpp"
@@ -97,7 +98,8 @@ private:
             Run run;
             run.stop = options_.stop;
             const RunRecord record = run_scene(fidelity_, scene, run, others_);
-            if (is_numerical_failure(record.status.code) || record.status.code == StatusCode::refused)
+            if (twinchute::exit_code(record.status.code) != ExitCode::done &&
+                record.status.code != StatusCode::interrupted)
                 all[i].failure = fmt::format("{}: {}", status_name(record.status.code), record.status.detail);
             for (const ExpectedRow& row : case_.rows)
                 all[i].values.push_back(quantity_value(row.quantity, record, scene, row.arguments));
@@ -280,6 +282,22 @@ std::vector<RowResult> left_out(const ValidationCase& one, RowVerdict verdict, c
     return rows;
 }
 
+/// The line "name, full: snatch time -0.485 s, switch time -0.23 s", of one run of a case; empty without such
+/// rows.
+std::string offsets_of(const ValidationCase& one, std::span<const RowResult> rows) {
+    std::string text;
+    for (const std::string& name : one.offsets) {
+        const ExpectedRow& asked = *std::ranges::find(one.rows, name, &ExpectedRow::quantity);
+        const std::string words = quantity_words(name, asked.arguments);
+        const auto row = std::ranges::find(rows, words, &RowResult::quantity);
+        if (row == rows.end() || !row->error()) continue;
+        const std::string head = text.empty() ? fmt::format("{}, {}: ", one.name, row->fidelity) : ", ";
+        text += fmt::format("{}{} {:+.3g}{}{}", head, words, *row->error(), row->unit.empty() ? "" : " ",
+                            row->unit);
+    }
+    return text;
+}
+
 const Fidelity& fidelity_of(const ValidationCase& one, const std::string& name,
                             std::span<const Fidelity* const> fidelities) {
     const auto found = std::ranges::find(fidelities, name, &Fidelity::name);
@@ -319,21 +337,26 @@ SuiteResult run_suite(const ValidationSuite& suite, std::span<const Fidelity* co
             continue;
         }
         std::vector<RowResult> rows;
+        std::vector<std::string> offsets;
         for (const std::string& name : one.fidelities) {
             if (one.is_series) {
                 std::ranges::move(run_series(one, scenes, fidelity_of(one, name, fidelities), options),
                                   std::back_inserter(rows));
                 continue;
             }
-            for (const auto line : scenes.lines())
-                std::ranges::move(
+            for (const auto line : scenes.lines()) {
+                std::vector<RowResult> of_run =
                     CaseRun(one, scenes, line, fidelity_of(one, name, fidelities), fidelities, options)
-                        .results(),
-                    std::back_inserter(rows));
+                        .results();
+                if (std::string text = offsets_of(one, of_run); !text.empty())
+                    offsets.push_back(std::move(text));
+                std::ranges::move(of_run, std::back_inserter(rows));
+            }
         }
         interrupted = interrupted || options.stop.stop_requested();
         if (interrupted) break;
         add(std::move(rows));
+        std::ranges::move(offsets, std::back_inserter(result.offsets));
     }
     result.seconds = watch.wall();
     return result;

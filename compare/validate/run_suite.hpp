@@ -60,6 +60,7 @@ struct SuiteResult {
     Evidence evidence = Evidence::exact;
     std::vector<RowResult> rows;
     std::vector<std::string> remarks;  ///< what a case says of itself, a sentence each
+    std::vector<std::string> offsets;  ///< errors that cases say together, a line each (ValidationCase)
     double seconds = 0.0;              ///< [s] wall time
 
     int count(RowVerdict verdict) const;

@@ -7,6 +7,7 @@
 
 #include "compare/metrics.hpp"
 #include "compare/validate/parallel.hpp"
+#include "lib/cli/exit_code.hpp"
 #include "lib/scene/keys.hpp"
 
 namespace twinchute::compare {
@@ -20,7 +21,8 @@ struct CaseOutcome {
 
 CaseOutcome outcome_of(const RunRecord& record) {
     CaseOutcome outcome;
-    if (is_numerical_failure(record.status.code) || record.status.code == StatusCode::refused)
+    if (twinchute::exit_code(record.status.code) != ExitCode::done &&
+        record.status.code != StatusCode::interrupted)
         outcome.failure = fmt::format("{}: {}", status_name(record.status.code), record.status.detail);
     for (const MetricRow& row : metric_rows())
         if (const auto value = record.metric(row.key)) outcome.metrics[std::string(row.name)] = *value;

@@ -77,6 +77,10 @@ struct ValidationCase {
     };
     std::optional<Fit> fit;
 
+    /// Quantities of its rows whose errors are said together, in one line: instants that one shift of the
+    /// clock would have to explain.
+    std::vector<std::string> offsets;
+
     std::vector<std::string> missing;  ///< inputs that no source states: not run
     std::string shown_by;              ///< the test that shows what no scene can: not run
 

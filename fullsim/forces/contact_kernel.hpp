@@ -39,19 +39,20 @@ struct ContactPush {
     T energy;           ///< [J]
 };
 
-/// E = K s^2/2 for s < 0, with s the distance between both nodes around the axis: d.w/|w|, w = u x m across
-/// both the axis u and the arm m from the axis to their middle, d from the first node to the second. Nodes
-/// on opposite sides of the axis do not meet.
+/// E = K b^2/(2 (w^2 + p^2)) for b > 0, with b = -d.w twice the area between the axis and both nodes in the
+/// wrong order, w = u x m across both the axis u and the arm m from the axis to their middle, p the part of
+/// d, from the first node to the second, across the axis. Where both are near to each other that is K s^2/2,
+/// s = b/|w| how far the second lies behind the first. Around the whole axis, and through it, E and its
+/// derivative are continuous: where nodes are on opposite sides of the axis, or either is on it, both vanish.
 template <class T, class T3>
 HWY_INLINE ContactPush<T, T3> contact_push(T stiffness, T3 axis, const ContactArm<T, T3>& arm) {
-    const T zero = stiffness - stiffness;
-    const T3 across = cross(axis, arm.d);
-    const T square = dot(arm.w, arm.w) + 1e-30;
-    const T share = select(4.0 * square > dot(across, across), arm.behind / square, zero);  // -s/|w|
+    const T zero = stiffness - stiffness, along = dot(axis, arm.d);
+    const T3 across = arm.d - along * axis;
+    const T share = arm.behind / (dot(arm.w, arm.w) + dot(across, across) + 1e-30);
     const T pull = stiffness * share;
     const T3 by_arm = (zero - pull) * (arm.d + share * arm.w);  // dE/dw
-    return {(zero - pull) * arm.w, (zero + 0.5) * cross(by_arm, axis), cross(arm.middle, by_arm),
-            0.5 * (pull * (share * square))};
+    return {(zero - pull) * (arm.w + share * across), (zero + 0.5) * cross(by_arm, axis),
+            cross(arm.middle, by_arm) + (pull * share * along) * arm.d, 0.5 * (pull * arm.behind)};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

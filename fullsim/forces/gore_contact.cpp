@@ -87,7 +87,7 @@ public:
         for_each_contact(mesh_, [&](const ContactPair<NodeIndex>& pair) {
             for (int end = 0; end < 2; ++end)
                 sums.stiffness[pair.node[end]] +=
-                    (1.0 + sums.over(pair.node[1 - end], pair.node[end])) * pair.stiffness;
+                    (1.0 + sums.over(pair.node[1 - end], pair.node[end])) * contact_tangent(pair.stiffness);
         });
     }
 

@@ -25,4 +25,10 @@ struct AxisReaction {
 /// (ContactPush).
 AxisReaction axis_reaction(const CanopyAxis& axis, const Vec3& by_middle, const Vec3& by_turning);
 
+/// Tangent of a pair's K [N/m], for row sums as of a spring: the blocks of its second derivative have norms
+/// of at most 5/4 K in the node's own column and K in the other's, wherever both are around the axis.
+inline double contact_tangent(double stiffness) {
+    return 1.25 * stiffness;
+}
+
 }  // namespace twinchute::fullsim

@@ -499,8 +499,8 @@ private:
         collect(cords_, slow_rows_, weighed);
         for (const ContactElement& pair : contacts_)
             for (int end = 0; end < 2; ++end)
-                slow_rows_[pair.node[end]][0] +=
-                    (1.0 + weight(pair.node[1 - end]) / weight(pair.node[end])) * pair.stiffness;
+                slow_rows_[pair.node[end]][0] += (1.0 + weight(pair.node[1 - end]) / weight(pair.node[end])) *
+                                                 contact_tangent(pair.stiffness);
         collect(lines_, line_rows_, alike);
 
         RowSums trunk = no_rows(state, weights_.by_node());

@@ -27,8 +27,11 @@ Vec3 pack_axis(const Scene& scene) {
 double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase) {
     const Parachute& chute = scene.parachutes.front();
     const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
-    const double drag = 0.5 * rho * release_airspeed(scene).squaredNorm() * inflation.steady_drag_area *
-                        inflation.drag_area_ratio(phase, inflation.snatch).value;
+    double drag = 0.5 * rho * release_airspeed(scene).squaredNorm() * inflation.steady_drag_area *
+                  inflation.drag_area_ratio(phase, inflation.snatch).value;
+    if (const auto& table = chute.drag_area_mach_table)
+        drag *= table->factor(release_airspeed(scene).norm() /
+                              *scene.environment.atmosphere.speed_of_sound(scene.release.altitude));
     const double added = scene.aerodynamics.added_mass
                              ? inflation
                                    .added_mass(*scene.aerodynamics.added_mass, phase, inflation.snatch, rho,
@@ -108,6 +111,12 @@ double cut_vent_radius(const Scene& scene) {
 Mesh built_mesh(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     return chute.mesh ? import_mesh(scene).mesh : make_flat_mesh(chute, scene.full.mesh, scene.payload.mass);
+}
+
+Scene weighed(const Scene& scene) {
+    Scene meshed = scene;
+    meshed.parachutes.front().mass = built_mesh(scene).parachute_mass();
+    return meshed;
 }
 
 Vec3 trailing_direction(const Scene& scene) {

@@ -8,6 +8,9 @@
 
 namespace twinchute::fullsim {
 
+/// The scene with the mass of its mesh in place of parachute.mass, which is the reduced-order model's.
+Scene weighed(const Scene& scene);
+
 /// Unit vector straight behind the release, against the flight through the air; up where there is none.
 Vec3 trailing_direction(const Scene& scene);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
 
@@ -296,7 +297,7 @@ void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
     std::vector<Nodes<2>> nodes;
     for (const auto& pair : pairs) {
         nodes.push_back(pair.node);
-        tape_tangents_.push_back({pair.node, pair.stiffness, 0.0});
+        tape_tangents_.push_back({pair.node, contact_tangent(pair.stiffness), 0.0});
     }
     const auto all = groups(nodes, plan.copies, false);
     contact_rows_ = AlignedRows(1, lanes_in(all));

@@ -11,9 +11,11 @@ Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload, double system
     return sums.canopy_velocity + (all - sums.canopy_velocity).dot(axis) * axis;
 }
 
-double air_mass_in_reference(double added_mass, double time_since_full_open) {
-    constexpr double approach = 0.5;  // [s]
-    return time_since_full_open > 0.0 ? added_mass * -std::expm1(-time_since_full_open / approach) : 0.0;
+double air_mass_in_reference(double added_mass, double time_since_full_open, double time_scale) {
+    constexpr double approach = 0.5 / time_scale_of_c9;
+    return time_since_full_open > 0.0
+               ? added_mass * -std::expm1(-time_since_full_open / (approach * time_scale))
+               : 0.0;
 }
 
 void update_air(State& state, const Environment& environment, NodeIndex payload, double system_mass,

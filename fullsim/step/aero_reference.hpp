@@ -18,14 +18,19 @@ inline constexpr double smallest_airspeed = 0.01;
 /// system_mass: of the material [kg]; air_mass: see air_mass_in_reference [kg].
 Vec3 reference_velocity(const NodeSums& sums, const Vec3& payload, double system_mass, double air_mass);
 
+/// D0/v [s] of the C-9 with 152.4 kg at sea level, v its steady 7.7 m/s. What takes its time as the air does,
+/// here and elsewhere, was found there and scales with D0/v of the canopy at hand (Simulation::time_scale).
+inline constexpr double time_scale_of_c9 = 8.53 / 7.7;
+
 /// How much of the added mass [kg] counts in the mean velocity v_all. None while the canopy fills:
 /// then its shape changes, and the speed of that is not a speed of the canopy through the air. All
-/// of it once open, approached within half a second: the mean of the material alone is nearly the
-/// payload's velocity, so drag would answer the payload while it acts on the canopy. Where the two
+/// of it once open, approached over 0.45 D0/v (half a second of the C-9): the mean of the material alone is
+/// nearly the payload's velocity, so drag would answer the payload while it acts on the canopy. Where the two
 /// bounce against each other on elastic lines, and added mass makes the canopy heavy, that is
 /// negative damping: the bounce of a C-9 with 152 kg grows to the slackening of its lines within
 /// 10 s. The mean over all inertia stands still in a bounce, which then neither feeds nor is fed.
-double air_mass_in_reference(double added_mass, double time_since_full_open);
+/// time_scale: D0/v [s].
+double air_mass_in_reference(double added_mass, double time_since_full_open, double time_scale);
 
 /// Updates density, wind, direction e_r, airspeed and dynamic pressure: density at the payload's
 /// altitude, wind at the canopy's, and at the payload's for the payload.

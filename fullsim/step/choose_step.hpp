@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "fullsim/step/stable_step.hpp"
+#include "lib/record/keeper.hpp"
 
 namespace twinchute::fullsim {
 
@@ -17,12 +18,12 @@ struct ChosenStep {
 struct StepRules {
     static constexpr double never = std::numeric_limits<double>::infinity();
 
-    double factor = 1.0;      ///< full.time_step_factor
-    int most_substeps = 1;    ///< full.line_substeps; 1 under a body, which moves with the canopy
-    bool slaps = false;       ///< cloth comes taut and slack: before flight, unless all of it is folded
-    double share_left = 1.0;  ///< of slapping cloth's step, see share_with
-    double quiet = never;     ///< [s] the longest, factor and all, in which lines do not ring (quiet_step)
-    double payload = never;   ///< [s] stable step of a payload that is a body
+    double factor = 1.0;     ///< full.time_step_factor
+    int most_substeps = 1;   ///< full.line_substeps; 1 under a body, which moves with the canopy
+    bool slaps = false;      ///< cloth comes taut and slack: before flight, unless all of it is folded
+    double share = 1.0;      ///< of every bound, see ImpactWatch
+    double quiet = never;    ///< [s] the longest, factor and all, in which lines do not ring (quiet_step)
+    double payload = never;  ///< [s] stable step of a payload that is a body
 };
 
 ChosenStep choose_step(const StableSteps& stable, const StepRules& rules);
@@ -30,9 +31,40 @@ ChosenStep choose_step(const StableSteps& stable, const StepRules& rules);
 /// Of a step with so many substeps over one without.
 double cost_of(int substeps);
 
-/// How much of its step slapping cloth is given, by the share of the largest residual of energy that is used
-/// up: what it adds to the energy shrinks with the step. What a crane drop uses goes unnoticed, a fifth is
-/// left for the flight.
-double share_with(double used_up);
+/// Longest step [s] while cloth that is still slack is drawn out to its length: its largest strain [-] and
+/// the rate of that [1/s]. In 20 steps half of the slack is left, and what comes taut at last does so by half
+/// a per cent in a step. Infinite where nothing is about to come taut.
+double step_to_first_impact(double strain, double rate);
+
+/// How much of its step a run is given, by what its books lose and gain. An element that comes taut at speed,
+/// or goes slack, within a step makes an error of the energy in proportion to that step: its dashpot begins
+/// to act somewhere within, and is booked with the speed from before. It is not a matter of stability, and no
+/// stiffness tells it. But impacts dissipate, which is known after every step: whenever a little has been
+/// dissipated the books are looked at.
+class ImpactWatch {
+public:
+    double share() const { return share_; }
+    /// Whether to look again with the next bound.
+    bool alert() const { return share_ < 1.0; }
+    /// Whether to look now. dissipated: since the start [J]; changed_hands: what the residual is held against
+    /// [J].
+    bool is_due(double dissipated, double changed_hands) const {
+        return dissipated - dissipated_ > between_looks * changed_hands;
+    }
+    /// Impacts are about to begin: of cloth that has been folded until now.
+    void expect() { share_ = expecting; }
+    /// used_up: what does not add up over the largest residual at which a run goes on.
+    void look(double used_up, double dissipated);
+
+    void keep(Keeper& k) {
+        for (double* x : {&share_, &used_up_, &dissipated_})
+            k.number("impacts", *x);
+    }
+
+private:
+    static constexpr double expecting = 0.1, between_looks = 1e-3;
+
+    double share_ = 1.0, used_up_ = 0.0, dissipated_ = 0.0;
+};
 
 }  // namespace twinchute::fullsim

@@ -20,6 +20,15 @@ double elastic_energy(const State& state, const ForceModels& structure);
 ///   kinetic + elastic = gravity work + drag work - damping + added mass + ramp + external work + residual.
 EnergyLedger energy_ledger(const State& state, double kinetic, double elastic);
 
+/// [J] What a residual is held against: the energy at the start with the works of gravity, drag and forces
+/// from outside, in sum the most that they have been so far. Works swing back, and what has changed hands
+/// has.
+double book_scale(EnergyBook& book);
+
+/// Books up to state.time; the next step starts from positions and velocities of that time. For masses that
+/// change at once: half a step's velocity of a light node is not that of a heavy one.
+void start_anew(State& state);
+
 /// The residual of a ledger [J]; positive when energy came from nowhere.
 double residual(const EnergyLedger& ledger);
 

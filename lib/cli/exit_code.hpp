@@ -7,7 +7,7 @@ namespace twinchute {
 
 enum class ExitCode : int {
     done = 0,
-    verdict = 1,     ///< done, but a tolerance is exceeded
+    verdict = 1,     ///< done, but a tolerance is exceeded or a parachute never opened
     usage = 2,       ///< bad input or usage; nothing was written
     numerical = 3,   ///< the record up to there is written
     unwritable = 4,  ///< the results could not be written

@@ -1,8 +1,12 @@
 #include "lib/cli/list_verb.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/scene_command.hpp"
@@ -20,19 +24,52 @@
 namespace twinchute {
 namespace {
 
-Table keys_of_scenes() {
+Table keys_at(std::string_view path) {
     Table table;
     table.header = {"key",     "unit",       "default",   "range", "used by",
                     "meaning", "instead of", "only with", "source"};
-    for (const auto keys : {scene_keys(), fabric_keys(), cord_keys()}) {
-        for (const Key& key : keys) {
-            table.rows.push_back({std::string(key.path), std::string(key.unit), default_text(key),
-                                  range_text(key), std::string(user_name(key.user)), std::string(key.meaning),
-                                  std::string(key.instead_of), std::string(key.only_with),
-                                  std::string(key.source)});
-        }
+    for (const Key* key : keys_below(path)) {
+        table.rows.push_back({std::string(key->path), std::string(key->unit), default_text(*key),
+                              range_text(*key), std::string(user_name(key->user)), std::string(key->meaning),
+                              std::string(key->instead_of), std::string(key->only_with),
+                              std::string(key->source)});
     }
     return table;
+}
+
+/// [columns] of the terminal that is written to, or what COLUMNS says of it; 0 where lines are not for
+/// reading: a pipe or a file, in which one looks for a word and wants its whole line.
+std::size_t columns_of_output() {
+    if (const char* text = std::getenv("COLUMNS")) {
+        std::size_t columns = 0;
+        const std::string_view digits(text);
+        std::from_chars(digits.data(), digits.data() + digits.size(), columns);
+        if (columns >= 20) return columns;
+    }
+    winsize size{};
+    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) return 0;
+    return size.ws_col >= 20 ? size.ws_col : 80;  // a terminal that does not know its own
+}
+
+/// All keys, those of a table of the scene, or one key in full.
+std::string keys_text(std::string_view path) {
+    const std::vector<const Key*> keys = keys_below(path);
+    const std::size_t columns = columns_of_output();
+    if (keys.size() == 1 && keys.front()->path == path) return key_page(*keys.front(), columns);
+    return columns > 0 ? keys_wrapped(keys, columns) : keys_table(keys);
+}
+
+/// The row that a path of a scene leads to: without numbers of list members. Throws UsageError.
+std::string key_path(const std::string& given) {
+    std::string path = row_path(scene_keys(), given);
+    if (!keys_below(path).empty()) return path;
+    std::vector<std::string_view> known;
+    for (const Key* key : keys_below(""))
+        known.push_back(key->path);
+    const std::string_view meant = nearest(given, known);
+    throw UsageError(fmt::format("there is no key '{}', {}", given,
+                                 meant.empty() ? "`twinchute list keys` shows all of them"
+                                               : fmt::format("did you mean '{}'?", meant)));
 }
 
 template <typename Rows>
@@ -87,7 +124,6 @@ Table files_in(const char* folder) {
     Table table;
     table.header = {"name", "file"};
     for (const std::string& name : data_names(folder)) {
-        if (name.starts_with("types/")) continue;  // a list of their own
         const auto file = find_data_file(folder, name, {});
         table.rows.push_back({name, file ? file->string() : std::string{}});
     }
@@ -108,7 +144,19 @@ std::string table_json(const Table& table) {
 
 ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& arguments) {
     const bool as_json = arguments.has("json");
+    const std::vector<std::string>& words = arguments.operands;
+    const bool of_keys = !words.empty() && words[0] == "keys";
+    if (words.size() > (of_keys ? 2 : 1))
+        throw UsageError(
+            fmt::format("'{}' is one argument too many (only `list keys` takes one more: a key or a "
+                        "table of keys), e.g. twinchute list keys parachute",
+                        words[of_keys ? 2 : 1]));
     Table table;
+    if (words.size() == 2) {
+        const std::string path = key_path(words[1]);
+        print(as_json ? table_json(keys_at(path)) : keys_text(path));
+        return ExitCode::done;
+    }
     if (arguments.operand.empty()) {
         table.header = {"topic", "what it lists"};
         for (const ListTopic& topic : topics)
@@ -136,7 +184,8 @@ ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& argumen
 
 std::vector<ListTopic> library_topics() {
     return {
-        {"keys", "what a scene or a material file may say", keys_of_scenes, keys_table},
+        {"keys", "what a scene or a material file may say", [] { return keys_at(""); },
+         [] { return keys_text(""); }},
         {"laws", "rows of the model tables and the keys that choose them", laws},
         {"materials", "fabrics and cords by name", [] { return files_in("materials"); }},
         {"parachutes", "designs by name", [] { return files_in("parachutes"); }},
@@ -149,8 +198,8 @@ Verb list_verb(std::vector<ListTopic> topics) {
     Verb verb;
     verb.name = "list";
     verb.summary = "what there is: keys, laws, types, materials, scenes, metrics";
-    verb.operand = "[TOPIC]";
-    verb.example = "twinchute list keys";
+    verb.operand = "[TOPIC [KEY]...]";
+    verb.example = "twinchute list keys parachute.deploy";
     verb.options = {{"json", "", "print the table as JSON"}};
     verb.run = [topics = std::move(topics)](const Arguments& arguments) {
         return run_list(topics, arguments);

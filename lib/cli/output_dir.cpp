@@ -23,8 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_our_file(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) return false;  // a pipe would be waited for
     std::ifstream stream(file);
-    if (!stream) return false;
     const auto json = nlohmann::json::parse(stream, nullptr, false);
     if (!json.is_object()) return false;
     const auto generator = json.find("generator");
@@ -40,17 +41,6 @@ bool holds_our_file(const fs::path& directory) {
 
 /// Results lie at most so far below the directory of a series: case, fidelity.
 constexpr int deepest = 2;
-
-bool holds_our_file(const fs::path& directory, int depth) {
-    if (holds_our_file(directory)) return true;
-    std::error_code error, ignored;
-    if (depth == 0) return false;
-    for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
-        if (entry->is_directory(ignored) && !entry->is_symlink(ignored) &&
-            holds_our_file(entry->path(), depth - 1))
-            return true;
-    return false;
-}
 
 /// Names that the files of results have, beside a marker.
 bool is_content(const std::string& name) {
@@ -81,6 +71,33 @@ bool is_abandoned_only(const fs::path& directory) {
     return !error && (has_marker || !has_contents);
 }
 
+/// Results that are a directory's own, or those of the fidelities and cases below it and nothing else: of a
+/// folder with work of somebody's in it, results below make no output directory.
+bool is_ours(const fs::path& directory, int depth) {
+    if (holds_our_file(directory)) return true;
+    constexpr std::array beside_cases{"series.md", "series.csv", "series.svg"};
+    bool results = false, contents = false, leftovers = false;
+    std::error_code error, ignored;
+    if (depth == 0) return false;
+    for (fs::directory_iterator entry(directory, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const fs::path& path = entry->path();
+        if (entry->is_directory(ignored) && !entry->is_symlink(ignored)) {
+            if (is_ours(path, depth - 1))
+                results = true;
+            else if (!is_abandoned_only(path))
+                return false;
+        } else if (is_abandoned(path)) {
+            leftovers = true;
+        } else if (is_content(path.filename().string())) {
+            contents = true;  // of a run that was killed before its marker, which it left under another name
+        } else if (std::ranges::count(beside_cases, path.filename()) == 0) {
+            return false;
+        }
+    }
+    return results && !error && (leftovers || !contents);
+}
+
 /// The directory itself, or the nearest one above it that is there.
 fs::path nearest_existing(fs::path path) {
     std::error_code ignored;
@@ -100,12 +117,17 @@ fs::path default_output_dir(const fs::path& scene_file) {
 }
 
 bool is_our_output(const fs::path& directory) {
-    return holds_our_file(directory, deepest);
+    return is_ours(directory, deepest);
 }
 
-void check_output_dir(const fs::path& directory) {
-    const fs::path existing = nearest_existing(directory);
+void check_output_dir(const fs::path& given) {
+    // What the path comes to, not how it is written: "" is the current directory, and so is "new/..".
     std::error_code error;
+    fs::path directory = given;
+    if (given.empty() || std::ranges::find(given, "..") != given.end())
+        directory = fs::weakly_canonical(given.empty() ? "." : given, error);
+    if (error) throw WriteError(given, error.value());
+    const fs::path existing = nearest_existing(directory);
     if (!fs::is_directory(existing, error)) throw WriteError(existing, ENOTDIR);
     if (::access(existing.c_str(), W_OK | X_OK) != 0) throw WriteError(existing, errno);
     struct stat state {};
@@ -117,9 +139,9 @@ void check_output_dir(const fs::path& directory) {
     if (error) throw WriteError(directory, error.value());
     if (!empty && !is_our_output(directory) && !is_abandoned_only(directory)) {
         throw UsageError(
-            fmt::format("'{}' is not empty and holds no results of twinchute (nothing there is "
-                        "overwritten), name another directory with --out",
-                        directory.string()));
+            fmt::format("'{}' is not empty and holds more than results of twinchute, or none (nothing there "
+                        "is overwritten), name another directory with --out",
+                        given.string()));
     }
 }
 

@@ -10,11 +10,11 @@ namespace twinchute {
 std::filesystem::path default_output_dir(const std::filesystem::path& scene_file);
 
 /// True if a directory holds results of this program: a summary.json, gap.json or ladder.json of ours, or a
-/// checkpoint, in it or below it as deep as those of a series lie.
+/// checkpoint; or such directories alone, as deep as those of a series lie.
 bool is_our_output(const std::filesystem::path& directory);
 
-/// Called before anything runs. Throws UsageError for a non-empty directory that is not ours (what killed
-/// runs left unfinished does not count), and
+/// Called before anything runs. "" is the current directory. Throws UsageError for a non-empty directory that
+/// is not ours (what killed runs left unfinished does not count), and
 /// WriteError where nothing can be written (something in the way, no permission).
 void check_output_dir(const std::filesystem::path& directory);
 

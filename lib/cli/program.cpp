@@ -144,10 +144,20 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
     if (arguments.has("help")) return arguments;
 
     for (const Option& option : verb.options) {
-        if (!option.repeatable && arguments.values(option.name).size() > 1) {
+        const std::vector<std::string> values = arguments.values(option.name);
+        if (!option.repeatable && values.size() > 1) {
             throw UsageError(
                 fmt::format("--{} is given twice (one place, one value), keep one", option.name));
         }
+        // Mostly a variable of a script that is not set; as a path it would be the current directory.
+        if (std::ranges::count(values, "") > 0) {
+            throw UsageError(fmt::format("--{} is given nothing (its {} is empty), name one or leave it out",
+                                         option.name, option.value));
+        }
+    }
+    if (std::ranges::count(operands, "") > 0) {
+        throw UsageError(fmt::format("an argument of `twinchute {}` is empty (it names nothing), e.g. {}",
+                                     verb.name, verb.example));
     }
     const bool none = verb.operand.empty(), several = verb.operand.find("...") != std::string::npos;
     const bool optional = none || verb.operand.starts_with('[');

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lib/record/metric_key.hpp"
+#include "lib/solve/opening.hpp"
 
 namespace twinchute {
 namespace {
@@ -38,15 +39,31 @@ std::string events_text(const std::vector<Event>& events) {
 }  // namespace
 
 Colour status_colour(StatusCode code) {
-    if (is_numerical_failure(code)) return Colour::red;
+    if (is_numerical_failure(code) || code == StatusCode::not_opened) return Colour::red;
     return code == StatusCode::interrupted || code == StatusCode::refused ? Colour::yellow : Colour::green;
 }
 
 std::string fill_constant_text(const RunRecord& record) {
     const Input* n = record.find_input("parachute.fill_time.n");
     if (n == nullptr || !std::holds_alternative<double>(n->value)) return {};
-    return fmt::format("fill constant n = {:.6g} ({}{}{})", std::get<double>(n->value),
-                       origin_name(n->origin), n->source.empty() ? "" : ": ", n->source);
+    const double value = std::get<double>(n->value);
+    std::string text = fmt::format("fill constant n = {:.6g} ({}{}{})", value, origin_name(n->origin),
+                                   n->source.empty() ? "" : ": ", n->source);
+    const auto says = [&record](std::string_view key, const decltype(Input::value)& wanted) {
+        const Input* input = record.find_input(key);
+        return input != nullptr && input->value == wanted;
+    };
+    // 0.5 D0/v_s of n D0/v_s, whatever D0 and v_s are.
+    const double share = 0.5 / value;
+    if (share > longest_initial_share && says("parachute.initial_phase", std::string("transit")) &&
+        says("parachute.fill_time.model", std::string("fill-constant")) &&
+        says("parachute.fill_time.density_exponent", 0.0) &&
+        !says("parachute.deploy.by", std::string("inflated")))
+        text += fmt::format(
+            "; by default the initial phase is {:.0f} % of the filling time (tests show at most "
+            "{:.0f} %), parachute.initial_phase sets it",
+            100.0 * share, 100.0 * longest_initial_share);
+    return text;
 }
 
 std::string time_text(double seconds) {

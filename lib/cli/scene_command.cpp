@@ -41,7 +41,7 @@ std::vector<std::string> fields_overrides(const Arguments& arguments, const Fide
             fmt::format("'--fields {}' is not understood (frames per simulated second are wanted, a "
                         "positive number), e.g. --fields 50",
                         *text));
-    return {fmt::format("{}.fields_rate={}", fidelity.name, rate)};
+    return {fmt::format("--fields {}.fields_rate={}", fidelity.name, rate)};
 }
 
 Option threads_option() {
@@ -68,6 +68,8 @@ int whole_number(const Arguments& arguments, std::string_view option, int fallba
 
 std::vector<Scene> scenes_of(const Arguments& arguments, const std::vector<std::string>& more_overrides) {
     std::vector<std::string> overrides = arguments.values("set");
+    for (std::string& text : overrides)
+        text.insert(0, "--set ");
     overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
     return read_scenes(arguments.operand, overrides);
 }

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
+#include "lib/record/metric_key.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/record/write_record.hpp"
 
@@ -62,6 +65,28 @@ Told run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& othe
     return told;
 }
 
+/// The cases of a series below each other, in what most of them have.
+Table series_table(const std::vector<std::pair<std::string, RunRecord>>& cases) {
+    Table table;
+    table.header = {"case", "status"};
+    table.right = {false, false};
+    for (const auto& [name, record] : cases)
+        table.rows.push_back({printable(name), std::string(status_name(record.status.code))});
+    for (const char* key : {"snatch_speed_m_s", "filling_time_s", "peak_force_N", "load_factor",
+                            "descent_rate_m_s", "flight_time_s"}) {
+        if (std::ranges::none_of(cases, [&](const auto& one) { return one.second.metric(key).has_value(); }))
+            continue;
+        const auto unit = split_metric_key(key).unit;
+        table.header.push_back(metric_words(key) + (unit.empty() ? "" : fmt::format(" [{}]", unit)));
+        table.right.push_back(true);
+        for (std::size_t i = 0; i < cases.size(); ++i) {
+            const std::optional<double> value = cases[i].second.metric(key);
+            table.rows[i].push_back(value ? readable(*value) : "-");
+        }
+    }
+    return table;
+}
+
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
     const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
@@ -82,6 +107,7 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     const Interrupt interrupt;  // until the records are safe
     ExitCode code = ExitCode::done;
     std::vector<std::string> summaries;
+    std::vector<std::pair<std::string, RunRecord>> series;  // without their histories
     for (Case& one : cases) {
         const Told told = one.finished
                               ? Told{*one.finished, "kept      it had ended before; nothing was run\n"}
@@ -95,11 +121,16 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
             if (directory)
                 print(fmt::format("record    {}\n", printable((one.place / "summary.json").string())));
             print(told.more);
+            if (!one.scene.case_name.empty()) {
+                series.emplace_back(one.scene.case_name, told.record);
+                series.back().second.channels.clear();
+            }
         }
         code = gravest(code, exit_code(told.record.status.code));
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, summaries));
+    if (!series.empty()) print("\n" + aligned(series_table(series), output_style()));
     return code;
 }
 

@@ -93,12 +93,22 @@ AirState table(const Atmosphere& choice, double altitude) {
 
 constexpr std::array<AtmosphereModel, 3> models{{
     {"us76", "US Standard Atmosphere 1976 (NOAA-S/T 76-1562), hydrostatic part", -5000.0, 86000.0, us76},
-    {"constant", "uniform density; viscosity of air at 288.15 K", -1e9, 1e9, constant},
+    {"constant", "uniform density; viscosity of air at 288.15 K", -1e9, 1e9, constant, false},
     {"table", "measured levels; temperature and log pressure or density linear in altitude", -5000.0, 86000.0,
      table},
 }};
 
 }  // namespace
+
+double speed_of_sound(double temperature) {
+    constexpr double heat_capacity_ratio = 1.4;
+    return std::sqrt(heat_capacity_ratio * gas_constant * temperature);
+}
+
+std::optional<double> Atmosphere::speed_of_sound(double altitude) const {
+    if (!model->has_temperature) return std::nullopt;
+    return twinchute::speed_of_sound(at(altitude).temperature);
+}
 
 std::span<const AtmosphereModel> atmosphere_models() {
     return models;

@@ -1,6 +1,7 @@
 // The air at rest: density and viscosity against altitude.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +38,7 @@ struct AtmosphereModel {
     std::string_view source;
     double lowest, highest;  ///< [m] range of altitude above sea level
     AirState (*at)(const Atmosphere&, double altitude);
+    bool has_temperature = true;  ///< that of the air; otherwise one that its viscosity takes
 };
 
 /// A choice of row with its parameters.
@@ -50,12 +52,19 @@ struct Atmosphere {
     /// layer is continued; read_scene refuses releases out there.
     AirState at(double altitude) const { return model->at(*this, altitude); }
 
+    /// [m/s] at an altitude [m], sqrt(gamma R T) with gamma = 1.4 (US76, Eq. 50); none in air without a
+    /// temperature.
+    std::optional<double> speed_of_sound(double altitude) const;
+
     // Range of altitude [m]: the row's, or that of the table.
     double lowest() const { return table.altitude.empty() ? model->lowest : table.altitude.front(); }
     double highest() const { return table.altitude.empty() ? model->highest : table.altitude.back(); }
 
     bool operator==(const Atmosphere&) const = default;
 };
+
+/// [m/s] of air at a temperature [K].
+double speed_of_sound(double temperature);
 
 /// "us76", "constant" and "table".
 std::span<const AtmosphereModel> atmosphere_models();

@@ -19,6 +19,19 @@ struct TypeRange {
     bool operator==(const TypeRange&) const = default;
 };
 
+/// The canopy that the full model meshes for a type.
+struct MeshedCanopy {
+    enum class Shape {
+        own,            ///< the type is flat circular
+        flat_circular,  ///< a flat circular canopy stands in for one of another shape
+        none            ///< no canopy that it can mesh comes near
+    };
+    Shape shape = Shape::none;
+    std::string why = "the type's file does not say that a flat circular canopy may stand in for it";
+
+    bool operator==(const MeshedCanopy&) const = default;
+};
+
 struct CanopyType {
     std::string name;                                    ///< of its file, e.g. "flat-circular"
     std::string title;                                   ///< e.g. "flat circular"
@@ -28,6 +41,7 @@ struct CanopyType {
     std::optional<TypeRange> fill_constant;              ///< n [-] of t_f = n D0/v_s, unreefed
     std::optional<TypeRange> oscillation;                ///< [rad], average angle; no model uses it
     std::optional<TypeRange> growth_exponent;            ///< j [-]: (C_D S) grows with the power j of time
+    MeshedCanopy meshed;
 
     bool operator==(const CanopyType&) const = default;
 };

@@ -19,6 +19,13 @@ double Inflation::end_of(Phase phase) const {
     return std::numeric_limits<double>::infinity();
 }
 
+double Inflation::next_kink() const {
+    if (table == nullptr) return std::numeric_limits<double>::infinity();
+    const double x = table->kink_after(piece);
+    // At full open to the bit where the phase ends.
+    return x == 1.0 ? end_of(Phase::filling) : snatch + initial_time + x * (filling_time - initial_time);
+}
+
 Phase Inflation::after(Phase phase) const {
     switch (phase) {
         case Phase::initial:
@@ -46,7 +53,7 @@ ValueAndRate Inflation::drag_area_ratio(Phase phase, double time) const {
         case Phase::filling:
         case Phase::overshoot: {
             const double duration = filling_time - initial_time;
-            const ValueAndRate ratio = growth().at((time - snatch - initial_time) / duration);
+            const ValueAndRate ratio = growth().at((time - snatch - initial_time) / duration, piece);
             return {ratio.value, ratio.rate / duration};
         }
         case Phase::open:
@@ -73,8 +80,9 @@ ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, doubl
 void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table) {
     k.row("inflation", inflation, [](Inflation& of, auto&& each) {
         auto& [snatch, initial_time, filling_time, steady_drag_area, eta, its_law, share, ramp_start,
-               its_table] = of;
+               its_table, its_piece] = of;
         static_cast<void>(its_law), static_cast<void>(its_table);  // rows of tables, the parachute's own
+        static_cast<void>(its_piece);
         for (double* x :
              {&snatch, &initial_time, &filling_time, &steady_drag_area, &eta, &share, &ramp_start})
             each(*x);
@@ -84,6 +92,7 @@ void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAre
     k.flag("has table", has_table);
     inflation.law = has_law ? law : nullptr;
     inflation.table = has_table ? table : nullptr;
+    k.whole("piece", inflation.piece, 0, inflation.table ? inflation.table->pieces() - 1 : 0);
 }
 
 }  // namespace twinchute

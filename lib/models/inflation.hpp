@@ -30,11 +30,15 @@ struct Inflation {
     double share = 1.0;       ///< drag area that it ends with over (C_D S)_0 of the open canopy [-]
     double ramp_start = 0.0;  ///< phi' at its beginning [-]
     const DragAreaTable* table = nullptr;  ///< in place of the law; the parachute's
+    std::size_t piece = 0;                 ///< of the table, between two of its kinks: where time stands
 
     DragAreaGrowth growth() const { return {law, eta, table}; }
 
     /// [s] since release at which a phase ends; infinite for Phase::open.
     double end_of(Phase phase) const;
+    /// [s] since release at which the rate of the drag area jumps next, within filling or overshoot; infinite
+    /// where it is smooth. A solver stops there, too, and goes on with the next piece.
+    double next_kink() const;
     /// The phase that begins where `phase` ends.
     Phase after(Phase phase) const;
     /// The phase at `time` [s]; at the end of one the next.

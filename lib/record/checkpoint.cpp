@@ -87,6 +87,8 @@ fs::path checkpoint_file(const fs::path& directory) {
 }
 
 bool is_checkpoint(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) return false;  // a pipe would be waited for
     std::ifstream stream(file, std::ios::binary);
     std::string begin(magic.size(), '\0');
     return stream.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == magic;

@@ -144,6 +144,11 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileSums&
     record.fidelity = top.text_at("fidelity");
     record.status = {json_word(status.at("code"), status_name), status.text_at("detail")};
     record.metrics = read_metrics(top.at("metrics"), top.at("standing"));
+    if (const auto missing = top.find("missing"))
+        missing->each_row([&](const JsonNode& row) {
+            record.missing.push_back(
+                {row.text_at("metric"), row.text_at("why"), row.at("not_reached").truth()});
+        });
     if (const auto energy = top.find("energy")) record.energy = read_energy(*energy);
     record.cost = read_cost(top.at("cost"));
     if (const auto estimates = top.find("estimates"))

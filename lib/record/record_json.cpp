@@ -28,10 +28,12 @@ Json metrics_json(const std::vector<Metric>& metrics) {
     return json;
 }
 
-/// Takes out the metrics that cannot be written; a warning says so.
-void leave_out_not_finite(std::vector<Metric>& metrics, std::vector<Warning>& warnings) {
+/// Takes out the metrics that cannot be written; a warning says so, and they are missing.
+void leave_out_not_finite(std::vector<Metric>& metrics, std::vector<MissingMetric>& missing,
+                          std::vector<Warning>& warnings) {
     std::erase_if(metrics, [&](const Metric& metric) {
         if (std::isfinite(metric.value)) return false;
+        missing.push_back({metric.key, "its value is not a finite number"});
         warnings.push_back({metric.key + " is left out of this record", "its value is not a finite number",
                             "look at the status and the last rows of history.csv"});
         return true;
@@ -161,8 +163,9 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
 
 std::string summary_json(const RunRecord& record, const FileSums& files) {
     std::vector<Metric> metrics = record.metrics;
+    std::vector<MissingMetric> missing = record.missing;
     std::vector<Warning> warnings = record.warnings;
-    leave_out_not_finite(metrics, warnings);
+    leave_out_not_finite(metrics, missing, warnings);
     Json json;
     json["generator"] = "twinchute";
     json["schema"] = RunRecord::schema;
@@ -172,6 +175,9 @@ std::string summary_json(const RunRecord& record, const FileSums& files) {
     json["status"] = status_json(record.status);
     json["metrics"] = metrics_json(metrics);
     json["standing"] = standing_json(metrics);
+    for (const MissingMetric& row : missing)
+        json["missing"].push_back(
+            {{"metric", row.metric}, {"why", row.why}, {"not_reached", row.not_reached}});
     if (record.energy) json["energy"] = energy_json(*record.energy);
     json["cost"] = cost_json(record.cost);
     put_estimates(json, record.estimates);
@@ -187,7 +193,7 @@ std::string summary_json(const RunRecord& record, const FileSums& files) {
 }
 
 RunRecord as_written(RunRecord record) {
-    leave_out_not_finite(record.metrics, record.warnings);
+    leave_out_not_finite(record.metrics, record.missing, record.warnings);
     for (Input& input : record.inputs)
         if (auto* number = std::get_if<double>(&input.value)) tell(*number);
     if (record.energy) {

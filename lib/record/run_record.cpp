@@ -21,6 +21,8 @@ std::string_view status_name(StatusCode code) {
             return "completed";
         case StatusCode::stopped_by_event:
             return "stopped_by_event";
+        case StatusCode::not_opened:
+            return "not_opened";
         case StatusCode::interrupted:
             return "interrupted";
         case StatusCode::refused:
@@ -49,6 +51,7 @@ bool is_numerical_failure(StatusCode code) {
     switch (code) {
         case StatusCode::completed:
         case StatusCode::stopped_by_event:
+        case StatusCode::not_opened:
         case StatusCode::interrupted:
         case StatusCode::refused:
             return false;
@@ -83,6 +86,8 @@ std::string_view origin_name(InputOrigin origin) {
             return "given";
         case InputOrigin::design:
             return "design";
+        case InputOrigin::scaled:
+            return "scaled";
         case InputOrigin::fallback:
             return "default";
     }

@@ -15,6 +15,7 @@ namespace twinchute {
 enum class StatusCode {
     completed,         ///< the scene's stop condition was met
     stopped_by_event,  ///< a terminal event (the ground) came before the stop condition
+    not_opened,        ///< the payload is on the ground and a parachute that was to open never did
     interrupted,       ///< Ctrl-C or a stop request; what was computed is in the record
     refused,           ///< the fidelity lacks physics that the scene asks for
     solver_failed,     ///< the ODE integrator gave up; detail holds its message
@@ -39,9 +40,14 @@ struct RunStatus {
 };
 
 /// Where an effective input value came from.
-enum class InputOrigin { given, design, fallback };
+enum class InputOrigin {
+    given,
+    design,
+    scaled,   ///< a design's value, scaled to a nominal diameter of the scene's own
+    fallback  ///< "default"
+};
 
-/// "given", "design" or "default".
+/// "given", "design", "scaled" or "default".
 std::string_view origin_name(InputOrigin origin);
 
 /// One effective input of a run, in SI.
@@ -49,7 +55,7 @@ struct Input {
     std::string key;  ///< as in the scene, e.g. "payload.mass", "parachute.fill_time.n"
     std::variant<double, std::string> value;
     std::string unit;    ///< SI unit, empty for words and dimensionless numbers
-    InputOrigin origin;  ///< "given", "design" (a design or material file) or "default"
+    InputOrigin origin;  ///< "given", "design" (a design or material file), "scaled" or "default"
     std::string source;  ///< where the value is from, when its file says so
 };
 
@@ -64,6 +70,13 @@ struct Metric {
     double value = 0.0;
     Standing standing = Standing::result;
     std::string note;  ///< which part is input and which is result, for Standing::mixed and input
+};
+
+/// A metric that a run of its scene is judged by and does not have.
+struct MissingMetric {
+    std::string metric;        ///< key of a record, e.g. "descent_rate_m_s"
+    std::string why;           ///< e.g. "the run stopped before the descent was steady"
+    bool not_reached = false;  ///< the scene's own stop came before it; otherwise it should be there
 };
 
 /// One column of the history; all channels of a record have the same length.
@@ -161,6 +174,7 @@ struct RunRecord {
     std::string fidelity;
     RunStatus status;
     std::vector<Metric> metrics;
+    std::vector<MissingMetric> missing;  ///< not those whose physics the scene leaves out
     std::optional<EnergyLedger> energy;
     Cost cost;
     std::vector<Estimate> estimates;  ///< by formula; none where nothing opened

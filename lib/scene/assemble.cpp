@@ -12,6 +12,7 @@
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/opening_tables.hpp"
+#include "lib/scene/scale_canopy.hpp"
 #include "lib/scene/soundings.hpp"
 
 namespace twinchute {
@@ -341,7 +342,37 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
     add_growth(v, p);
     p.initial_phase.transit = v.is_word("parachute.initial_phase");
     if (!p.initial_phase.transit) p.initial_phase.seconds = v.number("parachute.initial_phase");
+    if (constexpr const char* key = "parachute.drag_area_mach_table"; v.given(key)) {
+        const auto file = table_file(v, key);
+        p.drag_area_mach_table = read_mach_drag(read_text_file(file), file.string(), v.word(key));
+    }
     return p;
+}
+
+/// A design that the scene gives another D0 keeps its shape: what the design says of its size goes along,
+/// what the scene says stays. Told in `inputs` and `warnings`.
+void scale_design(const Values& v, Parachute& p, std::vector<Input>& inputs, std::vector<Warning>& warnings) {
+    const auto designed = v.design_diameter();
+    if (!designed || *designed == p.nominal_diameter) return;
+    const double wanted = p.nominal_diameter;
+    const std::string& design = v.word("parachute.design");
+    p.nominal_diameter = *designed;
+    const auto scaled = scale_canopy(p, wanted, [&](std::string_view key) { return v.is_designed(key); });
+    std::vector<std::string_view> names;
+    for (const ScaledQuantity& quantity : scaled) {
+        const auto input = std::ranges::find(inputs, quantity.key, &Input::key);
+        input->value = quantity.value;
+        input->origin = InputOrigin::scaled;
+        input->source = fmt::format("{} at D0 = {:g} m, scaled{}{}", design, *designed,
+                                    input->source.empty() ? "" : ": ", input->source);
+        names.push_back(std::string_view(quantity.key).substr(std::string_view("parachute.").size()));
+    }
+    if (names.empty()) return;  // the scene gives all of its sizes
+    warnings.push_back(
+        {fmt::format("{}: design {} of D0 = {:g} m is scaled to {:g} m", p.name, design, *designed, wanted),
+         fmt::format("of the same shape: {} go along; gores, risers and materials stay",
+                     fmt::join(names, ", ")),
+         "a canopy of another size is seldom sewn of the same cloth: give what differs"});
 }
 
 Aerodynamics aerodynamics(const Values& v) {
@@ -380,7 +411,7 @@ FullSettings full(const Values& v) {
     f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;
     f.contact = v.word("full.contact") == "gores" ? Contact::gores : Contact::none;
     f.switch_area_ratio = v.number("full.switch_area_ratio");
-    f.ramp_time = v.number("full.ramp_time");
+    if (v.given("full.ramp_time")) f.ramp_time = v.number("full.ramp_time");
     f.beta = v.number("full.beta");
     f.alpha = v.number("full.alpha");
     f.alpha_from_release = v.word("full.alpha_from") == "release";
@@ -402,6 +433,7 @@ SizeSpec size(const Values& v) {
     SizeSpec s;
     s.max_descent_rate = optional_number(v, "size.max_descent_rate");
     s.max_force = optional_number(v, "size.max_force");
+    s.max_canopy_force = optional_number(v, "size.max_canopy_force");
     s.max_deceleration = optional_number(v, "size.max_deceleration");
     if (v.given("size.parachute")) s.parachute = v.word("size.parachute");
     s.vary = v.list("size.vary");
@@ -452,6 +484,7 @@ Scene assemble_scene(const Values& v) {
     scene.payload.diameter = optional_number(v, "payload.diameter");
     if (v.has_table("payload.body")) scene.payload.body = payload_body(v);
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
+    scale_design(v, scene.parachutes.back(), scene.inputs, scene.warnings);
     scene.aerodynamics = aerodynamics(v);
     scene.stop = trigger(v, "stop", scene.environment);
     if (v.given("stop.then")) scene.then = v.word("stop.then");
@@ -469,6 +502,7 @@ void add_parachute(Scene& scene, const Values& v) {
         if (input.key.starts_with("parachute.")) inputs.push_back(std::move(input));
     Materials materials(v, inputs);
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
+    scale_design(v, scene.parachutes.back(), inputs, scene.warnings);
     name_inputs(inputs, scene.parachutes.back().name);
     scene.inputs.insert(scene.inputs.end(), inputs.begin(), inputs.end());
 }

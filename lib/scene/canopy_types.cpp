@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <utility>
@@ -10,7 +11,6 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/scene/assemble.hpp"
 #include "lib/scene/data_files.hpp"
-#include "lib/scene/units.hpp"
 #include "lib/scene/values.hpp"
 
 namespace twinchute {
@@ -23,6 +23,11 @@ constexpr std::string_view prefix = "type.";
 
 std::vector<std::string_view> grades() {
     return {"A", "B", "C", "R"};
+}
+
+/// Words of full_model.canopy, in the order of MeshedCanopy::Shape.
+std::vector<std::string_view> meshed_canopies() {
+    return {"own", "flat-circular", "none"};
 }
 
 /// A range that a type may have, a table of its file: { low, high, source, grade }.
@@ -51,7 +56,18 @@ constexpr RangeRow ranges[] = {
 std::span<const Key> type_keys() {
     static std::deque<std::string> paths;  // rows refer to their paths
     static const std::vector<Key> rows = [] {
-        std::vector<Key> keys{{.path = "type.title", .kind = KeyKind::text, .meaning = "what it is called"}};
+        std::vector<Key> keys{{.path = "type.title", .kind = KeyKind::text, .meaning = "what it is called"},
+                              {.path = "type.full_model",
+                               .kind = KeyKind::table,
+                               .need = KeyNeed::optional,
+                               .meaning = "what the full model meshes for it; absent: nothing"},
+                              {.path = "type.full_model.canopy",
+                               .kind = KeyKind::word,
+                               .choices = meshed_canopies,
+                               .meaning = "its own shape, a flat circular canopy in its place, or none"},
+                              {.path = "type.full_model.why",
+                               .kind = KeyKind::text,
+                               .meaning = "what sets the type apart from a flat circular canopy"}};
         for (const RangeRow& range : ranges) {
             const auto path = [&](const char* last) -> std::string_view {
                 return paths.emplace_back(fmt::format("{}{}{}", prefix, range.name, last));
@@ -82,6 +98,12 @@ TypeRange range_of(const Values& v, const std::string& path) {
         throw SceneError(v.place(path + ".low"), path.substr(prefix.size()) + ".low", "is above high",
                          fmt::format("{} and {}", range.low, range.high), "write the smaller one here");
     return range;
+}
+
+MeshedCanopy meshed_canopy(const Values& v) {
+    const auto words = meshed_canopies();
+    const auto found = std::ranges::find(words, v.word("type.full_model.canopy"));
+    return {static_cast<MeshedCanopy::Shape>(found - words.begin()), v.word("type.full_model.why")};
 }
 
 std::string source_text(const CanopyType& type, const TypeRange& range) {
@@ -118,20 +140,6 @@ private:
     const CanopyType& type_;
     const Entry& asked_by_;
 };
-
-/// A quantity as it stands in a document, in SI; nothing where it is wrong, which its own check will say.
-std::optional<double> quantity(const Document& document, std::string_view path) {
-    const auto found = document.entries.find(std::string(path));
-    if (found == document.entries.end()) return std::nullopt;
-    if (const auto* number = std::get_if<double>(&found->second.value)) return *number;
-    if (const auto* whole = std::get_if<std::int64_t>(&found->second.value))
-        return static_cast<double>(*whole);
-    try {
-        return to_si(std::get<std::string>(found->second.value), found->second.key->unit);
-    } catch (const UnitError&) {
-        return std::nullopt;
-    }
-}
 
 /// C_D0, or D0 where the scene knows its drag area alone.
 void put_size(Below& below, const Document& document, const CanopyType& type, const Entry& asked_by) {
@@ -184,6 +192,7 @@ CanopyType read_canopy_type(const std::string& name, std::string_view key, const
     CanopyType type;
     type.name = name;
     type.title = values.word("type.title");
+    if (values.has_table("type.full_model")) type.meshed = meshed_canopy(values);
     for (const RangeRow& range : ranges) {
         const std::string path = fmt::format("{}{}", prefix, range.name);
         if (values.has_table(path)) type.*range.member = range_of(values, path);

@@ -10,6 +10,7 @@
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/waits.hpp"
 
 namespace twinchute {
 namespace {
@@ -108,9 +109,9 @@ void correct_drag_area(Scene& scene, const Complain& complain) {
 
 void check_size(const Scene& scene, const Complain& complain) {
     const auto& s = scene.size;
-    if (s && !s->max_descent_rate && !s->max_force && !s->max_deceleration)
+    if (s && !s->max_descent_rate && !s->max_force && !s->max_canopy_force && !s->max_deceleration)
         complain.about("size.max_descent_rate", "no limit is given", "there is nothing to meet",
-                       "give max_descent_rate, max_force or max_deceleration");
+                       "give max_descent_rate, max_force, max_canopy_force or max_deceleration");
     if (s && !s->parachute.empty() &&
         std::ranges::find(scene.parachutes, s->parachute, &Parachute::name) == scene.parachutes.end())
         complain.about("size.parachute", fmt::format("there is no parachute '{}'", s->parachute), "",
@@ -172,6 +173,16 @@ const char* fill_time_key(const FillTime& fill) {
     if (fill.porosity > 0.0) return "parachute.fill_time.geometric_porosity";
     if (fill.table) return "parachute.fill_time.table";
     return fill.balance ? "parachute.fill_time.model" : "parachute.fill_time.n";
+}
+
+/// Air of one density has no temperature, and sound no speed in it.
+void check_mach_table(const Scene& scene, const Parachute& p, const Complain& complain) {
+    if (p.drag_area_mach_table && !scene.environment.atmosphere.model->has_temperature)
+        complain.about(
+            "parachute.drag_area_mach_table",
+            fmt::format("the atmosphere '{}' has no Mach number", scene.environment.atmosphere.model->name),
+            "air of one density has no temperature, and sound no speed in it",
+            "write environment.atmosphere = \"us76\", or give a table of the air");
 }
 
 void check_growth(const Parachute& p, const Complain& complain) {
@@ -323,7 +334,7 @@ std::string key_of(const Values& values, const std::string& table) {
     return table + ".at";
 }
 
-/// Names are told apart, what parachutes wait for is there, and they do not wait for each other.
+/// Names are told apart, and what parachutes wait for is there and can happen.
 void check_sequence(const Scene& scene, const std::vector<Values>& values) {
     const auto find = [&](const std::string& name) {
         return std::ranges::find(scene.parachutes, name, &Parachute::name);
@@ -368,14 +379,10 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
         if (p.deploy.by == DeployBy::static_line && p.deploy_when)
             complain.about("parachute.deploy.by", "a static line has nothing to wait for",
                            "it pays out from release on", "take out deploy.when");
-        std::size_t steps = 0;
-        for (auto it = find(p.name); it->deploy_when && !it->deploy_when->of.empty(); ++steps) {
-            it = find(it->deploy_when->of);
-            if (it == scene.parachutes.end() || steps > scene.parachutes.size()) break;
-        }
-        if (steps > scene.parachutes.size())
-            complain.about("parachute.deploy.when.after", "parachutes wait for each other", "none would open",
-                           "let one of them wait for a time, an altitude or nothing");
+    }
+    if (const auto wait = find_hopeless_wait(scene)) {
+        const Values& own = values[wait->parachute];
+        Complain(own).about(key_of(own, wait->table), wait->problem, wait->why, wait->hint);
     }
 }
 
@@ -384,6 +391,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_needs(scene, p, complain);
     check_canopy(p, complain);
     check_growth(p, complain);
+    check_mach_table(scene, p, complain);
     check_reefing(p, complain);
     check_cluster(p, complain);
     if (p.deploy.starts_packed())

@@ -141,12 +141,18 @@ private:
                        fmt::format("{}: {} {} is out of range", column.name, value, column.unit),
                        allowed_text(Key{.path = column.name, .unit = column.unit, .range = column.range}),
                        "correct the value or its unit");
-            if (i == first_column_ && !values_[i].empty() && !(value > values_[i].back()))
+            if (i == first_column_ && !follows(values_[i], value, column.twice))
                 refuse(cell, line.number, fmt::format("{} does not rise", column.name),
                        fmt::format("{} {} after {} {}", value, column.unit, values_[i].back(), column.unit),
                        fmt::format("sort the lines by {}, each once", column.name));
             values_[i].push_back(value);
         }
+    }
+
+    static bool follows(const std::vector<double>& before, double value, bool twice) {
+        const std::size_t count = before.size();
+        if (count == 0 || value > before.back()) return true;
+        return twice && value == before.back() && !(count > 1 && before[count - 2] == value);
     }
 
     double number(const Cell& cell, int line) const {

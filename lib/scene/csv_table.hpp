@@ -17,6 +17,7 @@ struct CsvColumn {
     std::string_view name;
     std::string_view unit;  ///< SI; the file may use any other of its kind
     KeyRange range = {};    ///< in SI
+    bool twice = false;     ///< of the first one: a value may stand in two lines, one after the other
 };
 
 /// Columns in SI, each as long as the others.
@@ -29,9 +30,9 @@ struct CsvTable {
 };
 
 /// Reads a table whose columns are among `known` and whose first one in that list is there, rises from line
-/// to line and has at least two values. Cells are plain: no quotes, no empty ones; the last line may end
-/// without a line feed, lines may end in CR LF.
-/// Throws SceneError with file, line and column (counted in bytes from 1) of the cell that is wrong.
+/// to line (see CsvColumn::twice) and has at least two values. Cells are plain: no quotes, no empty ones; the
+/// last line may end without a line feed, lines may end in CR LF. Throws SceneError with file, line and
+/// column (counted in bytes from 1) of the cell that is wrong.
 CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known);
 
 }  // namespace twinchute

@@ -1,12 +1,16 @@
 #include "lib/scene/data_files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/magic.h>
+#include <poll.h>
+#include <sys/vfs.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <set>
 #include <system_error>
 
@@ -30,10 +34,16 @@ fs::path file_name(std::string_view name) {
 
 std::vector<fs::path> data_directories(const fs::path& scene_directory) {
     std::vector<fs::path> places{scene_directory.empty() ? fs::path(".") : scene_directory};
-    if (const char* data = std::getenv("TWINCHUTE_DATA"); data && *data) places.emplace_back(data);
+    std::error_code error;
+    if (const char* data = std::getenv("TWINCHUTE_DATA"); data && *data) {
+        if (!fs::is_directory(data, error))
+            throw SceneError({data, 0, 0}, "", "TWINCHUTE_DATA names no directory",
+                             error ? error.message() : "it is a file",
+                             "set it to a folder with parachutes/, materials/ or scenes/ in it, or unset it");
+        places.emplace_back(data);
+    }
     // Beside the program, so that an installed tree may be moved; a build tree has no such folder and
     // takes its own sources, before any copy that was installed earlier.
-    std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
     if (!error) places.push_back(program.parent_path().parent_path() / "share" / "twinchute");
 #ifdef TWINCHUTE_SOURCE_DATA
@@ -86,7 +96,8 @@ std::vector<std::string> data_names(std::string_view folder, const fs::path& sce
         while (!error && entry != fs::recursive_directory_iterator()) {
             const fs::path inside = entry->path().lexically_relative(root);
             const std::string name = (inside.parent_path() / inside.stem()).generic_string();
-            if (inside.extension() == ".toml" && is_data_name(name)) names.insert(name);
+            const bool type = folder == "parachutes" && name.starts_with("types/");
+            if (inside.extension() == ".toml" && is_data_name(name) && !type) names.insert(name);
             entry.increment(error);
         }
     }
@@ -114,17 +125,32 @@ std::string read_text_file(const fs::path& file, std::size_t largest) {
     };
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status)) throw refuse("no such file", "", "check the path");
+    if (!fs::exists(status))
+        throw refuse("no such file", "", file == "-" ? "standard input is /dev/stdin" : "check the path");
     if (fs::is_directory(status)) throw refuse("is a directory", "a file is wanted", "name the file in it");
-    errno = 0;
-    std::ifstream stream(file, std::ios::binary);
+    // Standard input and process substitutions are pipes without a name, and read to their end. One with a
+    // name may have nobody who writes: whether it can be read would hang on who comes first, or for ever.
+    const int handle = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    const auto cannot = [&](int reason) {
+        return refuse("cannot be read", std::strerror(reason), "check its permissions");
+    };
+    if (handle < 0) throw cannot(errno);
+    struct statfs where {};
+    if (fs::is_fifo(status) && ::fstatfs(handle, &where) == 0 && where.f_type != PIPEFS_MAGIC) {
+        ::close(handle);
+        throw refuse("is a named pipe", "a file is wanted", "name a file, or pipe it into /dev/stdin");
+    }
     std::string text, chunk(1 << 16, '\0');
+    ssize_t count = 0;
     do {  // bounded: a device has no size and no end
-        stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-        text.append(chunk, 0, static_cast<std::size_t>(stream.gcount()));
-    } while (stream && text.size() <= largest);
-    if (stream.bad() || !stream.is_open())
-        throw refuse("cannot be read", errno ? std::strerror(errno) : "", "check its permissions");
+        count = ::read(handle, chunk.data(), chunk.size());
+        if (count > 0) text.append(chunk, 0, static_cast<std::size_t>(count));
+        pollfd more{handle, POLLIN, 0};
+        if (count < 0 && errno == EAGAIN) ::poll(&more, 1, -1);
+    } while (text.size() <= largest && (count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR))));
+    const int reason = count < 0 ? errno : 0;
+    ::close(handle);
+    if (reason != 0) throw cannot(reason);
     if (text.size() > largest)
         throw refuse("is too large", fmt::format("more than {} MiB", largest >> 20),
                      largest == largest_scene_file ? "is it a scene?" : "is it the right file?");

@@ -10,7 +10,8 @@
 
 namespace twinchute {
 
-/// Directories in the order in which they are searched; each may hold parachutes/, materials/, ...
+/// Directories in the order in which they are searched; each may hold parachutes/, materials/, ... Throws
+/// SceneError when $TWINCHUTE_DATA names none.
 std::vector<std::filesystem::path> data_directories(const std::filesystem::path& scene_directory);
 
 /// FOLDER/NAME.toml in the first directory that has it. `name` must be a plain name, see is_data_name.
@@ -21,7 +22,8 @@ std::optional<std::filesystem::path> find_data_file(std::string_view folder, std
 std::optional<std::filesystem::path> find_table_file(std::string_view name,
                                                      const std::filesystem::path& scene_directory);
 
-/// Every name that find_data_file would find in a folder and the folders in it, sorted, each once.
+/// Every name that find_data_file would find in a folder and the folders in it, sorted, each once; of
+/// parachutes the designs, without the types of canopies, which are a folder and a kind of file of their own.
 std::vector<std::string> data_names(std::string_view folder,
                                     const std::filesystem::path& scene_directory = {});
 
@@ -37,8 +39,9 @@ std::string file_stem_of(std::string_view name);
 /// [bytes] that a scene, design, material or table may have.
 inline constexpr std::size_t largest_scene_file = 4u << 20;
 
-/// The whole file. Throws SceneError (place: the file as given) when it is not a readable regular
-/// file or larger than `largest` [bytes].
+/// The whole file, or what comes through a pipe without a name (standard input, a process substitution).
+/// Throws SceneError (place: the file as given) when it cannot be read, is a directory, a named pipe or
+/// larger than `largest` [bytes].
 std::string read_text_file(const std::filesystem::path& file, std::size_t largest = largest_scene_file);
 
 }  // namespace twinchute

@@ -12,7 +12,10 @@
 
 namespace twinchute {
 
-const std::string override_file = "--set";
+bool is_override(std::string_view file) {
+    return file.starts_with("--") &&
+           std::ranges::all_of(file, [](char c) { return c == '-' || (c >= 'a' && c <= 'z'); });
+}
 
 namespace {
 
@@ -21,7 +24,7 @@ constexpr std::size_t most_members = 999;  // of a list: row_path() knows three 
 constexpr std::size_t most_parachutes = 20;
 
 SourcePlace place_of(const std::string& file, const toml::source_region& region) {
-    if (file == override_file) return {file, 0, 0};
+    if (is_override(file)) return {file, 0, 0};
     return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
@@ -430,8 +433,11 @@ Document read_document(std::string_view text, const std::string& file, const Doc
     return document;
 }
 
-Document read_override(const std::string& assignment, const DocumentKind& kind) {
-    const SourcePlace place{override_file, 0, 0};
+Document read_override(const std::string& override_text, const DocumentKind& kind) {
+    const std::string option = override_text.substr(0, override_text.find(' '));
+    const bool named = is_override(option) && option.size() < override_text.size();
+    const SourcePlace place{named ? option : "--set", 0, 0};
+    const std::string assignment = named ? override_text.substr(option.size() + 1) : override_text;
     const auto equals = assignment.find('=');
     std::string key = assignment.substr(0, equals), value;
     while (key.ends_with(' '))
@@ -449,12 +455,12 @@ Document read_override(const std::string& assignment, const DocumentKind& kind) 
 
     toml::table root;
     if (std::string_view("\"'{[").find(value.front()) != std::string_view::npos) {
-        root = parsed(key + " = " + value, override_file, key);
+        root = parsed(key + " = " + value, place.file, key);
     } else {
         try {
             root = toml::parse(key + " = " + value);
         } catch (const toml::parse_error&) {  // as typed in a shell: payload.mass=150 kg
-            root = parsed(key + " = ''", override_file, key);
+            root = parsed(key + " = ''", place.file, key);
             toml::node* node = &root;
             while (toml::table* table = node->as_table())
                 node = &table->begin()->second;
@@ -462,7 +468,7 @@ Document read_override(const std::string& assignment, const DocumentKind& kind) 
         }
     }
     Document document;
-    document.file = override_file;
+    document.file = place.file;
     Walk(document, kind, true).table(root, kind.prefix);
     imply_models(document);
     return document;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -17,8 +18,8 @@
 
 namespace twinchute {
 
-/// Where overrides stand, in messages.
-extern const std::string override_file;
+/// Whether a place is an option of the command line, e.g. "--set", and what stands there an override.
+bool is_override(std::string_view file);
 
 /// What a value is before its key has had a say.
 using RawValue = std::variant<std::int64_t, double, std::string, std::vector<std::string>>;
@@ -44,6 +45,8 @@ struct Document {
     std::vector<Document> parachutes;
     std::map<std::string, Document> named_parachutes;
     std::vector<DocumentCase> cases;  ///< a series, see [[case]]
+    /// [m] D0 of the design below, where the scene has another key of it.
+    std::optional<double> design_diameter = {};
 };
 
 /// One case of a series: keys to lay over the rest.
@@ -66,8 +69,9 @@ struct DocumentKind {
 /// table where a value belongs or the other way round.
 Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind);
 
-/// The same from one "key=value"; messages name "--set". A value that is not TOML is taken as text.
-Document read_override(const std::string& assignment, const DocumentKind& kind);
+/// One "key=value" as a document; messages name "--set", or the option that stands before it: "--fields
+/// key=value". A value that is not TOML is taken as text.
+Document read_override(const std::string& override_text, const DocumentKind& kind);
 
 /// Lays `upper` over `lower`. A key above also removes from below what cannot stand beside it: the
 /// other way to say the same (altitude and height), and parameters of another model.
@@ -76,6 +80,9 @@ void overlay(Document& lower, const Document& upper);
 /// The parameters of a model imply it: { density = ... } is a constant atmosphere. Of parameters that
 /// do not belong together the first in the file decides; the others are then refused as unused.
 void imply_models(Document& document);
+
+/// A quantity of a document in SI; nothing where it is absent, or wrong, which its own check says.
+std::optional<double> quantity(const Document& document, std::string_view path);
 
 /// "case 'x'", as messages call it.
 std::string case_title(std::string_view name);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "lib/math/vec.hpp"
+
 namespace twinchute {
 namespace {
 
@@ -70,7 +72,24 @@ void set_drag_area(const Scene& scene, Parachute& p, double stated) {
 
 namespace {
 
+/// Handbooks print two digits of C_D0.
+constexpr double last_digit = 0.01;
+
+/// A drag area that does not belong to the diameter is the likeliest mistake of all.
+void warn_of_coefficient(Scene& scene, const Parachute& p) {
+    if (!p.type || !p.type->drag_coefficient) return;
+    const TypeRange& range = *p.type->drag_coefficient;
+    const double coefficient = stated_drag_area(p) / (0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    if (coefficient >= range.low - last_digit && coefficient <= range.high + last_digit) return;
+    scene.warnings.push_back(
+        {fmt::format("{}: C_D0 = {:.3g} of a {} canopy", p.name, coefficient, p.type->title),
+         fmt::format("drag area {:.4g} m^2 on D0 = {:.4g} m; its type has {:g} to {:g} ({})",
+                     stated_drag_area(p), p.nominal_diameter, range.low, range.high, range.source),
+         "check drag_area and nominal_diameter against each other"});
+}
+
 void warn_of_drag_area(Scene& scene, const Parachute& p) {
+    warn_of_coefficient(scene, p);
     const double ratio = line_ratio(p);
     if (const auto& model = scene.aerodynamics.line_ratio; model && !of_lines(scene, p).inside)
         warn_of_factor(scene, "lines beyond the figure of line ratios", fmt::format("L_e/D0 = {:.3g}", ratio),

@@ -126,8 +126,17 @@ std::string allowed_text(const Key& key);
 /// "both", "rom", "full", "compare" or "size".
 std::string_view user_name(KeyUser user);
 
-/// All keys as aligned plain text, one a line.
-std::string keys_table();
+/// Rows at this path and below it, of scenes and materials, in the order of the tables; "": all of them.
+std::vector<const Key*> keys_below(std::string_view path);
+
+/// Keys as aligned plain text, one a line, below a line of heads: to search in.
+std::string keys_table(const std::vector<const Key*>& keys);
+
+/// Keys with what is said of each below it, in lines of `width` columns: to read.
+std::string keys_wrapped(const std::vector<const Key*>& keys, std::size_t width);
+
+/// All that the table says of a key, a line each; of `width` columns, 0: as long as they are.
+std::string key_page(const Key& key, std::size_t width);
 
 /// All keys as Markdown tables, one a table of the scene.
 std::string keys_markdown();

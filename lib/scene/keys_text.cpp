@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/keys.hpp"
@@ -44,6 +45,30 @@ std::vector<const Key*> all_keys() {
         for (const Key& key : table)
             keys.push_back(&key);
     return keys;
+}
+
+/// One paragraph in lines of at most `width` columns (0: as long as it is), but for words that are longer;
+/// all but the first begin with `indent` spaces.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+    std::string all, line;
+    std::size_t at = text.find_first_not_of(' ');
+    line = text.substr(0, at);
+    bool empty = true;
+    while (at < text.size()) {
+        const std::size_t end = std::min(text.find(' ', at), text.size());
+        const std::string_view word = text.substr(at, end - at);
+        if (!empty && width > 0 && line.size() + 1 + word.size() > width) {
+            all += line + "\n";
+            line = std::string(indent, ' ');
+            empty = true;
+        }
+        // Runs of spaces are alignment.
+        line += empty ? std::string(word)
+                      : std::string(at - text.find_last_not_of(' ', at - 1) - 1, ' ') + std::string(word);
+        empty = false;
+        at = text.find_first_not_of(' ', end);
+    }
+    return all + line + "\n";
 }
 
 double in_degrees(double radians) {
@@ -121,16 +146,27 @@ std::string allowed_text(const Key& key) {
     return fmt::format("allowed: {}{}{}", range_text(key), bare ? "" : " ", bare ? "" : key.unit);
 }
 
-std::string keys_table() {
+std::vector<const Key*> keys_below(std::string_view path) {
+    std::vector<const Key*> keys;
+    for (const Key* key : all_keys()) {
+        const std::string_view own = key->path;
+        if (path.empty() || own == path || (own.starts_with(path) && own[path.size()] == '.'))
+            keys.push_back(key);
+    }
+    return keys;
+}
+
+std::string keys_table(const std::vector<const Key*>& keys) {
+    constexpr std::size_t widest = 30;  // of a column: longer cells push the rest of their line alone
     std::vector<std::array<std::string, 6>> rows;
     rows.push_back({});
     std::ranges::copy(heads, rows.back().begin());
-    for (const Key* key : all_keys())
+    for (const Key* key : keys)
         rows.push_back(cells(*key));
     std::array<std::size_t, 6> widths{};
     for (const auto& row : rows)
         for (std::size_t i = 0; i < row.size(); ++i)
-            widths[i] = std::max(widths[i], row[i].size());
+            widths[i] = std::max(widths[i], i == 0 ? row[i].size() : std::min(row[i].size(), widest));
     std::string text;
     for (const auto& row : rows) {
         std::string line;
@@ -139,6 +175,38 @@ std::string keys_table() {
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + "\n";
     }
+    return text;
+}
+
+std::string keys_wrapped(const std::vector<const Key*>& keys, std::size_t width) {
+    std::string text;
+    for (const Key* key : keys) {
+        const auto row = cells(*key);
+        const std::string unit = row[1].empty() ? "" : fmt::format(" [{}]", row[1]);
+        const std::string user = key->user == KeyUser::both ? "" : fmt::format("; {} only", row[4]);
+        text += wrapped(row[0] + unit, width, 4);
+        text += wrapped(fmt::format("    {}; {}{}", row[2], row[3], user), width, 4);
+        if (!row[5].empty()) text += wrapped("    " + row[5], width, 4);
+    }
+    return text;
+}
+
+std::string key_page(const Key& key, std::size_t width) {
+    const Key* selector = key.only_with.empty() ? nullptr : selector_of(scene_keys(), key);
+    const std::array<std::pair<std::string_view, std::string>, 8> lines{{
+        {"meaning", std::string(key.meaning)},
+        {"unit", std::string(key.unit)},
+        {"default", default_text(key)},
+        {"range", range_text(key)},
+        {"used by", std::string(user_name(key.user))},
+        {"instead of", fmt::format("{}", fmt::join(words_of(key.instead_of), ", "))},
+        {"only with",
+         selector ? fmt::format("{} = {}", selector->path, fmt::join(words_of(key.only_with), ", ")) : ""},
+        {"source", std::string(key.source)},
+    }};
+    std::string text = std::string(key.path) + "\n";
+    for (const auto& [name, value] : lines)
+        if (!value.empty()) text += wrapped(fmt::format("    {:<12}{}", name, value), width, 16);
     return text;
 }
 

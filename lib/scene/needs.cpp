@@ -1,5 +1,7 @@
 #include "lib/scene/needs.hpp"
 
+#include <fmt/format.h>
+
 namespace twinchute {
 namespace {
 
@@ -42,6 +44,19 @@ std::vector<std::string> missing_lines(const Parachute& chute) {
 
 std::vector<std::string> missing_structure(const Parachute& chute) {
     return missing(chute, false);
+}
+
+std::string lacks_canopy(const Parachute& chute) {
+    if (!chute.type || chute.mesh || chute.type->meshed.shape != MeshedCanopy::Shape::none) return {};
+    return fmt::format("{}: {}", chute.type->title, chute.type->meshed.why);
+}
+
+std::optional<Warning> stand_in(const Parachute& chute) {
+    if (!chute.type || chute.mesh || chute.type->meshed.shape != MeshedCanopy::Shape::flat_circular)
+        return std::nullopt;
+    return Warning{fmt::format("a flat circular canopy stands in for a {} one", chute.type->title),
+                   chute.type->meshed.why,
+                   "trust drag area and forces of the whole, not the stresses; or give parachute.mesh"};
 }
 
 }  // namespace twinchute

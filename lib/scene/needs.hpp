@@ -1,6 +1,7 @@
 // What a scene may leave out of a parachute, and who needs it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,5 +14,12 @@ std::vector<std::string> missing_lines(const Parachute& chute);
 
 /// Keys that a model of the structure needs, those of the lines among them, which the scene does not give.
 std::vector<std::string> missing_structure(const Parachute& chute);
+
+/// Why the full model has no canopy to mesh for the parachute's type; empty where it has one, where no type
+/// is given, and for a mesh of one's own.
+std::string lacks_canopy(const Parachute& chute);
+
+/// What to say where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
+std::optional<Warning> stand_in(const Parachute& chute);
 
 }  // namespace twinchute

@@ -16,10 +16,13 @@ constexpr CsvColumn fill_constant{"fill_constant", "1", {0.0, 200.0, true}};
 constexpr std::array<CsvColumn, 2> by_froude{{{"froude_number", "1", {0.0, 1e7, true}}, fill_constant}};
 constexpr std::array<CsvColumn, 2> by_mass{{{"mass_ratio", "1", {0.0, 1e7, true}}, fill_constant}};
 constexpr std::array<CsvColumn, 2> growth{
-    {{"fill_fraction", "1", {0.0, 100.0}}, {"drag_area_ratio", "1", {0.0, 5.0}}}};
+    {{"fill_fraction", "1", {0.0, 100.0}, true}, {"drag_area_ratio", "1", {0.0, 5.0}}}};
 constexpr double half_turn = pi * (1.0 + 1e-12);  // 180 deg, however it was rounded
 constexpr std::array<CsvColumn, 2> by_attitude{
     {{"angle", "rad", {0.0, half_turn}}, {"drag_area", "m^2", {0.0, 1e4}}}};
+
+constexpr std::array<CsvColumn, 2> by_mach_number{
+    {{"mach_number", "1", {0.0, 100.0}}, {"drag_area_factor", "1", {0.0, 100.0, true}}}};
 
 [[noreturn]] void refuse(const std::string& file, std::size_t row, std::string problem, std::string why,
                          std::string hint) {
@@ -47,9 +50,24 @@ DragAreaTable read_drag_area_table(std::string_view text, const std::string& fil
         refuse_columns(file, "the column 'drag_area_ratio' is missing",
                        "the columns are fill_fraction and drag_area_ratio");
     const std::vector<double>&x = table.at("fill_fraction"), &ratio = table.at("drag_area_ratio");
-    if (x.size() < 3)
-        refuse(file, x.size() - 1, fmt::format("{} points", x.size()), "a curve needs three",
+    const std::vector<double> once = [&] {
+        std::vector<double> points = x;
+        points.erase(std::unique(points.begin(), points.end()), points.end());
+        return points;
+    }();
+    if (once.size() < 3)
+        refuse(file, x.size() - 1, fmt::format("{} points", once.size()), "a curve needs three",
                "add one in between");
+    for (std::size_t i = 1; i < x.size(); ++i) {
+        if (x[i] != x[i - 1]) continue;
+        if (i == 1 || i + 1 == x.size())
+            refuse(file, i, fmt::format("fill_fraction {:g} stands here twice", x[i]),
+                   "twice is a kink, and there is none at either end", "keep one line");
+        if (ratio[i] != ratio[i - 1])
+            refuse(file, i, fmt::format("drag_area_ratio jumps from {:g} to {:g}", ratio[i - 1], ratio[i]),
+                   "a point that stands here twice is a kink of the curve",
+                   "give both lines the same ratio, or let it rise over a short while");
+    }
     if (x.front() != 0.0)
         refuse(file, 0, fmt::format("fill_fraction begins at {:g}", x.front()),
                "0 is where the drag area begins to rise", "begin at 0");
@@ -99,6 +117,14 @@ AttitudeDrag read_attitude_drag(std::string_view text, const std::string& file, 
         refuse(file, angle.size() - 1, fmt::format("angle ends at {:g} deg", angle.back() * 180.0 / pi),
                "a body may turn any way", "end at 180 deg, or at 90 deg where above and below are alike");
     return {name, angle, area};
+}
+
+MachDrag read_mach_drag(std::string_view text, const std::string& file, const std::string& name) {
+    const CsvTable table = read_csv_table(text, file, by_mach_number);
+    if (!table.has("drag_area_factor"))
+        refuse_columns(file, "the column 'drag_area_factor' is missing",
+                       "the columns are mach_number and drag_area_factor");
+    return {name, table.at("mach_number"), table.at("drag_area_factor")};
 }
 
 std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string_view text,

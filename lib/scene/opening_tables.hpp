@@ -1,4 +1,5 @@
-// Filling times, growing drag areas, drag areas by attitude and points of a test as a CSV file gives them.
+// Filling times, growing drag areas, drag areas by attitude or Mach number and points of a test as a CSV file
+// gives them.
 #pragma once
 
 #include <string>
@@ -9,6 +10,7 @@
 #include "lib/models/attitude_drag.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/mach_drag.hpp"
 
 namespace twinchute {
 
@@ -21,6 +23,9 @@ FillTable read_fill_table(std::string_view text, const std::string& file, const 
 
 /// Columns angle and drag_area; see AttitudeDrag. Throws SceneError.
 AttitudeDrag read_attitude_drag(std::string_view text, const std::string& file, const std::string& name);
+
+/// Columns mach_number and drag_area_factor; see MachDrag. Throws SceneError.
+MachDrag read_mach_drag(std::string_view text, const std::string& file, const std::string& name);
 
 /// Points of a test, in columns that are named as the metrics x and y. Throws SceneError.
 std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string_view text,

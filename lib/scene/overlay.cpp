@@ -5,11 +5,27 @@
 
 #include "lib/scene/document.hpp"
 #include "lib/scene/nearest.hpp"
+#include "lib/scene/units.hpp"
 
 namespace twinchute {
 
 std::string case_title(std::string_view name) {
     return fmt::format("case '{}'", name);
+}
+
+std::optional<double> quantity(const Document& document, std::string_view path) {
+    const auto found = document.entries.find(std::string(path));
+    if (found == document.entries.end()) return std::nullopt;
+    if (const auto* number = std::get_if<double>(&found->second.value)) return *number;
+    if (const auto* whole = std::get_if<std::int64_t>(&found->second.value))
+        return static_cast<double>(*whole);
+    const auto* text = std::get_if<std::string>(&found->second.value);
+    if (text == nullptr) return std::nullopt;
+    try {
+        return to_si(*text, found->second.key->unit);
+    } catch (const UnitError&) {
+        return std::nullopt;
+    }
 }
 
 std::string_view shown_path(std::string_view path, std::string_view prefix) {
@@ -42,21 +58,24 @@ void imply_models(Document& document) {
 
 namespace {
 
-/// The parachute of a document that a name or a number means: the first is the document itself.
+/// The parachute of a document that a name or a number means: the first is the document itself. One without a
+/// name has that of the default.
 Document& parachute_of(Document& document, const std::string& name, const Document& asked) {
-    const auto is_called = [&](const Document& d) {
-        const auto entry = d.entries.find("parachute.name");
-        const auto* text =
-            entry == d.entries.end() ? nullptr : std::get_if<std::string>(&entry->second.value);
-        return text != nullptr && *text == name;
-    };
     std::vector<std::string_view> names;
+    std::vector<Document*> nameless;
     for (std::size_t k = 0; k <= document.parachutes.size(); ++k) {
         Document& one = k == 0 ? document : document.parachutes[k - 1];
-        if (is_called(one) || name == fmt::format("{}", k + 1)) return one;
-        if (const auto entry = one.entries.find("parachute.name"); entry != one.entries.end())
-            if (const auto* text = std::get_if<std::string>(&entry->second.value)) names.push_back(*text);
+        if (name == fmt::format("{}", k + 1)) return one;
+        const auto entry = one.entries.find("parachute.name");
+        if (entry == one.entries.end()) {
+            nameless.push_back(&one);
+        } else if (const auto* text = std::get_if<std::string>(&entry->second.value)) {
+            if (*text == name) return one;
+            names.push_back(*text);
+        }
     }
+    if (nameless.size() == 1 && name == find_key(scene_keys(), "parachute.name")->fallback)
+        return *nameless.front();
     throw SceneError(
         asked.tables.at("parachute"), "parachute." + name, "unknown key, and no parachute has that name",
         fmt::format("the scene has {}", document.parachutes.size() + 1),

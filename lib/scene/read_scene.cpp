@@ -18,6 +18,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view diameter_key = "parachute.nominal_diameter";
+
+/// [m] D0 of a design; nothing where it has none. Its other sizes belong to it, so that it is checked even
+/// where the scene has another one.
+std::optional<double> diameter_of(const Document& design) {
+    const auto entry = design.entries.find(std::string(diameter_key));
+    if (entry == design.entries.end()) return std::nullopt;
+    const auto diameter = quantity(design, diameter_key);
+    if (!diameter || !entry->second.key->range.contains(*diameter))
+        throw SceneError(entry->second.value_place, "nominal_diameter", "is not a diameter in range",
+                         allowed_text(*entry->second.key), "correct the value or its unit");
+    return diameter;
+}
+
 /// Puts the design that a document names under it: keys in the scene win.
 void add_design(Document& document) {
     const auto design = document.entries.find("parachute.design");
@@ -30,6 +44,7 @@ void add_design(Document& document) {
     Document below =
         read_document(read_text_file(path), path.string(),
                       {design_keys(), "parachute.", InputOrigin::design, "parachute.design", directory});
+    if (document.entries.contains(std::string(diameter_key))) document.design_diameter = diameter_of(below);
     below.file = document.file;
     overlay(below, document);
     document.entries = std::move(below.entries);

@@ -15,7 +15,8 @@ namespace twinchute {
 ///
 /// Data files are looked for beside the scene, then in $TWINCHUTE_DATA, then in the installed
 /// share/twinchute (or the source tree's data/ when run from a build directory).
-/// `overrides`: "key=value" with value in TOML, e.g. "payload.mass='150 kg'", applied before validation.
+/// `overrides`: "key=value" with value in TOML, e.g. "payload.mass='150 kg'", applied before validation; an
+/// option before it, as in "--fields full.fields_rate=50", is named by messages in place of --set.
 /// Throws SceneError for everything that is wrong with the input, a series of cases included.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 

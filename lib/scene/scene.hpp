@@ -18,6 +18,7 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/mach_drag.hpp"
 #include "lib/models/material.hpp"
 #include "lib/models/wind.hpp"
 #include "lib/record/run_record.hpp"
@@ -176,6 +177,7 @@ struct Parachute {
     std::optional<DragAreaTable> drag_area_table;  ///< of a whole opening, in place of the law
     double initial_drag_area_ratio = 0.0;          ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
+    std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 
     bool operator==(const Parachute&) const = default;
 };
@@ -255,8 +257,9 @@ struct FullSettings {
     Symmetry symmetry = Symmetry::none;
     Structure structure = Structure::msd_fe;
     Contact contact = Contact::none;
-    double switch_area_ratio = 0.0;     ///< mouth area over the steady projected area at the change [-]
-    double ramp_time = 0.0;             ///< [s] over which the stiffness of the finite elements grows
+    double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
+    /// [s] over which the stiffness of the finite elements grows; absent: by D0/v
+    std::optional<double> ramp_time = {};
     double beta = 0.0;                  ///< [s] stiffness-proportional damping of cables and spring edges
     double alpha = 0.0;                 ///< [1/s] mass-proportional Rayleigh damping about the mean motion
     bool alpha_from_release = false;    ///< otherwise from snatch on
@@ -285,6 +288,7 @@ struct Tolerance {
 struct SizeSpec {
     std::optional<double> max_descent_rate;  ///< [m/s]
     std::optional<double> max_force;         ///< [N] largest opening force
+    std::optional<double> max_canopy_force;  ///< [N] largest force of any single canopy
     std::optional<double> max_deceleration;  ///< [m/s^2]
     std::string parachute;                   ///< name of the one that is sized; empty: the last
     std::vector<std::string> vary;           ///< in the order in which it is decided on them

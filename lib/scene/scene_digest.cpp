@@ -63,6 +63,10 @@ std::string scene_digest(const Scene& scene) {
             contents.add("growth over fraction", growth->fraction());
             contents.add("growth", growth->ratio());
         }
+        if (const auto& by_mach = chute.drag_area_mach_table) {
+            contents.add("Mach number", by_mach->mach());
+            contents.add("factor", by_mach->factors());
+        }
         contents.add(chute.fill_time);
         for (const Reefing& stage : chute.reefing)
             if (stage.fill_time) contents.add(*stage.fill_time);

@@ -26,7 +26,10 @@ std::string with_unit(double value, const Key& key) {
 }  // namespace
 
 Values::Values(const Document& document, const DocumentKind& kind)
-    : kind_(kind), file_(document.file), tables_(document.tables) {
+    : kind_(kind),
+      file_(document.file),
+      design_diameter_(document.design_diameter),
+      tables_(document.tables) {
     // In the order of the file, overrides (line 0) first.
     std::vector<const std::pair<const std::string, Entry>*> entries;
     for (const auto& item : document.entries)
@@ -252,6 +255,8 @@ void Values::fill_in(const Key& key, const std::string& path) {
     if (std::ranges::any_of(others, [this](const std::string& other) { return values_.contains(other); }))
         return;
     if (key.need == KeyNeed::optional) return;
+    // An open canopy fills no more.
+    if (path == "parachute.fill_time.n" && word("parachute.deploy.by") == "inflated") return;
     if (key.need == KeyNeed::required) {
         const std::string unit = key.record_unit().empty() ? "" : fmt::format(", in {}", key.unit);
         refuse(place_of_absent(path), path, "is missing", fmt::format("{}{}", key.meaning, unit),
@@ -297,6 +302,11 @@ bool Values::given(std::string_view path) const {
     return found != values_.end() && found->second.origin != InputOrigin::fallback;
 }
 
+bool Values::is_designed(std::string_view path) const {
+    const auto found = values_.find(path);
+    return found != values_.end() && found->second.origin == InputOrigin::design;
+}
+
 bool Values::is_word(std::string_view path) const {
     return std::holds_alternative<std::string>(at(path).value);
 }
@@ -323,7 +333,7 @@ SourcePlace Values::place(std::string_view path) const {
 
 std::string Values::source_of(const Value& value) {
     // A default stands where its table does.
-    if (value.place.file != override_file || value.origin == InputOrigin::fallback) return value.source;
+    if (!is_override(value.place.file) || value.origin == InputOrigin::fallback) return value.source;
     return std::string(command_line_source) + (value.source.empty() ? "" : ": " + value.source);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -37,6 +38,10 @@ public:
     bool is_word(std::string_view path) const;
     /// The table of optional physics is present.
     bool has_table(std::string_view path) const;
+    /// From a design file, or from a type's.
+    bool is_designed(std::string_view path) const;
+    /// [m] D0 as the design has it, where the scene gives its own.
+    std::optional<double> design_diameter() const { return design_diameter_; }
     /// Members of a list, "path.1" and so on; 0 when it is absent.
     int count(std::string_view path) const;
 
@@ -77,6 +82,7 @@ private:
 
     DocumentKind kind_;
     std::string file_;
+    std::optional<double> design_diameter_;
     std::map<std::string, SourcePlace> tables_;
     std::map<std::string, Value, std::less<>> values_;
     std::map<std::string, Tolerance> tolerances_;

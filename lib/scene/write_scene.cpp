@@ -114,7 +114,7 @@ void write_fill_time(Writer& w, const std::string& table, const FillTime& f) {
         w.number(table + ".permeability", f.balance->permeability);
         w.number(table + ".pressure_coefficient", f.balance->pressure_coefficient);
     } else {
-        w.number(table + ".n", f.n);
+        if (f.n > 0.0) w.number(table + ".n", f.n);  // not given where nothing fills
         w.number(table + ".density_exponent", f.density_exponent);
     }
 }
@@ -214,6 +214,7 @@ void write_parachute(Writer& w, const Parachute& p) {
         w.words("drag_area_law", p.drag_area_law->name);
         w.number("initial_drag_area_ratio", p.initial_drag_area_ratio);
     }
+    if (p.drag_area_mach_table) w.words("drag_area_mach_table", p.drag_area_mach_table->file());
     if (p.initial_phase.transit)
         w.words("initial_phase", "transit");
     else
@@ -259,7 +260,7 @@ void write_settings(Writer& w, const RomSettings& rom, const FullSettings& full)
     w.words("structure", full.structure == Structure::fe ? "fe" : "msd-fe");
     w.words("contact", full.contact == Contact::gores ? "gores" : "none");
     w.number("switch_area_ratio", full.switch_area_ratio);
-    w.number("ramp_time", full.ramp_time);
+    if (full.ramp_time) w.number("ramp_time", *full.ramp_time);
     w.number("beta", full.beta);
     w.number("alpha", full.alpha);
     w.words("alpha_from", full.alpha_from_release ? "release" : "snatch");
@@ -313,6 +314,7 @@ void write_size(Writer& w, const SizeSpec& s) {
     w.table("[size]");
     if (s.max_descent_rate) w.number("max_descent_rate", *s.max_descent_rate);
     if (s.max_force) w.number("max_force", *s.max_force);
+    if (s.max_canopy_force) w.number("max_canopy_force", *s.max_canopy_force);
     if (s.max_deceleration) w.number("max_deceleration", *s.max_deceleration);
     if (!s.parachute.empty()) w.words("parachute", s.parachute);
     w.list("vary", s.vary);
@@ -323,6 +325,19 @@ void write_size(Writer& w, const SizeSpec& s) {
 }
 
 }  // namespace
+
+std::string trigger_text(const Trigger& t) {
+    std::string text;
+    if (t.kind == Trigger::Kind::time)
+        text = fmt::format("time {:g} s", t.value);
+    else if (t.kind == Trigger::Kind::altitude)
+        text = fmt::format("altitude {:g} m", t.value);
+    else if (t.kind == Trigger::Kind::dynamic_pressure)
+        text = fmt::format("dynamic pressure {:g} Pa", t.value);
+    else
+        text = fmt::format("{}{}{}", t.of, t.of.empty() ? "" : ".", occurrence_name(t.kind));
+    return t.delay > 0.0 ? fmt::format("{} and {:g} s", text, t.delay) : text;
+}
 
 std::string write_scene(const Scene& scene) {
     Writer w;

@@ -1,9 +1,12 @@
 #include "lib/solve/canopies.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "lib/scene/write_scene.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute {
@@ -18,6 +21,10 @@ bool is_due(double due, double time) {
 
 double phase_end(const Canopy& c) {
     return c.is_out() ? c.inflation.end_of(c.phase) : never;
+}
+
+double next_kink(const Canopy& c) {
+    return c.is_out() && c.phase != Phase::open ? c.inflation.next_kink() : never;
 }
 
 bool is_filling(const Canopy& c) {
@@ -157,7 +164,7 @@ void Canopies::descends_steadily(const Situation& now) {
 double Canopies::next_time() const {
     double next = never;
     for (const Canopy& c : all_)
-        next = std::min(next, phase_end(c));
+        next = std::min({next, phase_end(c), next_kink(c)});
     for (const Wait& wait : waits_)
         if (!is_blocked(wait)) next = std::min(next, wait.due);
     return next;
@@ -216,11 +223,46 @@ bool Canopies::any_waits_to_leave() const {
     return std::ranges::any_of(all_, [](const Canopy& c) { return c.state == Canopy::State::packed; });
 }
 
-double Canopies::largest_drag_area(double time) const {
-    double largest = 0.0;
+std::vector<Canopies::Unopened> Canopies::unopened() const {
+    std::vector<Unopened> list;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+        const Canopy& c = all_[i];
+        if (c.state == Canopy::State::packed && leaving_ == c.index)
+            list.push_back({i, "it had begun to leave its pack and never came to snatch"});
+        for (const Wait& wait : waits_) {
+            const bool own = wait.what == Wait::What::deploy
+                                 ? all_[wait.canopy].index == c.index && c.state == Canopy::State::packed
+                                 : wait.what == Wait::What::disreef && wait.canopy == i;
+            if (!own) continue;
+            const std::string what = wait.what == Wait::What::deploy
+                                         ? "deploy.when"
+                                         : fmt::format("reefing.{}.until", c.stage + 1);
+            list.push_back({i, fmt::format("{}, {}, was {}", what, trigger_text(*wait.trigger),
+                                           wait.due == never ? "not met" : "met and not yet acted upon")});
+        }
+    }
+    return list;
+}
+
+bool Canopies::is_open() const {
+    return std::ranges::none_of(all_, is_filling);
+}
+
+bool Canopies::go_by_mach() const {
+    return std::ranges::any_of(all_,
+                               [](const Canopy& c) { return c.chute->drag_area_mach_table.has_value(); });
+}
+
+double Canopies::drag_area(double time, double mach) const {
+    double sum = 0.0;
     for (const Canopy& c : all_)
-        if (c.is_out()) largest = std::max(largest, drag_area_of(c, time));
-    return largest;
+        if (c.is_out()) sum += c.count * drag_area_of(c, time, mach);
+    return sum;
+}
+
+double Canopies::drag_area_of(const Canopy& c, double time, double mach) {
+    const auto& table = c.chute->drag_area_mach_table;
+    return drag_area_of(c, time) * (table ? table->factor(mach) : 1.0);
 }
 
 std::vector<Occurrence> Canopies::advance(const Situation& now) {
@@ -229,6 +271,9 @@ std::vector<Occurrence> Canopies::advance(const Situation& now) {
     // Conditions that the flight has met by now.
     for (Wait& wait : waits_)
         if (is_watched(wait) && left(wait, now) <= 0.0) wait.due = now.time + wait.trigger->delay;
+    for (Canopy& c : all_)
+        while (is_due(next_kink(c), now.time))
+            ++c.inflation.piece;
     for (;;) {
         const auto ended =
             std::ranges::find_if(all_, [&](const Canopy& c) { return is_due(phase_end(c), now.time); });

@@ -113,14 +113,25 @@ public:
             if (c.is_out()) sum += c.count * drag_area_of(c, time);
         return sum;
     }
-    /// C_D S [m^2] of the one canopy that has most.
-    double largest_drag_area(double time) const;
+    /// Whether a parachute's drag area goes by the Mach number; then it is that in air met at `mach` [-].
+    bool go_by_mach() const;
+    double drag_area(double time, double mach) const;
+    /// C_D S [m^2] of one canopy that is out; `mach` [-] counts where its drag area goes by it.
+    static double drag_area_of(const Canopy& c, double time) {
+        return c.inflation.steady_drag_area * c.inflation.drag_area_ratio(c.phase, time).value;
+    }
+    static double drag_area_of(const Canopy& c, double time, double mach);
+    /// Added mass [kg] and rate [kg/s] of one canopy that is out.
+    static ValueAndRate added_mass_of(const Canopy& c, const AddedMassSpec& spec, double time,
+                                      double density) {
+        return c.inflation.added_mass(spec, c.phase, time, density, c.steady_radius);
+    }
     /// Added mass [kg] and rate [kg/s] of all that are out.
     ValueAndRate added_mass(const AddedMassSpec& spec, double time, double density) const {
         ValueAndRate sum;
         for (const Canopy& c : all_) {
             if (!c.is_out()) continue;
-            const ValueAndRate one = c.inflation.added_mass(spec, c.phase, time, density, c.steady_radius);
+            const ValueAndRate one = added_mass_of(c, spec, time, density);
             sum.value += c.count * one.value;
             sum.rate += c.count * one.rate;
         }
@@ -133,6 +144,16 @@ public:
     double distance() const { return distance_; }
 
     const std::vector<Canopy>& all() const { return all_; }
+
+    /// A canopy, or several of a cluster, that nothing has let open.
+    struct Unopened {
+        std::size_t canopy;  ///< of all()
+        std::string why;     ///< e.g. "deploy.when, altitude 0 m, was not met"
+    };
+    /// Those still in their packs, and those behind a reefing line that has not been cut.
+    std::vector<Unopened> unopened() const;
+    /// Whether all that are out are full.
+    bool is_open() const;
 
     /// Of those of the same scene.
     void keep(Keeper& k);
@@ -147,9 +168,6 @@ private:
         double due = std::numeric_limits<double>::infinity();  ///< [s]
     };
 
-    static double drag_area_of(const Canopy& c, double time) {
-        return c.inflation.steady_drag_area * c.inflation.drag_area_ratio(c.phase, time).value;
-    }
     /// What a canopy in its stage waits for.
     const Trigger* trigger_of(Wait::What what, const Canopy& c) const;
     void arm(Wait wait, const Situation& now);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lib/math/vec.hpp"
+#include "lib/solve/steady_descent.hpp"
 
 namespace twinchute {
 namespace {
@@ -81,16 +82,23 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
                              {"landing_north_m", last(first, "north")}};
     if (!first.find_metric("descent_rate_m_s"))
         taken.insert(taken.end(), {{"descent_rate_m_s", 0.0},
+                                   {"descent_rate_amplitude", 0.0},
+                                   {"descent_rate_remaining_change", 0.0},
                                    {"descent_altitude_m", 0.0},
                                    {"altitude_loss_m", scene.release.altitude - last(first, "altitude")}});
     for (const auto& [key, more] : taken) {
         const Metric* metric = rest.find_metric(key);
         if (metric == nullptr) continue;
-        std::string note = fmt::format("by {} from t = {:.4g} s on", rest.fidelity, made.time);
+        std::string note =
+            fmt::format("by {} from t = {:.4g} s on, where its time begins", rest.fidelity, made.time);
         if (!metric->note.empty()) note += "; " + metric->note;
         first.add_metric(key, metric->value + more, metric->standing, std::move(note));
         made.metrics.emplace_back(key);
     }
+    // What the first one did not reach, the rest has.
+    if (first.find_metric("descent_rate_m_s"))
+        std::erase_if(first.warnings,
+                      [](const Warning& warning) { return warning.what == not_steady_within_run; });
 }
 
 /// The event after which a canopy is open and stays so: one that over-inflates has settled once the descent
@@ -138,6 +146,8 @@ RunRecord joined(RunRecord first, const Scene& scene, const RunRecord& rest) {
     const double time = last(first, "time");
     first.handed_over = HandOver{rest.fidelity, time, {}};
     join_metrics(first, scene, rest);
+    std::erase_if(first.missing,
+                  [&](const MissingMetric& row) { return first.find_metric(row.metric) != nullptr; });
     join_events(first, rest, time);
     join_channels(first, rest);
     add_cost(first.cost, rest.cost);

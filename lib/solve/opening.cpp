@@ -80,21 +80,20 @@ Inflation inflated(const Parachute& chute) {
     return inflation;
 }
 
-namespace {
-
-/// A name as part of a metric's key.
-std::string key_part(std::string name) {
+std::string metric_head(std::string name) {
     for (char& c : name)
         c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c == '-' ? '_' : c;
-    return name;
+    return name.empty() ? name : name + "_";
 }
+
+namespace {
 
 /// Of each of several parachutes, and of each stage of one that is reefed.
 void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r) {
     const bool several = scene.parachutes.size() > 1;
     for (const ParachuteResult& p : r.parachutes) {
         const Parachute& chute = scene.parachutes[p.index];
-        const std::string head = several ? key_part(chute.name) + "_" : "";
+        const std::string head = metric_head(several ? chute.name : "");
         const auto add = [&](const std::string& key, double value) {
             record.add_metric(head + key, value, Standing::result, "");
         };
@@ -148,8 +147,13 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     }
     if (r.filling_time && one)
         record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
+    const auto add_canopy_peak = [&](const char* key, const std::optional<CanopyPeak>& peak) {
+        if (peak) record.add_metric(key, peak->force, Standing::result, peak->note);
+    };
     if (r.peak_force) add("peak_force_N", *r.peak_force);
+    add_canopy_peak("peak_canopy_force_N", r.peak_canopy_force);
     add("max_force_N", r.max_force);
+    add_canopy_peak("max_canopy_force_N", r.max_canopy_force);
     if (r.peak_force) add("peak_force_ratio", *r.peak_force / weight);
     add("load_factor", r.max_force / weight);
     if (r.peak_force && r.snatched && one) {
@@ -172,8 +176,19 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
             "of the opening force, from snatch until the drag area is full");
     add_parachute_metrics(record, scene, r);
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
-    if (r.descent_rate)
-        record.add_metric("descent_rate_m_s", *r.descent_rate, descent.standing, descent.note);
+    if (r.descent) {
+        const DescentWindow& w = *r.descent;
+        record.add_metric(
+            "descent_rate_m_s", w.rate, descent.standing,
+            fmt::format("{}; mean from {:.4g} to {:.4g} s{}", descent.note, w.from, w.to,
+                        w.amplitude < steady_descent_amplitude
+                            ? ""
+                            : fmt::format(", about which it swings by {:.2g} %", 100.0 * w.amplitude)));
+        add("descent_rate_amplitude", w.amplitude, Standing::result,
+            "half the range of v sqrt(rho) over that time, over its mean");
+        add("descent_rate_remaining_change", w.remaining, Standing::result,
+            "estimate of what the rate is still off, at equal density");
+    }
     if (r.descent_altitude) {
         add("descent_altitude_m", *r.descent_altitude);
         add("altitude_loss_m", scene.release.altitude - *r.descent_altitude, Standing::result,
@@ -184,6 +199,22 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         add("landing_east_m", r.end_position.x());
         add("landing_north_m", r.end_position.y());
     }
+}
+
+void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
+                              const std::optional<DescentWindow>& last) {
+    using enum Trigger::Kind;
+    const Trigger::Kind stop = scene.stop.kind;
+    const bool ended_by_itself = record.status.code == StatusCode::completed ||
+                                 record.status.code == StatusCode::stopped_by_event ||
+                                 record.status.code == StatusCode::time_limit;
+    if (!ended_by_itself || stop == full_open || stop == line_stretch || stop == peak_force) return;
+    const bool has_landed = record.find_event("ground") != nullptr;
+    const bool waits = last && last->is_steady();
+    record.warnings.push_back({not_steady_within_run, unsteadiness_text(last),
+                               waits        ? "check what that parachute waits for"
+                               : has_landed ? "release higher, or lower environment.ground"
+                                            : "stop later, or with stop.at = \"steady-descent\""});
 }
 
 void add_strength_margins(RunRecord& record, const Parachute& chute) {
@@ -240,15 +271,19 @@ bool overshoots(const Parachute& chute) {
     return chute.drag_area_table && chute.drag_area_table->end() > 1.0;
 }
 
-/// A canopy is opened by air that is faster than it will be at last. Those before the last parachute need not
-/// carry the payload.
-void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute& chute, double speed,
-                         double density) {
+/// [-] change of the snatch speed by gravity during filling, up to which it is one speed for all of it.
+constexpr double steady_speed = 0.1;
+
+/// A canopy is opened by air that presses harder than it will at last. Those before the last parachute need
+/// not carry the payload.
+void warn_of_weak_snatch(RunRecord& record, const Scene& scene, const Parachute& chute,
+                         const Inflation& inflation, double speed, double density) {
     if (&chute != &scene.parachutes.back()) return;
     const double weight = (scene.payload.mass + chute.count * chute.mass) * scene.environment.gravity;
     const double area = chute.count * chute.cluster_drag_ratio * chute.drag_area;
     const double steady = std::sqrt(2.0 * weight / (density * area));
-    if (speed < steady)
+    if (speed >= steady) return;
+    if (scene.environment.gravity * inflation.filling_time > steady_speed * speed) {
         record.warnings.push_back(
             {fmt::format("too slow to inflate: {:.3g} m/s at snatch", speed),
              fmt::format(
@@ -256,6 +291,15 @@ void warn_of_slow_snatch(RunRecord& record, const Scene& scene, const Parachute&
                  "opening, and no test says how a canopy fills in it",
                  steady),
              "release faster or fall further before snatch, or give fill_time.time"});
+        return;
+    }
+    // The speed hardly changes meanwhile: what lacks is air, as high up on the way to an apogee.
+    record.warnings.push_back(
+        {fmt::format("thin air: a dynamic pressure of {:.3g} Pa at snatch", 0.5 * density * speed * speed),
+         fmt::format("the open canopy carries its payload at {:.3g} Pa; no test says how a canopy fills in "
+                     "less, or whether it does",
+                     weight / area),
+         "open lower, or give fill_time.time"});
 }
 
 }  // namespace
@@ -270,14 +314,16 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
-    warn_of_slow_snatch(record, scene, chute, speed, density);
+    warn_of_weak_snatch(record, scene, chute, inflation, speed, density);
     warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);
-    if (chute.reefing.empty() && inflation.initial_time > 0.15 * inflation.filling_time)
+    // By default its share follows from n alone, which is said beside n: there is nothing to correct.
+    if (!chute.initial_phase.transit && chute.reefing.empty() &&
+        inflation.initial_time > longest_initial_share * inflation.filling_time)
         record.warnings.push_back({fmt::format("{}initial phase is {:.0f} % of the filling time", whose,
                                                100.0 * inflation.initial_time / inflation.filling_time),
                                    "tests show at most 15 % (paper, 3.2.2)",
-                                   "give parachute.initial_phase a time, or a longer fill time"});
+                                   "shorten parachute.initial_phase, or give a longer fill time"});
     const double height = scene.release.altitude - scene.environment.ground;
     if (inflation.filling_time * speed > height)
         record.warnings.push_back(

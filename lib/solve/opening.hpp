@@ -8,6 +8,7 @@
 #include "lib/models/inflation.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
+#include "lib/solve/steady_descent.hpp"
 
 namespace twinchute {
 
@@ -15,6 +16,9 @@ namespace twinchute {
 Vec3 heading_direction(const Release& release);
 /// Velocity [m/s] of the release through the air.
 Vec3 release_airspeed(const Scene& scene);
+
+/// t_i/t_f that tests show at most (paper, 3.2.2).
+inline constexpr double longest_initial_share = 0.15;
 
 /// The prescribed opening of a canopy that snatches at `snatch` [s] with airspeed `speed` [m/s]
 /// in air of `density` [kg/m^3]; of a reefed one its first stage, with `stage` one whose lines before have
@@ -41,10 +45,6 @@ inline double steady_radius(const Parachute& chute) {
     return 0.5 * chute.projected_diameter_ratio * chute.nominal_diameter;
 }
 
-/// A descent is steady once the mean of v sqrt(rho/rho_0) over one second differs by less than
-/// this share from that of the second before.
-inline constexpr double steady_descent_change = 0.005;
-
 /// [s] of simulated time after which a run that has not met its stop condition ends.
 inline constexpr double longest_flight = 36000.0;
 
@@ -67,6 +67,12 @@ struct ParachuteResult {
     std::vector<Stage> stages;           ///< several of a reefed one
 };
 
+/// The largest force of a single canopy.
+struct CanopyPeak {
+    double force = 0.0;  ///< [N] at the confluence
+    std::string note;    ///< whose it is, and when
+};
+
 /// What a run found between release and its end. Times in [s] since release.
 ///
 /// With a deployment the snatch force is the largest force until t_s + t_i, the peak force that from then
@@ -85,11 +91,13 @@ struct OpeningResult {
     std::optional<double> filling_time;  ///< [s] from snatch
     std::optional<double> peak_force;    ///< [N]
     double peak_time = 0.0;
-    double max_force = 0.0;                  ///< [N]
-    std::optional<double> impulse;           ///< [N s] of the opening force, snatch to full open
-    double max_deceleration = 0.0;           ///< [m/s^2] largest |dv/dt| of the payload
-    std::optional<double> descent_rate;      ///< [m/s], only once the descent is steady
-    std::optional<double> descent_altitude;  ///< [m] where it became steady
+    double max_force = 0.0;                                         ///< [N]
+    std::optional<CanopyPeak> peak_canopy_force, max_canopy_force;  ///< where several pulled at once
+    std::optional<double> impulse;             ///< [N s] of the opening force, snatch to full open
+    double max_deceleration = 0.0;             ///< [m/s^2] largest |dv/dt| of the payload
+    std::optional<DescentWindow> descent;      ///< at the end of the run, or where last found steady
+    std::optional<DescentWindow> last_window;  ///< that was judged
+    std::optional<double> descent_altitude;    ///< [m] where the descent became steady
     std::optional<double> landing_time;
     Vec3 end_position = Vec3::Zero();         ///< [m] of the payload at the end of the run
     std::vector<ParachuteResult> parachutes;  ///< in the order of their snatches
@@ -100,10 +108,18 @@ inline double angle_below_horizon(const Vec3& velocity) {
     return std::atan2(-velocity.z(), std::hypot(velocity.x(), velocity.y()));
 }
 
+/// The beginning of the keys of a parachute's own metrics, of its name: "Main-1" to "main_1_"; nothing of
+/// none.
+std::string metric_head(std::string name);
+
 /// Adds the metrics that every fidelity reports, derived ratios included. `filling` and
 /// `descent` say how much of those two is input.
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
                          const Metric& filling, const Metric& descent);
+/// Warns of a run that ended before its descent was steady, unless its stop condition is one of the opening.
+/// `last`: the last window that was judged, if any.
+void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
+                              const std::optional<DescentWindow>& last);
 
 /// Adds the margins of lines and fabric where a largest load and a strength are known; absent otherwise.
 /// Loads: the metrics max_line_tension_N and max_membrane_stress_N_m of the record.

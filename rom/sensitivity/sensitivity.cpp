@@ -33,8 +33,10 @@ std::optional<RunRecord> record_of(const SceneWith& scene_with, std::vector<std:
     }
 }
 
-std::optional<Metrics> metrics_with(const SceneWith& scene_with, const std::string& key, double value) {
-    const auto record = record_of(scene_with, {fmt::format("{}={}", key, value)});
+std::optional<Metrics> metrics_with(const SceneWith& scene_with, std::vector<std::string> held,
+                                    const std::string& key, double value) {
+    held.push_back(fmt::format("{}={}", key, value));
+    const auto record = record_of(scene_with, std::move(held));
     if (!record || record->status.code != StatusCode::completed) return std::nullopt;
     Metrics metrics;
     for (const Metric& metric : record->metrics)
@@ -58,6 +60,23 @@ bool is_varied(const Scene& scene, const Input& input) {
     if (!row->is_number() || row->kind == KeyKind::integer) return false;
     const bool setting = input.key.starts_with("rom.") || input.key.starts_with("full.");
     return !setting && row->user != KeyUser::full && row->user != KeyUser::compare;
+}
+
+/// Overrides that keep what a design says of a parachute's size while D0 is varied alone: it would go along.
+std::vector<std::string> held_beside(const Scene& scene, const std::string& key) {
+    constexpr std::string_view diameter = "nominal_diameter";
+    std::vector<std::string> held;
+    if (!key.ends_with(diameter)) return held;
+    const std::string_view parachute = std::string_view(key).substr(0, key.size() - diameter.size());
+    for (const Input& input : scene.inputs) {
+        const auto* value = std::get_if<double>(&input.value);
+        const Key* row = row_of(scene, input.key);
+        const bool designed = input.origin == InputOrigin::design || input.origin == InputOrigin::scaled;
+        if (value == nullptr || row == nullptr || !designed || !input.key.starts_with(parachute)) continue;
+        if (row->is_number() && row->kind != KeyKind::integer && input.key != key)
+            held.push_back(fmt::format("{}={}", input.key, *value));
+    }
+    return held;
 }
 
 /// Richardson's extrapolation of two central quotients of ln y over the relative step.
@@ -88,9 +107,10 @@ Sensitivity sensitivity_of(const SceneWith& scene_with, std::stop_token stop) {
         if (!is_varied(scene, input)) continue;
         if (stop.stop_requested()) break;
         const double x = std::get<double>(input.value);
+        const std::vector<std::string> held = held_beside(scene, input.key);
         const auto quotients = [&](double h) {
-            const auto up = metrics_with(scene_with, input.key, x * (1.0 + h));
-            const auto down = metrics_with(scene_with, input.key, x * (1.0 - h));
+            const auto up = metrics_with(scene_with, held, input.key, x * (1.0 + h));
+            const auto down = metrics_with(scene_with, held, input.key, x * (1.0 - h));
             std::vector<std::optional<double>> of;
             for (std::size_t m = 0; m < result.metrics.size(); ++m) {
                 of.emplace_back();

@@ -12,9 +12,11 @@
 namespace twinchute::rom {
 namespace {
 
-constexpr std::array<LimitRow, 3> rows{{
+constexpr std::array<LimitRow, 4> rows{{
     {"max_descent_rate", "m/s", "descent rate", &SizeSpec::max_descent_rate, "descent_rate_m_s", 1.0, false},
     {"max_force", "N", "largest force", &SizeSpec::max_force, "max_force_N", 1.0, true},
+    {"max_canopy_force", "N", "largest force of a canopy", &SizeSpec::max_canopy_force, "max_canopy_force_N",
+     1.0, true, "max_force_N"},  // one canopy at a time: all of it
     {"max_deceleration", "m/s^2", "deceleration", &SizeSpec::max_deceleration, "max_deceleration_g",
      standard_gravity, true},
 }};
@@ -46,7 +48,8 @@ Judged judge(const Scene& scene, const std::stop_token& stop) {
     for (const LimitRow& row : rows) {
         const auto limit = (*scene.size).*row.limit;
         if (!limit) continue;
-        const auto value = judged.record.metric(row.metric);
+        auto value = judged.record.metric(row.metric);
+        if (!value) value = judged.record.metric(row.alone);
         if (value && std::isfinite(*value))
             judged.limits.push_back({&row, *value * row.to_unit, *limit});
         else

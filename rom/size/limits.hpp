@@ -18,8 +18,9 @@ struct LimitRow {
     std::string_view name, unit, title;
     std::optional<double> SizeSpec::*limit;  ///< in `unit`
     std::string_view metric;
-    double to_unit;  ///< value in `unit` over the metric's
-    bool is_load;    ///< a force or a deceleration: what an opening does
+    double to_unit;               ///< value in `unit` over the metric's
+    bool is_load;                 ///< a force or a deceleration: what an opening does
+    std::string_view alone = {};  ///< metric that says the same of a record without the other one
 };
 
 std::span<const LimitRow> limit_rows();

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/record_text.hpp"
@@ -13,9 +16,17 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Columns of the trade table: metrics of the record.
-constexpr const char* traded[] = {"descent_rate_m_s", "max_force_N",    "max_deceleration_g",
-                                  "snatch_force_N",   "filling_time_s", "altitude_loss_m"};
+/// Columns of the trade table: metrics of the record, that of one canopy where several pull at once.
+std::vector<const char*> traded_of(const Sized& sized) {
+    std::vector<const char*> metrics{"descent_rate_m_s", "max_force_N",    "max_deceleration_g",
+                                     "snatch_force_N",   "filling_time_s", "altitude_loss_m"};
+    constexpr const char* of_one = "max_canopy_force_N";
+    if (std::ranges::any_of(sized.candidates, [](const Candidate& c) {
+            return c.found && c.found->judged.record.find_metric(of_one) != nullptr;
+        }))
+        metrics.insert(metrics.begin() + 2, of_one);
+    return metrics;
+}
 
 std::string with_unit(std::string_view what, std::string_view unit) {
     return unit.empty() ? std::string(what) : fmt::format("{} [{}]", what, unit);
@@ -38,6 +49,7 @@ std::string trade_table(const Sized& sized, const Style& style) {
     Table table;
     table.header = {"canopy"};
     table.right = {false};
+    const std::vector<const char*> traded = traded_of(sized);
     const auto column = [&](std::string head) {
         table.header.push_back(std::move(head));
         table.right.push_back(true);

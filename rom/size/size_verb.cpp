@@ -27,10 +27,13 @@ constexpr std::string_view mark = "# Sized by twinchute";
 /// Nobody else's file is overwritten: a scene of ours says so in its first line.
 void check_target(const fs::path& file) {
     std::error_code ignored;
-    if (!fs::exists(file, ignored) || fs::is_empty(file, ignored)) return;
-    std::ifstream stream(file, std::ios::binary);
+    if (!fs::exists(file, ignored)) return;
     std::string head(mark.size(), '\0');
-    stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+    if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
+        if (fs::is_empty(file, ignored)) return;
+        std::ifstream stream(file, std::ios::binary);
+        stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+    }
     if (head != mark)
         throw UsageError(
             fmt::format("'{}' was not written by `twinchute size` (nothing else is overwritten), name "

@@ -9,6 +9,7 @@
 #include "lib/math/vec.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/scale_canopy.hpp"
 
 namespace twinchute::rom {
 namespace {
@@ -17,17 +18,6 @@ namespace {
 constexpr double largest_diameter = 199.0;
 /// [m/s] The models are subsonic.
 constexpr double fastest_release = 340.0;
-
-/// Mass [kg] of cloth, tapes, lines and risers; what a nominal area alone has to stand for, in m^2, where
-/// they are not all given. Only its ratio for two diameters is used.
-double mass_measure(const Parachute& p) {
-    const double d = p.nominal_diameter, v = p.vent_diameter;
-    if (!missing_structure(p).empty()) return d * d;
-    return 0.25 * pi * (d * d - v * v) * p.fabric.density * p.fabric.thickness +
-           0.5 * p.gores * (d - v) * p.tapes.radial.linear_density() +
-           pi * (d * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
-           (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
-}
 
 std::size_t sized_index(const Scene& scene) {
     const std::size_t last = scene.parachutes.size() - 1;
@@ -52,16 +42,8 @@ double diameter(const Scene& scene) {
 /// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
 void set_diameter(Scene& scene, double value) {
     Parachute& p = scene.parachutes[sized_index(scene)];
-    const double measure = mass_measure(p), factor = value / p.nominal_diameter;
-    const double area = stated_drag_area(p) * factor * factor;
-    p.nominal_diameter = value;
-    p.vent_diameter *= factor;
-    p.line_length *= factor;
-    p.riser_length *= factor;
-    for (Reefing& stage : p.reefing)
-        if (stage.line_length) *stage.line_length *= factor;
-    p.mass *= mass_measure(p) / measure;
-    set_drag_area(scene, p, area);
+    scale_canopy(p, value, [](std::string_view) { return true; });
+    set_drag_area(scene, p, p.drag_area);
 }
 
 /// Where a descent rate is asked for the smallest canopy that has it; otherwise the largest that the forces

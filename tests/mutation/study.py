@@ -72,9 +72,9 @@ MUTATIONS = [
              "inflation_.initial_time : 0.0)).value",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "rom", "rom/rigid_composite.hpp",
-             "canopies->drag_area(t), 0.0",
-             "canopies->drag_area(t + (canopies->all().front().phase == Phase::filling ? "
-             "canopies->all().front().inflation.initial_time : 0.0)), 0.0",
+             "return canopies->drag_area(t);",
+             "return canopies->drag_area(t + (canopies->all().front().phase == Phase::filling ? "
+             "canopies->all().front().inflation.initial_time : 0.0));",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "lib", "lib/models/inflation.cpp",
              "(time - snatch - initial_time) / duration", "(time - snatch) / duration",

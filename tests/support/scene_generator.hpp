@@ -52,6 +52,7 @@ inline void write_generated_tables(const ScratchDir& directory) {
     directory.write("generated-growth.csv",
                     "fill_fraction,drag_area_ratio\n1,%\n0,2\n0.6,30\n1,100\n1.1,115\n1.4,100\n");
     directory.write("generated-attitude.csv", "angle,drag_area\ndeg,ft^2\n0,4\n45,9.5\n90,7\n");
+    directory.write("generated-mach.csv", "mach_number,drag_area_factor\n1,%\n0,100\n0.9,110\n1.5,80\n");
     directory.write("generated-mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");  // read by a run alone
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
@@ -354,6 +355,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
                                                     "parachute.drag_area_table",
+                                                    "parachute.drag_area_mach_table",
                                                     "parachute.initial_phase",
                                                     "parachute.nominal_diameter",
                                                     "parachute.vent_diameter",
@@ -421,6 +423,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     put_canopy();
     put_opening();
     put_sequence(by);
+    if (words["environment.atmosphere.model"] != "constant" && chance(0.3))
+        put("parachute.drag_area_mach_table", "\"generated-mach.csv\"");
     const auto has = [&](std::string_view table) {
         return std::ranges::none_of(left_out, [&](const auto& out) { return out == table; });
     };

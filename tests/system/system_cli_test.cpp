@@ -120,6 +120,37 @@ TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
     EXPECT_EQ(read("none/gap.json")["metrics"]["max_force_N"]["verdict"], "exceeded");
 }
 
+const std::string rocket = TWINCHUTE_SOURCE_DIR "/data/scenes/rocket-dual-deploy.toml";
+
+TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
+    const Words never{rocket, "--set", "parachute.main.deploy.when.height=0 ft"};
+    const auto with = [&](Words words) {
+        words.insert(words.begin() + 1, never.begin(), never.end());
+        return run(words);
+    };
+    const Ended rom = with({"rom", "--out", "never"});
+    EXPECT_EQ(rom.code, 1) << rom.out;
+    EXPECT_NE(rom.out.find("not_opened: ground reached; main never opened (deploy.when, altitude "),
+              std::string::npos)
+        << rom.out;
+    EXPECT_EQ(read("never/summary.json")["status"]["code"], "not_opened");
+    EXPECT_EQ(read("never/summary.json")["metrics"]["unopened_parachutes"], 1.0);
+    EXPECT_EQ(with({"rom", "--json"}).code, 1);
+    EXPECT_EQ(with({"rom", "--set", "stop.time=20 s"}).code, 0);  // stopped before
+}
+
+TEST_F(SystemCli, ParachutesThatWaitForEachOtherAreRefusedByEveryCommand) {
+    for (const std::string verb : {"rom", "full", "compare", "plan", "size", "ladder"}) {
+        const Ended ended = run({verb, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}",
+                                 "--set", "parachute.drogue.cut={after=\"main.full-open\"}"});
+        EXPECT_EQ(ended.code, 2) << verb;
+        EXPECT_NE(ended.err.find("parachutes wait for each other (drogue.cut waits for main.full-open"),
+                  std::string::npos)
+            << verb << ended.err;
+    }
+    EXPECT_TRUE(nothing_written());
+}
+
 TEST_F(SystemCli, CheckRunsNothing) {
     for (const std::string verb : {"compare", "rom", "full", "mesh"}) {
         const Ended ended = run({verb, scene, "--check"});
@@ -183,6 +214,25 @@ TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
     EXPECT_EQ(both.code, 3) << both.err;
     EXPECT_NE(content_of(here_ / "both/junit.xml").find("<error type=\"strain_limit\""), std::string::npos);
     EXPECT_EQ(read("both/rom/summary.json")["status"]["code"], "completed");
+}
+
+TEST_F(SystemCli, AWarningOfFoldedGoresKnowsWhetherThereIsContact) {
+    // Thrown upward at 50 m/s an open canopy meets the air from above and folds: a quarter of its area is
+    // inside out.
+    for (const std::string contact : {"none", "gores"}) {
+        Words words{"full", scene, "--out", contact};
+        for (const char* key :
+             {"parachute.deploy.by=inflated", "release.speed=50", "release.path_angle='-90 deg'"})
+            words.insert(words.end(), {"--set", key});
+        words.insert(words.end(), quick.begin(), quick.end());
+        words.insert(words.end(), {"--set", "stop.time=2.2", "--set", "full.contact='" + contact + "'"});
+        const Ended ended = run(words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_NE(ended.out.find("gores are folded inside out"), std::string::npos) << ended.out;
+        EXPECT_EQ(ended.out.find("cloth passes through cloth here") != std::string::npos, contact == "none");
+        EXPECT_EQ(ended.out.find("contact keeps neighbours in order") != std::string::npos,
+                  contact == "gores");
+    }
 }
 
 class SystemCliSignal : public SystemCli, public testing::WithParamInterface<int> {};

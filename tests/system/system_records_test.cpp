@@ -310,8 +310,11 @@ TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
                                         "compare.tolerance.time_to_peak_force = \"1000 %\"\n");
     const Ended green = gate({"scenes", "results", "baselines"});  // no such baselines yet
     EXPECT_EQ(green.code, 0) << green.out << green.err;
-    EXPECT_NE(text("results/summary.md").find("**within tolerance: 2 of 2 judged metrics**"),
-              std::string::npos);
+    EXPECT_NE(text("results/summary.md")
+                  .find("**within tolerance: 2 of 2 judged metrics, 2 not reached (filling\\_time, "
+                        "descent\\_rate)**"),
+              std::string::npos)
+        << text("results/summary.md");
     EXPECT_EQ(text("results/summary.md").find("!["), std::string::npos);  // pictures would be broken there
     EXPECT_TRUE(std::filesystem::exists(here_ / "results/good/junit.xml"));
 
@@ -322,6 +325,22 @@ TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
     const std::string summary = text("results/summary.md");
     EXPECT_NE(summary.find("tolerance not met"), std::string::npos) << summary;
     EXPECT_NE(summary.find("against a baseline"), std::string::npos) << summary;  // of the one that has one
+
+    // What would replace the baseline that it is held against is refused before anything is deleted.
+    std::filesystem::create_directory_symlink(here_ / "baselines", here_ / "link");
+    const auto kept = files("baselines");
+    for (const std::string same : {"baselines", "./scenes/../baselines/", "link"}) {
+        const Ended refused = gate({"scenes", same, "baselines"});
+        EXPECT_EQ(refused.code, 2) << same << refused.out;
+        EXPECT_NE(refused.err.find("would replace the baselines"), std::string::npos) << refused.err;
+        EXPECT_EQ(files("baselines"), kept) << same;
+    }
+    std::filesystem::create_directories(here_ / "good");
+    std::filesystem::rename(here_ / "scenes", here_ / "good/scenes");
+    const Ended inside = gate({"good/scenes", "."});  // ./good is deleted first
+    EXPECT_EQ(inside.code, 2);
+    EXPECT_NE(inside.err.find("holds the scenes"), std::string::npos) << inside.err;
+    std::filesystem::rename(here_ / "good/scenes", here_ / "scenes");
 
     here_.write("scenes/broken.toml", "schema = 1\n");
     EXPECT_EQ(gate({"scenes", "results"}).code, 2);

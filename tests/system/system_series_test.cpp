@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/cli/text.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scratch_dir.hpp"
 
@@ -74,6 +75,35 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
     EXPECT_EQ(read("v/wide/gap.json")["exit_code"], 0);
     EXPECT_EQ(read("v/narrow/gap.json")["exit_code"], 1);
     EXPECT_EQ(read("v/last/gap.json")["exit_code"], 0);  // the series goes on
+}
+
+TEST_F(SystemSeries, EndsWithATableOfItsCases) {
+    for (const std::string verb : {"rom", "full"}) {
+        const std::string out = run({verb, "series.toml", "--out", verb}).out;
+        const auto table = out.rfind("\ncase ");
+        ASSERT_NE(table, std::string::npos) << out;
+        const std::string rows = out.substr(table);
+        for (const char* name : {"\nlight  completed ", "\nheavy  completed "})
+            EXPECT_NE(rows.find(name), std::string::npos) << rows;
+        EXPECT_NE(rows.find("peak force [N]"), std::string::npos) << rows;
+        // As each case says it.
+        for (const std::string name : {"light", "heavy"}) {
+            const double force = read(verb + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
+            EXPECT_NE(rows.find("  " + readable(force)), std::string::npos) << force << " in " << rows;
+        }
+    }
+    const std::string out = run({"compare", "series.toml", "--out", "c"}).out;
+    const auto table = out.rfind("\ncase ");
+    ASSERT_NE(table, std::string::npos) << out;
+    const std::string rows = out.substr(table);
+    EXPECT_NE(rows.find("verdict"), std::string::npos) << rows;
+    for (const char* name : {"\nlight ", "\nheavy ", "\nseries    c/series.md"})
+        EXPECT_NE(rows.find(name), std::string::npos) << rows;
+    // A single scene has no such table, and nobody who wants JSON or silence gets one.
+    here_.write("one.toml", "base = \"c9-inflation.toml\"\n");
+    EXPECT_EQ(run({"rom", "one.toml"}).out.find("\ncase "), std::string::npos);
+    EXPECT_EQ(run({"rom", "series.toml", "--quiet"}).out, "");
+    EXPECT_TRUE(json::parse(run({"rom", "series.toml", "--json"}).out).is_array());
 }
 
 TEST_F(SystemSeries, AMistakeInOneCaseRunsNone) {

@@ -1,8 +1,12 @@
 // Colour on a terminal, and only there.
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <regex>
 #include <sstream>
 #include <thread>
@@ -15,15 +19,26 @@ namespace {
 
 class SystemTerminal : public test::ShortScene {
 protected:
+    /// Containers need not have pseudo-terminals.
+    void SetUp() override {
+        const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+        const bool has = master >= 0 && ::grantpt(master) == 0 && ::unlockpt(master) == 0 &&
+                         ::access(::ptsname(master), R_OK | W_OK) == 0;
+        if (!has) why_not_ = std::strerror(errno);
+        if (master >= 0) ::close(master);
+    }
+
     /// What the program writes to a terminal. The other end is read meanwhile: a terminal holds some kB.
     std::string on_terminal(const std::vector<std::string>& environment,
-                            const std::vector<std::string>& words) {
+                            const std::vector<std::string>& words, unsigned short columns = 0) {
         const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
         if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) return "no terminal";
         const std::string device = ::ptsname(master);
         const int held =
             ::open(device.c_str(), O_RDWR | O_NOCTTY);  // so that the end of the program is no hang-up
-        std::vector<std::string> all{"/usr/bin/env", "-u", "NO_COLOR", "TERM=xterm"};
+        const winsize size{50, columns, 0, 0};
+        EXPECT_EQ(::ioctl(held, TIOCSWINSZ, &size), 0);
+        std::vector<std::string> all{"/usr/bin/env", "-u", "NO_COLOR", "-u", "COLUMNS", "TERM=xterm"};
         all.insert(all.end(), environment.begin(), environment.end());
         all.push_back(TWINCHUTE_PROGRAM);
         all.insert(all.end(), words.begin(), words.end());
@@ -45,9 +60,26 @@ protected:
         return std::regex_replace(text, std::regex("\r\n"), "\n");
     }
     static bool has_colour(const std::string& text) { return text.find('\x1b') != std::string::npos; }
+
+    std::string why_not_;  // there are pseudo-terminals here
 };
 
+TEST_F(SystemTerminal, KeysAreWrappedToItsWidth) {
+    if (!why_not_.empty()) GTEST_SKIP() << "no pseudo-terminals here: " << why_not_;
+    const std::vector<std::string> keys{"list", "keys"};
+    for (const int columns : {60, 120}) {
+        std::istringstream text(on_terminal({}, keys, static_cast<unsigned short>(columns)));
+        std::size_t widest = 0;
+        for (std::string line; std::getline(text, line);)
+            if (line.find(' ', line.find_first_not_of(' ')) != std::string::npos)  // not one long word
+                widest = std::max(widest, columns_of(line));
+        EXPECT_LE(widest, static_cast<std::size_t>(columns));
+        EXPECT_GT(widest, static_cast<std::size_t>(columns - 20));
+    }
+}
+
 TEST_F(SystemTerminal, ColourOnlyOnATerminalThatWantsIt) {
+    if (!why_not_.empty()) GTEST_SKIP() << "no pseudo-terminals here: " << why_not_;
     run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=1%"});
     const std::vector<std::string> report{"report", "out"};
     const std::string piped = run(report).out, painted = on_terminal({}, report);

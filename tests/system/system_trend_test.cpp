@@ -155,6 +155,52 @@ TEST_F(SystemTrend, WhatCannotBeHeldAgainstIsRefusedBeforeAnythingRuns) {
     refused({"--baseline", "old"}, "old/full/history.csv");
 }
 
+TEST_F(SystemTrend, WhatNobodyAskedForAndTheStopComesBeforeIsNotReached) {
+    here_.write("plain.toml",
+                "base = \"c9-inflation.toml\"\nstop.time = 0.25\n"
+                "full.mesh = { gore_columns = 1, gore_rows = 4, line_elements = 4 }\n"
+                "compare.tolerance.peak_force = \"1000 %\"\n"
+                "compare.tolerance.time_to_peak_force = \"1000 %\"\n");
+    const Ended first = run({"compare", "plain.toml", "--out", "p"});
+    EXPECT_EQ(first.code, 0) << first.out;
+    EXPECT_NE(
+        first.out.find("within tolerance: 2 of 2 judged metrics, 2 not reached (filling_time, descent_rate)"),
+        std::string::npos)
+        << first.out;
+    EXPECT_EQ(read("p/gap.json")["metrics"]["descent_rate_m_s"]["verdict"], "not reached");
+    EXPECT_EQ(read("p/rom/summary.json")["missing"][1]["not_reached"], true);
+    for (const char* side : {"rom", "full"}) {
+        const std::string file = std::string("p/") + side + "/summary.json";
+        auto summary = nlohmann::ordered_json::parse(text(file));
+        summary["metrics"]["descent_rate_m_s"] = 7.0;
+        summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
+        write_unsealed(file, summary);
+    }
+    EXPECT_EQ(run({"compare", "plain.toml", "--quiet", "--out", "q", "--baseline", "p"}).code, 0);
+    EXPECT_EQ(read("q/trend.json")["verdict"], "within");
+    EXPECT_EQ(read("q/trend.json")["changes"][0]["verdict"], "not reached");
+    // Without that stop's excuse it is gone: the payload is on the ground long before the canopy is full.
+    const Ended low = run(
+        {"compare", "plain.toml", "--out", "low", "--set", "release.height=0.5 m", "--set", "stop.time=5 s"});
+    EXPECT_EQ(low.code, 1) << low.out;
+    EXPECT_NE(low.out.find("2 missing (filling_time, descent_rate)"), std::string::npos) << low.out;
+    EXPECT_NE(text("low/junit.xml")
+                  .find("<failure type=\"missing\" message=\"Descent rate: neither side has it, "
+                        "rom: the payload was on the ground before"),
+              std::string::npos)
+        << text("low/junit.xml");
+}
+
+TEST_F(SystemTrend, JunitIsRedWhenTheBaselineIsNotHeld) {
+    run({"compare", "scene.toml", "--quiet", "--out", "new", "--baseline", "old", "--set",
+         "payload.mass=160 kg", "--baseline-tolerance", "load_factor=0.01%"});
+    EXPECT_EQ(read("new/trend.json")["verdict"], "exceeded");
+    EXPECT_NE(text("new/junit.xml").find("name=\"baseline rom load_factor\""), std::string::npos);
+    EXPECT_NE(
+        text("new/junit.xml").find("<failure type=\"exceeded\" message=\"load_factor of rom: baseline "),
+        std::string::npos);
+}
+
 TEST_F(SystemTrend, OfAnEarlierRunGoesWithIt) {
     trend({});
     EXPECT_TRUE(std::filesystem::exists(here_ / "new/trend.md"));

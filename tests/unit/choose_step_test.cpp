@@ -85,10 +85,10 @@ TEST(ChooseStep, SlappingClothWithSubstepsTakesHalfOfEitherBound) {
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.4 * 1e-5);
 }
 
-TEST(ChooseStep, GivesSlappingClothWhatItsBooksLeave) {
+TEST(ChooseStep, GivesImpactsTheirShareOfEveryBound) {
     StepRules rules = rules_with(12);
-    rules.share_left = 0.3;
-    EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 5e-5);  // what flies has its own
+    rules.share = 0.3;
+    EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 5e-5);
     rules.slaps = true;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 2.5e-5);
     rules.most_substeps = 1;
@@ -111,7 +111,7 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
         StepRules rules = rules_with(1 + k % 12);
         rules.factor = share(random);
         rules.slaps = k % 2 == 0;
-        rules.share_left = share(random);
+        rules.share = share(random);
         if (k % 3 == 0) rules.quiet = std::pow(10.0, decade(random));
         const ChosenStep step = choose_step(stable, rules);
         const double most = rules.factor * (1.0 + 1e-12);
@@ -126,12 +126,54 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
     }
 }
 
-TEST(ShareWith, FallsFromAllToAFifth) {
-    EXPECT_DOUBLE_EQ(share_with(0.0), 1.0);
-    EXPECT_DOUBLE_EQ(share_with(0.59), 1.0);  // the most that a crane drop uses
-    EXPECT_NEAR(share_with(0.7), 0.5, 1e-12);
-    EXPECT_NEAR(share_with(0.76), 0.2, 1e-12);
-    EXPECT_DOUBLE_EQ(share_with(5.0), 0.2);
+TEST(ImpactWatch, ACraneDropKeepsItsSteps) {
+    // It uses 0.56 of the largest residual, little by little.
+    ImpactWatch impacts;
+    for (int k = 0; k <= 28; ++k)
+        impacts.look(0.02 * k, 0.0);
+    EXPECT_EQ(impacts.share(), 1.0);
+    EXPECT_FALSE(impacts.alert());
+}
+
+TEST(ImpactWatch, StaysBelowTheLargestResidualWhereImpactsUseItInProportionToTheStep) {
+    // Whatever impacts would use of it at full steps, up to a fifth of all between two looks; gains or
+    // losses.
+    for (const double sign : {1.0, -1.0})
+        for (const double at_full_steps : {0.02, 0.1, 0.2}) {
+            ImpactWatch impacts;
+            impacts.expect();
+            double used = 0.0;
+            for (int k = 0; k < 300; ++k) {
+                used += sign * at_full_steps * impacts.share() * impacts.share();
+                impacts.look(used, 0.0);
+            }
+            EXPECT_LT(std::abs(used), 1.0) << at_full_steps;
+            EXPECT_TRUE(impacts.alert());
+        }
+}
+
+TEST(ImpactWatch, GivesStepsBackWhereNothingHappens) {
+    ImpactWatch impacts;
+    impacts.expect();
+    EXPECT_LT(impacts.share(), 0.2);
+    for (int k = 0; k < 10; ++k)
+        impacts.look(0.01, 0.0);
+    EXPECT_EQ(impacts.share(), 1.0);
+}
+
+TEST(ImpactWatch, IsDueWhenAThousandthHasBeenDissipated) {
+    ImpactWatch impacts;
+    impacts.look(0.0, 50.0);
+    EXPECT_FALSE(impacts.is_due(59.0, 1e4));
+    EXPECT_TRUE(impacts.is_due(61.0, 1e4));
+}
+
+TEST(StepToFirstImpact, HalvesTheSlackInTwentySteps) {
+    // An edge that lacks 0.4 of its length and lengthens by twice its length a second.
+    EXPECT_DOUBLE_EQ(20.0 * 2.0 * step_to_first_impact(-0.4, 2.0), 0.2);
+    EXPECT_DOUBLE_EQ(2.0 * step_to_first_impact(-0.01, 2.0), 0.005);
+    EXPECT_EQ(step_to_first_impact(0.01, 2.0), StepRules::never);
+    EXPECT_EQ(step_to_first_impact(-0.4, -1.0), StepRules::never);
 }
 
 TEST(CostOf, IsThatOfAStepAndAnEighthForEachFurtherSubstep) {

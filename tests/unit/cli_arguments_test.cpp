@@ -54,6 +54,15 @@ TEST(CliArguments, OptionsMayStandAnywhere) {
     EXPECT_FALSE(arguments.value("check"));
 }
 
+TEST(CliArguments, WhatIsEmptyNamesNothing) {
+    EXPECT_EQ(refusal({"a.toml", "--out", ""}),
+              "--out is given nothing (its DIR is empty), name one or leave it out");
+    EXPECT_NE(refusal({"a.toml", "--out="}), "not refused");
+    EXPECT_NE(refusal({"a.toml", "--set", "a=1", "--set", ""}).find("--set is given nothing"),
+              std::string::npos);
+    EXPECT_NE(refusal({""}).find("is empty"), std::string::npos);
+}
+
 TEST(CliArguments, AnUnknownOptionNamesTheNearest) {
     EXPECT_NE(refusal({"a.toml", "--jason"}).find("did you mean '--json'?"), std::string::npos);
 }
@@ -84,6 +93,7 @@ TEST(CliProgram, ExitCodesAreTheDocumentedOnes) {
 TEST(CliProgram, StatusesMapToExitCodes) {
     EXPECT_EQ(exit_code(StatusCode::completed), ExitCode::done);
     EXPECT_EQ(exit_code(StatusCode::stopped_by_event), ExitCode::done);
+    EXPECT_EQ(exit_code(StatusCode::not_opened), ExitCode::verdict);
     EXPECT_EQ(exit_code(StatusCode::refused), ExitCode::usage);
     EXPECT_EQ(exit_code(StatusCode::interrupted), ExitCode::interrupted);
     EXPECT_EQ(exit_code(StatusCode::strain_limit), ExitCode::numerical);

@@ -53,6 +53,33 @@ TEST(CliOutputDir, RefusesWhatSomebodyElseWrote) {
     EXPECT_THROW(check_output_dir(scratch / "list"), UsageError);
 }
 
+TEST(CliOutputDir, ResultsBelowDoNotMakeAFolderOfOtherThingsOurs) {
+    const ScratchDir scratch;
+    scratch.write("work/c9.out/gap.json", ours);
+    EXPECT_NO_THROW(check_output_dir(scratch / "work"));  // as an unfinished series is
+    scratch.write("work/series.md", "# of all cases");
+    EXPECT_NO_THROW(check_output_dir(scratch / "work"));
+    scratch.write("work/report.md", "of somebody, since no run was killed here");
+    EXPECT_THROW(check_output_dir(scratch / "work"), UsageError);
+    scratch.write("home/c9.out/gap.json", ours);
+    scratch.write("home/rom/history.csv", "years of work");
+    EXPECT_THROW(check_output_dir(scratch / "home"), UsageError);
+    EXPECT_NO_THROW(check_output_dir(scratch / "home/c9.out"));
+}
+
+TEST(CliOutputDir, WhatAPathComesToIsGuardedNotHowItIsWritten) {
+    const ScratchDir scratch;
+    scratch.write("home/rom/history.csv", "years of work");
+    EXPECT_THROW(check_output_dir(scratch / "home/new/.."), UsageError);
+    EXPECT_THROW(check_output_dir(scratch / "home/rom/.."), UsageError);
+    EXPECT_NO_THROW(check_output_dir(scratch / "home/new/../other"));
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(scratch / "home");
+    EXPECT_THROW(check_output_dir(""), UsageError);
+    EXPECT_THROW(check_output_dir("."), UsageError);
+    std::filesystem::current_path(before);
+}
+
 TEST(CliOutputDir, AcceptsWhatKilledRunsLeft) {
     const ScratchDir scratch;
     scratch.write("killed/checkpoint.bin", "twinchute checkpoint 1\nand the rest");

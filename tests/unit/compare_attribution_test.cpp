@@ -10,6 +10,7 @@
 #include "compare/attribute.hpp"
 #include "compare/pieces.hpp"
 #include "compare/runs_at_once.hpp"
+#include "compare/snatch_state.hpp"
 #include "tests/support/c9_scene.hpp"
 
 namespace twinchute::compare {
@@ -302,6 +303,23 @@ TEST(CompareAttribution, APackedSceneIsBegunAnewAtItsSnatch) {
     EXPECT_NEAR(effect(flight, "snatch-state"), -0.5, 1e-9);
     EXPECT_NEAR(effect(flight, "structure"), 1.0, 1e-9);
     EXPECT_NEAR(flight.interaction, 0.0, 1e-9);
+}
+
+TEST(CompareAttribution, TheStateAtSnatchIsThatAfterItsJump) {
+    // Lines without weight lock up at 1 s: 30 m/s east and 40 m/s down become 24 and 32 at once, places go
+    // on.
+    RunRecord record;
+    record.add_metric("snatch_speed_m_s", 40.0);
+    record.events = {{"snatch", 1.0, 100.0, 40.0}};
+    record.channels = {{"time", "s", {0.0, 1.0, 1.0, 2.0}},
+                       {"east", "m", {0.0, 30.0, 30.0, 54.0}},
+                       {"speed", "m/s", {50.0, 50.0, 40.0, 40.0}},
+                       {"vertical_speed", "m/s", {-40.0, -40.0, -32.0, -32.0}}};
+    const auto state = snatch_state(record, test::c9_scene().release);
+    ASSERT_TRUE(state);
+    EXPECT_NEAR(state->place.x(), 30.0, 1e-12);
+    EXPECT_NEAR(state->payload_velocity.x(), 24.0, 1e-9);
+    EXPECT_NEAR(state->payload_velocity.z(), -32.0, 1e-9);
 }
 
 TEST(CompareAttribution, EverySwitchedPieceChangesTheSceneAndHasAName) {

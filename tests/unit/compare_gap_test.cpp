@@ -164,6 +164,78 @@ TEST(CompareGap, TheCostRatioIsReferenceOverCandidate) {
     EXPECT_FALSE(measure_gap(with_peak(1), with_peak(1), {}).cost_ratio);  // no wall time, no ratio
 }
 
+/// A comparison whose two sides lack the descent rate, and say why.
+Comparison without_descent(bool rom_excused, bool full_excused, const Tolerances& asked = {}) {
+    Comparison comparison = made_up_comparison();
+    for (RunRecord* side : {&comparison.candidate, &comparison.reference}) {
+        std::erase_if(side->metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
+        const bool excused = side == &comparison.candidate ? rom_excused : full_excused;
+        side->missing.push_back({"descent_rate_m_s", "the run stopped before", excused});
+    }
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, asked);
+    return comparison;
+}
+
+TEST(CompareGap, AMetricThatVanishesFromBothSidesIsMissingUnlessTheStopCameBefore) {
+    const Comparison gone = without_descent(false, true);
+    EXPECT_EQ(find(gone.gap, "descent_rate")->verdict, Verdict::missing);
+    EXPECT_EQ(exit_code(gone), ExitCode::verdict);
+    const Comparison early = without_descent(true, true);
+    EXPECT_EQ(find(early.gap, "descent_rate")->verdict, Verdict::not_reached);
+    EXPECT_EQ(find(early.gap, "descent_rate")->note,
+              "neither side has it, rom: the run stopped before; full: the run stopped before");
+    EXPECT_EQ(exit_code(early), ExitCode::done);
+    EXPECT_EQ(verdict_line(early), "within tolerance: 2 of 2 judged metrics, 1 not reached (descent_rate)");
+    // Whoever asks for a tolerance is not put off.
+    const Comparison asked = without_descent(true, true, {{"descent_rate", {0.1, true}}});
+    EXPECT_EQ(find(asked.gap, "descent_rate")->verdict, Verdict::missing);
+}
+
+TEST(CompareGap, WhereNothingIsReachedNothingWasCompared) {
+    RunRecord record;
+    record.fidelity = "x";
+    for (const char* key : {"filling_time_s", "peak_force_N", "descent_rate_m_s"})
+        record.missing.push_back({key, "stopped", true});
+    Comparison comparison;
+    comparison.reference = comparison.candidate = record;
+    comparison.gap = measure_gap(record, record, {});
+    EXPECT_EQ(verdict_line(comparison),
+              "nothing was compared, 3 not reached (filling_time, peak_force, descent_rate)");
+    EXPECT_EQ(overall_verdict(comparison), Verdict::not_judged);
+}
+
+TEST(CompareGap, AParachuteThatNeverOpenedFailsWhateverTheMetricsSay) {
+    Comparison comparison = made_up_comparison();
+    comparison.candidate.status = {StatusCode::not_opened, "ground reached; main never opened (x)"};
+    EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
+    EXPECT_EQ(overall_verdict(comparison), Verdict::exceeded);
+    EXPECT_TRUE(
+        verdict_line(comparison)
+            .starts_with("not opened in rom: ground reached; main never opened (x); within tolerance"))
+        << verdict_line(comparison);
+}
+
+TEST(CompareGap, WhatIsZeroButForRoundingHasNoShareAndIsWithin) {
+    // The histories have metres up to 300: 3e-7 m are nothing there.
+    const auto gap_of = [](double reference, double candidate, const Tolerances& asked = {}) {
+        Comparison c = made_up_comparison();
+        for (RunRecord* side : {&c.reference, &c.candidate})
+            side->channels.push_back({"altitude", "m", {300.0, 200.0}});
+        c.reference.add_metric("landing_east_m", reference);
+        c.candidate.add_metric("landing_east_m", candidate);
+        return *find(measure_gap(c.reference, c.candidate, asked), "landing_east");
+    };
+    const MetricGap rounding = gap_of(1e-17, 0.0, {{"landing_east", {0.1, true}}});
+    EXPECT_FALSE(rounding.relative);  // it was -100 %
+    EXPECT_EQ(rounding.verdict, Verdict::within);
+    EXPECT_EQ(rounding.note, "zero but for rounding");
+    EXPECT_TRUE(gap_of(4e-7, 0.0).relative);
+    EXPECT_EQ(gap_of(4e-7, 0.0, {{"landing_east", {0.1, true}}}).verdict, Verdict::exceeded);
+    // A tolerance of nothing asks for the same bits.
+    EXPECT_EQ(gap_of(1e-17, 0.0, {{"landing_east", {0.0, true}}}).verdict, Verdict::exceeded);
+    EXPECT_EQ(gap_of(1e-17, 0.0, {{"landing_east", {0.0, false}}}).verdict, Verdict::exceeded);
+}
+
 TEST(CompareExit, FollowsTheWorstThatHappened) {
     Comparison comparison = made_up_comparison();
     EXPECT_EQ(exit_code(comparison), ExitCode::done);

@@ -48,6 +48,24 @@ TEST(CompareHistories, NormsOfLinesAreExact) {
     EXPECT_NEAR(l2_norm({{0, 1}, {-1, 1}}), std::sqrt(1.0 / 3), round_off);
 }
 
+TEST(CompareHistories, AJumpHasAValueOnEitherSide) {
+    const Curve step{{0, 1, 1, 2}, {0, 3, 10, 12}};
+    EXPECT_EQ(value_before(step, 1), 3);
+    EXPECT_EQ(value_after(step, 1), 10);
+    for (const auto value : {value_before, value_after}) {
+        EXPECT_DOUBLE_EQ(value(step, 0.5), 1.5);
+        EXPECT_DOUBLE_EQ(value(step, 1.5), 11);
+        EXPECT_EQ(value(step, 0), 0);
+        EXPECT_EQ(value(step, 2), 12);
+    }
+    // At the very ends of a curve, too; of three rows of one time the first and the last one count.
+    const Curve ends{{0, 0, 1, 1, 1}, {5, 6, 7, 99, 8}};
+    EXPECT_EQ(value_before(ends, 0), 5);
+    EXPECT_EQ(value_after(ends, 0), 6);
+    EXPECT_EQ(value_before(ends, 1), 7);
+    EXPECT_EQ(value_after(ends, 1), 8);
+}
+
 TEST(CompareHistories, DifferentClocksMeetInTheirUnion) {
     // A hat of height 1 at 1.5 and a line 0: a clock of three points and one of two. Over [0, 3] the square
     // of the hat integrates to 2 x 1.5/3 = 1.

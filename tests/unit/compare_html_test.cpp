@@ -245,6 +245,57 @@ TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
     }
 }
 
+/// Forces of a lock-up: the lines pull up to 24 kN, and from one row to the next of the same time a tenth of
+/// that, on one side alone.
+Comparison with_a_jump() {
+    Comparison comparison = made_up_comparison();
+    for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        side->events = {{"snatch", 0.0, 0, 0}, {"full-open", 1.0, 0, 0}};
+        side->channels = {{"time", "s", {}}, {"force", "N", {}}, {"speed", "m/s", {}}};
+        const auto row = [&](double t, double force) {
+            side->channels[0].values.push_back(t);
+            side->channels[1].values.push_back(force);
+            side->channels[2].values.push_back(20.0 - t);
+        };
+        const bool jumps = side == &comparison.candidate;
+        for (int i = 0; i <= 300; ++i) {
+            // Steps of 10 ms, coarser than the page's clock; -0.5 s to 2.5 s.
+            const double t = 0.01 * (i - 50);
+            row(t, jumps && t <= 0.0 ? 24000.0 + 1000.0 * t : 2000.0 + 100.0 * t);
+            if (jumps && t == 0.0) row(t, 2000.0);
+        }
+    }
+    return comparison;
+}
+
+TEST(CompareHtml, AJumpIsAStepUpright) {
+    const AlignedHistories aligned = aligned_histories(with_a_jump());
+    const auto& clock = aligned.clock;
+    const auto at = std::ranges::find(clock, 0.0) - clock.begin();
+    ASSERT_LT(at + 1, std::ssize(clock));
+    ASSERT_EQ(std::ranges::count(clock, 0.0), 2);
+    EXPECT_TRUE(std::ranges::is_sorted(clock));
+    const std::vector<double>&candidate = aligned.channels[0].value[0],
+          &reference = aligned.channels[0].value[1], &speed = aligned.channels[1].value[0];
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+        const double t = clock[i];
+        const bool before = t < 0.0 || i == static_cast<std::size_t>(at);
+        // Straight lines, sampled: to rounding. Anything drawn across the jump would be off by thousands.
+        EXPECT_NEAR(candidate[i], before ? 24000.0 + 1000.0 * t : 2000.0 + 100.0 * t, 1e-8) << t;
+        EXPECT_NEAR(reference[i], 2000.0 + 100.0 * t, 1e-8) << t;
+        EXPECT_NEAR(speed[i], 20.0 - t, 1e-12) << t;
+    }
+    // What scripts draw: both values at one instant, and no other instant stands there twice.
+    const json data = data_of(report_html(with_a_jump()));
+    const auto& values = data["channels"][0]["values"][0];
+    EXPECT_EQ(values[static_cast<std::size_t>(at)], 24000.0);
+    EXPECT_EQ(values[static_cast<std::size_t>(at) + 1], 2000.0);
+    for (std::size_t i = 1; i < clock.size(); ++i)
+        if (i != static_cast<std::size_t>(at) + 1) {
+            EXPECT_GT(clock[i], clock[i - 1]);
+        }
+}
+
 TEST(CompareHtml, NoPeakIsCut) {
     // A spike of a single row, far narrower than the coarse clock.
     Comparison comparison = made_up_comparison();

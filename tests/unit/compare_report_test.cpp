@@ -9,6 +9,7 @@
 
 #include "compare/report/escape.hpp"
 #include "compare/report/gap_json.hpp"
+#include "compare/report/html.hpp"
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
@@ -163,6 +164,44 @@ TEST(CompareReport, JunitIsRedWhenARunFailed) {
     comparison.reference.status = {StatusCode::energy_grew, "at 1 s"};
     EXPECT_NE(junit_xml(comparison).find("<error type=\"energy_grew\" message=\"at 1 s\">"),
               std::string::npos);
+}
+
+TEST(CompareReport, JunitIsRedWhenABaselineIsNotHeld) {
+    Comparison now = made_up_comparison();
+    now.reference.add_metric("peak_force_N", 5100);
+    now.candidate.add_metric("descent_rate_m_s", 7.7 * (1 + 1e-5));
+    now.gap = measure_gap(now.reference, now.candidate, {});
+    const Trend trend = measure_trend(made_up_comparison(), now, {});
+    ASSERT_EQ(overall_verdict(trend), Verdict::exceeded);
+    const std::string alone = junit_xml(now), xml = junit_xml(now, &trend);
+    EXPECT_NE(alone.find(" failures=\"0\""), std::string::npos) << alone;
+    EXPECT_TRUE(well_formed(xml)) << xml;
+    // The baseline as a whole and the metric that moved by 2 %, not the one that moved within its tolerance.
+    EXPECT_NE(xml.find("tests=\"12\" failures=\"2\" errors=\"0\" skipped=\"4\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("name=\"baseline full peak_force\""), std::string::npos) << xml;
+    EXPECT_NE(
+        xml.find("<failure type=\"exceeded\" message=\"peak_force of full: baseline 5000 N, now 5100 N, "
+                 "change +2 %, tolerance 0.1 %\">"),
+        std::string::npos)
+        << xml;
+}
+
+TEST(CompareReport, JunitTellsWhatWasNotReachedAndWhatNeverOpened) {
+    Comparison comparison = made_up_comparison();
+    std::erase_if(comparison.candidate.metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
+    comparison.candidate.missing.push_back({"descent_rate_m_s", "the run stopped before", true});
+    comparison.candidate.status = {StatusCode::not_opened, "main never opened"};
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, {});
+    const std::string xml = junit_xml(comparison);
+    EXPECT_NE(xml.find("<skipped message=\"not reached: only full has it, rom: the run stopped before\"/>"),
+              std::string::npos)
+        << xml;
+    EXPECT_NE(xml.find("<failure type=\"not_opened\" message=\"main never opened\">"), std::string::npos)
+        << xml;
+    EXPECT_NE(report_markdown(comparison).find("not opened in rom: main never opened"), std::string::npos);
+    EXPECT_NE(report_html(comparison).find("A parachute never opened"), std::string::npos);
+    EXPECT_EQ(json::parse(gap_json(comparison))["verdict"], "exceeded");
+    EXPECT_EQ(json::parse(gap_json(comparison))["exit_code"], 1);
 }
 
 TEST(CompareReport, HostileNamesBreakNothing) {

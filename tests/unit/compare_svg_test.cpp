@@ -5,6 +5,8 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "compare/report/plots.hpp"
@@ -110,6 +112,34 @@ TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
     const std::string svg = svg_plot(plot);
     const auto begin = svg.find(" d=\"") + 4;
     EXPECT_EQ(count(svg.substr(begin, svg.find('"', begin) - begin), "M"), 2u);
+}
+
+TEST(CompareSvg, AJumpIsDrawnUpright) {
+    // 24 kN and 2 kN at 1 s, among points so many that they are thinned: below and above one another.
+    Plot plot;
+    plot.series = {{"rom", Role::reference, {}, {}}};
+    for (int i = 0; i <= 20000; ++i) {
+        const double t = 1e-4 * i;
+        plot.series[0].x.push_back(t);
+        plot.series[0].y.push_back(t <= 1.0 ? 24.0 * t : 2.0);
+        if (i == 10000) plot.series[0].x.push_back(t), plot.series[0].y.push_back(2.0);
+    }
+    const std::string svg = svg_plot(plot);
+    // The path goes down by 20 kN, most of the frame of 274 px, at one place, 1 s being the middle of 78 and
+    // 700 px, and nowhere else.
+    std::istringstream path(svg.substr(svg.find("<path d=\"M") + 9));
+    double x = 0.0, y = 0.0, last_x = 0.0, last_y = 0.0;
+    int drops = 0;
+    for (char command = 0; path >> command && (command == 'M' || command == 'L') && path >> x >> y;) {
+        if (command == 'L' && y > last_y + 200.0) {
+            ++drops;
+            EXPECT_EQ(x, last_x);
+            EXPECT_EQ(x, 389.0);
+        }
+        last_x = x;
+        last_y = y;
+    }
+    EXPECT_EQ(drops, 1);
 }
 
 TEST(CompareSvg, WithoutDataItSaysSo) {

@@ -79,13 +79,57 @@ TEST(CompareTrend, AJudgedMetricThatIsGoneIsMissingAndANewOneHasNoPast) {
     EXPECT_EQ(overall_verdict(came), Verdict::within);
 }
 
+/// An earlier comparison against one whose two sides lack the descent rate.
+Trend without_descent(bool not_reached, const std::map<std::string, Tolerance>& asked = {}) {
+    Comparison now = made_up_comparison();
+    for (RunRecord* side : {&now.candidate, &now.reference}) {
+        std::erase_if(side->metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
+        if (not_reached) side->missing.push_back({"descent_rate_m_s", "the run stopped before", true});
+    }
+    now.gap = measure_gap(now.reference, now.candidate, {});
+    return measure_trend(made_up_comparison(), now, asked);
+}
+
+TEST(CompareTrend, ADefaultMetricThatIsGoneFromBothIsMissingUnlessTheStopCameBefore) {
+    EXPECT_EQ(overall_verdict(without_descent(false)), Verdict::exceeded);
+    EXPECT_NE(verdict_line(without_descent(false)).find("rom descent_rate (gone)"), std::string::npos);
+    const Trend early = without_descent(true);
+    EXPECT_EQ(overall_verdict(early), Verdict::within);
+    EXPECT_NE(verdict_line(early).find("; not reached: rom descent_rate, full descent_rate"),
+              std::string::npos)
+        << verdict_line(early);
+    EXPECT_EQ(early.changes[0].note, "the run stopped before");
+    EXPECT_EQ(overall_verdict(without_descent(true, {{"descent_rate", {0.1, true}}})), Verdict::exceeded);
+}
+
+TEST(CompareTrend, AToleranceOnWhatNoRecordHasFails) {
+    const Trend trend = measure_trend(made_up_comparison(), made_up_comparison(), {{"impulse", {0.1, true}}});
+    EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);
+    EXPECT_EQ(trend.changes[0].key, "impulse_N_s");
+    EXPECT_EQ(overall_verdict(measure_trend(made_up_comparison(), made_up_comparison(),
+                                            {{"force_history", {0.1, true}}})),
+              Verdict::exceeded);
+}
+
+TEST(CompareTrend, WhatIsZeroButForRoundingHasNotMoved) {
+    Comparison before = made_up_comparison(), now = made_up_comparison();
+    for (Comparison* c : {&before, &now})
+        c->candidate.channels.push_back({"altitude", "m", {300.0, 200.0}});
+    before.candidate.add_metric("landing_east_m", 1e-17);
+    now.candidate.add_metric("landing_east_m", 0.0);
+    EXPECT_TRUE(measure_trend(before, now, {{"landing_east", {0.01, true}}}).changes.empty());
+    now.candidate.add_metric("landing_east_m", 4e-7);  // of 300 m 1.3e-9
+    EXPECT_EQ(overall_verdict(measure_trend(before, now, {{"landing_east", {0.01, true}}})),
+              Verdict::exceeded);
+}
+
 TEST(CompareTrend, ARunThatBrokeOffIsNotJudged) {
     Comparison broken = made_up_comparison();
     broken.reference.status = {StatusCode::energy_grew, "at 1 s"};
     broken.reference.add_metric("peak_force_N", 9000);
     const Trend trend = measure_trend(broken, made_up_comparison(), {});
-    EXPECT_EQ(trend.judged, 3u);  // those of the other fidelity
-    EXPECT_EQ(overall_verdict(trend), Verdict::within);
+    EXPECT_EQ(trend.judged, 3u);                           // those of the other fidelity
+    EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);  // a gate with nothing to hold against is no gate
     EXPECT_EQ(trend.note, "full of the baseline ended as energy_grew");
     EXPECT_NE(verdict_line(trend).find(trend.note), std::string::npos);
 }

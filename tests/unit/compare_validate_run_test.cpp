@@ -70,6 +70,22 @@ height = "10 m"
     const double speed_ = std::sqrt(2.0 * 10.0 * standard_gravity / 2.0);
 };
 
+TEST_F(ValidateRun, SaysOffsetsOfACaseInOneLine) {
+    // 3 x 10 kg and 100 N of the made-up model, against 28 N s and 104 N.
+    const SuiteResult result =
+        run("[[case]]\nname = \"c\"\nsource = \"s\"\nbase = \"fall.toml\"\nfidelities = [\"rom\", \"full\"]\n"
+            "offsets = [\"impulse\", \"peak_force\"]\nrow = [\n"
+            "{ quantity = \"peak_force\", expected = 104, judged = false, fidelities = [\"full\"] },\n"
+            "{ quantity = \"impulse\", expected = 28, judged = false, fidelities = [\"full\"] } ]\n");
+    ASSERT_EQ(result.offsets, std::vector<std::string>{"c, full: impulse +2 N s, peak force -4 N"});
+    const Validation validation{{result}, false};
+    EXPECT_NE(validation_markdown(validation, {}, "validate s").find("- c, full: impulse +2 N s, peak force"),
+              std::string::npos);
+    EXPECT_THROW(run("[[case]]\nname = \"c\"\nsource = \"s\"\nbase = \"fall.toml\"\noffsets = [\"impulse\"]\n"
+                     "row = [{ quantity = \"peak_force\", expected = 104, judged = false }]\n"),
+                 SceneError);
+}
+
 TEST_F(ValidateRun, AnExpectedValueIsWithinOrNot) {
     const std::string row = "quantity = \"fall_speed\", height = 20, tolerance = \"0.1 %\", expected = ";
     const SuiteResult right = run_case("", row + std::to_string(speed_));

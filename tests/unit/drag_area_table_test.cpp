@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "lib/models/inflation.hpp"
 #include "lib/scene/opening_tables.hpp"
@@ -64,6 +65,93 @@ TEST(DragAreaTable, OfALawIsThatLaw) {
         EXPECT_NEAR(table.at(y).value, y * y, 0.25 / (200.0 * 200.0)) << y;
 }
 
+/// t^2 up to 1.7 at 401 points, then straight down to 1: a closed form of an overshoot, sampled.
+DragAreaTable with_a_kink() {
+    std::vector<double> x, y;
+    const double top = std::sqrt(1.7);
+    for (int i = 0; i / 400.0 < top; ++i) {
+        x.push_back(i / 400.0);
+        y.push_back(x.back() * x.back());
+    }
+    for (int i = 0; i <= 200; ++i) {
+        x.push_back(top + 0.5 * i / 200.0);
+        y.push_back(i == 200 ? 1.0 : 1.7 - 0.7 * i / 200.0);
+    }
+    return {"t.csv", x, y};
+}
+
+TEST(DragAreaTable, KeepsAKinkSharpWhereItsSlopeJumps) {
+    const DragAreaTable table = with_a_kink();
+    const double top = std::sqrt(1.7);
+    ASSERT_EQ(table.pieces(), 2u);
+    EXPECT_EQ(table.kink_after(0), top);
+    EXPECT_EQ(table.kink_after(1), std::numeric_limits<double>::infinity());
+    // Right before it and right after it, too. The slope at an end of a piece is that from point to point,
+    // off by h = 1/400 times half the second derivative: of the value 4/27 h^2.
+    for (double x = top - 0.01; x < top; x += 1.7e-4)
+        EXPECT_NEAR(table.at(x).value, x * x, 0.15 / 400 / 400) << x;
+    for (double x = top; x < top + 0.01; x += 1.7e-4)
+        EXPECT_NEAR(table.at(x).value, 1.7 - 1.4 * (x - top), 1e-12) << x;
+    // On the kink either piece has its own rate, wherever rounding puts it.
+    for (const double x : {top - 1e-13, top, top + 1e-13}) {
+        EXPECT_NEAR(table.at(x, 0).rate, 2.0 * top, 1.1 / 400) << x;
+        EXPECT_NEAR(table.at(x, 1).rate, -1.4, 1e-10) << x;
+    }
+    // Far from it the number of the piece says nothing.
+    EXPECT_EQ(table.at(0.7, 1).value, table.at(0.7, 0).value);
+    EXPECT_NEAR(table.integral(top + 0.5), top * 1.7 / 3.0 + 0.5 * (0.5 * 2.7), 1e-6);
+}
+
+TEST(DragAreaTable, IsSmoothWhereItsSlopeChangesByDegrees) {
+    // A smooth top, coarse and fine, and steps that grow: no kink.
+    for (const int points : {6, 20, 400}) {
+        std::vector<double> x, y;
+        for (int i = 0; i <= points; ++i) {
+            x.push_back(2.0 * i / points);
+            y.push_back(1.3 - 0.3 * std::pow(x.back() - 1.0, 2));
+        }
+        EXPECT_EQ(DragAreaTable("t.csv", x, y).pieces(), 1u) << points;
+    }
+    for (const double power : {0.5, 1.0, 2.0, 6.0}) {
+        std::vector<double> x, y;
+        for (int i = 0; i <= 50; ++i) {
+            x.push_back(i / 50.0);
+            y.push_back(std::pow(x.back(), power));
+        }
+        EXPECT_EQ(DragAreaTable("t.csv", x, y).pieces(), 1u) << power;
+    }
+}
+
+TEST(DragAreaTable, HasAKinkWhereAPointStandsTwice) {
+    // Straight from point to point.
+    const DragAreaTable table("t.csv", {0.0, 0.5, 0.5, 1.0, 1.0, 1.5, 1.5, 2.0},
+                              {0.1, 0.3, 0.3, 1.0, 1.0, 1.4, 1.4, 1.0});
+    ASSERT_EQ(table.pieces(), 4u);
+    EXPECT_EQ(table.kink_after(0), 0.5);
+    EXPECT_EQ(table.kink_after(1), 1.0);
+    EXPECT_EQ(table.kink_after(2), 1.5);
+    for (double x = 0.0; x <= 2.0; x += 0.01) {
+        const double expected = x < 0.5   ? 0.1 + 0.4 * x
+                                : x < 1.0 ? 0.3 + 1.4 * (x - 0.5)
+                                : x < 1.5 ? 1.0 + 0.8 * (x - 1.0)
+                                          : 1.4 - 0.8 * (x - 1.5);
+        EXPECT_NEAR(table.at(x).value, expected, 1e-12) << x;
+    }
+    EXPECT_NEAR(table.at(0.5, 0).rate, 0.4, 1e-12);
+    EXPECT_NEAR(table.at(0.5, 1).rate, 1.4, 1e-12);
+    EXPECT_NEAR(table.integral(2.0), 0.1 + 0.325 + 0.6 + 0.6, 1e-12);
+    Inflation inflation;
+    inflation.snatch = 2.0;
+    inflation.initial_time = 0.5;
+    inflation.filling_time = 1.5;
+    inflation.table = &table;
+    EXPECT_DOUBLE_EQ(inflation.next_kink(), 3.0);
+    inflation.piece = 1;
+    EXPECT_EQ(inflation.next_kink(), inflation.end_of(Phase::filling));  // to the bit
+    inflation.piece = 3;
+    EXPECT_EQ(inflation.next_kink(), std::numeric_limits<double>::infinity());
+}
+
 TEST(DragAreaTable, MakesAPhaseOfItsOvershoot) {
     const DragAreaTable table = overshooting();
     Inflation inflation;
@@ -115,6 +203,11 @@ TEST(DragAreaTable, ThatIsNoGrowthIsRefusedAtItsLine) {
     expect("0,0.04\n0.5,0.3\n1,0.98\n", "t.csv:5:1: ", "is 0.98 at fill_fraction 1");
     expect("0,0.04\n0.5,0.3\n1,1\n1.2,1.3\n", "t.csv:6:1: ", "is 1.3 at the end");
     expect("0,0.04\n0.5,1.1\n1,1\n", "t.csv:4:1: ", "before fill_fraction 1");
+    EXPECT_EQ(refusal("0,0.04\n0.5,0.3\n0.5,0.3\n1,1\n"), "");
+    expect("0,0.04\n0.5,0.3\n0.5,0.4\n1,1\n", "t.csv:5:1: ", "jumps from 0.3 to 0.4");
+    expect("0,0.04\n0.5,0.3\n0.5,0.3\n0.5,0.3\n1,1\n", "t.csv:6:1: ", "does not rise");
+    expect("0,0.04\n0,0.04\n0.5,0.3\n1,1\n", "t.csv:4:1: ", "stands here twice");
+    expect("0,0.04\n0.5,0.3\n1,1\n1,1\n", "t.csv:6:1: ", "stands here twice");
     expect("0,0.04\n0.5,-0.1\n1,1\n", "t.csv:4:5: ", "out of range");
 }
 

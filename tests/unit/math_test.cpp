@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "fullsim/moving_average.hpp"
 #include "lib/math/lanes.hpp"
@@ -84,6 +87,72 @@ TEST(MovingAverage, GrowsWhenStepsShrink) {
     for (int i = 0; i <= 30000; ++i)
         average.push(i * 1e-6, i * 1e-6);
     EXPECT_NEAR(average.value(), average.centre(), 1e-12);
+}
+
+/// Samples of a signal at uneven steps.
+struct Signal {
+    std::vector<double> t, value;
+
+    /// Integral of the straight lines between samples, from the first to time x.
+    double integral(double x) const {
+        double sum = 0.0;
+        for (std::size_t i = 1; i < t.size() && t[i - 1] < x; ++i) {
+            // Of the piece that x cuts the mean of its ends counts, as in the filter.
+            sum += 0.5 * (value[i - 1] + value[i]) * (std::min(x, t[i]) - t[i - 1]);
+        }
+        return sum;
+    }
+};
+
+TEST(IntervalPeak, IsTheLargestMeanOverWindowsCutOffAtBothEndsAndNeverAboveTheSamples) {
+    // Random signals with spikes, and intervals from a fifth of a window to twenty of them, one after the
+    // other: whatever stands just before or after an interval does not count in it.
+    constexpr double window = 5e-3, half = 0.5 * window;
+    std::mt19937 generator(7);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    fullsim::IntervalPeak filter(window);
+    double now = 3.0;
+    for (int round = 0; round < 300; ++round) {
+        const double length = window * std::exp(std::log(0.2) + chance(generator) * std::log(100.0));
+        Signal signal;
+        for (const double begin = now; now <= begin + length; now += 1e-5 + 4e-4 * chance(generator)) {
+            signal.t.push_back(now);
+            signal.value.push_back(chance(generator) < 0.1 ? 1e4 * chance(generator) : chance(generator));
+        }
+        if (signal.t.size() < 2) continue;
+        for (std::size_t i = 0; i < signal.t.size(); ++i)
+            filter.push(signal.t[i], signal.value[i]);
+        const auto found = filter.end();
+        // The integral of the interval is a sum of so many terms, each rounded.
+        EXPECT_LE(found.value, std::ranges::max(signal.value) * (1.0 + 1e-12)) << round;
+        // By its definition, at the centres that the filter looks at: half a window before or after samples.
+        const double a = signal.t.front(), b = signal.t.back();
+        double largest = 0.0;
+        const auto consider = [&](double centre) {
+            if (centre < a || centre > b) return;
+            const double from = std::max(a, centre - half), to = std::min(b, centre + half);
+            largest = std::max(largest, (signal.integral(to) - signal.integral(from)) / (to - from));
+        };
+        consider(0.5 * (a + b));
+        for (const double t : signal.t)
+            consider(t - half), consider(t + half);
+        // Steps are up to 8 % of a window: centres between those looked at may have a little more.
+        EXPECT_NEAR(found.value, largest, 0.1 * largest) << round;
+        EXPECT_LE(found.value, largest * (1.0 + 1e-9)) << round;
+        EXPECT_GE(found.time, a - 1e-12);
+        EXPECT_LE(found.time, b + 1e-12);
+    }
+}
+
+TEST(IntervalPeak, OfARiseThatEndsIsTheMeanOfItsLastHalfWindow) {
+    // The line 2 t up to 1 s: at the end itself the window reaches back by half of its length, 2.5 ms.
+    fullsim::IntervalPeak filter(5e-3);
+    for (int i = 0; i <= 10000; ++i)
+        filter.push(1e-4 * i, 2e-4 * i);
+    const auto peak = filter.end();
+    EXPECT_NEAR(peak.value, 2.0 * (1.0 - 0.5 * 2.5e-3), 1e-9);
+    EXPECT_NEAR(peak.time, 1.0, 1e-9);
+    EXPECT_EQ(filter.end().value, 0.0);  // the next interval has no samples yet
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lib/cli/record_text.hpp"
 #include "rom/run_rom.hpp"
 #include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
@@ -51,6 +52,34 @@ TEST(OpeningWarnings, TheFillConstantOfATypeHasARangeOfSpeeds) {
     EXPECT_TRUE(says(at("152.5"), "above that no test says"));
     // Somebody's own constant is not the type's.
     EXPECT_EQ(said(edited(at("30"), "mass = 0.3", "mass = 0.3\nfill_time.n = 7.9")), "");
+}
+
+TEST(OpeningWarnings, AnInitialPhaseThatIsGivenIsHeldAgainstTests) {
+    // t_f = D0/v_s = 2/60 s with n = 1: 15 % of it are 5 ms, and the default, half of it, is nobody's
+    // mistake.
+    const std::string quick = edited(typed, "mass = 0.3", "mass = 0.3\nfill_time.n = 1");
+    const auto with = [&](const char* phase) {
+        return edited(quick, "mass = 0.3", std::string("mass = 0.3\ninitial_phase = ") + phase);
+    };
+    EXPECT_FALSE(says(quick, "initial phase"));
+    EXPECT_FALSE(says(with("\"transit\""), "initial phase"));
+    EXPECT_FALSE(says(with("0.0049"), "initial phase"));
+    EXPECT_TRUE(says(with("0.0051"), "initial phase is 15 % of the filling time"));
+}
+
+TEST(OpeningWarnings, WhatTheDefaultInitialPhaseTakesOfTheFillingIsSaidBesideN) {
+    const auto beside = [](const char* keys) {
+        twinchute::Run run;
+        return fill_constant_text(
+            rom::run_rom(read_text(edited(typed, "mass = 0.3", std::string("mass = 0.3\n") + keys)), run));
+    };
+    EXPECT_NE(beside("fill_time.n = 1").find("the initial phase is 50 % of the filling time"),
+              std::string::npos)
+        << beside("fill_time.n = 1");
+    // 0.5/n = 0.15 at n = 3.33.
+    EXPECT_NE(beside("fill_time.n = 3.3").find("initial phase is 15 %"), std::string::npos);
+    EXPECT_EQ(beside("fill_time.n = 3.4").find("initial phase"), std::string::npos);
+    EXPECT_EQ(beside("fill_time.n = 1\ninitial_phase = 0.001").find("initial phase"), std::string::npos);
 }
 
 TEST(OpeningWarnings, ASnatchSlowerThanTheDescentIsTooSlowToInflate) {

@@ -94,6 +94,9 @@ TEST(RecordJson, NeverWritesWhatIsNotFinite) {
     const json summary = json::parse(text);
     EXPECT_FALSE(summary["metrics"].contains("impulse_N_s"));
     EXPECT_FALSE(summary["metrics"].contains("load_factor"));
+    ASSERT_EQ(summary["missing"].size(), 2u);  // so that a gate does not pass for want of them
+    EXPECT_EQ(summary["missing"][0]["metric"], "impulse_N_s");
+    EXPECT_EQ(summary["missing"][0]["not_reached"], false);
     ASSERT_EQ(summary["warnings"].size(), 2u);  // one for each, in words
     EXPECT_NE(summary["warnings"][0]["what"].get<std::string>().find("impulse_N_s"), std::string::npos);
 }

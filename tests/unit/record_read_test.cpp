@@ -58,6 +58,7 @@ TEST(RecordRead, AMadeUpRecordComesBackToTheLastBit) {
     RunRecord record = compare::made_up_comparison().reference;
     record.cost.blocks = {{"membrane", 0.1 + 0.2}, {"a \"quoted\", name\n", 0}};
     record.cost.resumed_at = {0.1, 1e-300};
+    record.missing = {{"descent_rate_m_s", "the run \"stopped\" before", true}, {"x", "", false}};
     record.handed_over = HandOver{"rom", 1.0 / 3.0, {"flight_time_s", "landing_east_m"}};
     record.inputs.push_back(
         {"a \"key\"", std::string("line\nbreak \x01 \xC3\xA9"), "", InputOrigin::design, ""});

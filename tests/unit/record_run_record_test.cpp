@@ -15,6 +15,7 @@ constexpr StatusCode all_codes[] = {
     StatusCode::refused,          StatusCode::solver_failed,    StatusCode::step_too_small,
     StatusCode::not_finite,       StatusCode::strain_limit,     StatusCode::energy_grew,
     StatusCode::element_inverted, StatusCode::step_limit,       StatusCode::time_limit,
+    StatusCode::not_opened,
 };
 
 TEST(RecordStatus, EveryEndingHasItsOwnName) {

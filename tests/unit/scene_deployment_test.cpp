@@ -110,6 +110,21 @@ TEST_F(SceneDeployment, PackedAndInflatedStartsMayBeAtRest) {
     EXPECT_THROW(read(at_rest), SceneError);
 }
 
+TEST_F(SceneDeployment, AnOpenCanopyNeedsNoFillingTime) {
+    const std::string open = edited(edited(good_scene, "\"line-stretch\"", "\"inflated\""),
+                                    "fill_time = { model = \"fill-constant\", n = 4.0 }\n", "");
+    EXPECT_EQ(complaint(open), "");
+    const Scene scene = read_text(open);
+    EXPECT_EQ(find_input(scene, "parachute.fill_time.n"), nullptr);
+    // It may stand there all the same, and the way back has what was given.
+    EXPECT_EQ(complaint(edited(good_scene, "\"line-stretch\"", "\"inflated\"")), "");
+    EXPECT_EQ(read_text(write_scene(scene)).parachutes[0].fill_time.n, scene.parachutes[0].fill_time.n);
+    // Whatever fills needs it.
+    const std::string fills = edited(good_scene, "fill_time = { model = \"fill-constant\", n = 4.0 }\n", "");
+    EXPECT_NE(complaint(fills).find("parachute.fill_time.n: is missing"), std::string::npos)
+        << complaint(fills);
+}
+
 TEST(ForceHistory, IsLinearBetweenItsPointsAndNothingBeyond) {
     const ForceHistory force{"", {0.5, 1.0, 3.0}, {100.0, 300.0, 0.0}, 2.0};
     EXPECT_EQ(force.at(0.4), 0.0);

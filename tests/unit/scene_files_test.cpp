@@ -80,6 +80,15 @@ TEST(DataFiles, BesideTheSceneThenEnvironmentThenSource) {
     fs::remove_all(root);
 }
 
+TEST(DataFiles, ATypeOfCanopyIsNoDesign) {
+    for (const std::string& name : data_names("parachutes"))
+        EXPECT_FALSE(name.starts_with("types/")) << name;
+    EXPECT_GT(data_names("parachutes/types").size(), 10u);
+    const std::string said = complaint(edited(good_scene, "usaf-c9", "c10"));
+    EXPECT_NE(said.find("there is no parachutes/c10.toml"), std::string::npos) << said;
+    EXPECT_EQ(said.find("types/"), std::string::npos) << said;
+}
+
 TEST(DataFiles, ASceneUsesTheDesignBesideIt) {
     const fs::path root = fs::path(testing::TempDir()) / "twinchute_own_design";
     fs::create_directories(root / "parachutes");

@@ -15,6 +15,34 @@ TEST(Overrides, TomlAndBareValues) {
     EXPECT_EQ(read_text(good_scene, {"name=C-9 #2"}).name, "C-9 #2");
 }
 
+TEST(Overrides, AParachuteWithoutANameHasThatOfTheDefault) {
+    EXPECT_EQ(read_text(good_scene, {"parachute.main.mass=4"}).parachutes[0].mass, 4.0);
+    EXPECT_NE(complaint(good_scene, {"parachute.drogue.mass=4"}).find("no parachute has that name"),
+              std::string::npos);
+    const std::string two = edited(good_scene, "[aerodynamics]\n", R"(name = "drogue"
+cut = { after = "main.full-open" }
+[[parachute]]
+type = "flat-circular"
+nominal_diameter = 20
+mass = 5
+deploy = { by = "line-stretch", when = { height = "150 m" } }
+[aerodynamics]
+)");
+    const Scene scene = read_text(two, {"parachute.main.mass=6"});
+    ASSERT_EQ(scene.parachutes.size(), 2u);
+    EXPECT_EQ(scene.parachutes[1].name, "main");
+    EXPECT_EQ(scene.parachutes[1].mass, 6.0);
+    EXPECT_NE(scene.parachutes[0].mass, 6.0);
+}
+
+TEST(Overrides, AMessageNamesTheOptionThatStandsBeforeOne) {
+    EXPECT_TRUE(complaint(good_scene, {"payload.mass=-1"}).starts_with("--set: payload.mass: "));
+    EXPECT_TRUE(
+        complaint(good_scene, {"--fields full.fields_rate=-1"}).starts_with("--fields: full.fields_rate: "));
+    const Scene scene = read_text(good_scene, {"--fields full.fields_rate=5"});
+    EXPECT_EQ(find_input(scene, "full.fields_rate")->source, "command line");
+}
+
 TEST(Overrides, LastOneWins) {
     EXPECT_EQ(read_text(good_scene, {"payload.mass=1", "payload.mass=2"}).payload.mass, 2.0);
 }

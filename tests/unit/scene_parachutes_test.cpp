@@ -53,6 +53,28 @@ TEST(SceneParachutes, ASceneThatIsWrittenReadsTheSame) {
     }
 }
 
+TEST(SceneParachutes, WhatIsNoCircleIsRead) {
+    // Each waits for the other, but for things that come one after the other.
+    const std::string chain =
+        edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.full-open\" }");
+    EXPECT_EQ(complaint(chain), "");
+    EXPECT_EQ(complaint(edited(chain, "cut = { after = \"main.full-open\", delay = \"1 s\" }",
+                               "cut = { after = \"main.line-stretch\" }")),
+              "");
+    // Reefed until the other snatches, which waits for the reefed canopy's own snatch alone.
+    EXPECT_EQ(
+        complaint(edited(
+            edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.line-stretch\" }"),
+            "cut = { after = \"main.full-open\", delay = \"1 s\" }",
+            "cut = { after = \"main.full-open\" }\nreefing = [ { drag_area_ratio = 0.3, until = { after "
+            "= \"main.line-stretch\" } } ]")),
+        "");
+    // The last of its own stages opens the canopy that is then let go.
+    EXPECT_EQ(
+        complaint(edited(reefed, "name = \"main\"\n", "name = \"main\"\ncut = { at = \"full-open\" }\n")),
+        "");
+}
+
 TEST(SceneParachutes, OverridesNameAMember) {
     EXPECT_EQ(read_text(reefed, {"parachute.reefing.2.drag_area_ratio=0.5"})
                   .parachutes[0]
@@ -156,6 +178,46 @@ TEST(SceneParachutes, WhatDoesNotFitIsRefusedAtItsPlace) {
                 "deploy = { by = \"line-stretch\", when = { after = \"main.cut\" } }"),
          {},
          {"wait for each other"}},
+        {"a circle of two",
+         edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.cut\" }"),
+         {},
+         {"test.toml:16", "parachute.cut.after", "wait for each other",
+          "drogue.cut waits for main.full-open, main.full-open for main.line-stretch, main.line-stretch for "
+          "drogue.cut",
+          "let one of them wait for"}},
+        {"a circle through a reefing line",
+         edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.full-open\" }"),
+                "cut = { after = \"main.full-open\", delay = \"1 s\" }",
+                "reefing = [ { drag_area_ratio = 0.3, until = { after = \"main.line-stretch\" } } ]"),
+         {},
+         {"wait for each other",
+          "drogue.reefing.1 waits for main.line-stretch, main.line-stretch for drogue.full-open, "
+          "drogue.full-open for drogue.reefing.1"}},
+        {"a circle of three",
+         edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"pilot.cut\" }"),
+                "[aerodynamics]\n",
+                "[[parachute]]\nname = \"pilot\"\ndesign = \"usaf-c9\"\n"
+                "deploy = { by = \"line-stretch\", when = { after = \"drogue.cut\" } }\n"
+                "fill_time = { time = 1 }\ncut = { time = 9 }\n[aerodynamics]\n"),
+         {},
+         {"wait for each other", "pilot.cut for pilot.line-stretch", "drogue.cut waits for main.full-open"}},
+        {"the cut of one that is never cut",
+         edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.cut\" }"),
+                "cut = { after = \"main.full-open\", delay = \"1 s\" }\n", ""),
+         {},
+         {"test.toml:19", "parachute.deploy.when.after", "'drogue' is never cut",
+          "give that parachute a cut"}},
+        {"a reefing line that outlasts its parachute",
+         edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.cut\" }"),
+                "cut = { after = \"main.full-open\", delay = \"1 s\" }",
+                "cut = { time = 5 }\n"
+                "reefing = [ { drag_area_ratio = 0.3, until = { after = \"main.line-stretch\" } } ]"),
+         {},
+         {"reefing.1.until.after", "cut after the parachute itself", "main.line-stretch for drogue.cut"}},
+        {"an altitude below the ground",
+         edited(two, "when = { height = \"150 m\" }", "when = { altitude = \"-1 m\" }"),
+         {},
+         {"test.toml:20", "deploy.when.altitude", "lies below the ground"}},
         {"two leave at once",
          edited(edited(two, "by = \"line-stretch\", when = { height = \"150 m\" }",
                        "by = \"free\", pack_drag_area = 1"),

@@ -208,8 +208,13 @@ TEST(ReferenceVelocity, StandsStillInABounce) {
     sums.system_velocity = Vec3(0, 0, (payload * back + cloth * speed) / (payload + cloth));
     EXPECT_NEAR(reference_velocity(sums, Vec3::Zero(), payload + cloth, air).norm(), 0.0, 1e-14);
     EXPECT_LT(reference_velocity(sums, Vec3::Zero(), payload + cloth, 0.0).z(), -0.4);
-    EXPECT_EQ(air_mass_in_reference(75.0, -0.1), 0.0);
-    EXPECT_NEAR(air_mass_in_reference(75.0, 5.0), 75.0, 0.01);
+    // Once open, within half a second of a C-9, and of any canopy within as much of its own D0/v.
+    for (const double scale : {time_scale_of_c9, 0.1, 5.0}) {
+        EXPECT_EQ(air_mass_in_reference(75.0, -0.1, scale), 0.0);
+        const double half_second = 0.5 * scale / time_scale_of_c9;
+        EXPECT_NEAR(air_mass_in_reference(75.0, half_second, scale), 75.0 * (1.0 - std::exp(-1.0)), 1e-12);
+        EXPECT_NEAR(air_mass_in_reference(75.0, 10.0 * half_second, scale), 75.0, 0.01);
+    }
 }
 
 TEST(Energy, BalancesInASpring) {

@@ -120,7 +120,8 @@ TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
     }
     EXPECT_GT(folded, 100);
     EXPECT_LT(longest_edge(edges, simulation.state()), 0.0);
-    EXPECT_EQ(simulation.step().dt, simulation.step_with(0.0, 0.0).dt);
+    // What comes next are impacts, which shorten steps further.
+    EXPECT_LE(simulation.step().dt, simulation.step_with(0.0, 0.0).dt);
     for (int k = 0; k < 100; ++k) {
         step();
         ASSERT_FALSE(simulation.outline().folded);
@@ -233,7 +234,7 @@ TEST(Deployment, CraneDropOpensAsThePaperSays) {
     const Event* alone = record.find_event("finite-elements-alone");
     ASSERT_TRUE(snatch && change && alone);
     EXPECT_LT(snatch->time, change->time);
-    EXPECT_NEAR(alone->time - change->time, scene.full.ramp_time, 1e-12);
+    EXPECT_NEAR(alone->time - change->time, *scene.full.ramp_time, 1e-12);
     EXPECT_NEAR(*record.metric("snatch_time_s") - *record.metric("line_stretch_time_s"), 2e-3, 1e-12);
 }
 
@@ -322,9 +323,12 @@ TEST(Deployment, NoSnatchIsSaidSo) {
     scene.parachutes.front().deploy.fold_resistance = 20.0;
     scene.release.altitude = -20.0;  // 20 m above the ground
     const RunRecord record = run_full(scene);
-    EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
-    EXPECT_NE(record.status.detail.find("before the lines came taut"), std::string::npos)
+    EXPECT_EQ(record.status.code, StatusCode::not_opened);
+    EXPECT_NE(record.status.detail.find("before the lines came taut; "), std::string::npos)
         << record.status.detail;
+    EXPECT_NE(record.status.detail.find(" never opened (it had begun to leave its pack"), std::string::npos)
+        << record.status.detail;
+    EXPECT_EQ(record.metric("unopened_parachutes"), 1.0);
     EXPECT_TRUE(std::ranges::any_of(record.warnings, [](const Warning& w) { return w.what == "no snatch"; }));
     EXPECT_FALSE(record.metric("snatch_time_s"));
     EXPECT_FALSE(record.metric("peak_force_N"));

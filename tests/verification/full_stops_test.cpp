@@ -2,7 +2,9 @@
 // reports what came after its last sound state.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
@@ -105,6 +107,27 @@ TEST(FullStops, EventsComeExactlyAtTheirTimes) {
     EXPECT_DOUBLE_EQ(record.find_event("full-open")->time, 4.0 * 8.53 / speed);
     EXPECT_EQ(record.find_channel("time")->values.front(), 0.0);
     EXPECT_NEAR(record.find_channel("time")->values.back(), 1.8, 5e-3);
+}
+
+TEST(FullStops, StepsEndOnTheKinksOfATable) {
+    // A row of the history at every step: those at 1/4, 1 and 5/4 of the filling are there to the bit.
+    Scene scene = coarse_scene();
+    Parachute& chute = scene.parachutes.front();
+    chute.drag_area_table.emplace("t.csv", std::vector<double>{0.0, 0.25, 0.25, 1.0, 1.0, 1.25, 1.25, 1.5},
+                                  std::vector<double>{0.04, 0.1, 0.1, 1.0, 1.0, 1.2, 1.2, 1.0});
+    chute.fill_time = {find_fill_time("given"), 0.0, 0.0, 0.8};
+    chute.initial_phase = {false, 0.1};
+    scene.full.output_rate = 1e5;
+    scene.stop = {Trigger::Kind::time, 1.2, 0.0};
+    const RunRecord record = run_full(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    const auto &time = record.find_channel("time")->values, &area = record.find_channel("drag_area")->values;
+    for (const auto& [kink, ratio] :
+         {std::pair{0.1 + 0.25 * (0.8 - 0.1), 0.1}, {0.8, 1.0}, {0.1 + 1.25 * (0.8 - 0.1), 1.2}}) {
+        const auto at = std::ranges::find(time, kink);
+        ASSERT_NE(at, time.end()) << kink;
+        EXPECT_NEAR(area[static_cast<std::size_t>(at - time.begin())], ratio * chute.drag_area, 1e-9);
+    }
 }
 
 TEST(FullStops, ZeroStrengthPhysicsEqualsAbsentPhysics) {

@@ -43,7 +43,8 @@ TEST(HandOver, FromTheReducedOrderModelToItselfChangesNothing) {
                             two = fly(rom::rom_fidelity(), file, {stop, "stop.then='rom'", tight});
             ASSERT_EQ(two.status.code, StatusCode::completed) << two.status.detail;
             ASSERT_TRUE(two.handed_over);
-            EXPECT_LT(two.handed_over->time, 0.7 * at_end(two, "time"));
+            // A fifth of the fall is left at least; the crosswind descends steadily after three fourths.
+            EXPECT_LT(two.handed_over->time, 0.8 * at_end(two, "time"));
             EXPECT_NEAR(*two.metric("flight_time_s"), *whole.metric("flight_time_s"),
                         1e-6 * *whole.metric("flight_time_s"));
             for (const char* key : {"landing_east_m", "landing_north_m"})
@@ -119,9 +120,11 @@ TEST(HandOver, MakesOneRecordThatSaysWhatIsWhose) {
     for (const std::string& key : record.handed_over->metrics) {
         EXPECT_EQ(record.find_metric(key)->note.find("by rom from t = "), 0u) << key;
     }
-    EXPECT_EQ(record.handed_over->metrics,
-              (std::vector<std::string>{"flight_time_s", "landing_east_m", "landing_north_m",
-                                        "descent_rate_m_s", "descent_altitude_m", "altitude_loss_m"}));
+    EXPECT_EQ(
+        record.handed_over->metrics,
+        (std::vector<std::string>{"flight_time_s", "landing_east_m", "landing_north_m", "descent_rate_m_s",
+                                  "descent_rate_amplitude", "descent_rate_remaining_change",
+                                  "descent_altitude_m", "altitude_loss_m"}));
     EXPECT_NEAR(*record.metric("altitude_loss_m"), 100.0 - *record.metric("descent_altitude_m"), 1e-9);
     EXPECT_EQ(*record.metric("flight_time_s"), time.back());
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fullsim/forces/membrane.hpp"
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -45,7 +46,8 @@ struct ByHand {
 };
 
 ByHand by_hand(const Scene& scene) {
-    Simulation simulation(scene);
+    const Scene meshed = weighed(scene);  // as a run does
+    Simulation simulation(meshed);
     ByHand loads;
     const auto look = [&] {
         simulation.evaluate_forces();

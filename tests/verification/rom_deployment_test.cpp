@@ -318,11 +318,11 @@ TEST(RomDeployment, LinesThatNeverComeTautEndWithTheReason) {
         EXPECT_EQ(record.find_event("snatch"), nullptr);
     };
     const RunRecord landed = run_rom(scene);
-    expect_unopened(landed, StatusCode::stopped_by_event);
+    expect_unopened(landed, StatusCode::not_opened);
     EXPECT_NE(landed.status.detail.find("the lines never came taut"), std::string::npos);
     EXPECT_NEAR(metric(landed, "flight_time_s"), last(landed, "time"), 0.0);
     scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
-    expect_unopened(run_rom(scene), StatusCode::completed);
+    expect_unopened(run_rom(scene), StatusCode::not_opened);
     scene.stop = {Trigger::Kind::time, 2.0, 0.0};
     expect_unopened(run_rom(scene), StatusCode::completed);
     scene.environment.ground = -40000.0;
@@ -339,7 +339,7 @@ TEST(RomDeployment, APackThatReachesTheGroundFirstEndsTheRun) {
     scene.release = {81.0, 9.0, -0.5 * pi, 0.0};
     scene.parachutes.front().line_length = 100.0;
     const RunRecord record = run_rom(scene);
-    EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
+    EXPECT_EQ(record.status.code, StatusCode::not_opened);
     EXPECT_TRUE(
         record.status.detail.starts_with("the parachute reached the ground: the lines never came taut"))
         << record.status.detail;

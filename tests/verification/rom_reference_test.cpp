@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "lib/scene/keys.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -188,6 +189,85 @@ TEST(RomReference, OvershootByATableFollowsPflanzAndLudtke) {
     EXPECT_NEAR(test::last(run_rom(scene), "time"), filling + 0.1, 1e-12);
     const auto& area = record.find_channel("drag_area")->values;
     EXPECT_NEAR(*std::ranges::max_element(area), 1.35 * chute.drag_area, 0.01 * chute.drag_area);
+}
+
+/// No gravity, no added mass, 30 m/s, and a given filling time of 0.4 s.
+Scene drag_alone() {
+    Scene scene = bare_scene();
+    scene.environment.gravity = 1e-12;
+    scene.release.speed = 30.0;
+    scene.parachutes.front().fill_time = {find_fill_time("given"), 0.0, 0.0, 0.4};
+    scene.parachutes.front().initial_drag_area_ratio = 0.0;
+    scene.stop = {Trigger::Kind::time, 1.2, 0.0};
+    scene.rom.rtol = 1e-10;
+    return scene;
+}
+
+TEST(RomReference, TablesOfOvershootGiveTheClosedForms) {
+    // The drag area grows with t^j up to C_x, sampled 400 times a filling time, and falls from that kink
+    // straight back: all of the table's C_x above 1. It has six digits; between points the cubics of t^6
+    // leave h^2/24 f'' of the mean, 5e-6 of the whole. A kink that is rounded over one spacing costs 1e-3.
+    const double ballistic[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 1000.0};  // columns 3 to 12
+    for (const auto& row : reference_rows("pflanz_ludtke_overshoot.csv")) {
+        const double j = row.at(0), most = row.at(1), top = std::pow(most, 1.0 / j);
+        if (!(most > 1.0)) continue;
+        std::vector<double> x, y;
+        for (int i = 0; i / 400.0 < top; ++i) {
+            x.push_back(i / 400.0);
+            y.push_back(std::pow(x.back(), j));
+        }
+        for (int i = 0; i <= 200; ++i) {
+            x.push_back(top + 0.5 * i / 200.0);
+            y.push_back(most + (1.0 - most) * i / 200.0);
+        }
+        y.back() = 1.0;
+        for (std::size_t k = 0; k < std::size(ballistic); ++k) {
+            Scene scene = drag_alone();
+            Parachute& chute = scene.parachutes.front();
+            chute.drag_area = 2.0 * scene.payload.mass / (1.225 * 30.0 * 0.4 * ballistic[k]);
+            chute.drag_area_table.emplace("t.csv", x, y);
+            const double drag = 0.5 * 1.225 * 30.0 * 30.0 * chute.drag_area;
+            const double expected = row.at(3 + k);
+            EXPECT_NEAR(*run_rom(scene).metric("peak_force_N") / drag, expected, 0.51e-6 + 1e-5 * expected)
+                << "j " << j << ", C_x " << most << ", A " << ballistic[k];
+        }
+    }
+}
+
+TEST(RomReference, TablesWithKinksAreIntegratedToTheTolerance) {
+    // v = v_0/(1 + I/A) with I the integral of a table of straight lines. Its kinks end stages: the speed is
+    // as exact as the tolerance says, twenty steps and stages long, and steps of a smooth law are not
+    // rejected. With accreting added mass and next to no drag the rate of the drag area acts, which jumps:
+    // (m + M_a) v stays what it is until M_a has its maximum, v from then on.
+    const std::vector<double> x{0.0, 0.5, 0.5, 1.0, 1.0, 1.5, 1.5, 2.0},
+        y{0.1, 0.3, 0.3, 1.0, 1.0, 1.4, 1.4, 1.0};
+    for (const double rtol : {1e-5, 1e-7, 1e-9, 1e-11}) {
+        Scene scene = drag_alone();
+        Parachute& chute = scene.parachutes.front();
+        chute.drag_area = 2.0 * scene.payload.mass / (1.225 * 30.0 * 0.4 * 2.0);  // A = 2
+        chute.drag_area_table.emplace("t.csv", x, y);
+        chute.initial_drag_area_ratio = 0.1;
+        scene.rom.rtol = rtol;
+        scene.stop = {Trigger::Kind::time, 0.8, 0.0};
+        const RunRecord record = run_rom(scene);
+        const double exact = 30.0 / (1.0 + (0.1 + 0.325 + 0.6 + 0.6) / 2.0);
+        EXPECT_NEAR(test::last(record, "speed"), exact, 30.0 * 20.0 * rtol) << rtol;
+        EXPECT_LT(record.cost.rejected_steps, 8) << rtol;
+        // A stage ends on each kink exactly: its row stands there twice.
+        const auto& time = record.find_channel("time")->values;
+        for (const double kink : {0.5 * 0.4, 0.4, 1.5 * 0.4})
+            EXPECT_EQ(std::ranges::count(time, kink), 2) << kink;
+
+        chute.drag_area = 1e-15;
+        scene.aerodynamics.added_mass = {find_added_mass("hemisphere"), AddedMassMomentum::accreting};
+        const RunRecord grown = run_rom(scene);
+        const auto& air = grown.find_channel("added_mass")->values;
+        const double m = scene.payload.mass;
+        EXPECT_NEAR(test::last(grown, "speed"),
+                    30.0 * (m + air.front()) / (m + *std::ranges::max_element(air)), 30.0 * 20.0 * rtol)
+            << rtol;
+        EXPECT_LT(grown.cost.rejected_steps, 8) << rtol;
+    }
 }
 
 TEST(RomReference, FallsAsTanhWithConstantDragArea) {

@@ -89,6 +89,33 @@ double steady_diameter(double coefficient) {
     return std::sqrt(100.0 * g / (drag - k * g));
 }
 
+TEST(Sizing, TheForceOfACanopyIsALimitOfItsOwn) {
+    // Of one canopy it is that of all.
+    const double by_all = sized(level).best()->found->scene.release.speed;
+    const Sized of_one = sized(edited(level, "max_force = 10000", "max_canopy_force = 10000"));
+    EXPECT_EQ(of_one.best()->found->scene.release.speed, by_all);
+    EXPECT_EQ(of_one.best()->found->judged.binding()->row->name, "max_canopy_force");
+    // Two alike of half the drag area share it; where one of them is late, the other takes more than half.
+    const std::string pair = edited(edited(level, "max_force = 10000", "max_canopy_force = 5000"),
+                                    "drag_area = 30", "drag_area = 15\ncount = 2");
+    EXPECT_NEAR(sized(pair).best()->found->scene.release.speed, by_all, 1e-5 * by_all);
+    const Sized late = sized(edited(pair, "count = 2", "count = 2\nlag = [0, 0.2]"));
+    EXPECT_LT(late.best()->found->scene.release.speed, 0.9 * by_all);
+    EXPECT_NEAR(*late.best()->found->judged.record.metric("max_canopy_force_N"), 5000.0, 0.01);
+}
+
+TEST(Sizing, AParachuteThatNeverOpensMeetsNoLimit) {
+    // No force at all is below every limit on it.
+    const std::string packed =
+        edited(edited(falling, "by = \"line-stretch\"", "by = \"line-stretch\", when = { height = 0 }"),
+               "time = 60", "at = \"ground\"");
+    const Sized none = sized(edited(packed, "max_descent_rate = 6", "max_force = 1e6"));
+    ASSERT_NE(none.best(), nullptr);
+    EXPECT_FALSE(none.best()->meets());
+    EXPECT_TRUE(none.best()->found->judged.why_not.starts_with("not_opened: "))
+        << none.best()->found->judged.why_not;
+}
+
 TEST(Sizing, DescentRateIsTheBalanceOfWeightAndDrag) {
     const Sized all = sized(falling);
     ASSERT_TRUE(all.best() != nullptr && all.best()->meets());

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fullsim/mesh/start.hpp"
 #include "fullsim/observer.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "tests/bench/work/opening.hpp"
@@ -97,8 +98,8 @@ Curve own_steps(const char* method, Scene scene, double steady_area, const std::
 
 void study_opening_in_time(const Scene& demo, const TimeSettings& with,
                            const std::filesystem::path& directory) {
-    Scene substeps = demo;
-    substeps.full.output_rate = 2000.0;  // for the filling time, which is linear between rows
+    Scene substeps = fullsim::weighed(demo);  // as runs do
+    substeps.full.output_rate = 2000.0;       // for the filling time, which is linear between rows
     Scene plain = substeps;
     plain.full.line_substeps = 1;  // the equations as they stand, for integrators that know no substeps
     const Measured run = run_opening(plain);

@@ -1,0 +1,75 @@
+#include "lib/solve/shortfall.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace twinchute {
+
+std::vector<NeverOpened> never_opened(const Canopies& canopies) {
+    std::vector<NeverOpened> list;
+    for (Canopies::Unopened& one : canopies.unopened()) {
+        const Canopy& c = canopies.all()[one.canopy];
+        if (!list.empty() && list.back().parachute == c.index)
+            list.back().count += c.count;
+        else
+            list.push_back({c.index, c.count, std::move(one.why)});
+    }
+    return list;
+}
+
+void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<NeverOpened>& unopened,
+                       const Reached& reached) {
+    RunStatus& status = record.status;
+    const bool ended = status.code == StatusCode::completed || status.code == StatusCode::stopped_by_event;
+    if (!ended || !reached.ground) return;
+    if (unopened.empty()) {
+        if (!reached.full_open)
+            record.warnings.push_back({"on the ground before the canopy was full",
+                                       "the payload landed while it was still filling",
+                                       "open higher, or fill faster"});
+        return;
+    }
+    int count = 0;
+    std::string names, why;
+    for (const NeverOpened& one : unopened) {
+        const Parachute& chute = scene.parachutes[one.parachute];
+        const std::string who = one.count < chute.count
+                                    ? fmt::format("{} of {} {}", one.count, chute.count, chute.name)
+                                    : chute.name;
+        count += one.count;
+        names += (names.empty() ? "" : ", ") + who;
+        why += fmt::format("; {} never opened ({})", who, one.why);
+        record.warnings.push_back({fmt::format("{} never opened", who),
+                                   one.why + " when it was on the ground",
+                                   "check what it waits for, the height that this takes, and stop"});
+    }
+    record.add_metric("unopened_parachutes", count, Standing::result, names);
+    status = {StatusCode::not_opened, status.detail + why};
+}
+
+void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& reached) {
+    const StatusCode code = record.status.code;
+    const bool own_stop = code == StatusCode::completed;
+    if (!own_stop && code != StatusCode::stopped_by_event && code != StatusCode::not_opened) return;
+    const bool in_time = own_stop && (reached.full_open || !reached.ground);
+    const auto lacks = [&](const char* key, std::string why, bool not_reached) {
+        if (!record.find_metric(key)) record.missing.push_back({key, std::move(why), not_reached});
+    };
+    const auto before = [&](const char* what) {
+        return fmt::format("{} before {}",
+                           reached.ground ? "the payload was on the ground" : "the run stopped", what);
+    };
+    const Parachute& chute = scene.parachutes.front();
+    if (scene.parachutes.size() == 1 && chute.deploy.by != DeployBy::inflated) {
+        if (reached.full_open && !reached.no_filling_time.empty())
+            lacks("filling_time_s", reached.no_filling_time, own_stop && reached.filling_cut_short);
+        else
+            lacks("filling_time_s", before("the canopy was full"), in_time);
+    }
+    lacks("peak_force_N", before("a canopy began to fill"), in_time);
+    lacks("descent_rate_m_s", before("the descent was steady"), in_time);
+}
+
+}  // namespace twinchute

@@ -1,0 +1,43 @@
+// What a run did not come to: parachutes that never opened, metrics that it has no value for. The same for
+// every fidelity.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/record/run_record.hpp"
+#include "lib/scene/scene.hpp"
+#include "lib/solve/canopies.hpp"
+
+namespace twinchute {
+
+/// A parachute, or some of a cluster, that the scene means to open and that did not.
+struct NeverOpened {
+    std::size_t parachute = 0;  ///< in the scene
+    int count = 1;              ///< canopies
+    std::string why;
+};
+
+/// Those of `canopies` at the end of a run.
+std::vector<NeverOpened> never_opened(const Canopies& canopies);
+
+/// How far a run came, beside its status.
+struct Reached {
+    bool ground = false;               ///< the payload, or a pack, is on the ground
+    bool full_open = false;            ///< every canopy that is out is full, and none is still to come out
+    std::string no_filling_time = {};  ///< why there is none although the canopy is full; empty: no reason
+    bool filling_cut_short = false;    ///< that reason is the end of the run
+};
+
+/// On the ground whatever has never opened has failed, since nothing will open it any more: a warning, the
+/// metric unopened_parachutes and the status not_opened say so. A run that the scene stops in the air may
+/// stop before a deployment. A run that broke off keeps its status.
+void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<NeverOpened>& unopened,
+                       const Reached& reached);
+
+/// Says of filling time, peak force and descent rate, by which two fidelities are judged, why the record
+/// lacks them: because the scene's own stop came before (not_reached), or because something went wrong. The
+/// ground is no excuse for a canopy that is not full. Call it once metrics and status are known.
+void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& reached);
+
+}  // namespace twinchute

@@ -1,0 +1,64 @@
+// What each canopy of several pulls at the confluence.
+#pragma once
+
+#include <algorithm>
+
+#include "lib/solve/canopies.hpp"
+#include "rom/motion.hpp"
+
+namespace twinchute::rom {
+
+/// What canopies that fly as one body share at one moment.
+template <int dimensions>
+struct CanopyAir {
+    double time = 0.0, density = 0.0, gravity = 0.0;  ///< [s] since release, [kg/m^3], [m/s^2]
+    double mach = 0.0;                                ///< [-] where a drag area goes by it
+    const AddedMassSpec* added_mass = nullptr;        ///< null: none
+    bool accretes = false;                            ///< the air that joins takes momentum
+    Vec<dimensions> airspeed, acceleration;           ///< [m/s] of the canopies, [m/s^2] of the body
+};
+
+/// [N] of one canopy that is out on the confluence, through its riser: its drag, less what its air takes (the
+/// added mass times the acceleration, and what accretes), plus its own weight less its own inertia,
+///   T_i = D_i - M_i a - (dM_i/dt) v + m_i (g - a),
+/// Newton's law for one of the canopies of RigidComposite. Their sum is the opening force, in size and
+/// direction, since that is the same law for all of them. What accretes is counted as there: none while the
+/// air of all together shrinks, otherwise each canopy's part of the whole.
+template <int dimensions>
+Vec<dimensions> canopy_force(const Canopy& canopy, const Canopies& canopies,
+                             const CanopyAir<dimensions>& air) {
+    Vec<dimensions> force =
+        drag_of<dimensions>(air.density, Canopies::drag_area_of(canopy, air.time, air.mach), air.airspeed);
+    double inertia = canopy.chute->mass;
+    if (air.added_mass) {
+        const auto mass = Canopies::added_mass_of(canopy, *air.added_mass, air.time, air.density);
+        inertia += mass.value;
+        if (air.accretes && canopies.added_mass(*air.added_mass, air.time, air.density).rate > 0.0)
+            force -= mass.rate * air.airspeed;
+    }
+    force -= inertia * air.acceleration;
+    force[dimensions - 1] -= canopy.chute->mass * air.gravity;
+    return force;
+}
+
+/// The canopy that pulls most.
+struct LargestPull {
+    double force = 0.0;      ///< [N]
+    std::size_t canopy = 0;  ///< of Canopies::all()
+    int canopies = 0;        ///< that pull
+};
+
+template <int dimensions>
+LargestPull largest_pull(const Canopies& canopies, const CanopyAir<dimensions>& air) {
+    LargestPull largest;
+    for (std::size_t i = 0; i < canopies.all().size(); ++i) {
+        const Canopy& canopy = canopies.all()[i];
+        if (!canopy.is_out()) continue;
+        largest.canopies += canopy.count;
+        const double force = canopy_force<dimensions>(canopy, canopies, air).norm();
+        if (force > largest.force) largest.force = force, largest.canopy = i;
+    }
+    return largest;
+}
+
+}  // namespace twinchute::rom

@@ -1,0 +1,112 @@
+// Paths that name nothing, or what cannot be read, on the command line: refused, with exit code 2, at once.
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+#include "tests/support/short_scene.hpp"
+
+namespace twinchute {
+namespace {
+
+using test::Ended;
+
+class SystemPaths : public test::ShortScene {
+protected:
+    /// What a shell makes of a line, with the program as $T.
+    Ended shell(const std::string& line) {
+        return test::Process({"/usr/bin/env", "T=" TWINCHUTE_PROGRAM, "/bin/bash", "-c", line}, here_.path())
+            .wait();
+    }
+    /// Refused in usage, naming `what`.
+    void expect_refused(const Ended& ended, const std::string& what) {
+        EXPECT_EQ(ended.code, 2) << ended.err;
+        EXPECT_EQ(ended.out, "");
+        EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
+    }
+};
+
+TEST_F(SystemPaths, EveryOptionThatTakesAValueRefusesAnEmptyOne) {
+    here_.write("rom/history.csv", "years of work");
+    for (const std::string verb : {"rom", "full", "compare", "size", "ladder", "mesh"})
+        expect_refused(run({verb, "scene.toml", "--out", ""}), "--out is given nothing");
+    for (const std::string verb : {"stability", "validate"})
+        expect_refused(run({verb, "--out", ""}), "--out is given nothing");
+    for (const std::string option : {"--baseline", "--test", "--set", "--tolerance", "--fields"})
+        expect_refused(run({"compare", "scene.toml", option, ""}), option + " is given nothing");
+    expect_refused(run({"ladder", "scene.toml", "--reference", ""}), "--reference is given nothing");
+    expect_refused(run({"report", ""}), "is empty");
+    expect_refused(run({"rom", ""}), "is empty");
+    EXPECT_EQ(text("rom/history.csv"), "years of work");
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"rom", "rom/history.csv", "scene.toml"}));
+}
+
+TEST_F(SystemPaths, TheCurrentFolderIsGuardedHoweverItIsCalled) {
+    here_.write("rom/history.csv", "years of work");
+    for (const std::string& out :
+         std::vector<std::string>{".", "./", "new/..", "rom/..", "../" + here_.path().filename().string()})
+        expect_refused(run({"compare", "scene.toml", "--out", out}), "--out");
+    // Results that lie in a folder among other things do not make it a folder of results.
+    EXPECT_EQ(run({"rom", "scene.toml", "--quiet", "--out", "scene.out"}).code, 0);
+    expect_refused(run({"compare", "scene.toml", "--out", "."}), "--out");
+    EXPECT_EQ(text("rom/history.csv"), "years of work");
+}
+
+TEST_F(SystemPaths, ANamedPipeIsRefusedAndNotWaitedFor) {
+    ASSERT_EQ(::mkfifo((here_ / "pipe.toml").c_str(), 0600), 0);
+    ASSERT_EQ(::mkfifo((here_ / "pipe.csv").c_str(), 0600), 0);
+    ASSERT_EQ(::mkfifo((here_ / "pipe.vtu").c_str(), 0600), 0);
+    expect_refused(run({"rom", "pipe.toml"}), "pipe.toml: is a named pipe");
+    expect_refused(run({"compare", "scene.toml", "--test", "pipe.csv"}), "pipe.csv: is a named pipe");
+    expect_refused(run({"mesh", "scene.toml", "--out", "pipe.vtu"}), "pipe.vtu");
+    here_.write("size.toml", "base = \"sizing/rocket-main.toml\"\n");
+    expect_refused(run({"size", "size.toml", "--out", "pipe.toml"}), "pipe.toml");
+    for (const std::string name : {"summary.json", "checkpoint.bin"}) {
+        here_.write(name + ".out/notes", "work");
+        ASSERT_EQ(::mkfifo((here_ / (name + ".out/" + name)).c_str(), 0600), 0);
+        expect_refused(run({"rom", "scene.toml", "--out", name + ".out"}), name);
+    }
+}
+
+TEST_F(SystemPaths, StandardInputAndProcessSubstitutionAreRead) {
+    for (const char* line : {"cat scene.toml | $T rom /dev/stdin", "$T rom /dev/stdin < scene.toml",
+                             "$T rom <(cat scene.toml)", "$T rom <(sleep 0.2; cat scene.toml)"}) {
+        const Ended ended = shell(line);
+        EXPECT_EQ(ended.code, 0) << line << ": " << ended.err;
+        EXPECT_NE(ended.out.find("peak force"), std::string::npos) << line;
+    }
+    const Ended dash = shell("$T rom - < scene.toml");
+    expect_refused(dash, "standard input is /dev/stdin");
+}
+
+TEST_F(SystemPaths, ADataDirectoryThatIsNotThereIsAnError) {
+    expect_refused(shell("TWINCHUTE_DATA=nowhere $T rom scene.toml"),
+                   "nowhere: TWINCHUTE_DATA names no directory");
+    expect_refused(shell("TWINCHUTE_DATA=scene.toml $T rom scene.toml"), "TWINCHUTE_DATA names no directory");
+    expect_refused(shell("TWINCHUTE_DATA=nowhere $T list parachutes"), "TWINCHUTE_DATA names no directory");
+    EXPECT_EQ(shell("TWINCHUTE_DATA= $T rom scene.toml").code, 0);
+    EXPECT_EQ(shell("TWINCHUTE_DATA=. $T rom scene.toml").code, 0);
+}
+
+TEST_F(SystemPaths, MessagesNameTheOptionThatIsWrong) {
+    const auto says = [&](std::vector<std::string> words, const std::string& what) {
+        words.insert(words.begin(), {"compare", "scene.toml", "--check"});
+        expect_refused(run(words), what);
+    };
+    says({"--tolerance", "peak_forc=10%"},
+         "twinchute: --tolerance: compare.tolerance.peak_forc: unknown metric");
+    says({"--tolerance", "peak_force=10kg"}, "twinchute: --tolerance: compare.tolerance.peak_force: 'kg'");
+    says({"--baseline", "b", "--baseline-tolerance", "peak_force=-1%"}, "twinchute: --baseline-tolerance: ");
+    says({"--fields", "1e9"}, "twinchute: --fields: full.fields_rate: ");
+    says({"--set", "compare.tolerance.peak_forc='1 %'"}, "twinchute: --set: compare.tolerance.peak_forc: ");
+    says({"--set", "--fields full.fields_rate=1"},
+         "twinchute: --set: '--fields full.fields_rate=1' is not key=value");
+    // Their values are the command line's in a record, as those of --set are.
+    run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "max_force=1000%", "--fields",
+         "4"});
+    EXPECT_EQ(read("out/full/summary.json")["inputs"]["full.fields_rate"]["source"], "command line");
+    EXPECT_EQ(read("out/full/summary.json")["inputs"]["compare.tolerance.max_force"]["source"],
+              "command line");
+}
+
+}  // namespace
+}  // namespace twinchute

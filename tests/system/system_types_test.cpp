@@ -1,0 +1,62 @@
+// Types of canopy that the full model cannot mesh. Promised: exit code 2, a message that names the key and
+// the command that can run the scene, nothing written.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/process.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute {
+namespace {
+
+using nlohmann::json;
+using test::Ended;
+using test::Process;
+using Words = std::vector<std::string>;
+
+class SystemTypes : public testing::Test {
+protected:
+    Ended run(const std::string& command, const std::string& type, const Words& more = {}) {
+        Words words{TWINCHUTE_PROGRAM, command, TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
+                    "--set", "parachute.type='" + type + "'"};
+        words.insert(words.end(), more.begin(), more.end());
+        return Process(words, here_.path()).wait();
+    }
+    ScratchDir here_;
+};
+
+TEST_F(SystemTypes, WithSlotsOrArmsAreRefusedByKey) {
+    const auto before = tree_of(here_.path());
+    for (const char* type : {"cross", "conical-ribbon", "ringslot"})
+        for (const char* command : {"full", "compare", "ladder", "mesh"}) {
+            const Ended ended = run(command, type);
+            EXPECT_EQ(ended.code, 2) << command << ", " << type << ": " << ended.err;
+            EXPECT_EQ(ended.out, "") << command;
+            EXPECT_NE(ended.err.find("'parachute.type' ("), std::string::npos) << ended.err;
+            EXPECT_NE(ended.err.find("`twinchute rom`"), std::string::npos) << ended.err;
+        }
+    EXPECT_EQ(tree_of(here_.path()), before);
+    EXPECT_EQ(run("rom", "cross").code, 0);
+}
+
+TEST_F(SystemTypes, APlanNamesWhatIsLacking) {
+    const Ended ended = run("plan", "cross", {"--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const json all = json::parse(ended.out);
+    EXPECT_FALSE(all["plans"][0].contains("lacks"));
+    EXPECT_EQ(all["plans"][1]["lacks"], json::array({"parachute.type"}));
+}
+
+TEST_F(SystemTypes, ASolidOneIsMeshedFlatCircularAndSaysSo) {
+    const Ended ended = run("mesh", "conical", {"--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_TRUE(json::parse(ended.out)["note"].get<std::string>().starts_with(
+        "a flat circular canopy stands in for a conical one: "));
+    EXPECT_FALSE(json::parse(run("mesh", "flat-circular", {"--json"}).out).contains("note"));
+}
+
+}  // namespace
+}  // namespace twinchute

@@ -1,0 +1,104 @@
+// What a full run notes of its forces: which of them belong to which interval of the opening.
+#include "fullsim/observer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/support/small_parachute.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Forces that are given, in steps that end on given times, some with substeps.
+class GivenForces {
+public:
+    GivenForces() : mesh_(test::coarse_c9()), state_(test::state_of(mesh_)), observer(mesh_, 9.81, 200.0) {}
+
+private:
+    Mesh mesh_;
+    State state_;
+    std::mt19937 generator_{3};
+    std::uniform_real_distribution<double> chance_{0.0, 1.0};
+
+public:
+    Observer observer;
+
+    /// Steps to `end` [s]; force(t) [N] is what the risers pull. Returns the largest of them.
+    template <class Force>
+    double step_to(double end, Force&& force) {
+        double largest = 0.0;
+        while (state_.time < end) {
+            const double begin = state_.time;
+            const double dt = std::min(end - begin, 1e-5 + 3e-4 * chance_(generator_));
+            const int substeps = chance_(generator_) < 0.5 ? 1 : 4;
+            state_.time = begin + dt < end ? begin + dt : end;
+            state_.dt = dt;
+            state_.line_dt = dt / substeps;
+            state_.in_substeps = {};
+            for (int k = 1; k <= substeps; ++k) {
+                const double pull = force(k < substeps ? begin + k * state_.line_dt : state_.time);
+                largest = std::max(largest, pull);
+                if (k < substeps) state_.in_substeps.add(Lanes{0.0, 0.0, pull, 0.0});
+                state_.riser_force = {0.0, 0.0, pull};
+            }
+            observer.observe(state_);
+        }
+        return largest;
+    }
+};
+
+TEST(Observer, NeverFiltersAPeakAboveTheForcesOfItsInterval) {
+    // Three stages at random times. Right before the first and the last one stands a spike ten times as large
+    // as anything within them, which the second one has at its end.
+    std::mt19937 generator(11);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    for (int round = 0; round < 40; ++round) {
+        GivenForces run;
+        const double begin[] = {0.02 + 0.02 * chance(generator), 0.06 + 0.02 * chance(generator),
+                                0.1 + 0.02 * chance(generator), 0.14 + 0.02 * chance(generator)};
+        double spike_at = begin[0];
+        const auto force = [&](double t) {
+            const double left = spike_at - t;
+            return 1000.0 + 300.0 * std::sin(700.0 * t + round) +
+                   (left > 0.0 && left < 1e-3 ? 1e4 * left / 1e-3 : 0.0);
+        };
+        run.observer.count_peak_from(begin[0]);
+        run.step_to(begin[0], force);
+        double largest[3], all = 0.0;
+        for (int stage = 0; stage < 3; ++stage) {
+            spike_at = stage == 1 ? begin[2] : 0.0;
+            // What the step into the boundary pulled at its very end belongs to both sides.
+            const double at_begin = force(begin[stage]);
+            largest[stage] = std::max(at_begin, run.step_to(begin[stage + 1], force));
+            all = std::max(all, largest[stage]);
+            if (stage < 2) run.observer.begin_stage(begin[stage + 1]);
+        }
+        run.observer.finish();
+        ASSERT_EQ(run.observer.earlier_peaks().size(), 2u);
+        const Observer::Peak peaks[] = {run.observer.earlier_peaks()[0], run.observer.earlier_peaks()[1],
+                                        run.observer.peak()};
+        for (int stage = 0; stage < 3; ++stage) {
+            EXPECT_GT(peaks[stage].value, 0.0);
+            EXPECT_LE(peaks[stage].value, largest[stage] * (1.0 + 1e-12)) << round << ", " << stage;
+            EXPECT_LE(peaks[stage].value, run.observer.raw_peak().value * (1.0 + 1e-12));
+            EXPECT_GE(peaks[stage].time, begin[stage]);
+            EXPECT_LE(peaks[stage].time, begin[stage + 1]);
+        }
+        EXPECT_LE(run.observer.raw_peak().value, all * (1.0 + 1e-12));
+    }
+}
+
+TEST(Observer, CountsAPeakThatTheEndOfTheRunCutsOff) {
+    // 1000 N, and a rise to 2000 N in the last millisecond: of the last 2.5 ms the mean is 1000 + 500/2.5 N.
+    GivenForces run;
+    run.step_to(0.05, [](double t) { return 1000.0 + 1e6 * std::max(0.0, t - 0.049); });
+    run.observer.finish();
+    EXPECT_NEAR(run.observer.peak().value, 1200.0, 20.0);  // steps of 0.3 ms, means over substeps
+    EXPECT_GT(run.observer.peak().time, 0.049);
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim
