@@ -43,7 +43,8 @@ void keep_body(Keeper& k, std::optional<BodyState>& body) {
 
 constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
     auto& [kinetic_start, elastic_start, gravity_work, drag_work, damping, added_mass, gravity_power,
-           drag_power, damping_power, external_work, external_power, ramp, changed_hands] = book;
+           drag_power, damping_power, external_work, external_power, ramp, weighs, kinetic, changed_hands] =
+        book;
     for (double* x :
          {&kinetic_start, &elastic_start, &gravity_work, &drag_work, &damping, &added_mass, &gravity_power,
           &drag_power, &damping_power, &external_work, &external_power, &ramp, &changed_hands})

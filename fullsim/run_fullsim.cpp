@@ -98,11 +98,12 @@ public:
             observer_.observe(observer_.row_is_due(state().time) ? simulation_.seams() : state());
             fields_.observe(fields_.frame_is_due(state().time) ? simulation_.state() : state());
             observe_frame();
-            if (state().step % Simulation::steps_between_checks == 0) check();
-            if (!ended_) look_for_events();
+            look_for_events();
             // An end between two checks must not hide what the next one would have found.
             if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
-            if (!ended_) simulation_.step_to(next_stop());
+            if (ended_) break;
+            simulation_.step_to(next_stop());
+            if (simulation_.was_checked()) check();
         }
         // The rest of the fall begins where this ends, not at the last row before.
         if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
@@ -175,7 +176,7 @@ private:
     }
 
     void check() {
-        if (const auto fault = simulation_.find_fault()) {
+        if (const auto& fault = simulation_.fault()) {
             observer_.forget();
             record_.events.resize(sound_events_);
             fields_.forget();

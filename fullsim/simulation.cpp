@@ -19,6 +19,7 @@ namespace {
 
 constexpr double smallest_step = 1e-9;      // [s] below which nothing would ever finish
 constexpr double largest_residual = 0.002;  // of the energy that changed hands; sound runs: 1e-5 to 1e-4
+constexpr double few_impacts = 0.4;         // of that, which impacts of a canopy drawn out may use
 constexpr std::int64_t most_steps = 2'000'000'000;
 // Times over D0/v: of the added mass toward the open canopy's shape, of the ramp where the scene gives none.
 constexpr double relaxation = 0.1 / time_scale_of_c9, ramp_share = 0.15 / time_scale_of_c9;
@@ -465,19 +466,22 @@ void Simulation::look_at_folds() {
 void Simulation::step_to(double end) {
     look_at_folds();
     const bool due = state_.step > 0 && state_.step % steps_between_bounds == 0;
-    if (impacts_count() &&
-        ((due && impacts_.alert()) || impacts_.is_due(state_.energy.damping, book_scale(state_.energy)))) {
-        impacts_.look(residual_share(ledger()) / largest_residual, state_.energy.damping);
-        refresh_step();
-    } else if (due) {
-        refresh_step();
-    }
+    if (due) refresh_step();
     const double left = end - state_.time;
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
     most_substeps_ = std::max(most_substeps_, substeps_);
     const double kick = 0.5 * (dt + state_.dt);
     state_.in_substeps = {};
+
+    checked_ = state_.step % steps_between_checks == 0;
+    const bool watched =
+        impacts_count() && (checked_ || (due && impacts_.alert()) ||
+                            impacts_.is_due(state_.energy.damping, book_scale(state_.energy)));
+    state_.energy.weighs = checked_ || watched;
+    const Levels levels = state_.energy.weighs ? layout_->levels(state_) : Levels{};
+    const double began = state_.time, turned = turning(), added_mass = state_.energy.added_mass;
+
     layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, dt);
     lags_ = true;
@@ -485,6 +489,21 @@ void Simulation::step_to(double end) {
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);
+
+    if (!state_.energy.weighs) return;
+    const EnergyLedger ledger = ledger_before(state_, levels.elastic, turned, added_mass);
+    if (checked_) fault_ = find_fault_in(levels, ledger, began, state_.step - 1);
+    if (watched) watch_impacts(ledger);
+}
+
+void Simulation::watch_impacts(const EnergyLedger& ledger) {
+    // A canopy that never was in a pack has few impacts: its steps are others than those of the same canopy
+    // seen from a moving frame only where its books are about to be full.
+    const double tolerated = scene_.parachutes.front().deploy.starts_packed() ? 0.0 : few_impacts;
+    const double before = impacts_.share();
+    impacts_.look(residual_share(ledger) / largest_residual, state_.energy.damping, tolerated);
+    // Longer ones with the next bound.
+    step_ *= std::min(1.0, impacts_.share() / before);
 }
 
 void Simulation::take_shape(bool tethered, std::size_t reefing_stage) {
@@ -555,9 +574,14 @@ std::string Simulation::hardest_hit() const {
 }
 
 std::optional<RunStatus> Simulation::find_fault() {
-    const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", state_.time, state_.step); };
-    // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
     const Levels levels = layout_->levels(state_);
+    return find_fault_in(levels, ledger_of(levels), state_.time, state_.step);
+}
+
+std::optional<RunStatus> Simulation::find_fault_in(const Levels& levels, const EnergyLedger& e, double time,
+                                                   std::int64_t step) {
+    const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", time, step); };
+    // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
     const double everything = levels.kinetic + state_.sums.system_position.sum() +
                               state_.largest.line_tension + state_.largest.fabric_stress;
     if (!std::isfinite(everything))
@@ -576,7 +600,6 @@ std::optional<RunStatus> Simulation::find_fault() {
                             "full.strain_limit lets it stretch further",
                             structure_[i]->element_name(structure_[i]->extreme(whole()).element),
                             100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
-    const EnergyLedger e = ledger_of(levels);
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
     const double share = residual_share(e);
     if (!(std::abs(share) <= largest_residual)) {
@@ -589,7 +612,7 @@ std::optional<RunStatus> Simulation::find_fault() {
                 std::abs(residual(e)), lost ? "were lost" : "came from nowhere", 100.0 * std::abs(share),
                 where(), step_, hardest_hit(), scene_.full.time_step_factor)};
     }
-    if (state_.step >= most_steps)
+    if (step >= most_steps)
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};
     sound_loads_ = state_.largest;

@@ -114,7 +114,11 @@ public:
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
     /// from nowhere, or a step too small to go on.
     std::optional<RunStatus> find_fault();
-    /// Of all steps up to the last find_fault that found nothing.
+    /// Every so many steps (steps_between_checks) a step looks for the same in the state that it began with,
+    /// whose energy is known then to the last bit.
+    bool was_checked() const { return checked_; }
+    const std::optional<RunStatus>& fault() const { return fault_; }
+    /// Of all steps up to the last look that found nothing.
     const LargestLoads& largest_loads() const { return sound_loads_; }
 
     /// Element evaluations so far, and seconds spent in each block (sampled).
@@ -149,12 +153,10 @@ private:
     double cloth_lengthens();
     /// Cloth comes taut and slack: before flight, unless all of it is folded.
     static bool slaps_in(const State& state) { return state.stage != Stage::flight && !state.folded; }
-    /// Impacts shorten steps, in flight as well of a parachute that came from its pack and whose steps are
-    /// stable: shorter ones would hide a step beyond its bound.
+    /// Impacts shorten steps, in flight as well where those are stable: shorter ones would hide a step beyond
+    /// its bound.
     bool impacts_count() const {
-        return slaps_in(state_) ||
-               (state_.stage == Stage::flight && scene_.parachutes.front().deploy.starts_packed() &&
-                scene_.full.time_step_factor <= 1.0);
+        return slaps_in(state_) || (state_.stage == Stage::flight && scene_.full.time_step_factor <= 1.0);
     }
     /// share: of every bound, see StepRules.
     ChosenStep choose_step(const State& state, double share);
@@ -162,10 +164,16 @@ private:
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
     EnergyLedger ledger_of(const Levels& levels) const {
-        const double turning =
-            body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
-        return energy_ledger(state_, levels.kinetic + turning, levels.elastic);
+        return energy_ledger(state_, levels.kinetic + turning(), levels.elastic);
     }
+    /// [J] of a payload that is a body.
+    double turning() const {
+        return body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
+    }
+    std::optional<RunStatus> find_fault_in(const Levels& levels, const EnergyLedger& ledger, double time,
+                                           std::int64_t step);
+    /// Impacts that use up the books' room make steps shorter.
+    void watch_impacts(const EnergyLedger& ledger);
     /// What does not add up, over what changed hands [-].
     double residual_share(const EnergyLedger& ledger);
     /// The most strained element, in words.
@@ -193,6 +201,8 @@ private:
     int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
     LineWaves line_waves_;
     ImpactWatch impacts_;
+    bool checked_ = false;                           // by the last step,
+    std::optional<RunStatus> fault_;                 // which found this
     double cloth_strain_ = -1.0, cloth_seen_ = 0.0;  // [-] of the longest before snatch, and when [s]
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]

@@ -243,6 +243,9 @@ public:
         step_.together = together;
         const GoreSubstep first = substep_of(state, dt, substeps, 0);
         step_.first_kick = first.step.kick;
+        step_.weighs = state.energy.weighs;
+        step_.last_dt = state.dt;
+        step_.last_line_dt = state.line_dt;
         step_.gravity = constants_.gravity;
         step_.image = nodes_->image();
         step_.pushed = has_.pressure;
@@ -262,6 +265,7 @@ public:
             sums.drag_power[2] += g.drag_power;
             sums.momentum[2] += g.momentum;
             sums.share_square += g.share_square;
+            sums.kinetic += g.kinetic;
             state.damping_power += g.dissipated;
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;

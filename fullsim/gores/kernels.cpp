@@ -492,6 +492,7 @@ void give_back(const GoreFrame& rows, std::span<const std::int32_t> neighbour) {
 struct LaneSums {
     Vec3s position, velocity, area_velocity;
     Vec drag_power, momentum, share_square, dissipated, accretion_power, external_power;
+    Vec kinetic;  // twice
 };
 
 /// What nodes on lines do in a step: move with it, or take its impulse alone.
@@ -580,6 +581,15 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         if constexpr (pulled == Pulled::apart)
             middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * pull;
         sums.momentum += mass * middle.z;
+        if (step.weighs) {
+            Vec3s change = all(step.last_dt) * acceleration;
+            if constexpr (pulled == Pulled::apart)
+                change += all(step.last_line_dt * step.inverse_inertia[n]) * pull;
+            Vec3s booked = aero;
+            booked.z = booked.z - mass * gravity;
+            sums.kinetic += (live * all(1.0 / step.inverse_inertia[n])) * dot(before, before + change) +
+                            (live * all(step.last_dt)) * dot(booked, middle - before);
+        }
         store3(after, block.v_half + n * block.half_stride);
         if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
         if constexpr (canopy) sums.share_square += share * dot(middle, middle);
@@ -602,7 +612,7 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
 GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
     const Vec zero = all(0.0);
     const Vec3s none{zero, zero, zero};
-    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
+    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero, zero}, line = canopy;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);
         if (step.first_aero > 0)
@@ -628,6 +638,7 @@ GoreSums advance(const GoreFrame& frame, const GoreAdvance& step) {
     sums.dissipated = sum(canopy.dissipated + line.dissipated);
     sums.accretion_power = sum(canopy.accretion_power);
     sums.external_power = sum(canopy.external_power);
+    sums.kinetic = 0.5 * sum(canopy.kinetic + line.kinetic);
     return sums;
 }
 
@@ -696,7 +707,7 @@ template <bool last_of_step>
 GoreSums substep_pass(const GoreFrame& frame, const GoreSubstep& substep) {
     const Vec zero = all(0.0);
     const Vec3s none{zero, zero, zero};
-    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero}, line = canopy;
+    LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero, zero}, line = canopy;
     Vec largest = zero;
     for (int b = frame.first; b < frame.last; ++b) {
         const Block block(frame, b);

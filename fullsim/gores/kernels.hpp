@@ -157,15 +157,17 @@ struct GoreAdvance {
     /// Whether the pulled nodes move as the others do. Otherwise they get the impulse of everything but
     /// lines, and keep its acceleration in `aero` for their substeps.
     bool together = true;
-    double first_kick = 0.0;             ///< [s] of the first substep, for the works
-    double kick = 0.0, dt = 0.0;         ///< [s] between half steps, and of the step
-    double gravity = 0.0;                ///< [m/s^2]
-    double pressure = 0.0;               ///< [Pa] on `push`
-    std::array<double, 3> flag{};        ///< [N] on the canopy by share
-    bool leaned_on = false;              ///< by contacts,
-    std::array<double, 3> lean{};        ///< [m/s^2] of the canopy, by what they push off on its axis
-    std::array<double, 3> extraction{};  ///< [N]
-    double breathing = 0.0;              ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
+    double first_kick = 0.0;                   ///< [s] of the first substep, for the works
+    bool weighs = false;                       ///< as EnergyBook
+    double last_dt = 0.0, last_line_dt = 0.0;  ///< [s] of the step before, and of its last substep
+    double kick = 0.0, dt = 0.0;               ///< [s] between half steps, and of the step
+    double gravity = 0.0;                      ///< [m/s^2]
+    double pressure = 0.0;                     ///< [Pa] on `push`
+    std::array<double, 3> flag{};              ///< [N] on the canopy by share
+    bool leaned_on = false;                    ///< by contacts,
+    std::array<double, 3> lean{};              ///< [m/s^2] of the canopy, by what they push off on its axis
+    std::array<double, 3> extraction{};        ///< [N]
+    double breathing = 0.0;  ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
     std::array<double, 3> breathing_mean{};  ///< [m/s]
     double alpha = 0.0;                      ///< [1/s] about `mean`
     std::array<double, 3> mean{};            ///< [m/s]
@@ -180,6 +182,7 @@ struct GoreSums {
     double drag_power = 0.0;                                               // [W]
     double momentum = 0.0;                                                 // [kg m/s] upwards
     double share_square = 0.0;                                             // sum of share times v^2 [m^2/s^2]
+    double kinetic = 0.0;                                                  // [J] as StepSums
     double dissipated = 0.0, accretion_power = 0.0, external_power = 0.0;  // [W]
     double largest_tension = 0.0;                                          // [N] as FabricSums::largest_load
 };

@@ -220,6 +220,8 @@ public:
         step_.added_mass = state.added_mass;
         step_.kick = mover.kick();
         step_.dt = dt;
+        step_.weighs = state.energy.weighs;
+        step_.last_dt = state.dt;
         step_.gravity = constants_.gravity;
         StepSums sums;
         const std::size_t all = constants_.mass.size();
@@ -304,6 +306,7 @@ private:
         sums.drag_power += as_lanes(s.drag_power);
         sums.momentum += as_lanes(s.momentum);
         sums.share_square += sum3(as_lanes(s.share_square));
+        sums.kinetic += 0.5 * sum3(as_lanes(s.kinetic));
         state.damping_power += sum3(as_lanes(s.dissipated));
         state.accretion_power += sum3(as_lanes(s.accretion_power));
     }

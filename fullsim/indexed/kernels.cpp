@@ -338,6 +338,7 @@ HWY_INLINE std::array<double, 4> plain(Row row) {
 /// Sums of a step over nodes of a kind.
 struct RowSums4 {
     Row position, velocity, area_velocity, drag_power, momentum, share_square, dissipated, accretion_power;
+    Row kinetic;  // twice
 };
 
 /// Nodes from first to last. Templates, so that what nodes have not costs nothing in the loop; `more`: mass
@@ -399,6 +400,9 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
         const Row after = before + kick * acceleration;
         const Row middle = half * (before + after);  // velocity at t, exact for the energy balance
         sums.momentum += m * middle;
+        if (step.weighs)
+            sums.kinetic += inertia * (before * (before + step.last_dt * acceleration)) +
+                            step.last_dt * ((aero + m * fall) * (middle - before));
         const Row x = load_row(x_at) + dt * after;
         const Row now = after + half_dt * acceleration;
         store_row(after, v_half_at);
@@ -418,7 +422,7 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
 template <bool more>
 Sums advance_all(Nodes nodes, const Advance& step) {
     const Row none = row_of(0.0);
-    const RowSums4 nothing{none, none, none, none, none, none, none, none};
+    const RowSums4 nothing{none, none, none, none, none, none, none, none, none};
     RowSums4 canopy = nothing, other = nothing;
     const std::size_t aero = std::clamp(step.first_aero, step.first, step.last);
     const std::size_t end_of_canopy = std::clamp(step.canopy, step.first, step.last);
@@ -434,7 +438,8 @@ Sums advance_all(Nodes nodes, const Advance& step) {
             plain(canopy.momentum + other.momentum),
             plain(canopy.share_square),
             plain(canopy.dissipated + other.dissipated),
-            plain(canopy.accretion_power)};
+            plain(canopy.accretion_power),
+            plain(canopy.kinetic + other.kinetic)};
 }
 
 Sums advance(Nodes nodes, const Advance& step) {

@@ -87,6 +87,8 @@ struct Advance {
     std::size_t first_aero = 0;           ///< nodes before it have nothing in `aero`
     double added_mass = 0.0;              ///< [kg] by share
     double kick = 0.0, dt = 0.0;          ///< [s] between half steps, and of the step
+    bool weighs = false;                  ///< as EnergyBook
+    double last_dt = 0.0;                 ///< [s] of the step before
     double gravity = 0.0;                 ///< [m/s^2]
     double pressure = 0.0;                ///< [Pa] on `push`
     std::array<double, 4> flag{};         ///< [N] on the canopy by share
@@ -102,7 +104,7 @@ struct Advance {
 struct Sums {
     using Row = std::array<double, 4>;
     Row canopy_position{}, canopy_velocity{}, other_position{}, other_velocity{}, area_velocity{};
-    Row drag_power{}, momentum{}, share_square{}, dissipated{}, accretion_power{};
+    Row drag_power{}, momentum{}, share_square{}, dissipated{}, accretion_power{}, kinetic{};
 };
 
 /// The loops, for one instruction set.

@@ -313,6 +313,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
         area_velocity = zero;
     Vec drag_power = zero, momentum = zero, share_square = zero, dissipated = zero, accretion_power = zero;
+    Vec twice_kinetic = zero;
     // Not by for_nodes: what it sums up would lie in memory.
     for (std::size_t r = 0; r < plan.own.size(); r += ways) {
         const NodeSources* const sources = &plan.own[r];
@@ -348,6 +349,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         const Vec3s before = aligned3(f.v_half, n);
         Vec3s after = before + kick * acceleration, now = half_dt * acceleration;
         Vec time = dt, over = all(1.0);
+        Vec3s change = all(step.last_dt) * acceleration;  // over the step that led here
         if (has_cord(sources)) {
             const Vec on_cord = load(k.on_cord + n);
             const Vec3s pull = cords_on(f, plan, sources, n);
@@ -358,8 +360,15 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
             after += first_kick * by_cords;
             now = over * now + half_first * by_cords;
             time += on_cord * shorter;
+            change += all(step.last_line_dt) * by_cords;
         }
         const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        if (step.weighs) {
+            Vec3s booked = aero;
+            booked.z = booked.z - mass * gravity;
+            twice_kinetic += (mass + share * added_mass) * dot(before, before + change) +
+                             all(step.last_dt) * dot(booked, middle - before);
+        }
         const Vec3s x = aligned3(f.x, n) + time * after;
         now += after;
         put3(after, f.v_half, n);
@@ -386,6 +395,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     sums.share_square = sum(share_square);
     sums.dissipated = sum(dissipated);
     sums.accretion_power = sum(accretion_power);
+    sums.kinetic = 0.5 * sum(twice_kinetic);
     return sums;
 }
 

@@ -128,16 +128,18 @@ struct SectorAir {
 struct SectorAdvance {
     double kick = 0.0, dt = 0.0;  ///< [s] between half steps, and of the step
     Substep first;
-    bool only = true;             ///< a step of one substep
-    double gravity = 0.0;         ///< [m/s^2]
-    double added_mass = 0.0;      ///< [kg] of the whole canopy, by share, as all of these:
-    double pressure = 0.0;        ///< [Pa]
-    double flag = 0.0;            ///< [N] upwards
-    double breathing = 0.0;       ///< [N s/m] about `breathing_mean`
-    double breathing_mean = 0.0;  ///< [m/s] upwards
-    double alpha = 0.0;           ///< [1/s] about `mean`
-    double mean = 0.0;            ///< [m/s] upwards
-    double accretion = 0.0;       ///< [kg/s] from air at rest
+    bool only = true;                          ///< a step of one substep
+    bool weighs = false;                       ///< as EnergyBook
+    double last_dt = 0.0, last_line_dt = 0.0;  ///< [s] of the step before, and of its last substep
+    double gravity = 0.0;                      ///< [m/s^2]
+    double added_mass = 0.0;                   ///< [kg] of the whole canopy, by share, as all of these:
+    double pressure = 0.0;                     ///< [Pa]
+    double flag = 0.0;                         ///< [N] upwards
+    double breathing = 0.0;                    ///< [N s/m] about `breathing_mean`
+    double breathing_mean = 0.0;               ///< [m/s] upwards
+    double alpha = 0.0;                        ///< [1/s] about `mean`
+    double mean = 0.0;                         ///< [m/s] upwards
+    double accretion = 0.0;                    ///< [kg/s] from air at rest
 };
 
 /// A further one of nodes on cords. half_step: [s] half of the whole step in its last, else nothing.
@@ -152,6 +154,7 @@ struct SectorSums {
     double canopy_position = 0.0, canopy_velocity = 0.0, other_position = 0.0, other_velocity = 0.0;
     double area_velocity = 0.0;
     double drag_power = 0.0, momentum = 0.0, share_square = 0.0, dissipated = 0.0, accretion_power = 0.0;
+    double kinetic = 0.0;          ///< [J] as StepSums
     double largest_tension = 0.0;  ///< [N] of lines, in a further substep
 };
 

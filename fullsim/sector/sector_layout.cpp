@@ -191,12 +191,16 @@ public:
         step_.dt = dt;
         step_.first = first;
         step_.only = only;
+        step_.weighs = state.energy.weighs;
+        step_.last_dt = state.dt;
+        step_.last_line_dt = state.line_dt;
         step_.gravity = constants_.gravity;
         step_.added_mass = state.added_mass;
         const SectorSums one = kernels_.advance(arrays_.frame, arrays_.plan, step_);
         sums.drag_power += up(all * one.drag_power);
         sums.momentum += up(all * one.momentum);
         sums.share_square = all * one.share_square;
+        sums.kinetic += all * one.kinetic;
         state.damping_power += all * one.dissipated;
         state.accretion_power += all * one.accretion_power;
         add_positions(one, sums);

@@ -13,11 +13,12 @@ constexpr double substep_cost = 0.12;  // of a substep of lines over a step of e
 constexpr double share_while_slapping = 0.5;
 /// Of the largest residual: what impacts may use of it, and from how little left on steps become shorter.
 /// A crane drop uses 0.56 and keeps its steps.
-constexpr double most_used = 0.95, careful_from = 0.38;
+constexpr double most_used = 0.9, careful_from = 0.33;
 constexpr double most_at_once = 0.2;  // of what is left, from one look to the next
 constexpr double faster = 1.5;        // by which steps become longer again, at most
 constexpr double least_share = 0.02;
-constexpr double unnoticed = 0.01;  // of what is left, from one look to the next
+constexpr double unnoticed = 0.01;    // of what is left, from one look to the next
+constexpr double least_left = 0.002;  // of that: once all is used, steps must not stay short for ever
 
 }  // namespace
 
@@ -31,12 +32,17 @@ double step_to_first_impact(double strain, double rate) {
     return std::max(-strain / steps, at_impact) / rate;
 }
 
-void ImpactWatch::look(double used_up, double dissipated) {
+void ImpactWatch::look(double used_up, double dissipated, double tolerated) {
     const double used = std::abs(used_up), change = std::abs(used_up - used_up_),
                  left = std::max(0.0, most_used - used);
     used_up_ = used_up;
     dissipated_ = dissipated;
-    if (change <= unnoticed * left) {  // nothing hits: however little is left, nothing uses it
+    if (used < tolerated) {
+        share_ = 1.0;
+        return;
+    }
+    if (change <=
+        unnoticed * std::max(least_left, left)) {  // nothing hits: however little is left, nothing uses it
         share_ = std::min(1.0, faster * share_);
         return;
     }

@@ -53,8 +53,9 @@ public:
     }
     /// Impacts are about to begin: of cloth that has been folded until now.
     void expect() { share_ = expecting; }
-    /// used_up: what does not add up over the largest residual at which a run goes on.
-    void look(double used_up, double dissipated);
+    /// used_up: what does not add up over the largest residual at which a run goes on. What is used of it up
+    /// to `tolerated` changes no step.
+    void look(double used_up, double dissipated, double tolerated = 0.0);
 
     void keep(Keeper& k) {
         for (double* x : {&share_, &used_up_, &dissipated_})
@@ -62,7 +63,7 @@ public:
     }
 
 private:
-    static constexpr double expecting = 0.1, between_looks = 1e-3;
+    static constexpr double expecting = 0.02, between_looks = 1e-3;
 
     double share_ = 1.0, used_up_ = 0.0, dissipated_ = 0.0;
 };

@@ -57,9 +57,10 @@ double residual(const EnergyLedger& e) {
            (e.gravity_work + e.drag_work - e.damping + e.added_mass + e.ramp + e.external_work);
 }
 
-EnergyLedger energy_ledger(const State& state, double kinetic, double elastic) {
-    const EnergyBook& book = state.energy;
-    const double half = 0.5 * state.dt;
+namespace {
+
+/// half: [s] from the middle of the last kick, up to which works are booked, to the time of the balance.
+EnergyLedger balance(const EnergyBook& book, double half, double kinetic, double elastic) {
     EnergyLedger ledger;
     ledger.kinetic = kinetic - book.kinetic_start;
     ledger.elastic = elastic - book.elastic_start;
@@ -72,6 +73,18 @@ EnergyLedger energy_ledger(const State& state, double kinetic, double elastic) {
     const double scale = std::abs(ledger.drag_work);
     ledger.residual_fraction = scale > 0.0 ? residual(ledger) / scale : 0.0;
     return ledger;
+}
+
+}  // namespace
+
+EnergyLedger energy_ledger(const State& state, double kinetic, double elastic) {
+    return balance(state.energy, 0.5 * state.dt, kinetic, elastic);
+}
+
+EnergyLedger ledger_before(const State& state, double elastic, double turning, double added_mass) {
+    EnergyBook book = state.energy;
+    book.added_mass = added_mass;
+    return balance(book, -0.5 * state.dt, book.kinetic + turning, elastic);
 }
 
 }  // namespace twinchute::fullsim

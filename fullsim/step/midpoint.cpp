@@ -60,6 +60,7 @@ TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, 
     sums = of_these;
     NodeRecord& far_end = state_.node[last];
     state_.external_power -= sum3(force_[last].value * far_end.v);
+    if (weighs_) sums.kinetic += 0.5 * c.static_line_mass.back() * sum3(far_end.v * far_end.v);
     far_end.x += dt_ * far_end.v;
     force_[last].value = splat(0.0);
 }
@@ -92,6 +93,7 @@ void finish_step(State& state, const NodeConstants& c, const StepSums& sums, dou
     book.damping += kick * state.damping_power + sums.line_damping;
     book.external_power = state.external_power;
     book.external_work += kick * book.external_power;
+    book.kinetic = sums.kinetic;
     book.added_mass +=
         kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sums.share_square;
     state.added_mass = next_added_mass;

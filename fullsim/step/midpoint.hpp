@@ -29,6 +29,7 @@ struct StepSums {
     Lanes area_velocity = splat(0.0);                                  ///< times share
     Lanes drag_power = splat(0.0), momentum = splat(0.0);  ///< by component, at the time of the forces
     double share_square = 0.0;        ///< of share times speed squared, likewise [m^2/s^2]
+    double kinetic = 0.0;             ///< [J] likewise, where State.energy.weighs
     double line_damping = 0.0;        ///< [J] by lines and risers in substeps
     double line_damping_power = 0.0;  ///< [W] in the last of them, by its part of the step
 };
@@ -51,6 +52,9 @@ public:
           aero_(state.aero.view()),
           kick_(0.5 * (dt + state.dt)),
           dt_(dt),
+          last_dt_(state.dt),
+          last_line_dt_(state.line_dt),
+          weighs_(state.energy.weighs),
           fall_{0.0, 0.0, -c.gravity, 0.0} {}
 
     double kick() const { return kick_; }
@@ -67,6 +71,8 @@ public:
         const Lanes middle = 0.5 * (before + after);
         sums.drag_power += aero * middle;
         sums.momentum += mass * middle;
+        if (weighs_)
+            weigh(inertia, before, last_dt_ * acceleration, (aero + weight) * (middle - before), sums);
         state_.v_half[i].value = after;
         node.x += dt_ * after;
         node.v = after + (0.5 * dt_) * acceleration;
@@ -86,6 +92,9 @@ public:
         const Lanes middle = 0.5 * (before + after + first_kick * force_[i].value / splat(inertia));
         sums.drag_power += aero * middle;
         sums.momentum += mass * middle;
+        if (weighs_)
+            weigh(inertia, before, last_dt_ * acceleration + last_line_dt_ * force_[i].value / splat(inertia),
+                  (aero + mass * fall_) * (middle - before), sums);
         state_.v_half[i].value = after;
         aero_[i].value = acceleration;
         return middle;
@@ -122,9 +131,17 @@ public:
     void move_static_line(const NodeConstants& c, StepSums& sums);
 
 private:
+    /// See ledger_before. change: [m/s] of the velocity by the forces at t over the step that led there;
+    /// ahead: [W] by which drag and weight are booked with more than their power half a step before.
+    void weigh(double inertia, Lanes before, Lanes change, Lanes ahead, StepSums& sums) const {
+        sums.kinetic += 0.5 * sum3(inertia * before * (before + change) + last_dt_ * ahead);
+    }
+
     State& state_;
     NodeForces::View force_, aero_;
     double kick_, dt_;
+    double last_dt_, last_line_dt_;  // [s] of the step before
+    bool weighs_;
     Lanes fall_;
 };
 

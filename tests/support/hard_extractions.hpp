@@ -1,7 +1,6 @@
 // Parachutes torn out of their pack: scenes by chance, the same ones every time.
 #pragma once
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -11,18 +10,16 @@
 
 namespace twinchute::test {
 
-/// The C-9 of the demo under an extraction force of 1 to 12 kN, at 20 to 120 m/s in any direction from level
-/// to straight down, with 40 to 400 kg, each with noise of its own. A payload has 300 kJ at most: with twice
-/// as much the opening tears lines and cloth, which is another end. The same number is the same scene.
+/// The C-9 of the demo under an extraction force of 1 to 12 kN, at 20 to 60 m/s in any direction from level
+/// to straight down, with 40 to 150 kg, each with noise of its own. What is heavier and faster tears lines
+/// and cloth as it opens, which is another end. The same number is the same scene.
 inline Scene hard_extraction(std::size_t k, std::vector<std::string> overrides = {}) {
     Chance chance(1000 + k);
-    const double force = chance.number_in(1000.0, 12000.0), speed = chance.number_in(20.0, 120.0),
-                 mass = chance.number_in(40.0, std::min(400.0, 6e5 / (speed * speed))),
-                 angle = chance.number_in(0.0, 90.0);
+    const double force = chance.number_in(1000.0, 12000.0), speed = chance.number_in(20.0, 60.0),
+                 mass = chance.number_in(40.0, 150.0), angle = 90.0 * chance.share();
     std::vector<std::string> all{
         "full.contact='none'",
         "release.height=3000",
-        "full.strain_limit=2",
         fmt::format("parachute.deploy={{by='extraction',force={:.0f},pack_drag_area=0.1}}", force),
         fmt::format("release.speed={:.1f}", speed),
         fmt::format("payload.mass={:.0f}", mass),

@@ -44,6 +44,7 @@ inline Answer answer_of(Layout& layout, const State& state, const NodeConstants&
         if (count == 1) a.stable = layout.stable_steps(s);
         if (std::ranges::find(structure, "membrane", &fullsim::ForceModel::name) != structure.end())
             a.membrane_energy = layout.membrane_energy(s);
+        s.energy.weighs = true;
         layout.advance(s, step_of_answers, count, s.added_mass + 1e-4);
         layout.store(s);
         std::vector<Vec3> force;
@@ -101,6 +102,10 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     close(r.air.signed_area, o.air.signed_area, 60.0, "signed area");
     close(r.air.pressure, o.air.pressure, 10.0 * (r.air.pressure + 1e-3), "pressure");
     close(r.riser_force.norm(), o.riser_force.norm(), 10.0 * (r.riser_force.norm() + 1.0), "riser force");
+    close(r.energy.kinetic, o.energy.kinetic, r.energy.kinetic + 1e2 * power * step_of_answers,
+          "kinetic energy of the rule");
+    close(rb.kinetic, ob.kinetic, rb.kinetic + 1e2 * (power * step_of_answers + booked),
+          "the same with substeps");
     const Levels &rl = reference.levels, &ol = other.levels;
     close(rl.kinetic, ol.kinetic, rl.kinetic, "kinetic energy");
     // Strains are good to 2e-16; their squares, times the stiffest cable's EA and some metres of it, too.

@@ -161,6 +161,26 @@ TEST(ImpactWatch, GivesStepsBackWhereNothingHappens) {
     EXPECT_EQ(impacts.share(), 1.0);
 }
 
+TEST(ImpactWatch, GivesStepsBackWhereNothingHappensEvenWhenAllIsUsed) {
+    ImpactWatch impacts;
+    for (int k = 0; k < 20; ++k)
+        impacts.look(0.1 * k, 0.0);
+    EXPECT_LT(impacts.share(), 0.1);
+    for (int k = 0; k < 20; ++k)
+        impacts.look(1.9, 0.0);
+    EXPECT_EQ(impacts.share(), 1.0);
+}
+
+TEST(ImpactWatch, LeavesStepsAloneUpToWhatIsTolerated) {
+    ImpactWatch impacts;
+    for (const double used : {0.2, 0.39, -0.39}) {
+        impacts.look(used, 0.0, 0.4);
+        EXPECT_EQ(impacts.share(), 1.0) << used;
+    }
+    impacts.look(0.8, 0.0, 0.4);
+    EXPECT_LT(impacts.share(), 0.5);
+}
+
 TEST(ImpactWatch, IsDueWhenAThousandthHasBeenDissipated) {
     ImpactWatch impacts;
     impacts.look(0.0, 50.0);

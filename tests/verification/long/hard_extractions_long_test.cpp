@@ -7,12 +7,17 @@
 namespace twinchute {
 namespace {
 
-TEST(HardExtractionsLong, SixtyComeToTheirEnd) {
-    for (std::size_t k = 0; k < 60; ++k) {
+constexpr int shards = 15, each = 60 / shards;
+
+class HardExtractionsLong : public testing::TestWithParam<int> {};
+
+TEST_P(HardExtractionsLong, ComeToTheirEnd) {
+    for (int k = GetParam() * each; k < (GetParam() + 1) * each; ++k) {
         const RunRecord record = test::run_full(test::hard_extraction(k));
         EXPECT_EQ(record.status.code, StatusCode::completed) << k << ": " << record.status.detail;
     }
 }
+INSTANTIATE_TEST_SUITE_P(Sixty, HardExtractionsLong, testing::Range(0, shards));
 
 }  // namespace
 }  // namespace twinchute
