@@ -19,6 +19,7 @@ namespace {
 
 constexpr double smallest_step = 1e-9;      // [s] below which nothing would ever finish
 constexpr double largest_residual = 0.002;  // of the energy that changed hands; sound runs: 1e-5 to 1e-4
+constexpr double memory_of_rate = 0.8;      // from one bound to the next, of the fastest slap
 constexpr double few_impacts = 0.4;         // of that, which impacts of a canopy drawn out may use
 constexpr std::int64_t most_steps = 2'000'000'000;
 // Times over D0/v: of the added mass toward the open canopy's shape, of the ramp where the scene gives none.
@@ -129,7 +130,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
     if (state_.stage == Stage::deployment) {
         cloth_lengthens();
         state_.folded = scene.full.structure != Structure::fe && cloth_strain_ < nearly_taut;
-        impacts_.expect();
+        if (!state_.folded) impacts_.expect();
     }
     update_sums(state_, constants_);
     update_air(state_, scene.environment, mesh_.payload(), constants_.system_mass, 0.0);
@@ -412,7 +413,8 @@ void Simulation::refresh_step() {
     step_ = chosen.dt;
     if (state_.stage == Stage::deployment && !state_.folded) {
         const double rate = cloth_lengthens();
-        step_ = std::min(step_, step_to_first_impact(cloth_strain_, rate));
+        cloth_rate_ = std::max(std::abs(rate), memory_of_rate * cloth_rate_);
+        step_ = std::min({step_, step_to_first_impact(cloth_strain_, rate), step_in_impacts(cloth_rate_)});
     }
     substeps_ = chosen.substeps;
 }
@@ -476,7 +478,7 @@ void Simulation::step_to(double end) {
 
     checked_ = state_.step % steps_between_checks == 0;
     const bool watched =
-        impacts_count() && (checked_ || (due && impacts_.alert()) ||
+        impacts_count() && (checked_ || (state_.step % steps_between_looks == 0 && impacts_.alert()) ||
                             impacts_.is_due(state_.energy.damping, book_scale(state_.energy)));
     state_.energy.weighs = checked_ || watched;
     const Levels levels = state_.energy.weighs ? layout_->levels(state_) : Levels{};
@@ -537,7 +539,7 @@ void Simulation::keep(Keeper& k) {
                     chute.drag_area_table ? &*chute.drag_area_table : nullptr);
     for (double* x : {&step_, &dt_min_, &dt_max_, &ramp_start_, &ramp_time_, &ramp_energy_})
         k.number("step", *x);
-    for (double* x : {&cloth_strain_, &cloth_seen_})
+    for (double* x : {&cloth_strain_, &cloth_seen_, &cloth_rate_})
         k.number("cloth strain", *x);
     impacts_.keep(k);
     k.whole("substeps", substeps_, 1);

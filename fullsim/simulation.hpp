@@ -135,6 +135,8 @@ public:
 
     /// From one bound on the step to the next, and what a run leaves between two looks for faults.
     static constexpr int steps_between_bounds = 20, steps_between_checks = 50;
+    /// At what impacts do to the energy, while steps are short.
+    static constexpr int steps_between_looks = 5;
 
 private:
     void change_stage(Stage stage);
@@ -156,7 +158,7 @@ private:
     /// Impacts shorten steps, in flight as well where those are stable: shorter ones would hide a step beyond
     /// its bound.
     bool impacts_count() const {
-        return slaps_in(state_) || (state_.stage == Stage::flight && scene_.full.time_step_factor <= 1.0);
+        return state_.stage != Stage::flight || scene_.full.time_step_factor <= 1.0;
     }
     /// share: of every bound, see StepRules.
     ChosenStep choose_step(const State& state, double share);
@@ -204,6 +206,7 @@ private:
     bool checked_ = false;                           // by the last step,
     std::optional<RunStatus> fault_;                 // which found this
     double cloth_strain_ = -1.0, cloth_seen_ = 0.0;  // [-] of the longest before snatch, and when [s]
+    double cloth_rate_ = 0.0;                        // [1/s] of that, the largest lately
     double dt_min_ = 0.0, dt_max_ = 0.0;
     double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp

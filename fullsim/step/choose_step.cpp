@@ -15,7 +15,7 @@ constexpr double share_while_slapping = 0.5;
 /// A crane drop uses 0.56 and keeps its steps.
 constexpr double most_used = 0.9, careful_from = 0.33;
 constexpr double most_at_once = 0.2;  // of what is left, from one look to the next
-constexpr double faster = 1.5;        // by which steps become longer again, at most
+constexpr double faster = 1.1;        // by which steps become longer again, at most
 constexpr double least_share = 0.02;
 constexpr double unnoticed = 0.01;    // of what is left, from one look to the next
 constexpr double least_left = 0.002;  // of that: once all is used, steps must not stay short for ever
@@ -30,6 +30,11 @@ double step_to_first_impact(double strain, double rate) {
     constexpr double steps = 40.0, at_impact = 0.005;
     if (!(strain < 0.0 && rate > 0.0)) return StepRules::never;
     return std::max(-strain / steps, at_impact) / rate;
+}
+
+double step_in_impacts(double rate) {
+    constexpr double overshoot = 0.002;
+    return rate > 0.0 ? overshoot / rate : StepRules::never;
 }
 
 void ImpactWatch::look(double used_up, double dissipated, double tolerated) {

@@ -36,6 +36,11 @@ double cost_of(int substeps);
 /// a per cent in a step. Infinite where nothing is about to come taut.
 double step_to_first_impact(double strain, double rate);
 
+/// Longest step [s] while cloth slaps taut and slack: `rate` [1/s] is how fast its largest strain has changed
+/// lately. What an edge that comes taut within a step makes of an error grows with the square of the strain
+/// that it overshoots by, a fifth of a per cent at most.
+double step_in_impacts(double rate);
+
 /// How much of its step a run is given, by what its books lose and gain. An element that comes taut at speed,
 /// or goes slack, within a step makes an error of the energy in proportion to that step: its dashpot begins
 /// to act somewhere within, and is booked with the speed from before. It is not a matter of stability, and no

@@ -156,7 +156,7 @@ TEST(ImpactWatch, GivesStepsBackWhereNothingHappens) {
     ImpactWatch impacts;
     impacts.expect();
     EXPECT_LT(impacts.share(), 0.2);
-    for (int k = 0; k < 10; ++k)
+    for (int k = 0; k < 50; ++k)  // 250 steps
         impacts.look(0.01, 0.0);
     EXPECT_EQ(impacts.share(), 1.0);
 }
@@ -166,7 +166,7 @@ TEST(ImpactWatch, GivesStepsBackWhereNothingHappensEvenWhenAllIsUsed) {
     for (int k = 0; k < 20; ++k)
         impacts.look(0.1 * k, 0.0);
     EXPECT_LT(impacts.share(), 0.1);
-    for (int k = 0; k < 20; ++k)
+    for (int k = 0; k < 50; ++k)
         impacts.look(1.9, 0.0);
     EXPECT_EQ(impacts.share(), 1.0);
 }
@@ -194,6 +194,11 @@ TEST(StepToFirstImpact, HalvesTheSlackInTwentySteps) {
     EXPECT_DOUBLE_EQ(2.0 * step_to_first_impact(-0.01, 2.0), 0.005);
     EXPECT_EQ(step_to_first_impact(0.01, 2.0), StepRules::never);
     EXPECT_EQ(step_to_first_impact(-0.4, -1.0), StepRules::never);
+}
+
+TEST(StepInImpacts, IsOneInWhichNothingOvershootsByMoreThanAFifthOfAPerCent) {
+    EXPECT_DOUBLE_EQ(500.0 * step_in_impacts(500.0), 0.002);
+    EXPECT_EQ(step_in_impacts(0.0), StepRules::never);
 }
 
 TEST(CostOf, IsThatOfAStepAndAnEighthForEachFurtherSubstep) {
