@@ -66,8 +66,9 @@ public:
         const Vec speed_square = dot(across, across) + 1e-60;
         const Vec speed = larger(speed_square * inverse_root(speed_square),
                                  all(CylinderDragTable::lowest / reynolds_per_speed_));
-        const Vec reynolds =
-            smaller(all(reynolds_per_speed_) * speed, all(std::nextafter(CylinderDragTable::highest, 0.0)));
+        // The product may round to below the table's foot, where nothing is.
+        const Vec reynolds = smaller(larger(all(reynolds_per_speed_) * speed, all(CylinderDragTable::lowest)),
+                                     all(std::nextafter(CylinderDragTable::highest, 0.0)));
         return (all(factor_) * square * inverse * speed * between_ends(table_, reynolds)) * across;
     }
 
