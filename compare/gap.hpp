@@ -66,7 +66,7 @@ struct HistoryGap {
 };
 
 struct FidelityGap {
-    /// Those that at least one side has, or should have, or a tolerance is asked for.
+    /// Metrics that at least one side has, or should have, or a tolerance is asked for.
     std::vector<MetricGap> metrics;
     std::vector<HistoryGap> histories;
     std::optional<double> cost_ratio;  ///< wall time of the reference over that of the candidate
@@ -98,7 +98,7 @@ Verdict overall_verdict(const FidelityGap& gap);
 /// Verdict of the gap, exceeded where a parachute never opened.
 Verdict overall_verdict(const Comparison& comparison);
 
-/// What a run that broke off says of a maximum or a time is not that maximum or time.
+/// False for a run that broke off: what it says of a maximum or a time is not that maximum or time.
 bool is_judged(const RunRecord& record);
 
 /// Magnitude of a metric [`unit`] up to which it is zero but for rounding: a share of 1e-9 of the largest

@@ -724,7 +724,7 @@ void FullRun::add_warnings() {
     if (const auto sound = record_.metric("signed_area_ratio"); sound && *sound < sound_area)
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
              scene_.full.contact == Contact::none
-                 ? "gores are folded inside out; cloth passes through cloth here"
+                 ? "gores are folded inside out; fabric passes through fabric here"
                  : "gores are folded inside out; contact keeps neighbours in order, not a canopy from "
                    "turning over",
              scene_.full.contact == Contact::none && !chute.mesh

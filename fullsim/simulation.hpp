@@ -118,7 +118,7 @@ public:
     /// whose energy is known then to the last bit.
     bool was_checked() const { return checked_; }
     const std::optional<RunStatus>& fault() const { return fault_; }
-    /// Of all steps up to the last look that found nothing.
+    /// Largest loads of all steps up to the last look that found nothing.
     const LargestLoads& largest_loads() const { return sound_loads_; }
 
     /// Element evaluations so far, and seconds spent in each block (sampled).

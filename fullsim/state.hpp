@@ -127,10 +127,9 @@ struct EnergyBook {
     double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
     double external_work = 0.0, external_power = 0.0;  // of extraction force and far end
     double ramp = 0.0;                                 // [J] see EnergyLedger
-    bool weighs = false;   ///< whether a step is to say the kinetic energy that it began with,
-    double kinetic = 0.0;  ///< [J] which is this
-    double changed_hands =
-        0.0;  // [J] most so far of the start's energy and works but damping; see book_scale
+    bool weighs = false;         // whether a step is to say the kinetic energy that it began with,
+    double kinetic = 0.0;        // [J] which is this
+    double changed_hands = 0.0;  // [J] most so far, see book_scale
 };
 
 /// The larger of both; once either is not a number, neither is the answer.

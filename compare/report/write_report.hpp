@@ -16,7 +16,7 @@ namespace twinchute::compare {
 void write_report(const Comparison& comparison, const std::filesystem::path& directory,
                   const LadderBeside& beside = {});
 
-/// The same as part of a larger batch. `trend`: against a baseline, for junit.xml; null where there is none.
+/// Writes it as part of a larger batch. `trend`: against a baseline, for junit.xml; null where there is none.
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
                 const LadderBeside& beside = {}, const Trend* trend = nullptr);
 

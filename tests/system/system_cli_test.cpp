@@ -229,7 +229,8 @@ TEST_F(SystemCli, AWarningOfFoldedGoresKnowsWhetherThereIsContact) {
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("gores are folded inside out"), std::string::npos) << ended.out;
-        EXPECT_EQ(ended.out.find("cloth passes through cloth here") != std::string::npos, contact == "none");
+        EXPECT_EQ(ended.out.find("fabric passes through fabric here") != std::string::npos,
+                  contact == "none");
         EXPECT_EQ(ended.out.find("contact keeps neighbours in order") != std::string::npos,
                   contact == "gores");
     }
