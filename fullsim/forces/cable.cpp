@@ -5,10 +5,14 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include "fullsim/forces/gather.hpp"
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 
 namespace twinchute::fullsim {
+
+namespace law = HWY_NAMESPACE;
+
 namespace {
 
 struct alignas(32) Group {
@@ -19,8 +23,15 @@ struct alignas(32) Group {
     Lanes line;            // 1 for a suspension line, else 0
 };
 
-/// [m^2] under every length's root: keeps the direction of a cable of no length from being 0/0.
-constexpr double smallest_square = 1e-18;
+class CableElements : public SpanLanes<Group> {
+public:
+    HWY_INLINE CableElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
+                             const Group& group)
+        : SpanLanes(node, on_node, group) {}
+
+    /// Tensions of suspension lines alone.
+    HWY_INLINE Lanes counted(Lanes load) const { return g_.line * load; }
+};
 
 /// Which kinds of cable.
 using Which = bool (*)(CableKind);
@@ -58,28 +69,10 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
-        const Lanes zero = splat(0.0);
-        Lanes dissipated = zero, most = zero;
-        const NodeForces::View on_node = state.force.view();
-        for (const Group& g : groups) {
-            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
-            const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
-            const Lanes length = square_root(dot(d, d) + smallest_square);
-            const Lanes inverse = 1.0 / length;
-            const Lanes lengthening = dot(d, w) * inverse;
-            const Lanes spring = g.stiffness * (length * g.inverse_length - 1.0);
-            const Lanes tension = larger(spring + g.dashpot * lengthening, zero);
-            most = larger(g.line * spring, most);
-            // Whatever differs from the conservative tension dissipates, also where it is cut at zero.
-            dissipated += (tension - larger(spring, zero)) * lengthening;
-            const CornerForces pull(tension * inverse * d);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += pull.row[k];
-                on_node[g.node[1][k]].value -= pull.row[k];
-            }
-        }
-        state.damping_power += sum(dissipated);
-        state.largest.add_tension(greatest_or_none(most, sum(dissipated)));
+        const ElementSums sums =
+            law::cable_forces(LanesView<CableElements>(state.node, state.force.view(), groups));
+        state.damping_power += sums.dissipated;
+        state.largest.add_tension(sums.largest_load);
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
@@ -96,10 +89,8 @@ public:
 
     double energy(const State& state) const override {
         double total = 0.0;
-        for (const Cable& c : cables_) {
-            const double e = std::max(0.0, strain(state, c));
-            total += 0.5 * stiffness(c) * c.rest_length * e * e;
-        }
+        for (const Cable& c : cables_)
+            total += stiffness(c) * c.rest_length * law::cable_energy(strain(state, c));
         return total;
     }
 
@@ -139,8 +130,8 @@ private:
     double dashpot(const Cable& c) const { return cable_constants(mesh_, c, bulk_viscosity_, beta_).dashpot; }
 
     static double strain(const State& state, const Cable& c) {
-        return (to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x)).norm() / c.rest_length -
-               1.0;
+        const Vec3 d = to_vec3(state.node[c.node[1]].x) - to_vec3(state.node[c.node[0]].x);
+        return law::span_strain(1.0 / c.rest_length, d);
     }
 
     const Mesh& mesh_;

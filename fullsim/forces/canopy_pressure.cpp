@@ -6,6 +6,7 @@
 
 #include "fullsim/forces/gather.hpp"
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/laws/pressure.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -13,6 +14,14 @@ namespace {
 /// D/S_p may not exceed this many dynamic pressures: stagnation and suction together reach about
 /// 2 on an open canopy, and a shape that is still a tube has next to no projected area.
 constexpr double largest_pressure_coefficient = 3.0;
+
+[[gnu::always_inline]] inline auto pushed(const State& state, const CornerGroup& g, const Lanes3& e) {
+    const Lanes3 x0 = gather_position(state.node, g.node[0]);
+    const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
+    const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
+    return HWY_NAMESPACE::pushed_area(0.5 * cross(e1, e2), e, splat(1.0 / 3.0),
+                                      splat(state.air.radial_pressure / 3.0));
+}
 
 class CanopyPressure final : public ForceModel {
 public:
@@ -33,15 +42,10 @@ public:
 
         const Lanes flag = to_lanes(set_pressure(air, smallest_area_));
 
-        // A third of Delta P [A_p e_r + phi (A - (A.e_r) e_r)] to each corner.
-        const Lanes axial = splat(air.pressure / 3.0),
-                    radial = splat(air.pressure * air.radial_pressure / 3.0);
+        const Lanes pressure = splat(air.pressure);
         const NodeForces::View on_node = state.aero.view();
         for (const CornerGroup& g : groups) {
-            const Lanes3 area = area_vector(state, g);
-            const Lanes along = dot(area, e);
-            const Lanes3 force = axial * larger(along, splat(0.0)) * e + radial * (area - along * e);
-            const CornerForces corner(force);
+            const CornerForces corner(pressure * pushed(state, g, e).on_corner);
             for (int k = 0; k < lane_count; ++k)
                 for (int c = 0; c < 3; ++c)
                     on_node[g.node[c][k]].value += corner.row[k];
@@ -52,20 +56,13 @@ public:
     }
 
 private:
-    static Lanes3 area_vector(const State& state, const CornerGroup& g) {
-        const Lanes3 x0 = gather_position(state.node, g.node[0]);
-        const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
-        const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
-        return splat(0.5) * cross(e1, e2);
-    }
-
     TWINCHUTE_FOR_EACH_CPU void measure_area(State& state, const std::vector<CornerGroup>& groups,
                                              const Lanes3& e) const {
         Lanes positive = splat(0.0), all = splat(0.0);
         for (const CornerGroup& g : groups) {
-            const Lanes along = dot(area_vector(state, g), e);
-            positive += larger(along, splat(0.0));
-            all += along;
+            const auto area = pushed(state, g, e);
+            positive += area.projected;
+            all += area.along;
         }
         state.air.projected_area = sum(positive);
         state.air.signed_area = sum(all);

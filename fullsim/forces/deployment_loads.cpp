@@ -1,9 +1,14 @@
 // What acts on a parachute only until snatch: drag of its cloth, resistance of its folds, extraction.
-#include "fullsim/forces/gather.hpp"
+#include "fullsim/elements/fabric_spring.hpp"
+#include "fullsim/elements/membrane.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
 
 namespace twinchute::fullsim {
+
+namespace law = HWY_NAMESPACE;
+
 namespace {
 
 /// 1/2 rho C_D |A.e| V^2 e on each triangle, a third to each corner: V e is the air's velocity relative to
@@ -20,28 +25,12 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<CornerGroup>& groups) const {
-        const Vec3& w = state.air.wind;
-        const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
-        const Lanes third = splat(1.0 / 3.0), factor = splat(0.5 * state.air.density * coefficient_ / 3.0);
-        Lanes across = splat(0.0);
-        const NodeForces::View on_node = state.aero.view();
-        for (const CornerGroup& g : groups) {
-            const Lanes3 x0 = gather_position(state.node, g.node[0]);
-            const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
-            const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
-            const Lanes3 area = splat(0.5) * cross(e1, e2);
-            const Lanes3 velocity = wind - third * (gather_velocity(state.node, g.node[0]) +
-                                                    gather_velocity(state.node, g.node[1]) +
-                                                    gather_velocity(state.node, g.node[2]));
-            const Lanes flow = dot(area, velocity);  // |A.e| V
-            const Lanes swept = flow > splat(0.0) ? flow : -flow;
-            across += swept * inverse_root(dot(velocity, velocity) + 1e-18);
-            const CornerForces corner(factor * swept * velocity);
-            for (int k = 0; k < lane_count; ++k)
-                for (int c = 0; c < 3; ++c)
-                    on_node[g.node[c][k]].value += corner.row[k];
-        }
-        state.air.projected_area = sum(across);
+        const FabricDragPass pass{0.5 * state.air.density * coefficient_,
+                                  {state.air.wind.x(), state.air.wind.y(), state.air.wind.z()}};
+        state.air.projected_area =
+            law::fabric_drag_forces(
+                LanesView<TriangleLanes<CornerGroup>>(state.node, state.aero.view(), groups), pass)
+                .positive_area;
     }
 
 private:
@@ -52,8 +41,16 @@ private:
 
 struct alignas(32) EdgeGroup {
     std::array<LaneNodes, 2> node;
-    Lanes rest_length;  // [m]
-    Lanes force;        // [N]
+    Lanes inverse_length;  // [1/m]
+    Lanes force;           // [N]
+};
+
+class FoldElements : public SpanLanes<EdgeGroup> {
+public:
+    HWY_INLINE FoldElements(const std::vector<NodeRecord>& node, NodeForces::View on_node, const Group& group)
+        : SpanLanes(node, on_node, group) {}
+
+    HWY_INLINE Lanes fold_force() const { return g_.force; }
 };
 
 /// A force per width that holds folded cloth against being drawn out, so that the lines come first (paper,
@@ -71,26 +68,9 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<EdgeGroup>& groups) const {
-        const Lanes zero = splat(0.0), one = splat(1.0);
-        Lanes dissipated = zero;
-        const NodeForces::View on_node = state.force.view();
-        for (const EdgeGroup& g : groups) {
-            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
-            const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
-            const Lanes length = square_root(dot(d, d) + 1e-18);
-            const Lanes inverse = 1.0 / length;
-            const Lanes lengthening = larger(dot(d, w) * inverse, zero);
-            const Lanes share = lengthening / splat(full_fold_speed);
-            const Lanes folded = length < g.rest_length ? g.force : zero;
-            const Lanes force = folded * (share < one ? share : one);
-            dissipated += force * lengthening;
-            const CornerForces pull(force * inverse * d);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += pull.row[k];
-                on_node[g.node[1][k]].value -= pull.row[k];
-            }
-        }
-        state.damping_power += sum(dissipated);
+        state.damping_power += law::spring_forces_of<false, true>(
+                                   LanesView<FoldElements>(state.node, state.force.view(), groups), {})
+                                   .dissipated;
     }
 
     void add_row_sums(const State&, RowSums& sums) const override {
@@ -111,7 +91,7 @@ private:
                 const bool padding = first + k >= all.size();
                 for (int end = 0; end < 2; ++end)
                     g.node[end][k] = padding ? mesh_.dummy() : all[first + k].node[end];
-                g.rest_length[k] = padding ? 0.0 : all[first + k].rest_length;
+                g.inverse_length[k] = padding ? 1.0 : 1.0 / all[first + k].rest_length;
                 g.force[k] = padding ? 0.0 : force(all[first + k]);
             }
             groups.push_back(g);

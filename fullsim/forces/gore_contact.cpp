@@ -4,16 +4,15 @@
 
 #include <Eigen/Geometry>
 
-#include "fullsim/forces/contact_kernel.hpp"
-#include "fullsim/forces/gather.hpp"
+#include "fullsim/elements/contact.hpp"
 #include "fullsim/forces/gore_contact.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
 
 namespace twinchute::fullsim {
 
-using HWY_NAMESPACE::contact_arm;
-using HWY_NAMESPACE::contact_push;
+namespace law = HWY_NAMESPACE;
 
 CanopyAxis canopy_axis(const Vec3& canopy, const Vec3& payload) {
     const Vec3 along = canopy - payload;
@@ -33,11 +32,25 @@ struct alignas(32) PairGroup {
     Lanes stiffness;  // [N/m]
 };
 
-Lanes3 splat3(const Vec3& a) {
-    return {splat(a.x()), splat(a.y()), splat(a.z())};
-}
-Vec3 sum_of(const Lanes3& a) {
-    return {sum(a.x), sum(a.y), sum(a.z)};
+class PairElements : public LanesElement<PairGroup> {
+public:
+    HWY_INLINE PairElements(const std::vector<NodeRecord>& node, NodeForces::View on_node, const Group& group)
+        : LanesElement(node, on_node, group) {}
+
+    HWY_INLINE Lanes stiffness() const { return g_.stiffness; }
+    HWY_INLINE void arm_and_distance(Lanes3 centre, Lanes3& arm, Lanes3& d) const {
+        const Lanes3 x0 = x(0);
+        arm = x0 - centre, d = x(1) - x0;
+    }
+    HWY_INLINE void push_apart(Lanes3 apart, Lanes3 half_of_middle) const {
+        add_force(0, apart - half_of_middle);
+        subtract_force(1, apart + half_of_middle);
+    }
+};
+
+ContactPass pass_around(const CanopyAxis& axis) {
+    const Vec3 &c = axis.canopy, &u = axis.direction;
+    return {{c.x(), c.y(), c.z()}, {u.x(), u.y(), u.z()}};
 }
 
 class GoreContact final : public ForceModel {
@@ -50,36 +63,17 @@ public:
 
     void add_forces(State& state) const override {
         const CanopyAxis axis = axis_of(state);
-        Vec3 by_middle = Vec3::Zero(), by_turning = Vec3::Zero();
-        sweep(state, groups_.get([this] { return make_groups(); }), axis, by_middle, by_turning);
-        const AxisReaction on = axis_reaction(axis, by_middle, by_turning);
+        const ElementSums sums = sweep(state, groups_.get([this] { return make_groups(); }), axis);
+        const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
             state.force[i].value += to_lanes(mesh_.mass[i] / canopy_mass_ * on.canopy);
         state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<PairGroup>& groups,
-                                      const CanopyAxis& axis, Vec3& by_middle, Vec3& by_turning) const {
-        const Lanes3 u = splat3(axis.direction), centre = splat3(axis.canopy);
-        Lanes3 middles = splat3(Vec3::Zero()), turning = middles;
-        const NodeForces::View on_node = state.force.view();
-        for (const PairGroup& g : groups) {
-            const Lanes3 x0 = gather_position(state.node, g.node[0]),
-                         x1 = gather_position(state.node, g.node[1]);
-            const auto arm = contact_arm(splat(0.0), u, x0 - centre, x1 - x0);
-            if (sum(arm.behind) == 0.0) continue;  // all in order
-            const auto push = contact_push(g.stiffness, u, arm);
-            middles = middles + splat(2.0) * push.half_of_middle;
-            turning = turning + push.by_turning;
-            const CornerForces first(push.apart - push.half_of_middle),
-                second(push.apart + push.half_of_middle);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += first.row[k];
-                on_node[g.node[1][k]].value -= second.row[k];
-            }
-        }
-        by_middle = sum_of(middles);
-        by_turning = sum_of(turning);
+    TWINCHUTE_FOR_EACH_CPU ElementSums sweep(State& state, const std::vector<PairGroup>& groups,
+                                             const CanopyAxis& axis) const {
+        return law::contact_forces(LanesView<PairElements>(state.node, state.force.view(), groups),
+                                   pass_around(axis));
     }
 
     /// As if all pairs met: they may at any time.
@@ -92,15 +86,11 @@ public:
     }
 
     double energy(const State& state) const override {
-        const CanopyAxis axis = axis_of(state);
-        const Lanes3 u = splat3(axis.direction), centre = splat3(axis.canopy);
-        Lanes total = splat(0.0);
-        for (const PairGroup& g : groups_.get([this] { return make_groups(); })) {
-            const Lanes3 x0 = gather_position(state.node, g.node[0]),
-                         x1 = gather_position(state.node, g.node[1]);
-            total += contact_push(g.stiffness, u, contact_arm(splat(0.0), u, x0 - centre, x1 - x0)).energy;
-        }
-        return sum(total);
+        NodeForces none;
+        return law::contact_levels(LanesView<PairElements>(state.node, none.view(),
+                                                           groups_.get([this] { return make_groups(); })),
+                                   pass_around(axis_of(state)))
+            .energy;
     }
 
 private:

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/forces/gather.hpp"
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "lib/models/cylinder_drag.hpp"
 
@@ -13,8 +14,6 @@ struct Group {
     std::array<LaneNodes, 2> node;
 };
 
-/// 1/2 rho d l C_d(Re) |V_t| V_t on each line element, half to each end; V_t is the air's
-/// velocity relative to the element's mean, across its axis, and l its current length.
 class LineDragBlock final : public ForceModel {
 public:
     explicit LineDragBlock(const Mesh& mesh)
@@ -32,29 +31,15 @@ public:
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
         static const CylinderDragTable drag_coefficient;
-        const double reynolds_per_speed = state.air.density * diameter_ / state.air.viscosity;
-        // Half of 1/2 rho d to each end.
-        const double factor = 0.25 * state.air.density * diameter_;
-        const Vec3& w = state.air.wind;
-        const Lanes3 wind{splat(w.x()), splat(w.y()), splat(w.z())};
-        const NodeForces::View on_node = state.aero.view();
-        for (const Group& g : groups) {
-            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
-            const Lanes3 v = wind - splat(0.5) * (gather_velocity(state.node, g.node[0]) +
-                                                  gather_velocity(state.node, g.node[1]));
-            const Lanes square = dot(d, d) + 1e-18;
-            const Lanes3 across = v - dot(v, d) / square * d;
-            const Lanes speed = square_root(dot(across, across));
-            const Lanes length = square_root(square);
-            Lanes coefficient;
-            for (int k = 0; k < lane_count; ++k)
-                coefficient[k] = drag_coefficient(reynolds_per_speed * speed[k]);
-            const CornerForces half(factor * length * coefficient * speed * across);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += half.row[k];
-                on_node[g.node[1][k]].value += half.row[k];
-            }
-        }
+        if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
+        const AeroState& air = state.air;
+        HWY_NAMESPACE::cable_forces_in<false>(
+            LanesView<SpanLanes<Group>>(state.node, state.aero.view(), groups),
+            {&drag_coefficient,
+             diameter_,
+             air.density,
+             air.viscosity,
+             {air.wind.x(), air.wind.y(), air.wind.z()}});
     }
 
 private:

@@ -5,15 +5,19 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include "fullsim/forces/membrane_kernel.hpp"
+#include "fullsim/elements/membrane.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 
 namespace twinchute::fullsim {
 
-using HWY_NAMESPACE::membrane_pulls, HWY_NAMESPACE::principal, HWY_NAMESPACE::relaxed_energy,
-    HWY_NAMESPACE::relaxed_stress, HWY_NAMESPACE::SymmetricTensor, HWY_NAMESPACE::turned_back;
+namespace law = HWY_NAMESPACE;
 
 namespace {
+
+law::SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
+    return {e.xx, e.yy, e.xy};
+}
 
 /// Four triangles side by side.
 struct MembraneLanes {
@@ -25,6 +29,19 @@ struct MembraneLanes {
 
 /// Wrapped, since a vector of raw lanes would lose its alignment in std::vector's template argument.
 struct alignas(32) Group : MembraneLanes {};
+
+class MembraneElements : public TriangleLanes<Group> {
+public:
+    HWY_INLINE MembraneElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
+                                const Group& group)
+        : TriangleLanes(node, on_node, group) {}
+
+    HWY_INLINE Lanes inverse_a() const { return g_.inverse_a; }
+    HWY_INLINE Lanes inverse_c() const { return g_.inverse_c; }
+    HWY_INLINE Lanes b_over_a() const { return g_.b_over_a; }
+    HWY_INLINE Lanes weighted_area(double weight) const { return weight * g_.area; }
+    HWY_INLINE Lanes viscosity() const { return g_.viscosity; }
+};
 
 class Membrane final : public ForceModel {
 public:
@@ -39,38 +56,19 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
-        Lanes dissipated = splat(0.0), most = dissipated;
-        const Lanes weight = splat(state.fe_weight);
-        const NodeForces::View on_node = state.force.view();
-        for (const Group& g : groups) {
-            const Lanes3 x0 = gather_position(state.node, g.node[0]);
-            const Lanes3 e1 = gather_position(state.node, g.node[1]) - x0;
-            const Lanes3 e2 = gather_position(state.node, g.node[2]) - x0;
-            const Lanes3 v0 = gather_velocity(state.node, g.node[0]);
-            const Lanes3 w1 = gather_velocity(state.node, g.node[1]) - v0;
-            const Lanes3 w2 = gather_velocity(state.node, g.node[2]) - v0;
-            const auto pulls = membrane_pulls(law_, g.inverse_a, g.inverse_c, g.b_over_a, weight * g.area,
-                                              g.viscosity, e1, e2, w1, w2);
-            dissipated += pulls.dissipated;
-            most = larger(pulls.stress, most);
-            const CornerForces c0(pulls.on_first), c1(pulls.on_second), c2(pulls.on_third);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += c0.row[k];
-                on_node[g.node[1][k]].value -= c1.row[k];
-                on_node[g.node[2][k]].value -= c2.row[k];
-            }
-        }
-        state.damping_power += sum(dissipated);
-        state.largest.add_stress(state.fe_weight * greatest_or_none(most, sum(dissipated)));
+        const ElementSums sums = law::membrane_forces<true, false>(
+            LanesView<MembraneElements>(state.node, state.force.view(), groups),
+            {law_, {}, 0.0, state.fe_weight});
+        state.damping_power += sums.dissipated;
+        state.largest.add_stress(state.fe_weight * sums.largest_load);
     }
 
     void add_row_sums(const State& state, RowSums& sums) const override {
         for (const Triangle& t : triangles_) {
             const TriangleRows unstrained = unstrained_rows(law_, t);
-            const double stretch = std::max(0.0, first_principal(strain_of(state, t)));
-            // St. Venant-Kirchhoff stiffens with stretch: lambda^2 and the stress itself, 1 + 3 E_1.
-            const double stiffening = state.fe_weight * (1.0 + 3.0 * stretch);
-            const double lengthening = state.fe_weight * (1.0 + 2.0 * stretch) * unstrained.damping;
+            const auto by = law::membrane_stiffening(as_scalar(strain_of(state, t)));
+            const double stiffening = state.fe_weight * by.stiffness;
+            const double lengthening = state.fe_weight * by.damping * unstrained.damping;
             const auto& [n0, n1, n2] = t.node;
             const std::array<double, 3> weight{1.0, sums.over(n1, n0), sums.over(n2, n0)};
             for (int i = 0; i < 3; ++i) {
@@ -131,20 +129,13 @@ private:
                                 to_vec3(state.node[t.node[2]].x)});
     }
 
-    static double first_principal(const PlaneTensor& e) {
-        const double half = 0.5 * (e.xx - e.yy);
-        return 0.5 * (e.xx + e.yy) + std::sqrt(half * half + e.xy * e.xy);
-    }
+    static double first_principal(const PlaneTensor& e) { return law::principal(as_scalar(e)).first(); }
 
     MembraneLaw law_;
     const std::vector<Triangle>& triangles_;
     NodeIndex dummy_;
     GroupsOnDemand<Group> groups_;
 };
-
-SymmetricTensor<double> as_scalar(const PlaneTensor& e) {
-    return {e.xx, e.yy, e.xy};
-}
 
 }  // namespace
 
@@ -169,26 +160,26 @@ MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity) {
     return {modulus, modulus * plane, nu, bulk_viscosity * fabric.density * fabric.thickness * wave_speed};
 }
 
-PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, FabricState* state) {
+PlaneTensor membrane_stress(const MembraneLaw& fabric, const PlaneTensor& strain, FabricState* state) {
     const auto e = as_scalar(strain);
-    const auto p = principal(e);
+    const auto p = law::principal(e);
     if (state)
-        *state = p.first() <= 0.0                             ? FabricState::slack
-                 : p.second() + law.poisson * p.first() > 0.0 ? FabricState::taut
-                                                              : FabricState::wrinkled;
-    const auto n =
-        turned_back(relaxed_stress(law, p), p.half_difference * p.inverse_radius, e.xy * p.inverse_radius);
+        *state = p.first() <= 0.0                                ? FabricState::slack
+                 : p.second() + fabric.poisson * p.first() > 0.0 ? FabricState::taut
+                                                                 : FabricState::wrinkled;
+    const auto n = law::turned_back(law::relaxed_stress(fabric, p), p.half_difference * p.inverse_radius,
+                                    e.xy * p.inverse_radius);
     return {n.xx, n.yy, n.xy};
 }
 
-double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain) {
-    return relaxed_energy(law, principal(as_scalar(strain)));
+double membrane_energy(const MembraneLaw& fabric, const PlaneTensor& strain) {
+    return law::relaxed_energy(fabric, law::principal(as_scalar(strain)));
 }
 
 PlaneTensor green_strain(const Triangle& t, const std::array<Vec3, 3>& corner) {
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-    const Vec3 f1 = e1 / t.a, f2 = (e2 - t.b / t.a * e1) / t.c;
-    return {0.5 * (f1.squaredNorm() - 1.0), 0.5 * (f2.squaredNorm() - 1.0), 0.5 * f1.dot(f2)};
+    const auto strain = law::green_strain(law::deformation_gradient(1.0 / t.a, 1.0 / t.c, t.b / t.a, e1, e2));
+    return {strain.xx, strain.yy, strain.xy};
 }
 
 std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity) {

@@ -4,8 +4,12 @@
 
 #include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/laws/node.hpp"
 
 namespace twinchute::fullsim {
+
+namespace law = HWY_NAMESPACE;
+
 namespace {
 
 /// f_i = -k_b rho V S_i (v_i - v_mean), S_i the unstrained tributary area, v_mean with the same
@@ -22,10 +26,7 @@ public:
         const Lanes mean = to_lanes(state.sums.canopy_area_velocity);
         Lanes dissipated = splat(0.0);
         for (NodeIndex i = 0; i < canopy_nodes_; ++i) {
-            const Lanes relative = state.node[i].v - mean;
-            const Lanes resistance = per_area * area_[i] * relative;
-            state.force[i].value -= resistance;
-            dissipated += resistance * relative;
+            law::resist(per_area * area_[i], state.node[i].v - mean, state.force[i].value, dissipated);
         }
         state.damping_power += sum3(dissipated);
     }
@@ -52,10 +53,7 @@ public:
         const Lanes mean = to_lanes(state.sums.system_velocity);
         Lanes dissipated = splat(0.0);
         for (std::size_t i = 0; i < mass_.size(); ++i) {
-            const Lanes relative = state.node[i].v - mean;
-            const Lanes resistance = alpha_ * mass_[i] * relative;
-            state.force[i].value -= resistance;
-            dissipated += resistance * relative;
+            law::resist(alpha_ * mass_[i], state.node[i].v - mean, state.force[i].value, dissipated);
         }
         state.damping_power += sum3(dissipated);
     }
@@ -130,9 +128,8 @@ public:
         const Lanes wind = to_lanes(state.air.wind);
         Lanes power = splat(0.0);
         for (std::size_t i = 0; i < share_.size(); ++i) {
-            const Lanes force = (state.added_mass_rate * share_[i]) * (wind - state.node[i].v);
-            state.force[i].value += force;
-            power += force * state.node[i].v;
+            law::accrete(state.added_mass_rate * share_[i], wind, state.node[i].v, state.force[i].value,
+                         power);
         }
         state.accretion_power += sum3(power);
     }

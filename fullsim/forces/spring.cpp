@@ -5,11 +5,15 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include "fullsim/forces/gather.hpp"
+#include "fullsim/elements/fabric_spring.hpp"
+#include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
 
 namespace twinchute::fullsim {
+
+namespace law = HWY_NAMESPACE;
+
 namespace {
 
 struct alignas(32) Group {
@@ -20,8 +24,14 @@ struct alignas(32) Group {
     Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
 };
 
-/// [m^2] under every length's root: keeps the direction of an edge of no length from being 0/0.
-constexpr double smallest_square = 1e-18;
+class SpringElements : public SpanLanes<Group> {
+public:
+    HWY_INLINE SpringElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
+                              const Group& group)
+        : SpanLanes(node, on_node, group) {}
+
+    HWY_INLINE Lanes growth() const { return g_.growth; }
+};
 
 class FabricSprings final : public ForceModel {
 public:
@@ -41,40 +51,20 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
-        const Lanes zero = splat(0.0), full = splat(full_hardening_strain);
-        Lanes dissipated = zero;
-        const NodeForces::View on_node = state.force.view();
-        for (const Group& g : groups) {
-            const Lanes3 d = gather_position(state.node, g.node[1]) - gather_position(state.node, g.node[0]);
-            const Lanes3 w = gather_velocity(state.node, g.node[1]) - gather_velocity(state.node, g.node[0]);
-            const Lanes length = square_root(dot(d, d) + smallest_square);
-            const Lanes inverse = 1.0 / length;
-            const Lanes lengthening = dot(d, w) * inverse;
-            const Lanes strain = length * g.inverse_length - 1.0;
-            const Lanes low = strain < full ? strain : full;
-            const Lanes pull = g.stiffness * (strain + g.growth * low * (low + 2.0 * (strain - low)));
-            // Folded cloth repels a little, and without a dashpot: nothing of it is taut.
-            const Lanes push = repulsion_ * g.stiffness * strain;
-            const Lanes spring = strain > zero ? pull : push;
-            const Lanes tension = strain > zero ? larger(pull + g.dashpot * lengthening, zero) : push;
-            dissipated += (tension - spring) * lengthening;
-            const CornerForces force(tension * inverse * d);
-            for (int k = 0; k < lane_count; ++k) {
-                on_node[g.node[0][k]].value += force.row[k];
-                on_node[g.node[1][k]].value -= force.row[k];
-            }
-        }
-        state.damping_power += sum(dissipated);
+        state.damping_power +=
+            law::spring_forces_of<true, false>(
+                LanesView<SpringElements>(state.node, state.force.view(), groups), {repulsion_, true})
+                .dissipated;
     }
 
     std::size_t bytes() const override { return edges_.capacity() * sizeof(FabricEdge); }
     void add_row_sums(const State& state, RowSums& sums) const override {
         for (const FabricEdge& e : edges_) {
-            const double low = std::clamp(strain(state, e), 0.0, full_hardening_strain);
             const double unstrained = modulus_ * e.section / e.rest_length;
             // Any edge may come taut any time, unless all are folded.
-            const double tangent = state.folded ? repulsion_ * unstrained
-                                                : unstrained * (1.0 + 2.0 * spring_growth(e.hardening) * low);
+            const double tangent =
+                state.folded ? repulsion_ * unstrained
+                             : unstrained * law::spring_tangent(strain(state, e), spring_growth(e.hardening));
             const double damping = state.folded ? 0.0 : dashpot(e);
             for (int end = 0; end < 2; ++end) {
                 const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
@@ -86,16 +76,9 @@ public:
 
     double energy(const State& state) const override {
         double total = 0.0;
-        for (const FabricEdge& e : edges_) {
-            const double s = strain(state, e), scale = modulus_ * e.section * e.rest_length;
-            if (s <= 0.0) {
-                total += 0.5 * repulsion_ * scale * s * s;
-                continue;
-            }
-            const double low = std::min(s, full_hardening_strain), high = s - low,
-                         g = spring_growth(e.hardening);
-            total += scale * (0.5 * s * s + g * low * (low * low / 3.0 + high * s));
-        }
+        for (const FabricEdge& e : edges_)
+            total += modulus_ * e.section * e.rest_length *
+                     law::spring_energy(strain(state, e), spring_growth(e.hardening), repulsion_);
         return total;
     }
 
@@ -133,8 +116,8 @@ private:
     }
 
     static double strain(const State& state, const FabricEdge& e) {
-        return (to_vec3(state.node[e.node[1]].x) - to_vec3(state.node[e.node[0]].x)).norm() / e.rest_length -
-               1.0;
+        const Vec3 d = to_vec3(state.node[e.node[1]].x) - to_vec3(state.node[e.node[0]].x);
+        return law::span_strain(1.0 / e.rest_length, d);
     }
 
     double repulsion_;  // of folded cloth over the stiffness in tension [-]

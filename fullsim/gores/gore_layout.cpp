@@ -22,6 +22,7 @@
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/step/energy.hpp"
+#include "fullsim/step/node_mover.hpp"
 #include "fullsim/step/stable_step.hpp"
 #include "fullsim/step/substeps.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -128,7 +129,7 @@ public:
     }
 
     double membrane_energy(State& state) const override {
-        return kernels_.membrane_levels(nodes_->up_to_date(state), fabric_).energy;
+        return kernels_.membrane_levels(nodes_->up_to_date(state), membrane_, fabric_).energy;
     }
 
     Levels levels(const State& state) const override {
@@ -155,8 +156,8 @@ public:
         count_time();
         use_air(state);
         const auto work = [this](const Row* row, const GoreFrame& part) {
-            FabricSums& sums = sums_[part.first].of_row[row - rows.data()];
-            sums = row->work ? (this->*row->work)(part) : FabricSums{};
+            ElementSums& sums = sums_[part.first].of_row[row - rows.data()];
+            sums = row->work ? (this->*row->work)(part) : ElementSums{};
         };
         // For the clock, one block of forces after the other; otherwise each thread does all of them for the
         // gores that it has. Nothing but the order differs, and no force sees that.
@@ -176,7 +177,7 @@ public:
             for (const Row* row : blocks)
                 clock.run([&] {
                     if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
-                    FabricSums total;
+                    ElementSums total;
                     if (row->work)
                         for (const SumsOfBlock& of_part : sums_)
                             total += of_part.of_row[row - rows.data()];
@@ -197,8 +198,9 @@ public:
         fabric_.weight = state.fe_weight;
         for_parts([&](const GoreFrame& part) {
             nodes_->see_next_gore(part.first);
-            if (has_.membrane) kernels_.membrane_rows(part, fabric_, triangle_rows_, sums);
-            if (has_.springs || has_.folds) kernels_.spring_rows(part, edges(), spring_columns_, sums);
+            if (has_.membrane) kernels_.membrane_rows(part, membrane_, triangle_rows_, fabric_.weight, sums);
+            if (has_.springs || has_.folds)
+                kernels_.spring_rows(part, springs_, edges(), spring_columns_, sums);
         });
         kernels_.give_back(sums, gores_.neighbour);
         const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
@@ -294,16 +296,16 @@ private:
     struct Row {
         std::string_view block;
         void (GoreLayout::*prepare)(const ForceModel&);
-        FabricSums (GoreLayout::*work)(const GoreFrame&) const;  // on some gores; null: nothing
+        ElementSums (GoreLayout::*work)(const GoreFrame&) const;  // on some gores; null: nothing
         /// With the sums of all gores: what is left to do, once.
-        void (GoreLayout::*finish)(State&, const FabricSums&);
+        void (GoreLayout::*finish)(State&, const ElementSums&);
         ElementLevels (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
     static const std::array<Row, 15> rows;
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
-        std::array<FabricSums, 15> of_row{};  // of the last pass of each row of the table
+        std::array<ElementSums, 15> of_row{};  // of the last pass of each row of the table
         GoreSums step;
     };
 
@@ -536,7 +538,7 @@ private:
     }
 
     void nothing(const ForceModel&) {}
-    void book(State& state, const FabricSums& all) { state.damping_power += all.dissipated; }
+    void book(State& state, const ElementSums& all) { state.damping_power += all.dissipated; }
 
     // --- fabric ---------------------------------------------------------------------------
 
@@ -551,7 +553,7 @@ private:
                                  t.b / t.a,
                                  0.5 * t.a * t.c,
                                  law.viscosity * element_length({{}, t.a, t.b, t.c})});
-        fabric_ = {membrane_, law, {}, 0.0, 1.0};
+        fabric_ = {law};
     }
 
     void use_air(const State& state) {
@@ -565,34 +567,34 @@ private:
     }
     ElementLevels fabric_levels(const State& state) const {
         // Cloth that is held by springs still carries its share only.
-        ElementLevels levels = kernels_.membrane_levels(nodes_->up_to_date(state), fabric_);
+        ElementLevels levels = kernels_.membrane_levels(nodes_->up_to_date(state), membrane_, fabric_);
         levels.energy *= state.fe_weight;
         levels.strain *= state.fe_weight;
         return levels;
     }
     /// Membranes, and the areas that pressure acts on with them.
-    FabricSums stretch_membrane(const GoreFrame& part) const {
-        return (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(part, fabric_);
+    ElementSums stretch_membrane(const GoreFrame& part) const {
+        return (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(part, membrane_, fabric_);
     }
-    void finish_membrane(State& state, const FabricSums& all) {
+    void finish_membrane(State& state, const ElementSums& all) {
         fabric_sums_ = all;
         state.largest.add_stress(state.fe_weight * all.largest_load);
         book(state, all);
     }
-    FabricSums find_areas(const GoreFrame& part) const {
-        return has_.membrane ? FabricSums{} : kernels_.pressure(part, fabric_);
+    ElementSums find_areas(const GoreFrame& part) const {
+        return has_.membrane ? ElementSums{} : kernels_.pressure(part, membrane_, fabric_);
     }
-    void finish_pressure(State& state, const FabricSums& all) {
-        const FabricSums& areas = has_.membrane ? fabric_sums_ : all;
+    void finish_pressure(State& state, const ElementSums& all) {
+        const ElementSums& areas = has_.membrane ? fabric_sums_ : all;
         state.air.projected_area = areas.positive_area;
         state.air.signed_area = areas.signed_area;
         step_.flag = plain(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
         step_.pressure = state.air.pressure;
     }
-    FabricSums drag_cloth(const GoreFrame& part) const {
-        return kernels_.cloth_drag(part, fabric_, 0.5 * density_ * deploy().drag_coefficient, wind_);
+    ElementSums drag_cloth(const GoreFrame& part) const {
+        return kernels_.cloth_drag(part, membrane_, {0.5 * density_ * deploy().drag_coefficient, wind_});
     }
-    void finish_cloth_drag(State& state, const FabricSums& all) {
+    void finish_cloth_drag(State& state, const ElementSums& all) {
         state.air.projected_area = all.positive_area;
     }
 
@@ -608,18 +610,16 @@ private:
                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
     }
-    SpringPass edges() const {
-        return {springs_, deploy().fold_repulsion, has_.springs, has_.folds, folded_, full_fold_speed};
-    }
-    FabricSums stretch_edges(const GoreFrame& part) const {
-        return {0.0, 0.0, kernels_.springs(part, edges())};
+    SpringPass edges() const { return {deploy().fold_repulsion, has_.springs, has_.folds, folded_}; }
+    ElementSums stretch_edges(const GoreFrame& part) const {
+        return kernels_.springs(part, springs_, edges());
     }
     ElementLevels edge_levels(const State& state) const {
-        return kernels_.spring_levels(nodes_->up_to_date(state), edges());
+        return kernels_.spring_levels(nodes_->up_to_date(state), springs_, edges());
     }
     /// Springs take the folds along: both need the same lengths.
-    FabricSums hold_folds(const GoreFrame& part) const {
-        return has_.springs ? FabricSums{} : stretch_edges(part);
+    ElementSums hold_folds(const GoreFrame& part) const {
+        return has_.springs ? ElementSums{} : stretch_edges(part);
     }
 
     // --- contact --------------------------------------------------------------------------
@@ -638,19 +638,19 @@ private:
         return canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
     }
     ContactPass contact_pass(const CanopyAxis& axis) const {
-        return {contacts_, plain(axis.canopy), plain(axis.direction)};
+        return {plain(axis.canopy), plain(axis.direction)};
     }
-    FabricSums push_apart(const GoreFrame& part) const {
-        return kernels_.contacts(part, contact_pass(axis_));
+    ElementSums push_apart(const GoreFrame& part) const {
+        return kernels_.contacts(part, contacts_, contact_pass(axis_));
     }
-    void finish_contacts(State& state, const FabricSums& all) {
+    void finish_contacts(State& state, const ElementSums& all) {
         const AxisReaction on = axis_reaction(axis_, Vec3(all.by_arm.data()), Vec3(all.by_turning.data()));
         state.force[mesh_.payload()].value += to_lanes(on.payload);
         step_.leaned_on = true;
         step_.lean = plain(on.canopy / constants_.canopy_mass);
     }
     ElementLevels contact_levels(const State& state) const {
-        return kernels_.contact_levels(nodes_->up_to_date(state), contact_pass(axis(state)));
+        return kernels_.contact_levels(nodes_->up_to_date(state), contacts_, contact_pass(axis(state)));
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -665,7 +665,7 @@ private:
         for (const GoreCable& c : gores_.cables)
             if (is_tape(c.kind)) tapes_.push_back(cable(c));
     }
-    FabricSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
+    ElementSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
     ElementLevels tape_levels(const State& state) const {
         return kernels_.cable_levels(nodes_->up_to_date(state), tapes_);
     }
@@ -688,7 +688,7 @@ private:
         trunk_nodes_ = SubstepNodes(gores_.trunk);
     }
     /// Lines take their drag along: both need the same nodes.
-    FabricSums stretch_lines(const GoreFrame& part) const {
+    ElementSums stretch_lines(const GoreFrame& part) const {
         const bool drags = has_.line_drag && density_ > 0.0;  // no Reynolds number without air
         return (drags ? kernels_.lines_with_drag : kernels_.lines)(part, lines_, line_air());
     }
@@ -696,7 +696,7 @@ private:
         return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, density_, viscosity_, wind_};
     }
     /// Of risers on the state's forces.
-    void finish_lines(State& state, const FabricSums& all) {
+    void finish_lines(State& state, const ElementSums& all) {
         state.largest.add_tension(all.largest_load);
         trunk_nodes_.note(state, [&] { stretch_risers(state, all.dissipated); });
     }
@@ -719,18 +719,18 @@ private:
                                      scene_.full.bulk_viscosity, scene_.full.beta));
         static_line_ = trunk_.back().get();
     }
-    FabricSums stretch_cords(const GoreFrame& part) const { return kernels_.cables(part, cords_); }
-    void finish_static_line(State& state, const FabricSums& all) {
+    ElementSums stretch_cords(const GoreFrame& part) const { return kernels_.cables(part, cords_); }
+    void finish_static_line(State& state, const ElementSums& all) {
         book(state, all);
         static_line_->add_forces(state);
     }
     ElementLevels static_line_levels(const State& state) const {
         return with(kernels_.cable_levels(nodes_->up_to_date(state), cords_), *static_line_, state);
     }
-    FabricSums drag_lines(const GoreFrame& part) const {
-        return lines_row_ || !(density_ > 0.0) ? FabricSums{} : kernels_.line_drag(part, lines_, line_air());
+    ElementSums drag_lines(const GoreFrame& part) const {
+        return lines_row_ || !(density_ > 0.0) ? ElementSums{} : kernels_.line_drag(part, lines_, line_air());
     }
-    void finished(State&, const FabricSums&) {}
+    void finished(State&, const ElementSums&) {}
 
     // --- loads on nodes, which the step itself adds ---------------------------------------
 
@@ -744,37 +744,34 @@ private:
             if (std::ranges::count(mesh_.seam_rings.front(), gores_.node[n]))
                 node_[n].extraction = 1.0 / gores_.count;
     }
-    void finish_extraction(State& state, const FabricSums&) {
+    void finish_extraction(State& state, const ElementSums&) {
         step_.extraction = plain(deploy().extraction.at(state.time) * trailing_direction(scene_));
     }
     /// [N s/m] of the whole canopy.
     double breathing(const AeroState& air) const {
         return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
     }
-    void finish_breathing(State& state, const FabricSums&) {
+    void finish_breathing(State& state, const ElementSums&) {
         step_.breathing = breathing(state.air);
         step_.breathing_mean = plain(state.sums.canopy_area_velocity);
     }
-    void finish_accretion(State& state, const FabricSums&) {
+    void finish_accretion(State& state, const ElementSums&) {
         step_.accretion = std::max(0.0, state.added_mass_rate);
         step_.wind = plain(state.air.wind);
     }
-    void finish_mass_damping(State& state, const FabricSums&) {
+    void finish_mass_damping(State& state, const ElementSums&) {
         step_.alpha = scene_.full.alpha;
         step_.mean = plain(state.sums.system_velocity);
         const Lanes mean = to_lanes(state.sums.system_velocity);
         const NodeForces::View on_node = state.force.view();
         Lanes dissipated = splat(0.0);
-        for (const NodeIndex i : gores_.trunk) {
-            const Lanes relative = state.node[i].v - mean;
-            const Lanes resistance = step_.alpha * constants_.mass[i] * relative;
-            on_node[i].value -= resistance;
-            dissipated += resistance * relative;
-        }
+        for (const NodeIndex i : gores_.trunk)
+            law::resist(step_.alpha * constants_.mass[i], state.node[i].v - mean, on_node[i].value,
+                        dissipated);
         state.damping_power += sum3(dissipated);
     }
     void prepare_payload_drag(const ForceModel& block) { payload_drag_ = &block; }
-    void finish_payload_drag(State& state, const FabricSums&) { payload_drag_->add_forces(state); }
+    void finish_payload_drag(State& state, const ElementSums&) { payload_drag_->add_forces(state); }
 
     const Scene& scene_;
     const Mesh& mesh_;
@@ -793,7 +790,7 @@ private:
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;
-    FabricSums fabric_sums_;  // of the last pass over membranes
+    ElementSums fabric_sums_;  // of the last pass over membranes
     std::vector<SumsOfBlock> sums_;
     std::array<double, 3> wind_{};            // [m/s] at the canopy
     double density_ = 0.0, viscosity_ = 0.0;  // of the air [kg/m^3], [Pa s]

@@ -9,18 +9,20 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "fullsim/forces/cable_kernel.hpp"
-#include "fullsim/forces/contact_kernel.hpp"
-#include "fullsim/forces/membrane_kernel.hpp"
+#include "fullsim/lanes/drag_table.hpp"
 #include "fullsim/lanes/vec.hpp"
+
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/elements/contact.hpp"
+#include "fullsim/elements/fabric_spring.hpp"
+#include "fullsim/elements/membrane.hpp"
+#include "fullsim/laws/critical_step.hpp"
+#include "fullsim/laws/node.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE Vec3s splat3(const std::array<double, 3>& a) {
-    return {all(a[0]), all(a[1]), all(a[2])};
-}
 HWY_INLINE std::array<double, 3> sum3s(Vec3s a) {
     return {sum(a.x), sum(a.y), sum(a.z)};
 }
@@ -46,153 +48,388 @@ struct Block {
     HWY_INLINE Vec3s velocity(std::int32_t node) const { return load3(v + node * stride); }
 };
 
-/// Where there is a gore: a lane without one sees no neighbour.
-HWY_INLINE Vec of_gores(const Block& block, Vec a) {
-    return select(block.live > all(0.0), a, all(0.0));
-}
+// --- views: elements of gores, block by block (see fullsim/elements/membrane.hpp) -----------------
 
-template <bool structure, bool pressure>
-FabricSums membrane_pass(const GoreFrame& frame, const MembranePass& pass) {
-    const Vec3s e = splat3(pass.direction);
-    const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(pass.radial_pressure / 3.0);
-    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        Vec block_positive = zero, block_area = zero, block_dissipated = zero, block_largest = zero;
-        for (const MembraneElement& m : pass.elements) {
-            const std::int32_t n0 = m.node[0], n1 = m.node[1], n2 = m.node[2];
-            const Vec3s x0 = block.position(n0);
-            const Vec3s e1 = block.position(n1) - x0, e2 = block.position(n2) - x0;
-            if constexpr (structure) {
-                const Vec3s v0 = block.velocity(n0);
-                const Vec3s w1 = block.velocity(n1) - v0, w2 = block.velocity(n2) - v0;
-                const auto pulls =
-                    membrane_pulls(pass.law, all(m.inverse_a), all(m.inverse_c), all(m.b_over_a),
-                                   all(pass.weight * m.area), all(m.viscosity), e1, e2, w1, w2);
-                block_dissipated += pulls.dissipated;
-                block_largest = larger(pulls.stress, block_largest);
-                add3(pulls.on_first, block.force + n0 * block.stride);
-                take3(pulls.on_second, block.force + n1 * block.stride);
-                take3(pulls.on_third, block.force + n2 * block.stride);
-            }
-            if constexpr (pressure) {
-                // A third of A_p e_r + phi (A - (A.e_r) e_r) to each corner; what it is per area comes later.
-                const Vec3s area = 0.5 * cross(e1, e2);
-                const Vec along = dot(area, e);
-                const Vec swept = larger(along, zero);
-                block_positive += swept;
-                block_area += along;
-                const Vec3s corner = (third * swept - radial * along) * e + radial * area;
-                add3(corner, block.push + n0 * block.stride);
-                add3(corner, block.push + n1 * block.stride);
-                add3(corner, block.push + n2 * block.stride);
-            }
-        }
-        positive += block.live * block_positive;
-        all_area += block.live * block_area;
-        dissipated += block.live * block_dissipated;
-        largest = larger(of_gores(block, block_largest), largest);
-    }
-    const double lost = sum(dissipated);
-    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
-}
+/// A view of elements of a kind, the same in every gore. Element: made of a part and a number, from Row, the
+/// constants, and a Context of its own.
+template <class Element>
+class GoreView : public SimdView {
+public:
+    using Flow = Vec3s;
+    using Row = typename Element::Row;
+    using Context = typename Element::Context;
+    static constexpr bool skips = true;
 
-/// Green strain of a triangle.
-HWY_INLINE SymmetricTensor<Vec> strain_of(const Block& block, const MembraneElement& m) {
-    const Vec3s x0 = block.position(m.node[0]);
-    const Vec3s e1 = block.position(m.node[1]) - x0, e2 = block.position(m.node[2]) - x0;
-    const Vec3s f1 = m.inverse_a * e1, f2 = m.inverse_c * (e2 - m.b_over_a * e1);
-    return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
-}
+    GoreView(const GoreFrame& frame, std::span<const Row> rows, Context context = {})
+        : frame_(frame), rows_(rows), context_(context) {}
 
-/// Of a span: lengths over unstrained ones, less 1.
-HWY_INLINE Vec strain_of(const Block& block, std::int32_t n0, std::int32_t n1, double inverse_length) {
-    const Vec3s d = block.position(n1) - block.position(n0);
-    const Vec square = dot(d, d) + 1e-18;
-    return square * inverse_root(square) * all(inverse_length) - 1.0;
-}
+    HWY_INLINE int first() const { return frame_.first; }
+    HWY_INLINE int last() const { return frame_.last; }
+    HWY_INLINE Flow flow(const std::array<double, 3>& direction) const { return all3(direction); }
 
-/// Sums and maxima of elements, lane by lane.
-struct LaneLevels {
-    Vec energy, strain;
+    struct Part {
+        Block block;
+        std::span<const Row> rows;
+        const Context& context;
+        int number;  // of the block
 
-    HWY_INLINE ElementLevels of_all_lanes() const { return {sum(energy), greatest(strain)}; }
+        HWY_INLINE std::size_t size() const { return rows.size(); }
+        HWY_INLINE Element element(std::size_t k) const { return Element(*this, rows[k], k); }
+        HWY_INLINE Vec live(Vec sum) const { return block.live * sum; }
+        /// Where there is no gore, nothing is loaded, whatever is there.
+        HWY_INLINE Vec live_load(Vec load) const { return select(block.live > all(0.0), load, all(0.0)); }
+        HWY_INLINE void finish(std::size_t) const {}
+        HWY_INLINE void close() const {}
+    };
+    HWY_INLINE Part part(int block) const { return {Block(frame_, block), rows_, context_, block}; }
+
+private:
+    const GoreFrame& frame_;
+    std::span<const Row> rows_;
+    Context context_;
 };
 
-HWY_INLINE LaneLevels no_levels() {
-    return {all(0.0), all(0.0)};
-}
-
-/// Of spans, which may be folded.
-HWY_INLINE LaneLevels levels_of_folded() {
-    return {all(0.0), all(-1.0)};
-}
-HWY_INLINE Vec larger_of_gores(const Block& block, Vec strain, Vec largest) {
-    return larger(select(block.live > all(0.0), strain, all(-1.0)), largest);
-}
-
-ElementLevels membrane_levels(const GoreFrame& frame, const MembranePass& pass) {
-    LaneLevels levels = no_levels();
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (const MembraneElement& m : pass.elements) {
-            const auto p = principal(strain_of(block, m));
-            levels.energy += of_gores(block, all(m.area) * relaxed_energy(pass.law, p));
-            // In this order, here and below: a strain that is not a number must not hide the others.
-            levels.strain = larger(of_gores(block, p.first()), levels.strain);
-        }
-    }
-    return levels.of_all_lanes();
-}
+struct Nothing {};
 
 /// Adds stiffness and damping to the row sums of a node of the frame's.
-HWY_INLINE void add_rows(const GoreFrame& frame, const GoreFrame& rows, int block, std::int32_t node,
-                         Vec stiffness, Vec damping) {
-    double* at = rows.x + rows.at(block, node < rows.own ? node : node - frame.own + rows.own);
-    store(load(at) + stiffness, at);
-    store(load(at + rows.lanes) + damping, at + rows.lanes);
+struct RowSumsContext {
+    const GoreFrame* frame = nullptr;
+    const GoreFrame* rows = nullptr;
+
+    HWY_INLINE void add(int block, std::int32_t node, Vec stiffness, Vec damping) const {
+        double* at = rows->x + rows->at(block, node < rows->own ? node : node - frame->own + rows->own);
+        store(load(at) + stiffness, at);
+        store(load(at + rows->lanes) + damping, at + rows->lanes);
+    }
+};
+
+template <int corners>
+class GoreElement {
+public:
+    HWY_INLINE GoreElement(const Block& block, const std::array<std::int32_t, corners>& node)
+        : block_(block) {
+        for (int c = 0; c < corners; ++c)
+            at_[c] = node[c] * block.stride;
+    }
+    HWY_INLINE Vec live(Vec a, double otherwise) const {
+        return select(block_.live > all(0.0), a, all(otherwise));
+    }
+    HWY_INLINE void add_force(int corner, Vec3s force) const { add3(force, block_.force + at_[corner]); }
+    HWY_INLINE void subtract_force(int corner, Vec3s force) const {
+        take3(force, block_.force + at_[corner]);
+    }
+
+protected:
+    HWY_INLINE Vec3s x(int corner) const { return load3(block_.x + at_[corner]); }
+    HWY_INLINE Vec3s v(int corner) const { return load3(block_.v + at_[corner]); }
+
+    const Block& block_;
+    std::size_t at_[corners];
+};
+
+template <class OfRows>
+class GoreTriangleElement : public GoreElement<3> {
+public:
+    using Row = MembraneElement;
+    using Context = OfRows;
+
+    template <class Part>
+    HWY_INLINE GoreTriangleElement(const Part& part, const Row& row, std::size_t)
+        : GoreElement(part.block, row.node), row_(row) {}
+
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2) const {
+        const Vec3s x0 = x(0);
+        e1 = x(1) - x0, e2 = x(2) - x0;
+    }
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2, Vec3s& w1, Vec3s& w2) const {
+        edges(e1, e2);
+        const Vec3s v0 = v(0);
+        w1 = v(1) - v0, w2 = v(2) - v0;
+    }
+    HWY_INLINE void edges_and_mean_velocity(Vec3s& e1, Vec3s& e2, Vec3s& mean) const {
+        edges(e1, e2);
+        mean = (1.0 / 3.0) * (v(0) + v(1) + v(2));
+    }
+    HWY_INLINE Vec inverse_a() const { return all(row_.inverse_a); }
+    HWY_INLINE Vec inverse_c() const { return all(row_.inverse_c); }
+    HWY_INLINE Vec b_over_a() const { return all(row_.b_over_a); }
+    HWY_INLINE Vec weighted_area(double weight) const { return all(weight * row_.area); }
+    HWY_INLINE Vec viscosity() const { return all(row_.viscosity); }
+    HWY_INLINE double half() const { return 0.5; }
+    HWY_INLINE void add_push(Vec3s area) const { add_to_all(area, block_.push); }
+    HWY_INLINE void add_drag(Vec3s force) const { add_to_all(force, block_.aero); }
+
+protected:
+    HWY_INLINE void add_to_all(Vec3s a, double* to) const {
+        for (const std::size_t at : at_)
+            add3(a, to + at);
+    }
+
+    const Row& row_;
+};
+using GoreTriangleForces = GoreTriangleElement<Nothing>;
+
+struct TriangleRowsContext : RowSumsContext {
+    std::span<const WeighedRows> unstrained = {};
+    double weight = 1.0;
+};
+
+class GoreTriangleRows : public GoreTriangleElement<TriangleRowsContext> {
+public:
+    template <class Part>
+    HWY_INLINE GoreTriangleRows(const Part& part, const Row& row, std::size_t k)
+        : GoreTriangleElement(part, row, k),
+          sums_(part.context),
+          unstrained_(part.context.unstrained[k]),
+          number_(part.number) {}
+
+    HWY_INLINE void add_rows(MembraneStiffening<Vec> by) const {
+        const Vec stiffness = all(sums_.weight) * by.stiffness, damping = all(sums_.weight) * by.damping;
+        for (int k = 0; k < 3; ++k)
+            sums_.add(number_, row_.node[k], stiffness * all(unstrained_.stiffness[k]),
+                      damping * all(unstrained_.damping[k]));
+    }
+
+private:
+    const TriangleRowsContext& sums_;
+    const WeighedRows& unstrained_;
+    int number_;
+};
+
+/// From one node to another: cables, springs.
+template <class OfRow, class OfRows>
+class GoreSpanElement : public GoreElement<2> {
+public:
+    using Row = OfRow;
+    using Context = OfRows;
+
+    template <class Part>
+    HWY_INLINE GoreSpanElement(const Part& part, const Row& row, std::size_t)
+        : GoreElement(part.block, row.node), row_(row) {}
+
+    HWY_INLINE Vec3s distance() const { return x(1) - x(0); }
+    HWY_INLINE void ends(Vec3s& d, Vec3s& w) const { d = distance(), w = v(1) - v(0); }
+    HWY_INLINE Vec inverse_length() const { return all(row_.inverse_length); }
+    HWY_INLINE Vec stiffness() const { return all(row_.stiffness); }
+    HWY_INLINE Vec stiffness_times_length() const { return all(row_.stiffness / row_.inverse_length); }
+    HWY_INLINE Vec dashpot() const { return all(row_.dashpot); }
+    HWY_INLINE Vec growth() const { return all(row_.growth); }
+    HWY_INLINE Vec fold_force() const { return all(row_.fold_force); }
+    HWY_INLINE Vec counted(Vec load) const { return load; }
+    HWY_INLINE void pull_together(Vec3s force) const {
+        add_force(0, force);
+        subtract_force(1, force);
+    }
+
+protected:
+    const Row& row_;
+};
+using GoreCableForces = GoreSpanElement<CableElement, Nothing>;
+using GoreSpringForces = GoreSpanElement<SpringElement, Nothing>;
+
+struct SpringRowsContext : RowSumsContext {
+    std::span<const std::array<double, 2>> columns = {};
+};
+
+class GoreSpringRows : public GoreSpanElement<SpringElement, SpringRowsContext> {
+public:
+    template <class Part>
+    HWY_INLINE GoreSpringRows(const Part& part, const Row& row, std::size_t k)
+        : GoreSpanElement(part, row, k),
+          sums_(part.context),
+          columns_(part.context.columns[k]),
+          number_(part.number) {}
+
+    HWY_INLINE void add_rows(Vec stiffness, Vec damping) const {
+        for (int end = 0; end < 2; ++end)
+            sums_.add(number_, row_.node[end], all(columns_[end]) * stiffness, all(columns_[end]) * damping);
+    }
+
+private:
+    const SpringRowsContext& sums_;
+    const std::array<double, 2>& columns_;
+    int number_;
+};
+
+/// The same pair of nodes of all gores.
+class GorePair : public GoreElement<2> {
+public:
+    using Row = ContactElement;
+    using Context = Nothing;
+
+    template <class Part>
+    HWY_INLINE GorePair(const Part& part, const Row& row, std::size_t)
+        : GoreElement(part.block, row.node), row_(row) {}
+
+    HWY_INLINE Vec stiffness() const { return all(row_.stiffness); }
+    HWY_INLINE void arm_and_distance(Vec3s centre, Vec3s& arm, Vec3s& d) const {
+        const Vec3s x0 = x(0);
+        arm = x0 - centre, d = x(1) - x0;
+    }
+    HWY_INLINE void push_apart(Vec3s apart, Vec3s half_of_middle) const {
+        add_force(0, apart - half_of_middle);
+        subtract_force(1, apart + half_of_middle);
+    }
+
+private:
+    const Row& row_;
+};
+
+/// What is known of a line's node while its cables are gone through one after the other: a cable finds one of
+/// its nodes in registers, and each node is handed over once.
+struct LineNode {
+    Vec3s x, v;
+    Vec3s pull, aero;  // by elements so far
+};
+
+HWY_INLINE LineNode line_node(const Block& block, std::int32_t node) {
+    const Vec3s none{all(0.0), all(0.0), all(0.0)};
+    return {block.position(node), block.velocity(node), none, none};
 }
 
-void membrane_rows(const GoreFrame& frame, const MembranePass& pass, std::span<const WeighedRows> unstrained,
-                   const GoreFrame& rows) {
-    const Vec weight = all(pass.weight);
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (std::size_t e = 0; e < pass.elements.size(); ++e) {
-            const MembraneElement& m = pass.elements[e];
-            const Vec stretch = larger(principal(strain_of(block, m)).first(), all(0.0));
-            // As Membrane::add_row_sums.
-            const Vec stiffening = weight * (1.0 + 3.0 * stretch),
-                      lengthening = weight * (1.0 + 2.0 * stretch);
-            for (int k = 0; k < 3; ++k)
-                add_rows(frame, rows, b, m.node[k], stiffening * all(unstrained[e].stiffness[k]),
-                         lengthening * all(unstrained[e].damping[k]));
+/// The lines of all gores, as chains. Done: what becomes of a node that all its cables have pulled on.
+template <class Done>
+class LineView : public SimdView {
+public:
+    LineView(const GoreFrame& frame, LineElements lines, Done& done)
+        : frame_(frame), lines_(lines), done_(done) {}
+
+    HWY_INLINE int first() const { return frame_.first; }
+    HWY_INLINE int last() const { return frame_.last; }
+
+    class Part;
+    struct Element {
+        LineNode &here, &next;
+        const CableElement& row;
+
+        HWY_INLINE void ends(Vec3s& d, Vec3s& w) const { d = next.x - here.x, w = next.v - here.v; }
+        HWY_INLINE Vec3s mean_velocity(Vec3s) const { return 0.5 * (here.v + next.v); }
+        HWY_INLINE Vec inverse_length() const { return all(row.inverse_length); }
+        HWY_INLINE Vec stiffness() const { return all(row.stiffness); }
+        HWY_INLINE Vec dashpot() const { return all(row.dashpot); }
+        HWY_INLINE Vec counted(Vec load) const { return load; }
+        HWY_INLINE void pull_together(Vec3s force) const {
+            here.pull += force;
+            next.pull = next.pull - force;
         }
+        HWY_INLINE void add_drag(Vec3s end) const {
+            here.aero += end;
+            next.aero = end;
+        }
+    };
+    class Part {
+    public:
+        HWY_INLINE Part(const GoreFrame& frame, int number, LineElements lines, Done& done)
+            : block_(frame, number),
+              lines_(lines),
+              done_(done),
+              here_(line_node(block_, lines.front().node[0])) {}
+
+        HWY_INLINE std::size_t size() const { return lines_.size(); }
+        HWY_INLINE Element element(std::size_t k) {
+            next_ = line_node(block_, lines_[k].node[1]);
+            return {here_, next_, lines_[k]};
+        }
+        HWY_INLINE void finish(std::size_t k) {
+            if (k == 0)
+                done_.skirt(block_, lines_[k].node[0], here_);
+            else
+                done_.node(block_, lines_[k].node[0], here_);
+            here_ = next_;
+        }
+        HWY_INLINE void close() { done_.last(block_, lines_.back().node[1], here_); }
+        HWY_INLINE Vec live(Vec sum) const { return block_.live * sum; }
+        HWY_INLINE Vec live_load(Vec load) const { return select(block_.live > all(0.0), load, all(0.0)); }
+
+    private:
+        Block block_;
+        LineElements lines_;
+        Done& done_;
+        LineNode here_, next_;
+    };
+    HWY_INLINE Part part(int block) const { return Part(frame_, block, lines_, done_); }
+
+private:
+    const GoreFrame& frame_;
+    LineElements lines_;
+    Done& done_;
+};
+
+/// Sets what lines do to their nodes.
+struct SetOnNodes {
+    HWY_INLINE void skirt(const Block& block, std::int32_t, const LineNode& node) const {
+        store3(node.pull, block.pull);
+        store3(node.aero, block.skirt_aero);
     }
+    HWY_INLINE void node(const Block& block, std::int32_t n, const LineNode& node) const {
+        store3(node.pull, block.force + n * block.stride);
+        store3(node.aero, block.aero + n * block.stride);
+    }
+    HWY_INLINE void last(const Block& block, std::int32_t n, const LineNode& node_) const {
+        node(block, n, node_);
+    }
+};
+
+// --- loops -------------------------------------------------------------------------------------------
+
+using Membranes = GoreView<GoreTriangleForces>;
+using Cables = GoreView<GoreCableForces>;
+using Springs = GoreView<GoreSpringForces>;
+using Pairs = GoreView<GorePair>;
+
+template <bool structure, bool pressure>
+ElementSums membranes(const GoreFrame& frame, std::span<const MembraneElement> elements,
+                      const MembranePass& pass) {
+    return membrane_forces<structure, pressure>(Membranes(frame, elements), pass);
+}
+ElementLevels levels_of_membranes(const GoreFrame& frame, std::span<const MembraneElement> elements,
+                                  const MembranePass& pass) {
+    return membrane_levels(Membranes(frame, elements), pass);
+}
+void rows_of_membranes(const GoreFrame& frame, std::span<const MembraneElement> elements,
+                       std::span<const WeighedRows> unstrained, double weight, const GoreFrame& rows) {
+    membrane_rows(GoreView<GoreTriangleRows>(frame, elements, {{&frame, &rows}, unstrained, weight}));
+}
+ElementSums fabric_drags(const GoreFrame& frame, std::span<const MembraneElement> elements,
+                         const FabricDragPass& pass) {
+    return fabric_drag_forces(Membranes(frame, elements), pass);
 }
 
-void spring_rows(const GoreFrame& frame, const SpringPass& pass,
-                 std::span<const std::array<double, 2>> columns, const GoreFrame& rows) {
-    const Vec zero = all(0.0), full = all(full_hardening_strain);
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (std::size_t e = 0; e < pass.elements.size(); ++e) {
-            const SpringElement& s = pass.elements[e];
-            const Vec strain = strain_of(block, s.node[0], s.node[1], s.inverse_length);
-            const Vec low = smaller(larger(strain, zero), full);
-            Vec stiffness = zero, damping = zero;
-            if (pass.springs && pass.folded) {
-                stiffness = all(pass.repulsion * (s.stiffness * s.inverse_length));
-            } else if (pass.springs) {
-                stiffness = all(s.stiffness * s.inverse_length) * (1.0 + all(2.0 * s.growth) * low);
-                damping = all(s.dashpot);
-            }
-            if (pass.folds) damping += all(s.fold_force / pass.full_speed);
-            for (int end = 0; end < 2; ++end)
-                add_rows(frame, rows, b, s.node[end], all(columns[e][end]) * stiffness,
-                         all(columns[e][end]) * damping);
-        }
-    }
+ElementSums springs(const GoreFrame& frame, std::span<const SpringElement> elements, const SpringPass& pass) {
+    return spring_forces(Springs(frame, elements), pass);
+}
+ElementLevels levels_of_springs(const GoreFrame& frame, std::span<const SpringElement> elements,
+                                const SpringPass& pass) {
+    return spring_levels(Springs(frame, elements), pass);
+}
+void rows_of_springs(const GoreFrame& frame, std::span<const SpringElement> elements, const SpringPass& pass,
+                     std::span<const std::array<double, 2>> columns, const GoreFrame& rows) {
+    spring_rows(GoreView<GoreSpringRows>(frame, elements, {{&frame, &rows}, columns}), pass);
+}
+
+ElementSums cables(const GoreFrame& frame, std::span<const CableElement> elements) {
+    return cable_forces(Cables(frame, elements));
+}
+ElementLevels levels_of_cables(const GoreFrame& frame, std::span<const CableElement> elements) {
+    return cable_levels(Cables(frame, elements));
+}
+
+template <bool pulls, bool drags>
+ElementSums lines(const GoreFrame& frame, LineElements elements, const LineAir& air) {
+    SetOnNodes set;
+    const LineView view(frame, elements, set);
+    if constexpr (drags)
+        return cable_forces_in<pulls>(view, air);
+    else
+        return cable_forces(view);
+}
+
+ElementSums contacts(const GoreFrame& frame, std::span<const ContactElement> pairs, const ContactPass& pass) {
+    return contact_forces(Pairs(frame, pairs), pass);
+}
+ElementLevels levels_of_contacts(const GoreFrame& frame, std::span<const ContactElement> pairs,
+                                 const ContactPass& pass) {
+    return contact_levels(Pairs(frame, pairs), pass);
 }
 
 double stable_step(const GoreFrame& rows, std::span<const double> inverse_inertia,
@@ -207,194 +444,10 @@ double stable_step(const GoreFrame& rows, std::span<const double> inverse_inerti
             const Vec k = load(at) * inverse;
             const Vec c = (load(at + rows.lanes) + all(node_damping[n])) * inverse;
             // In this order: a node without a number must not hide what the others say.
-            shortest = smaller(all(2.0) / (square_root(c * c + k) + c + 1e-300), shortest);
+            shortest = smaller(critical_step(k, c, all(1.0)), shortest);
         }
     }
     return least(shortest);
-}
-
-FabricSums cloth_drag(const GoreFrame& frame, const MembranePass& pass, double factor,
-                      const std::array<double, 3>& wind) {
-    const Vec3s air = splat3(wind);
-    const Vec zero = all(0.0), third = all(1.0 / 3.0), share = all(factor / 3.0);
-    Vec across = zero;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        Vec block_across = zero;
-        for (const MembraneElement& m : pass.elements) {
-            const std::int32_t n0 = m.node[0], n1 = m.node[1], n2 = m.node[2];
-            const Vec3s x0 = block.position(n0);
-            const Vec3s area = 0.5 * cross(block.position(n1) - x0, block.position(n2) - x0);
-            const Vec3s velocity =
-                air - third * (block.velocity(n0) + block.velocity(n1) + block.velocity(n2));
-            const Vec flow = dot(area, velocity);  // |A.e| V
-            const Vec swept = larger(flow, -flow);
-            block_across += swept * inverse_root(dot(velocity, velocity) + 1e-18);
-            const Vec3s corner = (share * swept) * velocity;
-            add3(corner, block.aero + n0 * block.stride);
-            add3(corner, block.aero + n1 * block.stride);
-            add3(corner, block.aero + n2 * block.stride);
-        }
-        across += block.live * block_across;
-    }
-    return {sum(across), 0.0, 0.0};
-}
-
-/// From one node to another.
-struct Span {
-    Vec3s d;                           // [m]
-    Vec square, inverse, lengthening;  // of the length [m^2], [1/m]; its rate [m/s]
-};
-
-HWY_INLINE Span span_of(const Block& block, std::int32_t n0, std::int32_t n1) {
-    Span span;
-    span.d = block.position(n1) - block.position(n0);
-    const Vec3s w = block.velocity(n1) - block.velocity(n0);
-    span.square = dot(span.d, span.d) + 1e-18;  // keeps a span of no length from being 0/0
-    span.inverse = inverse_root(span.square);
-    span.lengthening = dot(span.d, w) * span.inverse;
-    return span;
-}
-
-template <bool with_springs, bool with_folds>
-double spring_pass(const GoreFrame& frame, const SpringPass& pass) {
-    const Vec zero = all(0.0), one = all(1.0), full = all(full_hardening_strain);
-    const Vec repulsion = all(pass.repulsion), inverse_full_speed = all(1.0 / pass.full_speed);
-    Vec dissipated = zero;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        Vec block_dissipated = zero;
-        for (const SpringElement& s : pass.elements) {
-            const std::int32_t n0 = s.node[0], n1 = s.node[1];
-            const auto [d, square, inverse, lengthening] = span_of(block, n0, n1);
-            const Vec strain = square * inverse * all(s.inverse_length) - one;
-            Vec tension = zero;
-            if constexpr (with_springs) {
-                const Vec low = select(strain < full, strain, full);
-                const Vec stiffness = all(s.stiffness);
-                const Vec pull = stiffness * (strain + all(s.growth) * low * (low + 2.0 * (strain - low)));
-                const Vec push = repulsion * stiffness * strain;
-                const Mask taut = strain > zero;
-                const Vec spring = select(taut, pull, push);
-                tension = select(taut, larger(pull + all(s.dashpot) * lengthening, zero), push);
-                block_dissipated += (tension - spring) * lengthening;
-            }
-            if constexpr (with_folds) {
-                const Vec growing = larger(lengthening, zero);
-                const Vec speed_share = growing * inverse_full_speed;
-                const Vec folded = select(strain < zero, all(s.fold_force), zero);
-                const Vec hold = folded * select(speed_share < one, speed_share, one);
-                block_dissipated += hold * growing;
-                tension += hold;
-            }
-            const Vec3s force = (tension * inverse) * d;
-            add3(force, block.force + n0 * block.stride);
-            take3(force, block.force + n1 * block.stride);
-        }
-        dissipated += block.live * block_dissipated;
-    }
-    return sum(dissipated);
-}
-
-double springs(const GoreFrame& frame, const SpringPass& pass) {
-    if (pass.springs && pass.folds) return spring_pass<true, true>(frame, pass);
-    return pass.springs ? spring_pass<true, false>(frame, pass) : spring_pass<false, true>(frame, pass);
-}
-
-FabricSums cables(const GoreFrame& frame, std::span<const CableElement> elements) {
-    Vec dissipated = all(0.0), largest = dissipated;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        Vec block_dissipated = all(0.0), block_largest = block_dissipated;
-        for (const CableElement& c : elements) {
-            const std::int32_t n0 = c.node[0], n1 = c.node[1];
-            const CablePull pull =
-                cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot),
-                           block.position(n1) - block.position(n0), block.velocity(n1) - block.velocity(n0));
-            block_dissipated += pull.dissipated;
-            block_largest = larger(pull.spring, block_largest);
-            add3(pull.force, block.force + n0 * block.stride);
-            take3(pull.force, block.force + n1 * block.stride);
-        }
-        dissipated += block.live * block_dissipated;
-        largest = larger(of_gores(block, block_largest), largest);
-    }
-    const double lost = sum(dissipated);
-    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
-}
-
-/// The same pair of nodes of all gores.
-HWY_INLINE ContactArm<Vec, Vec3s> arm_of(const Block& block, const ContactElement& pair, Vec3s centre,
-                                         Vec3s axis) {
-    const Vec3s x0 = block.position(pair.node[0]), x1 = block.position(pair.node[1]);
-    return contact_arm(all(0.0), axis, x0 - centre, x1 - x0);
-}
-
-FabricSums contacts(const GoreFrame& frame, const ContactPass& pass) {
-    const Vec3s centre = splat3(pass.centre), axis = splat3(pass.direction);
-    const Vec zero = all(0.0);
-    Vec3s by_arm{zero, zero, zero}, by_turning = by_arm;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (const ContactElement& pair : pass.pairs) {
-            const auto arm = arm_of(block, pair, centre, axis);
-            if (!any(arm.behind > zero)) continue;
-            const auto push = contact_push(all(pair.stiffness), axis, arm);
-            const Vec3s half = push.half_of_middle;
-            add3(push.apart - half, block.force + pair.node[0] * block.stride);
-            take3(push.apart + half, block.force + pair.node[1] * block.stride);
-            by_arm += (2.0 * block.live) * half;
-            by_turning += block.live * push.by_turning;
-        }
-    }
-    FabricSums sums;
-    sums.by_arm = sum3s(by_arm);
-    sums.by_turning = sum3s(by_turning);
-    return sums;
-}
-
-ElementLevels contact_levels(const GoreFrame& frame, const ContactPass& pass) {
-    const Vec3s centre = splat3(pass.centre), axis = splat3(pass.direction);
-    Vec energy = all(0.0);
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (const ContactElement& pair : pass.pairs)
-            energy += block.live *
-                      contact_push(all(pair.stiffness), axis, arm_of(block, pair, centre, axis)).energy;
-    }
-    return {sum(energy), 0.0};
-}
-
-ElementLevels spring_levels(const GoreFrame& frame, const SpringPass& pass) {
-    const Vec zero = all(0.0), full = all(full_hardening_strain), repulsion = all(pass.repulsion);
-    LaneLevels levels = levels_of_folded();
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (const SpringElement& s : pass.elements) {
-            const Vec strain = of_gores(block, strain_of(block, s.node[0], s.node[1], s.inverse_length));
-            const Vec low = smaller(strain, full), high = strain - low;
-            const Vec half_square = 0.5 * (strain * strain);
-            const Vec pulled = half_square + all(s.growth) * low * (low * low * (1.0 / 3.0) + high * strain);
-            levels.energy +=
-                all(s.stiffness / s.inverse_length) * select(strain > zero, pulled, repulsion * half_square);
-            levels.strain = larger_of_gores(block, strain, levels.strain);
-        }
-    }
-    return levels.of_all_lanes();
-}
-
-ElementLevels cable_levels(const GoreFrame& frame, std::span<const CableElement> elements) {
-    LaneLevels levels = levels_of_folded();
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        for (const CableElement& c : elements) {
-            const Vec strain = of_gores(block, strain_of(block, c.node[0], c.node[1], c.inverse_length));
-            const Vec pulled = larger(strain, all(0.0));
-            levels.energy += all(0.5 * c.stiffness / c.inverse_length) * (pulled * pulled);
-            levels.strain = larger_of_gores(block, strain, levels.strain);
-        }
-    }
-    return levels.of_all_lanes();
 }
 
 double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, double added_mass) {
@@ -409,61 +462,6 @@ double kinetic_energy(const GoreFrame& frame, std::span<const GoreNode> nodes, d
         twice += block.live * block_twice;
     }
     return 0.5 * sum(twice);
-}
-
-/// What is known of a line's node while elements are gone through one after the other: an element finds one
-/// of its nodes in registers, and each node is written once.
-struct LineNode {
-    Vec3s x, v;
-    Vec3s pull, aero;  // by elements so far
-};
-
-HWY_INLINE LineNode line_node(const Block& block, std::int32_t node) {
-    const Vec3s none{all(0.0), all(0.0), all(0.0)};
-    return {block.position(node), block.velocity(node), none, none};
-}
-
-template <bool pulls, bool drags>
-FabricSums line_pass(const GoreFrame& frame, LineElements lines, const LineAir& air) {
-    const CylinderDrag drag(*air.coefficient, air.diameter, air.density, air.viscosity);
-    const Vec3s wind = splat3(air.wind);
-    const Vec half = all(0.5);
-    Vec dissipated = all(0.0), largest = dissipated;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        Vec block_dissipated = all(0.0), block_largest = block_dissipated;
-        // The skirt's, then those of the line's own nodes.
-        double *pull_at = block.pull, *aero_at = block.skirt_aero;
-        LineNode here = line_node(block, lines.front().node[0]);
-        for (const CableElement& c : lines) {
-            LineNode next = line_node(block, c.node[1]);
-            const Vec3s d = next.x - here.x;
-            if constexpr (pulls) {
-                const CablePull pull =
-                    cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot), d, next.v - here.v);
-                block_dissipated += pull.dissipated;
-                block_largest = larger(pull.spring, block_largest);
-                here.pull += pull.force;
-                next.pull = next.pull - pull.force;
-            }
-            if constexpr (drags) {
-                const Vec3s end = drag.on_end(d, wind - half * (here.v + next.v));
-                here.aero += end;
-                next.aero = end;
-            }
-            store3(here.pull, pull_at);
-            store3(here.aero, aero_at);
-            pull_at = block.force + c.node[1] * block.stride;
-            aero_at = block.aero + c.node[1] * block.stride;
-            here = next;
-        }
-        store3(here.pull, pull_at);
-        store3(here.aero, aero_at);
-        dissipated += block.live * block_dissipated;
-        largest = larger(of_gores(block, block_largest), largest);
-    }
-    const double lost = sum(dissipated);
-    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
 }
 
 /// The last lane of a block that has a gore, and the block in which the next gore is.
@@ -520,7 +518,7 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
     // A lane without a gore stays where it is.
     const Vec kick = all(step.kick) * live, dt = all(step.dt) * live, half_dt = all(0.5 * step.dt) * live;
     const Vec pressure = all(step.pressure), gravity = all(step.gravity);
-    const Vec3s flag = splat3(step.flag);
+    const Vec3s flag = SimdView::all3(step.flag);
     for (int n = first; n < last; ++n) {
         const GoreNode& node = step.nodes[n];
         const std::size_t at = n * block.stride;
@@ -544,19 +542,15 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
                 if (with_aero && step.image_aero) aero += taken_from_image(block.aero + image * block.stride);
             }
             if (step.breathing > 0.0) {
-                const Vec3s relative = load3(block.v + at) - splat3(step.breathing_mean);
-                const Vec3s resistance = (share * all(step.breathing)) * relative;
-                force = force - resistance;
-                sums.dissipated += dot(resistance, relative);
+                resist(share * all(step.breathing), load3(block.v + at) - SimdView::all3(step.breathing_mean),
+                       force, sums.dissipated);
             }
             if (step.accretion > 0.0) {
-                const Vec3s v = load3(block.v + at);
-                const Vec3s joining = (share * all(step.accretion)) * (splat3(step.wind) - v);
-                force += joining;
-                sums.accretion_power += dot(joining, v);
+                accrete(share * all(step.accretion), SimdView::all3(step.wind), load3(block.v + at), force,
+                        sums.accretion_power);
             }
             if (node.extraction > 0.0) {
-                const Vec3s pull = (live * all(node.extraction)) * splat3(step.extraction);
+                const Vec3s pull = (live * all(node.extraction)) * SimdView::all3(step.extraction);
                 force += pull;
                 sums.external_power += dot(pull, load3(block.v + at));
             }
@@ -566,18 +560,16 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
         if constexpr (pulled == Pulled::together && !on_line) force += pull;
         if constexpr (pulled == Pulled::apart && on_line) force = none;
         if (step.alpha > 0.0) {
-            const Vec3s relative = load3(block.v + at) - splat3(step.mean);
-            const Vec3s resistance = (all(step.alpha) * mass) * relative;
-            force = force - resistance;
-            sums.dissipated += dot(resistance, relative);
+            resist(all(step.alpha) * mass, load3(block.v + at) - SimdView::all3(step.mean), force,
+                   sums.dissipated);
         }
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
-        if (canopy && step.leaned_on) total += mass * splat3(step.lean);
+        if (canopy && step.leaned_on) total += mass * SimdView::all3(step.lean);
         const Vec3s acceleration = all(step.inverse_inertia[n]) * total;
         const Vec3s before = load3(block.v_half + n * block.half_stride);
-        const Vec3s after = before + kick * acceleration;
-        Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        const Vec3s after = kicked(before, acceleration, kick);
+        Vec3s middle = middle_of(before, after);
         if constexpr (pulled == Pulled::apart)
             middle += (half * all(step.first_kick) * all(step.inverse_inertia[n])) * pull;
         sums.momentum += mass * middle.z;
@@ -587,18 +579,18 @@ HWY_INLINE void move_nodes(const Block& block, const GoreAdvance& step, int firs
                 change += all(step.last_line_dt * step.inverse_inertia[n]) * pull;
             Vec3s booked = aero;
             booked.z = booked.z - mass * gravity;
-            sums.kinetic += (live * all(1.0 / step.inverse_inertia[n])) * dot(before, before + change) +
-                            (live * all(step.last_dt)) * dot(booked, middle - before);
+            sums.kinetic += twice_kinetic(live * all(1.0 / step.inverse_inertia[n]), before, change,
+                                          live * all(step.last_dt), booked, middle);
         }
         store3(after, block.v_half + n * block.half_stride);
-        if constexpr (canopy || with_aero) sums.drag_power += live * dot(aero, middle);
-        if constexpr (canopy) sums.share_square += share * dot(middle, middle);
+        if constexpr (canopy || with_aero) sums.drag_power += live * work(aero, middle);
+        if constexpr (canopy) sums.share_square += share * work(middle, middle);
         if constexpr (pulled == Pulled::apart) {
             store3(acceleration, aero_at);
             continue;
         }
-        const Vec3s x = load3(block.x + at) + dt * after;
-        const Vec3s now = after + half_dt * acceleration;
+        Vec3s x = load3(block.x + at);
+        const Vec3s now = drift(x, after, acceleration, dt, half_dt);
         store3(x, block.x + at);
         store3(now, block.v + at);
         if constexpr (canopy)
@@ -649,9 +641,8 @@ HWY_INLINE void move_pulled(const Block& block, const GoreSubstep& substep, std:
     const Vec kick = all(substep.step.kick) * block.live, dt = all(substep.step.dt) * block.live;
     const std::size_t at = n * block.stride;
     const Vec3s acceleration = all(substep.inverse_inertia[n]) * pull;
-    const Vec3s after = load3(block.v_half + n * block.half_stride) + kick * acceleration;
-    x += dt * after;
-    Vec3s now = after + (0.5 * dt) * acceleration;
+    const Vec3s after = kicked(load3(block.v_half + n * block.half_stride), acceleration, kick);
+    Vec3s now = drift(x, after, acceleration, dt, 0.5 * dt);
     store3(after, block.v_half + n * block.half_stride);
     store3(x, block.x + at);
     if constexpr (last_of_step) {
@@ -676,49 +667,38 @@ HWY_INLINE void move_lines(const Block& block, const GoreSubstep& substep, LaneS
                                          load3(block.force + n * block.stride), line);
 }
 
-/// Lines and, one element behind, the nodes that they pull on.
+/// Moves the nodes of lines as soon as their cables have pulled on them; the link's pull is only set.
 template <bool last_of_step>
-HWY_INLINE void pull_and_move_lines(const Block& block, const GoreSubstep& substep, LaneSums& canopy,
-                                    LaneSums& line, Vec& largest) {
-    LineNode here = line_node(block, substep.lines.front().node[0]);
-    bool on_skirt = true;
-    Vec block_dissipated = all(0.0), block_largest = block_dissipated;
-    for (const CableElement& c : substep.lines) {
-        LineNode next = line_node(block, c.node[1]);
-        const CablePull pull = cable_pull(all(c.inverse_length), all(c.stiffness), all(c.dashpot),
-                                          next.x - here.x, next.v - here.v);
-        block_dissipated += pull.dissipated;
-        block_largest = larger(pull.spring, block_largest);
-        next.pull = next.pull - pull.force;
-        here.pull += pull.force;
-        if (on_skirt)
-            move_pulled<true, last_of_step>(block, substep, c.node[0], here.x, here.pull, canopy);
-        else
-            move_pulled<false, last_of_step>(block, substep, c.node[0], here.x, here.pull, line);
-        on_skirt = false;
-        here = next;
+struct MoveNodes {
+    const GoreSubstep& substep;
+    LaneSums &of_canopy, &of_lines;
+
+    HWY_INLINE void skirt(const Block& block, std::int32_t n, const LineNode& node) const {
+        move_pulled<true, last_of_step>(block, substep, n, node.x, node.pull, of_canopy);
     }
-    store3(here.pull, block.force + substep.lines.back().node[1] * block.stride);
-    line.dissipated += block.live * block_dissipated;
-    largest = larger(of_gores(block, block_largest), largest);
-}
+    HWY_INLINE void node(const Block& block, std::int32_t n, const LineNode& node) const {
+        move_pulled<false, last_of_step>(block, substep, n, node.x, node.pull, of_lines);
+    }
+    HWY_INLINE void last(const Block& block, std::int32_t n, const LineNode& node) const {
+        store3(node.pull, block.force + n * block.stride);
+    }
+};
 
 template <bool last_of_step>
 GoreSums substep_pass(const GoreFrame& frame, const GoreSubstep& substep) {
     const Vec zero = all(0.0);
     const Vec3s none{zero, zero, zero};
     LaneSums canopy{none, none, none, zero, zero, zero, zero, zero, zero, zero}, line = canopy;
-    Vec largest = zero;
-    for (int b = frame.first; b < frame.last; ++b) {
-        const Block block(frame, b);
-        if (substep.pulled)
-            move_lines<last_of_step>(block, substep, canopy, line);
-        else
-            pull_and_move_lines<last_of_step>(block, substep, canopy, line, largest);
-    }
     GoreSums sums;
-    sums.dissipated = sum(line.dissipated);
-    sums.largest_tension = greatest_or_none(largest, sums.dissipated);
+    if (substep.pulled) {
+        for (int b = frame.first; b < frame.last; ++b)
+            move_lines<last_of_step>(Block(frame, b), substep, canopy, line);
+    } else {
+        MoveNodes<last_of_step> move{substep, canopy, line};
+        const ElementSums of_lines = cable_forces(LineView(frame, substep.lines, move));
+        sums.dissipated = of_lines.dissipated;
+        sums.largest_tension = of_lines.largest_load;
+    }
     if constexpr (last_of_step) {
         sums.canopy_position = sum3s(canopy.position);
         sums.canopy_velocity = sum3s(canopy.velocity);
@@ -738,23 +718,23 @@ GoreSums substep(const GoreFrame& frame, const GoreSubstep& substep) {
 GoreKernels gore_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
             lanes_of_all,
-            membrane_pass<true, false>,
-            membrane_pass<true, true>,
-            membrane_pass<false, true>,
-            membrane_levels,
-            spring_levels,
-            cable_levels,
+            membranes<true, false>,
+            membranes<true, true>,
+            membranes<false, true>,
+            levels_of_membranes,
+            levels_of_springs,
+            levels_of_cables,
             kinetic_energy,
-            cloth_drag,
+            fabric_drags,
             springs,
             cables,
             contacts,
-            contact_levels,
-            line_pass<true, false>,
-            line_pass<false, true>,
-            line_pass<true, true>,
-            membrane_rows,
-            spring_rows,
+            levels_of_contacts,
+            lines<true, false>,
+            lines<false, true>,
+            lines<true, true>,
+            rows_of_membranes,
+            rows_of_springs,
             stable_step,
             advance,
             substep,

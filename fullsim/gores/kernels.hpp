@@ -7,11 +7,8 @@
 #include <span>
 #include <string_view>
 
-#include "fullsim/forces/force_model.hpp"
-#include "fullsim/forces/membrane.hpp"
-#include "fullsim/forces/spring.hpp"
+#include "fullsim/elements/passes.hpp"
 #include "fullsim/step/midpoint.hpp"
-#include "lib/models/cylinder_drag.hpp"
 
 namespace twinchute::fullsim {
 
@@ -82,60 +79,8 @@ struct WeighedRows {
     std::array<double, 3> stiffness, damping;  // [N/m], [N s/m]
 };
 
-/// What a pass over elements adds up.
-struct FabricSums {
-    double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
-    double dissipated = 0.0;                        // [W]
-    /// Of the elements: elastic tension [N], or first principal stress resultant at full stiffness [N/m]. Not
-    /// a number where that of one is none.
-    double largest_load = 0.0;
-    /// Derivatives of what pairs in contact hold, by the arm from the axis and by its direction [N], [N m].
-    std::array<double, 3> by_arm{}, by_turning{};
-
-    FabricSums& operator+=(const FabricSums& other) {
-        positive_area += other.positive_area;
-        signed_area += other.signed_area;
-        dissipated += other.dissipated;
-        largest_load = larger_or_none(largest_load, other.largest_load);
-        for (int c = 0; c < 3; ++c) {
-            by_arm[c] += other.by_arm[c];
-            by_turning[c] += other.by_turning[c];
-        }
-        return *this;
-    }
-};
-
-struct MembranePass {
-    std::span<const MembraneElement> elements;
-    MembraneLaw law;
-    std::array<double, 3> direction{};  ///< e_r
-    double radial_pressure = 0.0;       ///< phi
-    double weight = 1.0;                ///< share of their stiffness that membranes have
-};
-
-struct ContactPass {
-    std::span<const ContactElement> pairs;
-    std::array<double, 3> centre{}, direction{};  ///< of the axis: a point of it [m], a unit vector
-};
-
 /// A gore's line, element by element from the skirt to the link: each begins where the one before ends.
 using LineElements = std::span<const CableElement>;
-
-/// What the air does to it.
-struct LineAir {
-    const CylinderDragTable* coefficient = nullptr;
-    double diameter = 0.0, density = 0.0, viscosity = 0.0;  ///< [m], [kg/m^3], [Pa s]
-    std::array<double, 3> wind{};                           ///< [m/s]
-};
-
-struct SpringPass {
-    std::span<const SpringElement> elements;
-    double repulsion = 0.0;   ///< of folded cloth over its stiffness in tension [-]
-    bool springs = false;     ///< these act,
-    bool folds = false;       ///< and these
-    bool folded = false;      ///< as State: for the bound on the step
-    double full_speed = 1.0;  ///< [m/s] of lengthening from which folds resist fully
-};
 
 /// Constants of a node, the same in every gore.
 struct GoreNode {
@@ -187,12 +132,6 @@ struct GoreSums {
     double largest_tension = 0.0;                                          // [N] as FabricSums::largest_load
 };
 
-/// Of all elements of a kind.
-struct ElementLevels {
-    double energy = 0.0;  ///< [J]
-    double strain = 0.0;  ///< [-] largest tensile strain, as Extreme
-};
-
 /// A substep of the skirt and the nodes of lines under lines alone.
 struct GoreSubstep {
     std::span<const GoreNode> nodes;
@@ -210,37 +149,35 @@ struct GoreSubstep {
 struct GoreKernels {
     std::string_view instruction_set;
     int lanes;
-    /// Membranes alone, pressure areas alone, or both in one pass (the strain's edges give the area).
-    FabricSums (*membrane)(const GoreFrame&, const MembranePass&);
-    FabricSums (*membrane_and_pressure)(const GoreFrame&, const MembranePass&);
-    FabricSums (*pressure)(const GoreFrame&, const MembranePass&);
-    /// What membranes hold and how far they are stretched, at full stiffness whatever the pass says; springs,
-    /// without folds; cables; and [J] of own nodes in motion.
-    ElementLevels (*membrane_levels)(const GoreFrame&, const MembranePass&);
-    ElementLevels (*spring_levels)(const GoreFrame&, const SpringPass&);
+    /// Membranes alone, pressure areas alone, or both in one pass.
+    ElementSums (*membrane)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
+    ElementSums (*membrane_and_pressure)(const GoreFrame&, std::span<const MembraneElement>,
+                                         const MembranePass&);
+    ElementSums (*pressure)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
+    ElementLevels (*membrane_levels)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
+    ElementLevels (*spring_levels)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);
     ElementLevels (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
+    /// [J] of own nodes.
     double (*kinetic_energy)(const GoreFrame&, std::span<const GoreNode>, double added_mass);
-    /// Cloth drag; `positive_area` is the area that the air meets. factor: 1/2 rho C_D [kg/m^3].
-    FabricSums (*cloth_drag)(const GoreFrame&, const MembranePass&, double factor,
-                             const std::array<double, 3>& wind);
-    double (*springs)(const GoreFrame&, const SpringPass&);                 ///< [W] dissipated
-    FabricSums (*cables)(const GoreFrame&, std::span<const CableElement>);  ///< no areas
-    /// Contact between gores, and what it holds.
-    FabricSums (*contacts)(const GoreFrame&, const ContactPass&);
-    ElementLevels (*contact_levels)(const GoreFrame&, const ContactPass&);
+    ElementSums (*cloth_drag)(const GoreFrame&, std::span<const MembraneElement>, const FabricDragPass&);
+    ElementSums (*springs)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);
+    ElementSums (*cables)(const GoreFrame&, std::span<const CableElement>);
+    ElementSums (*contacts)(const GoreFrame&, std::span<const ContactElement>, const ContactPass&);
+    ElementLevels (*contact_levels)(const GoreFrame&, std::span<const ContactElement>, const ContactPass&);
     /// Lines alone, the air on them alone, or both. They *set* what acts on their nodes: `pull` of the skirt,
     /// `force` of all others, `aero` of all, zero without air; nothing else but cloth drag on the skirt acts
     /// there, and comes later.
-    FabricSums (*lines)(const GoreFrame&, LineElements, const LineAir&);
-    FabricSums (*line_drag)(const GoreFrame&, LineElements, const LineAir&);
-    FabricSums (*lines_with_drag)(const GoreFrame&, LineElements, const LineAir&);
+    ElementSums (*lines)(const GoreFrame&, LineElements, const LineAir&);
+    ElementSums (*line_drag)(const GoreFrame&, LineElements, const LineAir&);
+    ElementSums (*lines_with_drag)(const GoreFrame&, LineElements, const LineAir&);
     /// Row sums of stiffness and damping for the stable step are added to `rows`, a frame of the canopy and
     /// its images alone: x is the stiffness [N/m], y the damping [N s/m] of a node, z is not there.
-    void (*membrane_rows)(const GoreFrame&, const MembranePass&, std::span<const WeighedRows>,
-                          const GoreFrame& rows);
+    /// weight: share of their stiffness that membranes have.
+    void (*membrane_rows)(const GoreFrame&, std::span<const MembraneElement>, std::span<const WeighedRows>,
+                          double weight, const GoreFrame& rows);
     /// columns: 1 and the weight of the other end over its own, by end of each spring.
-    void (*spring_rows)(const GoreFrame&, const SpringPass&, std::span<const std::array<double, 2>> columns,
-                        const GoreFrame& rows);
+    void (*spring_rows)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&,
+                        std::span<const std::array<double, 2>> columns, const GoreFrame& rows);
     /// The least bound on the step [s] over own nodes from first to last; node_damping, by node: [N s/m] of
     /// loads on it.
     double (*stable_step)(const GoreFrame& rows, std::span<const double> inverse_inertia,

@@ -8,10 +8,13 @@
 #include <utility>
 
 #include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
 #include "fullsim/indexed/kernels.hpp"
 #include "fullsim/layout.hpp"
+#include "fullsim/mesh/gore_contacts.hpp"
+#include "fullsim/step/node_mover.hpp"
 #include "fullsim/step/stable_step.hpp"
 #include "fullsim/step/substeps.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -104,7 +107,7 @@ public:
         push_.assign(mesh_.canopy_nodes, {splat(0.0)});
         step_ = {};
         acts_.clear();
-        triangles_ = edges_ = tapes_ = lines_ = risers_ = cords_ = {};
+        triangles_ = edges_ = pairs_ = tapes_ = lines_ = risers_ = cords_ = {};
         pulled_.clear();
         line_damping_ = 0.0;
         has_ = {};
@@ -130,6 +133,7 @@ public:
         // resistance those of edges.
         add_bytes(all, "triangles", triangles_.bytes());
         add_bytes(all, "edges", edges_.bytes());
+        add_bytes(all, "gore contact", pairs_.bytes());
         add_bytes(all, "tapes", tapes_.bytes());
         add_bytes(all, "lines", lines_.bytes() + risers_.bytes() + bytes_of(pulled_));
         add_bytes(all, "static line", cords_.bytes());
@@ -142,7 +146,7 @@ public:
     }
 
     double membrane_energy(State& state) const override {
-        return kernels_.membrane_energy(nodes_to_read(state), triangles_.elements(), fabric_.law);
+        return kernels_.membrane_levels(nodes_to_read(state), triangles_.elements(), fabric_).energy;
     }
 
     Levels levels(const State& state) const override { return levels_of(state, constants_, *structure_); }
@@ -168,11 +172,12 @@ public:
         fabric_.weight = state.fe_weight;
         if (has_.membrane) kernels_.membrane_rows(nodes, triangles_.elements(), fabric_, rows_out);
         if (springs_.springs || springs_.folds)
-            kernels_.spring_rows(nodes, edges_.elements(), springs_, state.folded, rows_out);
+            kernels_.spring_rows(nodes, edges_.elements(), springs_of(state), rows_out);
         if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
         kernels_.cable_rows(cords_.elements(), rows_out);
         for (const Acting& block : acts_)
-            if (!block.add) block.model->add_row_sums(state, sums);
+            if (!block.add || block.add == &IndexedLayout::add_contacts)
+                block.model->add_row_sums(state, sums);
 
         RowSums& pulled = cleared(pulled_sums_, state);
         pulled.weight.assign(state.node.size(), 1.0);
@@ -253,7 +258,7 @@ private:
         void (IndexedLayout::*prepare)();
         void (IndexedLayout::*add)(State&);
     };
-    static const std::array<Row, 12> rows;
+    static const std::array<Row, 13> rows;
 
     struct Acting {
         void (IndexedLayout::*add)(State&);
@@ -353,21 +358,19 @@ private:
         const Lanes v = state.node[i].v;
         const double share = constants_.share[i];
         Lanes force = splat(0.0);
-        const auto damp = [&](double by, Lanes mean) {
-            const Lanes relative = v - mean;
-            force -= by * relative;
-            state.damping_power += by * sum3(relative * relative);
-        };
-        if (step_.alpha > 0.0) damp(step_.alpha * constants_.mass[i], as_lanes(step_.mean));
-        if (!mesh_.is_canopy(i)) return force;
-        if (step_.breathing > 0.0) damp(share * step_.breathing, as_lanes(step_.breathing_mean));
-        if (step_.accretion > 0.0) {
-            const Lanes push = (share * step_.accretion) * (as_lanes(step_.wind) - v);
-            force += push;
-            state.accretion_power += sum3(push * v);
+        Lanes dissipated = force, accreted = force;
+        if (step_.alpha > 0.0)
+            law::resist(step_.alpha * constants_.mass[i], v - as_lanes(step_.mean), force, dissipated);
+        if (mesh_.is_canopy(i)) {
+            if (step_.breathing > 0.0)
+                law::resist(share * step_.breathing, v - as_lanes(step_.breathing_mean), force, dissipated);
+            if (step_.accretion > 0.0)
+                law::accrete(share * step_.accretion, as_lanes(step_.wind), v, force, accreted);
+            state.aero[i].value +=
+                step_.pressure * std::exchange(push_[i].value, splat(0.0)) + share * as_lanes(step_.flag);
         }
-        state.aero[i].value +=
-            step_.pressure * std::exchange(push_[i].value, splat(0.0)) + share * as_lanes(step_.flag);
+        state.damping_power += sum3(dissipated);
+        state.accretion_power += sum3(accreted);
         return force;
     }
 
@@ -376,7 +379,7 @@ private:
     void prepare_fabric() {
         if (has_.fabric) return;
         has_.fabric = true;
-        fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity), {}, 0.0, 1.0};
+        fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity)};
         using Constants = std::array<double, indexed::membrane_constants>;
         // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
         triangles_.begin<3>(mesh_.triangles.size(), kernels_.lanes, 0, Constants{});
@@ -411,7 +414,7 @@ private:
         fabric_sums_ = (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(
             nodes_of(state), triangles_.elements(), fabric_);
         state.damping_power += fabric_sums_.dissipated;
-        state.largest.add_stress(state.fe_weight * fabric_sums_.largest_stress);
+        state.largest.add_stress(state.fe_weight * fabric_sums_.largest_load);
     }
     void add_pressure(State& state) {
         if (!has_.membrane) {
@@ -423,12 +426,11 @@ private:
         step_.flag = plain4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
         step_.pressure = state.air.pressure;
     }
-    indexed::Air air_of(const State& state) const {
-        return {state.air.density, state.air.viscosity, plain3(state.air.wind)};
-    }
     void add_cloth_drag(State& state) {
-        state.air.projected_area = kernels_.cloth_drag(nodes_of(state), triangles_.elements(), air_of(state),
-                                                       deploy().drag_coefficient);
+        const FabricDragPass pass{0.5 * state.air.density * deploy().drag_coefficient,
+                                  plain3(state.air.wind)};
+        state.air.projected_area =
+            kernels_.cloth_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
     }
 
     void prepare_springs() { springs_.springs = true; }
@@ -449,12 +451,38 @@ private:
                                  deploy().fold_resistance * e.section / mesh_.fabric.thickness});
         }
     }
+    SpringPass springs_of(const State& state) const {
+        SpringPass pass = springs_;
+        pass.folded = state.folded;
+        return pass;
+    }
     void add_edges(State& state) {
-        state.damping_power += kernels_.springs(nodes_of(state), edges_.elements(), springs_);
+        state.damping_power += kernels_.springs(nodes_of(state), edges_.elements(), springs_).dissipated;
     }
     /// Springs take the folds along: both need the same lengths.
     void add_folds(State& state) {
         if (!springs_.springs) add_edges(state);
+    }
+
+    // --- contact --------------------------------------------------------------------------
+
+    void prepare_contacts() {
+        using Constants = std::array<double, indexed::pair_constants>;
+        const auto pairs = gore_contacts(mesh_);
+        pairs_.begin<2>(pairs.size(), kernels_.lanes, mesh_.dummy(), Constants{});
+        for (std::size_t i = 0; i < pairs.size(); ++i)
+            pairs_.set(i, pairs[i].node, Constants{pairs[i].stiffness});
+    }
+    void add_contacts(State& state) {
+        const CanopyAxis axis =
+            canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
+        const ElementSums sums = kernels_.contacts(nodes_of(state), pairs_.elements(),
+                                                   {plain3(axis.canopy), plain3(axis.direction)});
+        const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
+        const Lanes per_mass = to_lanes(on.canopy / constants_.canopy_mass);
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+            state.force[i].value += constants_.mass[i] * per_mass;
+        state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 
     // --- cables ---------------------------------------------------------------------------
@@ -500,7 +528,10 @@ private:
     bool drag_acts(const State& state) const {
         return has_.line_drag && state.air.density > 0.0;  // no Reynolds number without air
     }
-    double line_diameter() const { return mesh_.cord(CableKind::line).diameter; }
+    LineAir line_air(const State& state) const {
+        return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, state.air.density,
+                state.air.viscosity, plain3(state.air.wind)};
+    }
     /// And the drag of lines with them.
     void add_lines(State& state) {
         if (!drag_acts(state)) {
@@ -508,16 +539,15 @@ private:
             return;
         }
         line_damping_ =
-            book_lines(state, kernels_.cables_with_drag(nodes_of(state), lines_.elements(), drag_coefficient_,
-                                                        line_diameter(), air_of(state)));
+            book_lines(state, kernels_.cables_with_drag(nodes_of(state), lines_.elements(), line_air(state)));
     }
     /// Lines and risers; [W] dissipated.
     double pull_lines(State& state) {
         return book_lines(state, kernels_.cables(nodes_of(state), lines_.elements()));
     }
     /// Risers with them.
-    double book_lines(State& state, const indexed::CableSums& lines) {
-        state.largest.add_tension(lines.largest_tension);
+    double book_lines(State& state, const ElementSums& lines) {
+        state.largest.add_tension(lines.largest_load);
         return lines.dissipated + kernels_.cables(nodes_of(state), risers_.elements()).dissipated;
     }
     void add_rows_of_lines(RowSums& sums) const {
@@ -536,8 +566,7 @@ private:
     }
     void add_line_drag(State& state) {
         if (!has_.lines && drag_acts(state))
-            kernels_.line_drag(nodes_of(state), lines_.elements(), drag_coefficient_, line_diameter(),
-                               air_of(state));
+            kernels_.line_drag(nodes_of(state), lines_.elements(), line_air(state));
     }
 
     // --- loads on nodes, which the step itself adds ---------------------------------------
@@ -571,24 +600,25 @@ private:
     const ForceModels* structure_ = nullptr;
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
-    ElementList triangles_, edges_, tapes_, lines_, risers_, cords_;
+    ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
     std::vector<NodeIndex> pulled_;   // nodes on lines and risers, which may take substeps
     std::vector<NodeVector> others_;  // [N] on them, of everything but lines and risers
     RowSums sums_, pulled_sums_;      // of the bound: all, and of lines and risers alone
     double line_damping_ = 0.0;       // [W] by lines and risers
     RowWeights weights_;
-    indexed::Fabric fabric_;
-    indexed::FabricSums fabric_sums_;
-    indexed::Springs springs_;
+    MembranePass fabric_;
+    ElementSums fabric_sums_;
+    SpringPass springs_;
     CylinderDragTable drag_coefficient_;
     std::vector<NodeVector> push_;  // [m^2] of each canopy node: area over which pressure acts
     NodeIndex first_aero_ = 0;      // canopy nodes before it have no force in state.aero
     indexed::Advance step_;
 };
 
-const std::array<IndexedLayout::Row, 12> IndexedLayout::rows{{
+const std::array<IndexedLayout::Row, 13> IndexedLayout::rows{{
     {"membrane", &IndexedLayout::prepare_membrane, &IndexedLayout::add_membrane},
     {"fabric springs", &IndexedLayout::prepare_springs, &IndexedLayout::add_edges},
+    {"gore contact", &IndexedLayout::prepare_contacts, &IndexedLayout::add_contacts},
     {"tapes", &IndexedLayout::prepare_tapes, &IndexedLayout::add_tapes},
     {"lines", &IndexedLayout::prepare_lines, &IndexedLayout::add_lines},
     {"static line", &IndexedLayout::prepare_static_line, &IndexedLayout::add_static_line},

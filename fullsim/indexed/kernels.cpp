@@ -12,11 +12,16 @@
 
 // Measured: worth it with 16 registers, too.
 #define TWINCHUTE_ALWAYS_TWO_WAYS
-#include "fullsim/forces/cable_kernel.hpp"
-#include "fullsim/forces/membrane_kernel.hpp"
-#include "fullsim/lanes/edges.hpp"
+#include "fullsim/lanes/drag_table.hpp"
 #include "fullsim/lanes/records.hpp"
 #include "fullsim/lanes/vec.hpp"
+
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/elements/contact.hpp"
+#include "fullsim/elements/fabric_spring.hpp"
+#include "fullsim/elements/membrane.hpp"
+#include "fullsim/laws/critical_step.hpp"
+#include "fullsim/laws/node.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
@@ -27,278 +32,263 @@ using namespace indexed;  // NOLINT(google-build-using-namespace): the kernels' 
 constexpr int lanes = lanes_of_all;
 constexpr RowOffset row_bytes = 4 * sizeof(double);
 
-HWY_INLINE Vec3s splat3(const std::array<double, 3>& a) {
-    return {all(a[0]), all(a[1]), all(a[2])};
-}
+// --- views: elements in groups, whose nodes lie anywhere (see fullsim/elements/membrane.hpp) --------
 
-/// One group of elements.
-template <int corners, int constants>
-struct Group {
-    const RowOffset* node;
-    const double* constant;
+/// A view of elements of a kind. Element: made of nodes, a group's node offsets and constants, and a Context
+/// of its own.
+template <class Element>
+class GroupView : public SimdView {
+public:
+    using Flow = Vec3s;
+    using Context = typename Element::Context;
+    static constexpr bool skips = true;
 
-    HWY_INLINE Group(Elements elements, std::size_t group)
-        : node(elements.node + group * corners * lanes),
-          constant(elements.constant + group * constants * lanes) {}
-    HWY_INLINE const RowOffset* corner(int c) const { return node + c * lanes; }
-    HWY_INLINE Vec operator[](int which) const { return load(constant + which * lanes); }
+    GroupView(Nodes nodes, Elements elements, Context context = {}) : part_{nodes, elements, context} {}
+
+    HWY_INLINE int first() const { return 0; }
+    HWY_INLINE int last() const { return 1; }
+    HWY_INLINE Flow flow(const std::array<double, 3>& direction) const { return all3(direction); }
+
+    struct Part {
+        Nodes nodes;
+        Elements elements;
+        Context context;
+
+        HWY_INLINE std::size_t size() const { return elements.groups; }
+        HWY_INLINE Element element(std::size_t k) const {
+            return Element(nodes, elements.node + k * Element::corners * lanes,
+                           elements.constant + k * Element::constants * lanes, context);
+        }
+        HWY_INLINE Vec live(Vec sum) const { return sum; }
+        HWY_INLINE Vec live_load(Vec load) const { return load; }
+        HWY_INLINE void finish(std::size_t) const {}
+        HWY_INLINE void close() const {}
+    };
+    HWY_INLINE Part part(int) const { return part_; }
+
+private:
+    Part part_;
 };
-using Triangles = Group<3, membrane_constants>;
-using Cables = Group<2, cable_constants>;
-using Edges = Group<2, spring_constants>;
 
-HWY_INLINE Vec3s velocity_of(Nodes nodes, const RowOffset* node) {
-    return motion_of([=](int lane) TWINCHUTE_INLINED { return record_of(nodes.record, node[lane]); }).v;
-}
+struct Nothing {};
 
-template <bool structure, bool pressure>
-FabricSums membrane_pass(Nodes nodes, Elements elements, const Fabric& fabric) {
-    const Vec3s e = splat3(fabric.direction);
-    const Vec zero = all(0.0), third = all(1.0 / 3.0), radial = all(fabric.radial_pressure / 3.0);
-    const Vec weight = all(fabric.weight);
-    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Triangles g(elements, k);
-        const Motion first = between(nodes.record, g.corner(0), g.corner(1));
-        const Motion second = between(nodes.record, g.corner(0), g.corner(2));
-        if constexpr (pressure) {
-            // A third of A_p e_r + phi (A - (A.e_r) e_r) to each corner; what it is per area comes later.
-            const Vec3s area = 0.5 * cross(first.x, second.x);
-            const Vec along = dot(area, e);
-            const Vec swept = larger(along, zero);
-            positive += swept;
-            all_area += along;
-            const Vec3s corner = (third * swept - radial * along) * e + radial * area;
-            for_each_row(corner, [&](int lane, Row row) TWINCHUTE_INLINED {
-                for (int c = 0; c < 3; ++c) {
-                    double* at = row_at(nodes.push, g.corner(c)[lane]);
-                    store_row(load_row(at) + row, at);
-                }
-            });
-        }
-        if constexpr (structure) {
-            const auto pulls = membrane_pulls(fabric.law, g[inverse_a], g[inverse_c], g[b_over_a],
-                                              weight * g[reference_area], g[viscosity], first.x, second.x,
-                                              first.v, second.v);
-            dissipated += pulls.dissipated;
-            largest = larger(pulls.stress, largest);
-            add_rows(pulls.on_first, nodes.force, g.corner(0));
-            take_rows(pulls.on_second, nodes.force, g.corner(1));
-            take_rows(pulls.on_third, nodes.force, g.corner(2));
-        }
+/// As many elements side by side as the kernels take.
+template <int corner_count, int constant_count, class OfContext>
+class GroupElement {
+public:
+    static constexpr int corners = corner_count, constants = constant_count;
+    using Context = OfContext;
+
+    HWY_INLINE GroupElement(Nodes nodes, const RowOffset* node, const double* constant, Context context)
+        : nodes_(nodes), node_(node), constant_(constant), context_(context) {}
+
+    HWY_INLINE Vec live(Vec a, double) const { return a; }
+    HWY_INLINE void add_force(int c, Vec3s force) const { scatter_add(force, nodes_.force, corner(c)); }
+    HWY_INLINE void subtract_force(int c, Vec3s force) const {
+        scatter_subtract(force, nodes_.force, corner(c));
     }
-    const double lost = sum(dissipated);
-    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
-}
 
-HWY_INLINE SymmetricTensor<Vec> strain_of(const Triangles& g, Vec3s e1, Vec3s e2) {
-    const Vec3s f1 = g[inverse_a] * e1, f2 = g[inverse_c] * (e2 - g[b_over_a] * e1);
-    return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
-}
-
-double membrane_energy_pass(Nodes nodes, Elements elements, const MembraneLaw& law) {
-    Vec energy = all(0.0);
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Triangles g(elements, k);
-        const Vec3s e1 = between(nodes.record, g.corner(0), g.corner(1)).x;
-        const Vec3s e2 = between(nodes.record, g.corner(0), g.corner(2)).x;
-        energy += g[reference_area] * relaxed_energy(law, principal(strain_of(g, e1, e2)));
+protected:
+    HWY_INLINE const RowOffset* corner(int c) const { return node_ + c * lanes; }
+    HWY_INLINE Vec constant(int which) const { return load(constant_ + which * lanes); }
+    /// Of corner c relative to the first.
+    HWY_INLINE Motion to_corner(int c) const { return between(nodes_.record, corner(0), corner(c)); }
+    HWY_INLINE Motion first_node() const {
+        return motion_of([this](int lane)
+                             TWINCHUTE_INLINED { return record_of(nodes_.record, node_[lane]); });
     }
-    return sum(energy);
-}
-
-double cloth_drag(Nodes nodes, Elements elements, const Air& air, double coefficient) {
-    const Vec3s wind = splat3(air.wind);
-    const Vec zero = all(0.0), third = all(1.0 / 3.0), share = all(0.5 * air.density * coefficient / 3.0);
-    Vec across = zero;
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Triangles g(elements, k);
-        const Motion first = between(nodes.record, g.corner(0), g.corner(1));
-        const Motion second = between(nodes.record, g.corner(0), g.corner(2));
-        const Vec3s v0 = velocity_of(nodes, g.corner(0));
-        const Vec3s area = 0.5 * cross(first.x, second.x);
-        const Vec3s velocity = wind - (v0 + third * (first.v + second.v));
-        const Vec flow = dot(area, velocity);  // |A.e| V
-        const Vec swept = larger(flow, -flow);
-        across += swept * inverse_root(dot(velocity, velocity) + 1e-18);
-        for_each_row((share * swept) * velocity, [&](int lane, Row row) TWINCHUTE_INLINED {
-            for (int c = 0; c < 3; ++c) {
-                double* at = row_at(nodes.aero, g.corner(c)[lane]);
+    HWY_INLINE void add_to_all(Vec3s a, double* rows) const {
+        for_each_row(a, [&](int lane, Row row) TWINCHUTE_INLINED {
+            for (int c = 0; c < corners; ++c) {
+                double* at = row_at(rows, corner(c)[lane]);
                 store_row(load_row(at) + row, at);
             }
         });
     }
-    return sum(across);
-}
-
-template <class Ends>
-HWY_INLINE Span span_of(Nodes nodes, const Ends& g) {
-    const Motion ends = between(nodes.record, g.corner(0), g.corner(1));
-    return span_of(ends.x, ends.v);
-}
-
-template <class Ends>
-HWY_INLINE void pull_together(Nodes nodes, const Ends& g, Vec3s force) {
-    for_each_row(force, [&](int lane, Row row) TWINCHUTE_INLINED {
-        double* const first = row_at(nodes.force, g.corner(0)[lane]);
-        store_row(load_row(first) + row, first);
-        double* const second = row_at(nodes.force, g.corner(1)[lane]);
-        store_row(load_row(second) - row, second);
-    });
-}
-
-template <bool with_springs, bool with_folds>
-double spring_pass(Nodes nodes, Elements elements, const Springs& springs) {
-    Vec dissipated = all(0.0);
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Edges g(elements, k);
-        const Span span = span_of(nodes, g);
-        const Vec strain = span.strain(g[inverse_length]);
-        Vec tension = all(0.0);
-        if constexpr (with_springs) {
-            const Tension spring =
-                spring_tension(span, strain, g[stiffness], g[growth], g[dashpot], springs.repulsion);
-            tension = spring.tension;
-            dissipated += spring.dissipated;
-        }
-        if constexpr (with_folds) {
-            const Tension fold = fold_tension(span, strain, g[fold_force]);
-            tension += fold.tension;
-            dissipated += fold.dissipated;
-        }
-        pull_together(nodes, g, (tension * span.inverse) * span.d);
+    HWY_INLINE Vec weights(Rows rows, int c) const {
+        alignas(64) double weight[lanes];
+        for (int lane = 0; lane < lanes; ++lane)
+            weight[lane] = rows.weight[corner(c)[lane] / row_bytes];
+        return load(weight);
     }
-    return sum(dissipated);
-}
-
-double spring_passes(Nodes nodes, Elements elements, const Springs& which) {
-    if (which.springs && which.folds) return spring_pass<true, true>(nodes, elements, which);
-    return which.springs ? spring_pass<true, false>(nodes, elements, which)
-                         : spring_pass<false, true>(nodes, elements, which);
-}
-
-/// cylinder: where the air drags.
-template <bool pull, bool drag>
-HWY_INLINE CableSums cable_pass(Nodes nodes, Elements elements, const CylinderDrag* cylinder,
-                                const Air& air) {
-    const Vec3s wind = splat3(air.wind);
-    Vec dissipated = all(0.0), largest = dissipated;
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Cables g(elements, k);
-        const Motion ends = between(nodes.record, g.corner(0), g.corner(1));
-        if constexpr (drag) {
-            const Vec3s v0 = velocity_of(nodes, g.corner(0));
-            // Half of the relative velocity leads to the mean.
-            const Vec3s v = wind - (v0 + 0.5 * ends.v);
-            for_each_row(cylinder->on_end(ends.x, v), [&](int lane, Row row) TWINCHUTE_INLINED {
-                for (int c = 0; c < 2; ++c) {
-                    double* at = row_at(nodes.aero, g.corner(c)[lane]);
-                    store_row(load_row(at) + row, at);
-                }
-            });
-        }
-        if constexpr (pull) {
-            const CablePull cable = cable_pull(g[inverse_length], g[stiffness], g[dashpot], ends.x, ends.v);
-            dissipated += cable.dissipated;
-            largest = larger(cable.spring, largest);
-            pull_together(nodes, g, cable.force);
+    HWY_INLINE void add_to_rows(Rows rows, int at_corner, Vec stiffness, Vec damping) const {
+        alignas(64) double k[lanes], c[lanes];
+        store(stiffness, k);
+        store(damping, c);
+        for (int lane = 0; lane < lanes; ++lane) {
+            rows.stiffness[corner(at_corner)[lane] / row_bytes] += k[lane];
+            rows.damping[corner(at_corner)[lane] / row_bytes] += c[lane];
         }
     }
-    const double lost = sum(dissipated);
-    return {lost, greatest_or_none(largest, lost)};
-}
 
-CableSums cables(Nodes nodes, Elements elements) {
-    return cable_pass<true, false>(nodes, elements, nullptr, {});
-}
-void line_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, double diameter,
-               const Air& air) {
-    const CylinderDrag cylinder(table, diameter, air.density, air.viscosity);
-    cable_pass<false, true>(nodes, elements, &cylinder, air);
-}
-CableSums cables_with_drag(Nodes nodes, Elements elements, const CylinderDragTable& table, double diameter,
-                           const Air& air) {
-    const CylinderDrag cylinder(table, diameter, air.density, air.viscosity);
-    return cable_pass<true, true>(nodes, elements, &cylinder, air);
-}
+    Nodes nodes_;
+    const RowOffset* node_;
+    const double* constant_;
+    Context context_;
+};
 
-// --- bound on the step ------------------------------------------------------------------------
+template <class OfContext>
+class TriangleGroup : public GroupElement<3, membrane_constants, OfContext> {
+    using Base = GroupElement<3, membrane_constants, OfContext>;
 
-HWY_INLINE void add_to_rows(Rows rows, const RowOffset* node, Vec stiffness, Vec damping) {
-    alignas(64) double k[lanes], c[lanes];
-    store(stiffness, k);
-    store(damping, c);
-    for (int lane = 0; lane < lanes; ++lane) {
-        rows.stiffness[node[lane] / row_bytes] += k[lane];
-        rows.damping[node[lane] / row_bytes] += c[lane];
+public:
+    HWY_INLINE TriangleGroup(Nodes nodes, const RowOffset* node, const double* constant,
+                             const OfContext& context)
+        : Base(nodes, node, constant, context) {}
+
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2, Vec3s& w1, Vec3s& w2) const {
+        const Motion first = this->to_corner(1), second = this->to_corner(2);
+        e1 = first.x, e2 = second.x, w1 = first.v, w2 = second.v;
     }
-}
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2) const {
+        e1 = this->to_corner(1).x, e2 = this->to_corner(2).x;
+    }
+    HWY_INLINE void edges_and_mean_velocity(Vec3s& e1, Vec3s& e2, Vec3s& mean) const {
+        Vec3s w1, w2;
+        edges(e1, e2, w1, w2);
+        mean = this->first_node().v + (1.0 / 3.0) * (w1 + w2);
+    }
+    HWY_INLINE Vec inverse_a() const { return this->constant(indexed::inverse_a); }
+    HWY_INLINE Vec inverse_c() const { return this->constant(indexed::inverse_c); }
+    HWY_INLINE Vec b_over_a() const { return this->constant(indexed::b_over_a); }
+    HWY_INLINE Vec weighted_area(double weight) const { return weight * this->constant(reference_area); }
+    HWY_INLINE Vec viscosity() const { return this->constant(indexed::viscosity); }
+    HWY_INLINE double half() const { return 0.5; }
+    HWY_INLINE void add_push(Vec3s area) const { this->add_to_all(area, this->nodes_.push); }
+    HWY_INLINE void add_drag(Vec3s force) const { this->add_to_all(force, this->nodes_.aero); }
+};
 
-HWY_INLINE Vec weights_of(Rows rows, const RowOffset* node) {
-    alignas(64) double weight[lanes];
-    for (int lane = 0; lane < lanes; ++lane)
-        weight[lane] = rows.weight[node[lane] / row_bytes];
-    return load(weight);
-}
+struct TriangleRowsContext {
+    Rows rows;
+    double plane_modulus, weight;
+};
 
-/// The same for both ends of elements that pull along a line, but for the weights.
-template <class Ends>
-HWY_INLINE void add_to_ends(Rows rows, const Ends& g, Vec stiffness, Vec damping) {
-    const Vec first = weights_of(rows, g.corner(0)), second = weights_of(rows, g.corner(1));
-    const Vec columns[2] = {1.0 + second / first, 1.0 + first / second};
-    for (int end = 0; end < 2; ++end)
-        add_to_rows(rows, g.corner(end), columns[end] * stiffness, columns[end] * damping);
-}
+class TriangleRowsGroup : public TriangleGroup<TriangleRowsContext> {
+public:
+    HWY_INLINE TriangleRowsGroup(Nodes nodes, const RowOffset* node, const double* constant,
+                                 const TriangleRowsContext& context)
+        : TriangleGroup(nodes, node, constant, context) {}
 
-void membrane_rows(Nodes nodes, Elements elements, const Fabric& fabric, Rows rows) {
-    const Vec weight = all(fabric.weight);
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Triangles g(elements, k);
-        const Vec3s e1 = between(nodes.record, g.corner(0), g.corner(1)).x;
-        const Vec3s e2 = between(nodes.record, g.corner(0), g.corner(2)).x;
-        const Vec stretch = larger(principal(strain_of(g, e1, e2)).first(), all(0.0));
-        // As Membrane::add_row_sums and unstrained_rows.
-        const Vec a = g[inverse_a], c = g[inverse_c], b = g[b_over_a] * c;
+    /// As unstrained_rows, with the weights of the corners.
+    HWY_INLINE void add_rows(MembraneStiffening<Vec> by) const {
+        const Vec a = inverse_a(), c = inverse_c(), b = b_over_a() * c;
         const Vec gradient[3] = {square_root((b - c) * (b - c) + a * a), square_root(b * b + a * a), c};
-        const Vec area = weight * g[reference_area];
-        const Vec stiffness = fabric.law.plane_modulus * (area * (1.0 + 3.0 * stretch));
-        const Vec damping = g[viscosity] * (area * (1.0 + 2.0 * stretch));
+        const Vec area = weighted_area(context_.weight);
+        const Vec stiffness = context_.plane_modulus * (area * by.stiffness);
+        const Vec damping = viscosity() * (area * by.damping);
         Vec w[3], columns = all(0.0);
         for (int i = 0; i < 3; ++i) {
-            w[i] = weights_of(rows, g.corner(i));
+            w[i] = weights(context_.rows, i);
             columns += gradient[i] * w[i];
         }
         for (int i = 0; i < 3; ++i) {
             const Vec row = gradient[i] * columns / w[i];
-            add_to_rows(rows, g.corner(i), row * stiffness, row * damping);
+            add_to_rows(context_.rows, i, row * stiffness, row * damping);
         }
     }
+};
+
+/// From one node to another: cables, springs.
+template <int constant_count, class OfContext>
+class SpanGroup : public GroupElement<2, constant_count, OfContext> {
+    using Base = GroupElement<2, constant_count, OfContext>;
+
+public:
+    HWY_INLINE SpanGroup(Nodes nodes, const RowOffset* node, const double* constant, const OfContext& context)
+        : Base(nodes, node, constant, context) {}
+
+    HWY_INLINE Vec3s distance() const { return this->to_corner(1).x; }
+    HWY_INLINE void ends(Vec3s& d, Vec3s& w) const {
+        const Motion motion = this->to_corner(1);
+        d = motion.x, w = motion.v;
+    }
+    /// Half of the relative velocity leads to the mean.
+    HWY_INLINE Vec3s mean_velocity(Vec3s w) const { return this->first_node().v + 0.5 * w; }
+    HWY_INLINE Vec inverse_length() const { return this->constant(indexed::inverse_length); }
+    HWY_INLINE Vec stiffness() const { return this->constant(indexed::stiffness); }
+    HWY_INLINE Vec dashpot() const { return this->constant(indexed::dashpot); }
+    HWY_INLINE Vec growth() const { return this->constant(indexed::growth); }
+    HWY_INLINE Vec fold_force() const { return this->constant(indexed::fold_force); }
+    HWY_INLINE Vec counted(Vec load) const { return load; }
+    HWY_INLINE void pull_together(Vec3s force) const {
+        for_each_row(force, [&](int lane, Row row) TWINCHUTE_INLINED {
+            double* const first = row_at(this->nodes_.force, this->corner(0)[lane]);
+            store_row(load_row(first) + row, first);
+            double* const second = row_at(this->nodes_.force, this->corner(1)[lane]);
+            store_row(load_row(second) - row, second);
+        });
+    }
+    HWY_INLINE void add_drag(Vec3s end) const { this->add_to_all(end, this->nodes_.aero); }
+};
+
+/// Both ends have the same rows, but for the weights.
+template <int constant_count>
+class SpanRowsGroup : public SpanGroup<constant_count, Rows> {
+public:
+    HWY_INLINE SpanRowsGroup(Nodes nodes, const RowOffset* node, const double* constant, const Rows& context)
+        : SpanGroup<constant_count, Rows>(nodes, node, constant, context) {}
+
+    HWY_INLINE void add_rows(Vec stiffness, Vec damping) const {
+        const Vec first = this->weights(this->context_, 0), second = this->weights(this->context_, 1);
+        const Vec columns[2] = {1.0 + second / first, 1.0 + first / second};
+        for (int end = 0; end < 2; ++end)
+            this->add_to_rows(this->context_, end, columns[end] * stiffness, columns[end] * damping);
+    }
+};
+
+class PairGroup : public GroupElement<2, pair_constants, Nothing> {
+public:
+    HWY_INLINE PairGroup(Nodes nodes, const RowOffset* node, const double* constant, const Nothing& context)
+        : GroupElement(nodes, node, constant, context) {}
+
+    HWY_INLINE Vec stiffness() const { return constant(pair_stiffness); }
+    HWY_INLINE void arm_and_distance(Vec3s centre, Vec3s& arm, Vec3s& d) const {
+        arm = first_node().x - centre, d = to_corner(1).x;
+    }
+    HWY_INLINE void push_apart(Vec3s apart, Vec3s half_of_middle) const {
+        add_force(0, apart - half_of_middle);
+        subtract_force(1, apart + half_of_middle);
+    }
+};
+
+// --- loops ---------------------------------------------------------------------------------------
+
+using Triangles = GroupView<TriangleGroup<Nothing>>;
+using Cables = GroupView<SpanGroup<cable_constants, Nothing>>;
+using Edges = GroupView<SpanGroup<spring_constants, Nothing>>;
+
+template <bool structure, bool pressure>
+ElementSums membranes(Nodes nodes, Elements elements, const MembranePass& pass) {
+    return membrane_forces<structure, pressure>(Triangles(nodes, elements), pass);
+}
+ElementLevels levels_of_membranes(Nodes nodes, Elements elements, const MembranePass& pass) {
+    return membrane_levels(Triangles(nodes, elements), pass);
+}
+ElementSums fabric_drags(Nodes nodes, Elements elements, const FabricDragPass& pass) {
+    return fabric_drag_forces(Triangles(nodes, elements), pass);
+}
+ElementSums springs(Nodes nodes, Elements elements, const SpringPass& pass) {
+    return spring_forces(Edges(nodes, elements), pass);
+}
+ElementSums cables(Nodes nodes, Elements elements) {
+    return cable_forces(Cables(nodes, elements));
+}
+template <bool pulls>
+ElementSums cables_in_air(Nodes nodes, Elements elements, const LineAir& air) {
+    return cable_forces_in<pulls>(Cables(nodes, elements), air);
+}
+ElementSums contacts(Nodes nodes, Elements elements, const ContactPass& pass) {
+    return contact_forces(GroupView<PairGroup>(nodes, elements), pass);
 }
 
-void spring_rows(Nodes nodes, Elements elements, const Springs& springs, bool folded, Rows rows) {
-    const Vec zero = all(0.0), full = all(full_hardening_strain);
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Edges g(elements, k);
-        const Vec strain = span_of(nodes, g).strain(g[inverse_length]);
-        const Vec low = smaller(larger(strain, zero), full);
-        Vec stiff = zero, damping = zero;
-        if (springs.springs && folded) {
-            stiff = springs.repulsion * g[stiffness] * g[inverse_length];
-        } else if (springs.springs) {
-            stiff = g[stiffness] * g[inverse_length] * (1.0 + 2.0 * g[growth] * low);
-            damping = g[dashpot];
-        }
-        if (springs.folds) damping += all(1.0 / full_fold_speed) * g[fold_force];
-        add_to_ends(rows, g, stiff, damping);
-    }
+void rows_of_membranes(Nodes nodes, Elements elements, const MembranePass& pass, Rows rows) {
+    membrane_rows(GroupView<TriangleRowsGroup>(nodes, elements, {rows, pass.law.plane_modulus, pass.weight}));
 }
-
-/// Of slack cables, too, since they may pull tight any time.
-void cable_rows(Elements elements, Rows rows) {
-    for (std::size_t k = 0; k < elements.groups; ++k) {
-        const Cables g(elements, k);
-        add_to_ends(rows, g, g[stiffness] * g[inverse_length], g[dashpot]);
-    }
+void rows_of_springs(Nodes nodes, Elements elements, const SpringPass& pass, Rows rows) {
+    spring_rows(GroupView<SpanRowsGroup<spring_constants>>(nodes, elements, rows), pass);
+}
+void rows_of_cables(Elements elements, Rows rows) {
+    cable_rows(GroupView<SpanRowsGroup<cable_constants>>({}, elements, rows));
 }
 
 double stable_step(Rows rows, const Bound& bound) {
@@ -309,7 +299,7 @@ double stable_step(Rows rows, const Bound& bound) {
         const Vec m = mass + share * added;
         const Vec damping = c + by_share * share + by_mass * mass;
         // In this order: a node without a number must not hide what the others say.
-        shortest = smaller(2.0 * m / (square_root(damping * damping + k * m) + damping), shortest);
+        shortest = smaller(critical_step(k, damping, m), shortest);
     };
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes)
@@ -347,7 +337,7 @@ template <bool canopy, bool with_aero, bool more>
 HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, std::size_t last,
                            RowSums4& all_sums) {
     RowSums4 sums = all_sums;
-    const Row none = row_of(0.0), half = row_of(0.5);
+    const Row none = row_of(0.0);
     const Row kick = row_of(step.kick), dt = row_of(step.dt), half_dt = row_of(0.5 * step.dt);
     const Row pressure = row_of(step.pressure), flag = row_from(step.flag);
     const Row fall = row_from({0.0, 0.0, -step.gravity, 0.0});
@@ -375,44 +365,30 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
             inertia += share * added_mass;
             aero += pressure * load_row(nodes.push + 4 * i) + share * flag;
             store_row(none, nodes.push + 4 * i);
-            if (breathing > 0.0) {
-                const Row relative = load_row(v_at) - breathing_mean;
-                const Row resistance = (share * breathing) * relative;
-                force = force - resistance;
-                sums.dissipated += resistance * relative;
-            }
-            if (more && accretion > 0.0) {
-                const Row v = load_row(v_at);
-                const Row push = (share * accretion) * (wind - v);
-                force += push;
-                sums.accretion_power += push * v;
-            }
+            if (breathing > 0.0)
+                resist(share * breathing, load_row(v_at) - breathing_mean, force, sums.dissipated);
+            if (more && accretion > 0.0)
+                accrete(share * accretion, wind, load_row(v_at), force, sums.accretion_power);
         }
-        if (more && alpha > 0.0) {
-            const Row relative = load_row(v_at) - mean;
-            const Row resistance = (alpha * mass) * relative;
-            force = force - resistance;
-            sums.dissipated += resistance * relative;
-        }
+        if (more && alpha > 0.0) resist(alpha * mass, load_row(v_at) - mean, force, sums.dissipated);
         const Row m = row_of(mass);
         const Row acceleration = (1.0 / inertia) * (force + aero + m * fall);
-        const Row before = load_row(v_half_at);
-        const Row after = before + kick * acceleration;
-        const Row middle = half * (before + after);  // velocity at t, exact for the energy balance
+        const Row before = load_row(v_half_at), after = kicked(before, acceleration, kick);
+        const Row middle = middle_of(before, after);
         sums.momentum += m * middle;
         if (step.weighs)
-            sums.kinetic += inertia * (before * (before + step.last_dt * acceleration)) +
-                            step.last_dt * ((aero + m * fall) * (middle - before));
-        const Row x = load_row(x_at) + dt * after;
-        const Row now = after + half_dt * acceleration;
+            sums.kinetic += twice_kinetic(inertia, before, step.last_dt * acceleration, step.last_dt,
+                                          aero + m * fall, middle);
+        Row x = load_row(x_at);
+        const Row now = drift(x, after, acceleration, dt, half_dt);
         store_row(after, v_half_at);
         store_row(x, x_at);
         store_row(now, v_at);
         sums.position += m * x;
         sums.velocity += m * now;
-        if constexpr (canopy || with_aero) sums.drag_power += aero * middle;
+        if constexpr (canopy || with_aero) sums.drag_power += work(aero, middle);
         if constexpr (canopy) {
-            sums.share_square += share * (middle * middle);
+            sums.share_square += share * work(middle, middle);
             sums.area_velocity += share * now;
         }
     }
@@ -452,18 +428,19 @@ Sums advance(Nodes nodes, const Advance& step) {
 indexed::Kernels indexed_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
             lanes,
-            membrane_pass<true, false>,
-            membrane_pass<true, true>,
-            membrane_pass<false, true>,
-            membrane_energy_pass,
-            cloth_drag,
-            spring_passes,
+            membranes<true, false>,
+            membranes<true, true>,
+            membranes<false, true>,
+            levels_of_membranes,
+            fabric_drags,
+            springs,
             cables,
-            line_drag,
-            cables_with_drag,
-            membrane_rows,
-            spring_rows,
-            cable_rows,
+            cables_in_air<false>,
+            cables_in_air<true>,
+            contacts,
+            rows_of_membranes,
+            rows_of_springs,
+            rows_of_cables,
             stable_step,
             advance};
 }

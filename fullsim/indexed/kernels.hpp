@@ -7,8 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "fullsim/forces/membrane.hpp"
-#include "lib/models/cylinder_drag.hpp"
+#include "fullsim/elements/passes.hpp"
 
 namespace twinchute::fullsim::indexed {
 
@@ -32,37 +31,7 @@ struct Elements {
 enum MembraneConstant { inverse_a, inverse_c, b_over_a, reference_area, viscosity, membrane_constants };
 enum CableConstant { inverse_length, stiffness, dashpot, cable_constants };
 enum SpringConstant { growth = cable_constants, fold_force, spring_constants };  ///< after those of a cable
-
-struct Fabric {
-    MembraneLaw law;
-    std::array<double, 3> direction{};  ///< e_r
-    double radial_pressure = 0.0;       ///< phi
-    double weight = 1.0;                ///< share of their stiffness that membranes have
-};
-
-/// What the fabric's pass adds up.
-struct FabricSums {
-    double positive_area = 0.0, signed_area = 0.0;  // [m^2] along e_r
-    double dissipated = 0.0;                        // [W]
-    double largest_stress = 0.0;  // [N/m] first principal resultant at full stiffness; none where one is none
-};
-
-/// And what a pass over cables does.
-struct CableSums {
-    double dissipated = 0.0;       // [W]
-    double largest_tension = 0.0;  // [N] elastic; not a number where one is none
-};
-
-struct Springs {
-    double repulsion = 0.0;               ///< of folded cloth over its stiffness in tension [-]
-    bool springs = false, folds = false;  ///< which of them act
-};
-
-/// The air that lines and cloth move through.
-struct Air {
-    double density = 0.0, viscosity = 0.0;  ///< [kg/m^3], [Pa s]
-    std::array<double, 3> wind{};           ///< [m/s]
-};
+enum PairConstant { pair_stiffness, pair_constants };
 
 /// As RowSums, by node.
 struct Rows {
@@ -111,23 +80,20 @@ struct Sums {
 struct Kernels {
     std::string_view instruction_set;
     int lanes;  ///< of a group
-    /// Membranes alone, pressure areas alone, or both in one pass (the strain's edges give the area).
-    FabricSums (*membrane)(Nodes, Elements, const Fabric&);
-    FabricSums (*membrane_and_pressure)(Nodes, Elements, const Fabric&);
-    FabricSums (*pressure)(Nodes, Elements, const Fabric&);
-    /// [J] at full stiffness.
-    double (*membrane_energy)(Nodes, Elements, const MembraneLaw&);
-    /// Returns the area that the air meets [m^2].
-    double (*cloth_drag)(Nodes, Elements, const Air&, double coefficient);
-    double (*springs)(Nodes, Elements, const Springs&);  ///< [W] dissipated
-    CableSums (*cables)(Nodes, Elements);
-    /// Of cables as cylinders of a diameter [m].
-    void (*line_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
-    /// Both in one pass: half of what either does is to find the same nodes.
-    CableSums (*cables_with_drag)(Nodes, Elements, const CylinderDragTable&, double diameter, const Air&);
+    /// Membranes alone, pressure areas alone, or both in one pass.
+    ElementSums (*membrane)(Nodes, Elements, const MembranePass&);
+    ElementSums (*membrane_and_pressure)(Nodes, Elements, const MembranePass&);
+    ElementSums (*pressure)(Nodes, Elements, const MembranePass&);
+    ElementLevels (*membrane_levels)(Nodes, Elements, const MembranePass&);
+    ElementSums (*cloth_drag)(Nodes, Elements, const FabricDragPass&);
+    ElementSums (*springs)(Nodes, Elements, const SpringPass&);
+    ElementSums (*cables)(Nodes, Elements);
+    ElementSums (*line_drag)(Nodes, Elements, const LineAir&);
+    ElementSums (*cables_with_drag)(Nodes, Elements, const LineAir&);
+    ElementSums (*contacts)(Nodes, Elements, const ContactPass&);
     /// Each of these adds to the row sums.
-    void (*membrane_rows)(Nodes, Elements, const Fabric&, Rows);
-    void (*spring_rows)(Nodes, Elements, const Springs&, bool folded, Rows);
+    void (*membrane_rows)(Nodes, Elements, const MembranePass&, Rows);
+    void (*spring_rows)(Nodes, Elements, const SpringPass&, Rows);
     void (*cable_rows)(Elements, Rows);
     /// The least bound on the step [s].
     double (*stable_step)(Rows, const Bound&);

@@ -62,6 +62,11 @@ HWY_INLINE void operator+=(Row& a, Row b) {
     a = a + b;
 }
 
+/// As that of Lanes.
+HWY_INLINE Row work(Row force, Row velocity) {
+    return force * velocity;
+}
+
 #undef TWINCHUTE_EACH_PART
 
 // --- a record: the rows of position and velocity of one node ----------------------------------
@@ -265,13 +270,13 @@ HWY_INLINE void for_each_row(Vec3s a, Each&& each) {
 }
 
 /// One element after the other: two of them may meet at a node.
-HWY_INLINE void add_rows(Vec3s a, double* rows, const RowOffset* node) {
+HWY_INLINE void scatter_add(Vec3s a, double* rows, const RowOffset* node) {
     for_each_row(a, [=](int lane, Row row) TWINCHUTE_INLINED {
         double* at = row_at(rows, node[lane]);
         store_row(load_row(at) + row, at);
     });
 }
-HWY_INLINE void take_rows(Vec3s a, double* rows, const RowOffset* node) {
+HWY_INLINE void scatter_subtract(Vec3s a, double* rows, const RowOffset* node) {
     for_each_row(a, [=](int lane, Row row) TWINCHUTE_INLINED {
         double* at = row_at(rows, node[lane]);
         store_row(load_row(at) - row, at);

@@ -7,6 +7,7 @@
 #define TWINCHUTE_LANES_VEC
 #endif
 
+#include <array>
 #include <cstdint>
 
 #include <hwy/highway.h>
@@ -53,6 +54,10 @@ struct Mask {
 
 HWY_INLINE Vec all(double a) {
     TWINCHUTE_EACH(Vec, hn::Set(tag, a));
+}
+/// As that of Lanes.
+HWY_INLINE Vec like(Vec, double a) {
+    return all(a);
 }
 HWY_INLINE Vec operator+(Vec a, Vec b) {
     TWINCHUTE_EACH(Vec, hn::Add(a.raw[k], b.raw[k]));
@@ -217,6 +222,10 @@ HWY_INLINE Vec3s one_up(Vec3s a) {
 HWY_INLINE Vec dot(Vec3s a, Vec3s b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+/// Power of a force at a velocity, as that of Lanes.
+HWY_INLINE Vec work(Vec3s force, Vec3s velocity) {
+    return dot(force, velocity);
+}
 HWY_INLINE Vec3s cross(Vec3s a, Vec3s b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -250,6 +259,15 @@ HWY_INLINE void take3(Vec3s a, double* from) {
 }
 
 #undef TWINCHUTE_EACH
+
+/// What views of elements side by side have in common (see fullsim/elements/membrane.hpp).
+struct SimdView {
+    using T = Vec;
+    using T3 = Vec3s;
+
+    static HWY_INLINE Vec all(double a) { return HWY_NAMESPACE::all(a); }
+    static HWY_INLINE Vec3s all3(const std::array<double, 3>& a) { return {all(a[0]), all(a[1]), all(a[2])}; }
+};
 }  // namespace TWINCHUTE_WAYS
 #undef TWINCHUTE_WAYS
 

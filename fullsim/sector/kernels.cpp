@@ -9,10 +9,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "fullsim/forces/cable_kernel.hpp"
-#include "fullsim/forces/contact_kernel.hpp"
-#include "fullsim/forces/membrane_kernel.hpp"
+#include "fullsim/lanes/drag_table.hpp"
 #include "fullsim/lanes/vec.hpp"
+
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/elements/contact.hpp"
+#include "fullsim/elements/membrane.hpp"
+#include "fullsim/laws/critical_step.hpp"
+#include "fullsim/laws/node.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
@@ -34,115 +38,194 @@ HWY_INLINE void put_anywhere(Vec a, double* to) {
         hn::StoreU(a.raw[k], tag, to + k * lanes_of_register);
 }
 
-/// Stretches hand in hand: work(the first of them, place of their constants).
-template <class Stretch, class Work>
-HWY_INLINE void for_stretches(const std::vector<Stretch>& stretches, Work&& work) {
-    for (std::size_t k = 0; k < stretches.size(); k += ways)
-        work(&stretches[k], static_cast<std::int32_t>(k * lanes_of_register));
-}
-/// What the corners of each have.
-template <class Stretch>
-HWY_INLINE Vec3s corner(const Components& from, const Stretch* s, int c) {
-    Vec3s at;
-    for (int k = 0; k < ways; ++k) {
-        at.x.raw[k] = hn::LoadU(tag, from[0] + s[k].node[c]);
-        at.y.raw[k] = hn::LoadU(tag, from[1] + s[k].node[c]);
-        at.z.raw[k] = hn::LoadU(tag, from[2] + s[k].node[c]);
+// --- views: elements on rows of nodes (see fullsim/elements/membrane.hpp) -----------------------------
+
+/// A view of stretches of elements, as many registers hand in hand as a vector has. Element: made of the
+/// frame, the first stretch, the place of its constants, and a Context of its own.
+template <class Element>
+class SectorView : public SimdView {
+public:
+    using Flow = AxialFlow<Vec>;
+    using Context = typename Element::Context;
+    using Stretches = std::vector<typename Element::Stretch>;
+    static constexpr bool skips = false;  // streams are written every time
+
+    SectorView(const SectorFrame& frame, const Stretches& stretches, Context context = {})
+        : frame_(frame), stretches_(stretches), context_(context) {}
+
+    HWY_INLINE int first() const { return 0; }
+    HWY_INLINE int last() const { return 1; }
+    HWY_INLINE Flow flow(const std::array<double, 3>& direction) const { return {all(direction[2])}; }
+
+    struct Part {
+        const SectorFrame& frame;
+        const Stretches& stretches;
+        Context context;
+
+        HWY_INLINE std::size_t size() const { return (stretches.size() + ways - 1) / ways; }
+        HWY_INLINE Element element(std::size_t k) const {
+            return Element(frame, &stretches[k * ways],
+                           static_cast<std::int32_t>(k * ways * lanes_of_register), context);
+        }
+        HWY_INLINE Vec live(Vec sum) const { return sum; }
+        HWY_INLINE Vec live_load(Vec load) const { return load; }
+        HWY_INLINE void finish(std::size_t) const {}
+        HWY_INLINE void close() const {}
+    };
+    HWY_INLINE Part part(int) const { return {frame_, stretches_, context_}; }
+
+private:
+    const SectorFrame& frame_;
+    const Stretches& stretches_;
+    Context context_;
+};
+
+template <class OfStretch, class OfContext>
+class StretchElement {
+public:
+    using Stretch = OfStretch;
+    using Context = OfContext;
+
+    HWY_INLINE StretchElement(const SectorFrame& frame, const Stretch* stretch, std::int32_t at,
+                              Context context)
+        : f_(frame), s_(stretch), at_(at), context_(context) {}
+
+protected:
+    /// What the corners of each have.
+    HWY_INLINE Vec3s corner(const Components& from, int c) const {
+        Vec3s at;
+        for (int k = 0; k < ways; ++k) {
+            at.x.raw[k] = hn::LoadU(tag, from[0] + s_[k].node[c]);
+            at.y.raw[k] = hn::LoadU(tag, from[1] + s_[k].node[c]);
+            at.z.raw[k] = hn::LoadU(tag, from[2] + s_[k].node[c]);
+        }
+        return at;
     }
-    return at;
-}
-template <class Stretch>
-HWY_INLINE void put_stream(Vec a, double* to, const Stretch* s, int which) {
-    for (int k = 0; k < ways; ++k)
-        hn::Store(a.raw[k], tag, to + s[k].stream[which]);
-}
-template <class Stretch>
-HWY_INLINE void put_stream(Vec3s a, const Components& to, const Stretch* s, int which) {
-    put_stream(a.x, to[0], s, which);
-    put_stream(a.y, to[1], s, which);
-    put_stream(a.z, to[2], s, which);
-}
+    HWY_INLINE void put_stream(Vec a, double* to, int which) const {
+        for (int k = 0; k < ways; ++k)
+            hn::Store(a.raw[k], tag, to + s_[k].stream[which]);
+    }
+    HWY_INLINE void put_stream(Vec3s a, int which) const {
+        put_stream(a.x, f_.stream[0], which);
+        put_stream(a.y, f_.stream[1], which);
+        put_stream(a.z, f_.stream[2], which);
+    }
+    HWY_INLINE Vec constant(const double* row) const { return load(row + at_); }
 
-FabricSums triangles(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law,
-                     const SectorAir& air) {
-    const Vec zero = all(0.0), up = all(air.direction);
-    const Vec third = all(air.direction / 3.0), radial = all(air.radial_pressure / 3.0);
-    const TriangleConstants& k = f.triangle;
-    Vec positive = zero, all_area = zero, dissipated = zero, largest = zero;
-    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
-        const Vec3s x0 = corner(f.x, s, 0), v0 = corner(f.v, s, 0);
-        const Vec3s e1 = corner(f.x, s, 1) - x0, e2 = corner(f.x, s, 2) - x0;
-        const Vec3s w1 = corner(f.v, s, 1) - v0, w2 = corner(f.v, s, 2) - v0;
-        const auto pulls =
-            membrane_pulls(law, load(k.inverse_a + at), load(k.inverse_c + at), load(k.b_over_a + at),
-                           load(k.area + at), load(k.viscosity + at), e1, e2, w1, w2);
-        dissipated += pulls.dissipated;
-        largest = larger(pulls.stress, largest);
-        put_stream(pulls.on_first, f.stream, s, 0);
-        put_stream(pulls.on_second, f.stream, s, 1);
-        put_stream(pulls.on_third, f.stream, s, 2);
-        // A third of A_p e_r + phi (A - (A.e_r) e_r) to each corner, e_r along the axis.
-        const Vec3s area = load(k.half + at) * cross(e1, e2);
-        const Vec along = area.z * up;
-        const Vec swept = larger(along, zero);
-        positive += swept;
-        all_area += along;
-        put_stream(Vec3s{radial * area.x, radial * area.y, third * swept}, f.stream, s, 3);
-    });
-    const double lost = sum(dissipated);
-    return {sum(positive), sum(all_area), lost, greatest_or_none(largest, lost)};
-}
+    const SectorFrame& f_;
+    const Stretch* s_;
+    std::int32_t at_;
+    Context context_;
+};
 
-FabricSums cables(const SectorFrame& f, const std::vector<CableStretch>& stretches,
-                  const CableConstantsRow& k) {
-    Vec dissipated = all(0.0), largest = dissipated;
-    for_stretches(stretches, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
-        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
-        const Vec3s w = corner(f.v, s, 1) - corner(f.v, s, 0);
-        const auto pull =
-            cable_pull(load(k.inverse_length + at), load(k.stiffness + at), load(k.dashpot + at), d, w);
-        dissipated += pull.dissipated;
-        largest = larger(load(k.line + at) * pull.spring, largest);
-        put_stream(pull.force, f.stream, s, 0);
-    });
-    const double lost = sum(dissipated);
-    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
-}
+struct Nothing {};
 
-/// Where the axis is.
-HWY_INLINE ContactPush<Vec, Vec3s> push_of(const SectorFrame& f, const ContactStretch* s, std::int32_t at,
-                                           Vec3s axis) {
-    const Vec3s x0 = corner(f.x, s, 0), x1 = corner(f.x, s, 1);
-    // Places along the axis do not matter.
-    const auto arm = contact_arm(all(0.0), axis, {x0.x, x0.y, all(0.0)}, x1 - x0);
-    return contact_push(load(f.contact + at), axis, arm);
-}
+class SectorTriangle : public StretchElement<TriangleStretch, Nothing> {
+public:
+    HWY_INLINE SectorTriangle(const SectorFrame& frame, const Stretch* stretch, std::int32_t at,
+                              Context context)
+        : StretchElement(frame, stretch, at, context) {}
 
-void contacts(const SectorFrame& f, const SectorPlan& plan, double upwards) {
-    const Vec3s axis{all(0.0), all(0.0), all(upwards)};
-    for_stretches(plan.contacts, [&](const ContactStretch* s, std::int32_t at) HWY_ATTR {
-        const auto push = push_of(f, s, at, axis);
-        put_stream(push.half_of_middle - push.apart, f.stream, s, 0);
-        put_stream(push.half_of_middle + push.apart, f.stream, s, 1);
-    });
-}
+    /// Where a register is filled up there is no triangle.
+    HWY_INLINE Vec live(Vec a, double) const { return 2.0 * half() * a; }
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2) const {
+        const Vec3s x0 = corner(f_.x, 0);
+        e1 = corner(f_.x, 1) - x0, e2 = corner(f_.x, 2) - x0;
+    }
+    HWY_INLINE void edges(Vec3s& e1, Vec3s& e2, Vec3s& w1, Vec3s& w2) const {
+        edges(e1, e2);
+        const Vec3s v0 = corner(f_.v, 0);
+        w1 = corner(f_.v, 1) - v0, w2 = corner(f_.v, 2) - v0;
+    }
+    HWY_INLINE Vec inverse_a() const { return constant(f_.triangle.inverse_a); }
+    HWY_INLINE Vec inverse_c() const { return constant(f_.triangle.inverse_c); }
+    HWY_INLINE Vec b_over_a() const { return constant(f_.triangle.b_over_a); }
+    /// A sector has membranes alone: their weight is 1.
+    HWY_INLINE Vec weighted_area(double) const { return constant(f_.triangle.area); }
+    HWY_INLINE Vec viscosity() const { return constant(f_.triangle.viscosity); }
+    HWY_INLINE Vec half() const { return constant(f_.triangle.half); }
+    HWY_INLINE void add_force(int, Vec3s force) const { put_stream(force, 0); }
+    HWY_INLINE void subtract_force(int c, Vec3s force) const { put_stream(force, c); }
+    HWY_INLINE void add_push(Vec3s area) const { put_stream(area, 3); }
+    HWY_INLINE void add_rows(MembraneStiffening<Vec> by) const {
+        for (int c = 0; c < 3; ++c) {
+            StretchElement::put_stream(by.stiffness * constant(f_.triangle.stiffness[c]), f_.row_stream[0],
+                                       c);
+            StretchElement::put_stream(by.damping * constant(f_.triangle.damping[c]), f_.row_stream[1], c);
+        }
+    }
+};
 
-ElementLevels contact_levels(const SectorFrame& f, const SectorPlan& plan, double upwards) {
-    const Vec3s axis{all(0.0), all(0.0), all(upwards)};
-    Vec energy = all(0.0);
-    for_stretches(plan.contacts, [&](const ContactStretch* s, std::int32_t at)
-                                     HWY_ATTR { energy += push_of(f, s, at, axis).energy; });
-    return {sum(energy), 0.0};
-}
+class SectorCable : public StretchElement<CableStretch, const CableConstantsRow*> {
+public:
+    HWY_INLINE SectorCable(const SectorFrame& frame, const Stretch* stretch, std::int32_t at, Context context)
+        : StretchElement(frame, stretch, at, context) {}
 
-void line_drag(const SectorFrame& f, const SectorPlan& plan, const CylinderDragTable& table, double diameter,
-               double density, double viscosity) {
-    const CylinderDrag drag(table, diameter, density, viscosity);
-    for_stretches(plan.lines, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
-        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
-        const Vec3s v = -0.5 * (corner(f.v, s, 0) + corner(f.v, s, 1));
-        put_stream(load(f.line + at) * drag.on_end(d, v), f.stream, s, 0);
-    });
+    HWY_INLINE Vec live(Vec a, double) const { return a; }
+    HWY_INLINE Vec3s distance() const { return corner(f_.x, 1) - corner(f_.x, 0); }
+    HWY_INLINE void ends(Vec3s& d, Vec3s& w) const { d = distance(), w = corner(f_.v, 1) - corner(f_.v, 0); }
+    HWY_INLINE Vec inverse_length() const { return constant(context_->inverse_length); }
+    HWY_INLINE Vec stiffness() const { return constant(context_->stiffness); }
+    HWY_INLINE Vec stiffness_times_length() const { return stiffness() * constant(context_->length); }
+    HWY_INLINE Vec dashpot() const { return constant(context_->dashpot); }
+    /// Tensions of suspension lines alone.
+    HWY_INLINE Vec counted(Vec load) const { return constant(context_->line) * load; }
+    HWY_INLINE void pull_together(Vec3s force) const { put_stream(force, 0); }
+};
+
+class SectorLine : public StretchElement<CableStretch, Nothing> {
+public:
+    HWY_INLINE SectorLine(const SectorFrame& frame, const Stretch* stretch, std::int32_t at, Context context)
+        : StretchElement(frame, stretch, at, context) {}
+
+    HWY_INLINE void ends(Vec3s& d, Vec3s& w) const {
+        d = corner(f_.x, 1) - corner(f_.x, 0), w = corner(f_.v, 1) - corner(f_.v, 0);
+    }
+    HWY_INLINE Vec3s mean_velocity(Vec3s) const { return 0.5 * (corner(f_.v, 0) + corner(f_.v, 1)); }
+    HWY_INLINE void add_drag(Vec3s end) const { put_stream(constant(f_.line) * end, 0); }
+};
+
+/// The axis is where x and y are zero; places along it do not matter.
+class SectorPair : public StretchElement<ContactStretch, Nothing> {
+public:
+    HWY_INLINE SectorPair(const SectorFrame& frame, const Stretch* stretch, std::int32_t at, Context context)
+        : StretchElement(frame, stretch, at, context) {}
+
+    HWY_INLINE Vec stiffness() const { return constant(f_.contact); }
+    HWY_INLINE void arm_and_distance(Vec3s, Vec3s& arm, Vec3s& d) const {
+        const Vec3s x0 = corner(f_.x, 0);
+        arm = {x0.x, x0.y, all(0.0)}, d = corner(f_.x, 1) - x0;
+    }
+    HWY_INLINE void push_apart(Vec3s apart, Vec3s half_of_middle) const {
+        put_stream(half_of_middle - apart, 0);
+        put_stream(half_of_middle + apart, 1);
+    }
+};
+
+// --- loops ---------------------------------------------------------------------------------------------
+
+ElementSums triangles(const SectorFrame& f, const SectorPlan& plan, const MembranePass& pass) {
+    return membrane_forces<true, true>(SectorView<SectorTriangle>(f, plan.triangles), pass);
+}
+ElementLevels levels_of_triangles(const SectorFrame& f, const SectorPlan& plan, const MembranePass& pass) {
+    return membrane_levels(SectorView<SectorTriangle>(f, plan.triangles), pass);
+}
+ElementSums cables(const SectorFrame& f, const std::vector<CableStretch>& stretches,
+                   const CableConstantsRow& k) {
+    return cable_forces(SectorView<SectorCable>(f, stretches, &k));
+}
+ElementLevels levels_of_cables(const SectorFrame& f, const std::vector<CableStretch>& stretches,
+                               const CableConstantsRow& k) {
+    return cable_levels(SectorView<SectorCable>(f, stretches, &k));
+}
+ElementSums line_drag(const SectorFrame& f, const SectorPlan& plan, const LineAir& air) {
+    return cable_forces_in<false>(SectorView<SectorLine>(f, plan.lines), air);
+}
+ElementSums contacts(const SectorFrame& f, const SectorPlan& plan, const ContactPass& pass) {
+    return contact_forces(SectorView<SectorPair>(f, plan.contacts), pass);
+}
+ElementLevels levels_of_contacts(const SectorFrame& f, const SectorPlan& plan, const ContactPass& pass) {
+    return contact_levels(SectorView<SectorPair>(f, plan.contacts), pass);
 }
 
 /// What loose elements do to nodes, one by one.
@@ -295,7 +378,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     carry(f.stream, f.push, plan.loose_pushes);
     carry(f.stream, f.aero, plan.loose_lines);
 
-    const Vec zero = all(0.0), half = all(0.5);
+    const Vec zero = all(0.0);
     const SeamImages& images = plan.images;
     const Vec cosine = all(images.cosine), back = all(-images.sine);
     for_nodes(images.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
@@ -313,7 +396,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
         area_velocity = zero;
     Vec drag_power = zero, momentum = zero, share_square = zero, dissipated = zero, accretion_power = zero;
-    Vec twice_kinetic = zero;
+    Vec kinetic_twice = zero;
     // Not by for_nodes: what it sums up would lie in memory.
     for (std::size_t r = 0; r < plan.own.size(); r += ways) {
         const NodeSources* const sources = &plan.own[r];
@@ -324,30 +407,20 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         aero.z += share * flag;
         Vec3s force = on.pull;
         const Vec3s v = aligned3(f.v, n);
-        if (step.breathing > 0.0) {
-            const Vec3s relative{v.x, v.y, v.z - all(step.breathing_mean)};
-            const Vec3s resistance = (share * all(step.breathing)) * relative;
-            force = force - resistance;
-            dissipated += dot(resistance, relative);
-        }
-        if (step.accretion > 0.0) {
-            const Vec3s resistance = (share * all(step.accretion)) * v;
-            force = force - resistance;
-            accretion_power += -dot(resistance, v);
-        }
-        if (step.alpha > 0.0) {
-            const Vec3s relative{v.x, v.y, v.z - all(step.mean)};
-            const Vec3s resistance = (mass * all(step.alpha)) * relative;
-            force = force - resistance;
-            dissipated += dot(resistance, relative);
-        }
+        if (step.breathing > 0.0)
+            resist(share * all(step.breathing), Vec3s{v.x, v.y, v.z - all(step.breathing_mean)}, force,
+                   dissipated);
+        if (step.accretion > 0.0)
+            accrete(share * all(step.accretion), Vec3s{zero, zero, zero}, v, force, accretion_power);
+        if (step.alpha > 0.0)
+            resist(mass * all(step.alpha), Vec3s{v.x, v.y, v.z - all(step.mean)}, force, dissipated);
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
         const Vec inverse = all(1.0) / (load(k.inertia + n) + share * added_mass);
         const Vec across = inverse * load(k.across + n), along = inverse * load(k.along + n);
         const Vec3s acceleration{across * total.x, across * total.y, along * total.z};
         const Vec3s before = aligned3(f.v_half, n);
-        Vec3s after = before + kick * acceleration, now = half_dt * acceleration;
+        Vec3s after = kicked(before, acceleration, kick), now = half_dt * acceleration;
         Vec time = dt, over = all(1.0);
         Vec3s change = all(step.last_dt) * acceleration;  // over the step that led here
         if (has_cord(sources)) {
@@ -362,12 +435,12 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
             time += on_cord * shorter;
             change += all(step.last_line_dt) * by_cords;
         }
-        const Vec3s middle = half * (before + after);  // velocity at t, exact for the energy balance
+        const Vec3s middle = middle_of(before, after);
         if (step.weighs) {
             Vec3s booked = aero;
             booked.z = booked.z - mass * gravity;
-            twice_kinetic += (mass + share * added_mass) * dot(before, before + change) +
-                             all(step.last_dt) * dot(booked, middle - before);
+            kinetic_twice +=
+                twice_kinetic(mass + share * added_mass, before, change, all(step.last_dt), booked, middle);
         }
         const Vec3s x = aligned3(f.x, n) + time * after;
         now += after;
@@ -375,8 +448,8 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         put3(x, f.x, n);
         put3(now, f.v, n);
         momentum += mass * middle.z;
-        drag_power += dot(aero, middle);
-        share_square += share * dot(middle, middle);
+        drag_power += work(aero, middle);
+        share_square += share * work(middle, middle);
         canopy_position += over * canopy * x.z;
         canopy_velocity += over * canopy * now.z;
         position += over * mass * x.z;
@@ -395,13 +468,13 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     sums.share_square = sum(share_square);
     sums.dissipated = sum(dissipated);
     sums.accretion_power = sum(accretion_power);
-    sums.kinetic = 0.5 * sum(twice_kinetic);
+    sums.kinetic = 0.5 * sum(kinetic_twice);
     return sums;
 }
 
 SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSubstep& substep) {
     renew(f, plan.cord_copies);
-    const FabricSums of_cords = cables(f, plan.cords, f.cord);
+    const ElementSums of_cords = cables(f, plan.cords, f.cord);
     carry(f.stream, f.cord_pull, plan.loose_cords);
     const Vec zero = all(0.0), kick = all(substep.step.kick), dt = all(substep.step.dt),
               half_dt = all(0.5 * substep.step.dt), half_step = all(substep.half_step);
@@ -414,7 +487,7 @@ SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSub
         const Vec inverse = load(f.inverse + n);
         const Vec across = inverse * load(k.across + n), along = inverse * load(k.along + n);
         const Vec3s acceleration{across * pull.x, across * pull.y, along * pull.z};
-        const Vec3s after = aligned3(f.v_half, n) + kick * acceleration;
+        const Vec3s after = kicked(aligned3(f.v_half, n), acceleration, kick);
         const Vec3s x = aligned3(f.x, n) + (dt * on_cord) * after;
         const Vec3s now = on_cord * (after + half_dt * acceleration + half_step * aligned3(f.slow, n)) +
                           elsewhere * aligned3(f.v, n);
@@ -440,26 +513,9 @@ SectorSums substep(const SectorFrame& f, const SectorPlan& plan, const SectorSub
     return sums;
 }
 
-/// As a triangle stands: its strain in its own plane.
-HWY_INLINE SymmetricTensor<Vec> strain_of(const SectorFrame& f, const TriangleStretch* s, std::int32_t at) {
-    const TriangleConstants& k = f.triangle;
-    const Vec3s x0 = corner(f.x, s, 0), e1 = corner(f.x, s, 1) - x0, e2 = corner(f.x, s, 2) - x0;
-    const Vec3s f1 = load(k.inverse_a + at) * e1;
-    const Vec3s f2 = load(k.inverse_c + at) * (e2 - load(k.b_over_a + at) * e1);
-    return {0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
-}
-
 SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double added_mass,
                          double damping_by_share, double damping_by_mass) {
-    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
-        const Vec stretch = larger(principal(strain_of(f, s, at)).first(), all(0.0));
-        // As Membrane::add_row_sums.
-        const Vec stiffening = 1.0 + 3.0 * stretch, lengthening = 1.0 + 2.0 * stretch;
-        for (int c = 0; c < 3; ++c) {
-            put_stream(stiffening * load(f.triangle.stiffness[c] + at), f.row_stream[0], s, c);
-            put_stream(lengthening * load(f.triangle.damping[c] + at), f.row_stream[1], s, c);
-        }
-    });
+    membrane_rows(SectorView<SectorTriangle>(f, plan.triangles));
     for (int what = 0; what < 2; ++what)
         for (const LoosePull& p : plan.loose_triangles)
             f.row_extra[what][p.to] += f.row_stream[what][p.from];
@@ -485,9 +541,7 @@ SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double ad
             store(rows_of(sources, what, images.image + n), f.row_stream[what] + images.pull + n);
     });
     const NodeRows& k = f.node;
-    const auto bound = [](Vec stiffness, Vec damping) HWY_ATTR {
-        return all(2.0) / (square_root(damping * damping + stiffness) + damping + 1e-300);
-    };
+    const Vec one = all(1.0);
     Vec shortest = all(HUGE_VAL), of_canopy = shortest;
     for_nodes(plan.own, [&](const NodeSources* s, std::int32_t n) HWY_ATTR {
         const Vec mass = load(k.mass + n), share = load(k.share + n);
@@ -496,37 +550,12 @@ SectorBounds stable_step(const SectorFrame& f, const SectorPlan& plan, double ad
         const Vec damping = inverse * (rows_of(s, 1, n) + load(k.damping + n) +
                                        all(damping_by_share) * share + all(damping_by_mass) * mass);
         // In this order: a node without a number must not hide what the others say.
-        of_canopy = smaller(bound(stiffness, damping), of_canopy);
-        shortest = smaller(bound(stiffness + inverse * load(k.cord_stiffness + n),
-                                 damping + inverse * load(k.cord_damping + n)),
+        of_canopy = smaller(critical_step(stiffness, damping, one), of_canopy);
+        shortest = smaller(critical_step(stiffness + inverse * load(k.cord_stiffness + n),
+                                         damping + inverse * load(k.cord_damping + n), one),
                            shortest);
     });
     return {least(shortest), least(of_canopy)};
-}
-
-ElementLevels fabric_levels(const SectorFrame& f, const SectorPlan& plan, const MembraneLaw& law) {
-    Vec energy = all(0.0), strain = all(0.0);
-    for_stretches(plan.triangles, [&](const TriangleStretch* s, std::int32_t at) HWY_ATTR {
-        const auto p = principal(strain_of(f, s, at));
-        energy += load(f.triangle.area + at) * relaxed_energy(law, p);
-        // A register that is filled up with no triangles shows no strain.
-        strain = larger(2.0 * load(f.triangle.half + at) * p.first(), strain);
-    });
-    return {sum(energy), greatest(strain)};
-}
-
-ElementLevels cable_levels(const SectorFrame& f, const std::vector<CableStretch>& stretches,
-                           const CableConstantsRow& k) {
-    Vec energy = all(0.0), largest = all(-1.0);
-    for_stretches(stretches, [&](const CableStretch* s, std::int32_t at) HWY_ATTR {
-        const Vec3s d = corner(f.x, s, 1) - corner(f.x, s, 0);
-        const Vec square = dot(d, d) + 1e-18;
-        const Vec strain = square * inverse_root(square) * load(k.inverse_length + at) - 1.0;
-        const Vec taut = larger(strain, all(0.0));
-        energy += (0.5 * load(k.stiffness + at) * load(k.length + at)) * taut * taut;
-        largest = larger(largest, strain);  // -1 where a register is filled up
-    });
-    return {sum(energy), greatest(largest)};
 }
 
 double kinetic(const SectorFrame& f, const SectorPlan& plan, double added_mass) {
@@ -547,14 +576,14 @@ SectorKernels sector_kernels_here() {
             triangles,
             cables,
             contacts,
-            contact_levels,
+            levels_of_contacts,
             line_drag,
             advance,
             substep,
             refresh,
             stable_step,
-            fabric_levels,
-            cable_levels,
+            levels_of_triangles,
+            levels_of_cables,
             kinetic};
 }
 

@@ -12,9 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "fullsim/forces/membrane.hpp"
+#include "fullsim/elements/passes.hpp"
 #include "fullsim/gores/kernels.hpp"
-#include "lib/models/cylinder_drag.hpp"
 
 namespace twinchute::fullsim {
 
@@ -118,12 +117,6 @@ struct SectorFrame {
     const double* contact = nullptr;  ///< stiffness of a pair [N/m]
 };
 
-/// The air, along the axis.
-struct SectorAir {
-    double direction = 1.0;        ///< e_r upwards: 1 or -1
-    double radial_pressure = 0.0;  ///< phi
-};
-
 /// One step of own nodes; of those on cords the first substep of `substeps`, see substeps.hpp.
 struct SectorAdvance {
     double kick = 0.0, dt = 0.0;  ///< [s] between half steps, and of the step
@@ -166,15 +159,14 @@ struct SectorBounds {
 struct SectorKernels {
     std::string_view instruction_set;
     int lanes, ways;  ///< of a register, and registers hand in hand
-    FabricSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembraneLaw&, const SectorAir&);
+    /// Membranes and the areas that pressure acts on; e_r is along the axis.
+    ElementSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembranePass&);
     /// No areas; the largest load is that of lines.
-    FabricSums (*cables)(const SectorFrame&, const std::vector<CableStretch>&, const CableConstantsRow&);
-    /// Contact between gores, around the axis. upwards: 1 where the canopy is above the payload, else -1.
-    void (*contacts)(const SectorFrame&, const SectorPlan&, double upwards);
-    ElementLevels (*contact_levels)(const SectorFrame&, const SectorPlan&, double upwards);
-    /// diameter [m], density [kg/m^3], viscosity [Pa s]
-    void (*line_drag)(const SectorFrame&, const SectorPlan&, const CylinderDragTable&, double diameter,
-                      double density, double viscosity);
+    ElementSums (*cables)(const SectorFrame&, const std::vector<CableStretch>&, const CableConstantsRow&);
+    /// Contact between gores, around the axis.
+    ElementSums (*contacts)(const SectorFrame&, const SectorPlan&, const ContactPass&);
+    ElementLevels (*contact_levels)(const SectorFrame&, const SectorPlan&, const ContactPass&);
+    ElementSums (*line_drag)(const SectorFrame&, const SectorPlan&, const LineAir&);
     SectorSums (*advance)(const SectorFrame&, const SectorPlan&, const SectorAdvance&);
     /// Cords as they are, and the nodes on them.
     SectorSums (*substep)(const SectorFrame&, const SectorPlan&, const SectorSubstep&);
@@ -184,7 +176,7 @@ struct SectorKernels {
     SectorBounds (*stable_step)(const SectorFrame&, const SectorPlan&, double added_mass,
                                 double damping_by_share, double damping_by_mass);
     /// A sector's energy and its largest strain.
-    ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembraneLaw&);
+    ElementLevels (*fabric_levels)(const SectorFrame&, const SectorPlan&, const MembranePass&);
     ElementLevels (*cable_levels)(const SectorFrame&, const std::vector<CableStretch>&,
                                   const CableConstantsRow&);
     /// [J] of own nodes

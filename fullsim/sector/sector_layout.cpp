@@ -11,6 +11,7 @@
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/layout.hpp"
 #include "fullsim/sector/arrays.hpp"
+#include "fullsim/step/node_mover.hpp"
 #include "fullsim/step/stable_step.hpp"
 #include "fullsim/step/substeps.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -52,7 +53,7 @@ public:
           kernels_(kernels),
           sector_(std::move(sector)),
           arrays_(sector_, mesh, constants, scene.full, kernels.lanes, kernels.ways),
-          law_(membrane_law(mesh.fabric, scene.full.bulk_viscosity)),
+          membranes_{membrane_law(mesh.fabric, scene.full.bulk_viscosity)},
           name_(sector_.gores == 1 ? fmt::format("one gore of {}, rows in lanes", sector_.count)
                                    : fmt::format("{} gores of {}, rows in lanes", sector_.gores,
                                                  sector_.gores * sector_.count)),
@@ -297,7 +298,7 @@ private:
     /// Energies of all sectors.
     ElementLevels of_all(ElementLevels one) const { return {sector_.count * one.energy, one.strain}; }
     ElementLevels fabric_levels() const {
-        return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, law_));
+        return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, membranes_));
     }
     ElementLevels tape_levels() const {
         return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape));
@@ -308,8 +309,9 @@ private:
 
     /// Membranes, and the areas that pressure acts on with them.
     void add_membrane(State& state) {
-        fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, law_,
-                                     {state.air.direction.z(), state.air.radial_pressure});
+        membranes_.direction = {0.0, 0.0, state.air.direction.z()};
+        membranes_.radial_pressure = state.air.radial_pressure;
+        fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, membranes_);
         state.damping_power += sector_.count * fabric_.dissipated;
         state.largest.add_stress(fabric_.largest_load);
     }
@@ -319,14 +321,15 @@ private:
     }
     /// What these dissipate is booked with the substep that it is of.
     void add_cords(State& state) {
-        const FabricSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord);
+        const ElementSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord);
         line_damping_ = sector_.count * cords.dissipated;
         state.largest.add_tension(cords.largest_load);
     }
     /// On the axis, which stays where it is, nothing is left of what they do.
-    void add_contacts(State&) { kernels_.contacts(arrays_.frame, arrays_.plan, axis_); }
+    void add_contacts(State&) { kernels_.contacts(arrays_.frame, arrays_.plan, contact_pass()); }
+    ContactPass contact_pass() const { return {{}, {0.0, 0.0, axis_}}; }
     ElementLevels contact_levels() const {
-        return of_all(kernels_.contact_levels(arrays_.frame, arrays_.plan, axis_));
+        return of_all(kernels_.contact_levels(arrays_.frame, arrays_.plan, contact_pass()));
     }
     void add_pressure(State& state) {
         state.air.projected_area = sector_.count * fabric_.positive_area;
@@ -336,8 +339,8 @@ private:
     }
     void add_line_drag(State& state) {
         if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
-        kernels_.line_drag(arrays_.frame, arrays_.plan, drag_coefficient_, line_diameter_, state.air.density,
-                           state.air.viscosity);
+        kernels_.line_drag(arrays_.frame, arrays_.plan,
+                           {&drag_coefficient_, line_diameter_, state.air.density, state.air.viscosity, {}});
     }
     /// [N s/m] of the whole canopy.
     double breathing(const AeroState& air) const {
@@ -352,10 +355,10 @@ private:
         step_.alpha = scene_.full.alpha;
         step_.mean = state.sums.system_velocity.z();
         const NodeIndex payload = mesh_.payload();
-        const double relative = state.node[payload].v[2] - step_.mean;
-        const double resistance = step_.alpha * constants_.mass[payload] * relative;
-        state.force[payload].value -= up(resistance);
-        state.damping_power += resistance * relative;
+        Lanes dissipated = splat(0.0);
+        law::resist(step_.alpha * constants_.mass[payload], state.node[payload].v - up(step_.mean),
+                    state.force[payload].value, dissipated);
+        state.damping_power += sum3(dissipated);
     }
     void add_payload_drag(State& state) { payload_drag_->add_forces(state); }
 
@@ -366,7 +369,7 @@ private:
     Sector sector_;
     SectorArrays arrays_;
     std::vector<Turn> turns_;  // to each sector
-    MembraneLaw law_;
+    MembranePass membranes_;
     std::string name_;
     double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
     double line_diameter_;                // [m]
@@ -379,7 +382,7 @@ private:
     bool has_breathing_ = false, has_accretion_ = false, has_mass_damping_ = false;
     const ForceModel* payload_drag_ = nullptr;
     RowWeights weights_;
-    FabricSums fabric_;  // of the sector
+    ElementSums fabric_;  // of the sector
     SectorAdvance step_;
 };
 

@@ -1,4 +1,4 @@
-#include "fullsim/step/midpoint.hpp"
+#include "fullsim/step/node_mover.hpp"
 
 namespace twinchute::fullsim {
 namespace {

@@ -4,7 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "fullsim/laws/critical_step.hpp"
+
 namespace twinchute::fullsim {
+
+double stable_step_of(double stiffness, double damping, double mass) {
+    return HWY_NAMESPACE::critical_step(stiffness, damping, mass);
+}
 
 StableStep stable_step(const RowSums& sums, const std::vector<double>& inertia) {
     StableStep best{std::numeric_limits<double>::infinity(), 0};

@@ -14,11 +14,8 @@ struct StableStep {
     NodeIndex node = 0;  ///< the one that sets it
 };
 
-/// [s] of one node with these row sums, see below.
-inline double stable_step_of(double stiffness, double damping, double mass) {
-    // (sqrt(C^2 + K m) - C)/K without cancellation, and right for K = 0.
-    return 2.0 * mass / (std::sqrt(damping * damping + stiffness * mass) + damping);
-}
+/// [s] of one node with these row sums: the law of fullsim/laws/critical_step.hpp.
+double stable_step_of(double stiffness, double damping, double mass);
 
 /// None yet, for every node of a state.
 RowSums no_rows(const State& state, const std::vector<double>& weights = {});

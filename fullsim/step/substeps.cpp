@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/step/node_mover.hpp"
 
 namespace twinchute::fullsim {
 

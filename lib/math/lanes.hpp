@@ -33,6 +33,14 @@ inline Lanes splat(double a) {
     return Lanes{a, a, a, a};
 }
 
+/// A constant of the other's type: formulas that are templates say so what they compare with.
+inline double like(double, double a) {
+    return a;
+}
+inline Lanes like(Lanes, double a) {
+    return splat(a);
+}
+
 inline double square_root(double a) {
     return std::sqrt(a);
 }
@@ -67,18 +75,37 @@ inline Lanes larger(Lanes a, Lanes b) {
     return a > b ? a : b;
 }
 
+/// The smaller of each pair; b where a is not a number.
+inline double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+inline Lanes smaller(Lanes a, Lanes b) {
+    return a < b ? a : b;
+}
+
+inline bool any(LaneMask which) {
+    return (which[0] | which[1] | which[2] | which[3]) != 0;
+}
+
 /// Always in the same order: (0 + 2) + (1 + 3).
 inline double sum(Lanes a) {
     return (a[0] + a[2]) + (a[1] + a[3]);
 }
+inline double greatest(Lanes a) {
+    return larger(larger(a[0], a[1]), larger(a[2], a[3]));
+}
 /// The greatest lane of a running maximum, in which numbers hide what is none; `witness`, a sum over the same
 /// elements, cannot hide it.
 inline double greatest_or_none(Lanes most, double witness) {
-    const double left = larger(most[0], most[1]), right = larger(most[2], most[3]);
-    return larger(left, right) + 0.0 * witness;
+    return greatest(most) + 0.0 * witness;
 }
 inline double sum3(Lanes a) {
     return a[0] + a[1] + a[2];
+}
+
+/// Power of a force at a velocity, by component of one node.
+inline Lanes work(Lanes force, Lanes velocity) {
+    return force * velocity;
 }
 
 /// Lanes of the pair a, b by number: 0 to 3 are those of a, 4 to 7 those of b.
@@ -116,6 +143,12 @@ inline Lanes3 operator-(Lanes3 a, Lanes3 b) {
 }
 inline Lanes3 operator*(Lanes s, Lanes3 a) {
     return {s * a.x, s * a.y, s * a.z};
+}
+inline Lanes3 operator*(double s, Lanes3 a) {
+    return splat(s) * a;
+}
+inline void operator+=(Lanes3& a, Lanes3 b) {
+    a = a + b;
 }
 inline Lanes dot(Lanes3 a, Lanes3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;

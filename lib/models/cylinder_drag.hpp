@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "lib/math/lanes.hpp"
+
 namespace twinchute {
 
 /// C_d [-] on diameter times length, log-log interpolation of Wieselsberger's measurements
@@ -48,5 +50,10 @@ private:
     std::array<double, cells> slope_{};
     double at_lowest_ = 0.0;
 };
+
+/// The table at four Reynolds numbers, all from lowest to below highest.
+inline Lanes between_ends(const CylinderDragTable& table, Lanes reynolds) {
+    return Lanes{table(reynolds[0]), table(reynolds[1]), table(reynolds[2]), table(reynolds[3])};
+}
 
 }  // namespace twinchute

@@ -1,16 +1,18 @@
-// The membrane's arithmetic, written once: for a scalar, for four elements in Lanes, and for as many as the
-// processor takes at once. For the last it is compiled anew for every instruction set, hence this guard,
-// which Highway turns over from one to the next, and the namespace.
-#if defined(TWINCHUTE_MEMBRANE_KERNEL) == defined(HWY_TARGET_TOGGLE)
-#ifdef TWINCHUTE_MEMBRANE_KERNEL
-#undef TWINCHUTE_MEMBRANE_KERNEL
+// The membrane: one triangle of fabric (paper, 2.2). A template over the scalar type: a number, four elements
+// in Lanes, or as many as the processor takes at once. For the last it is compiled anew for every instruction
+// set, hence this guard, which Highway turns over from one to the next, and the namespace.
+#if defined(TWINCHUTE_LAWS_MEMBRANE) == defined(HWY_TARGET_TOGGLE)
+#ifdef TWINCHUTE_LAWS_MEMBRANE
+#undef TWINCHUTE_LAWS_MEMBRANE
 #else
-#define TWINCHUTE_MEMBRANE_KERNEL
+#define TWINCHUTE_LAWS_MEMBRANE
 #endif
 
 #include <hwy/highway.h>
 
 #include "fullsim/forces/membrane.hpp"
+#include "lib/math/lanes.hpp"
+#include "lib/math/vec.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
@@ -47,12 +49,32 @@ struct Principals {
     T first, second;
 };
 
+/// The images of the unstrained plane's unit vectors: the deformation gradient by columns.
+template <class T3>
+struct DeformationGradient {
+    T3 f1, f2;
+};
+
+/// A triangle by the edges from corner 0 to 1 and 2, the unstrained one by 1/a, 1/c [1/m] and b/a [-]. Of the
+/// edges' velocities likewise: the gradient's rate.
+template <class T, class T3>
+HWY_INLINE DeformationGradient<T3> deformation_gradient(T inverse_a, T inverse_c, T b_over_a, T3 e1, T3 e2) {
+    return {inverse_a * e1, inverse_c * (e2 - b_over_a * e1)};
+}
+
+template <class T3>
+HWY_INLINE auto green_strain(const DeformationGradient<T3>& f) {
+    using T = decltype(dot(f.f1, f.f2));
+    return SymmetricTensor<T>{0.5 * (dot(f.f1, f.f1) - 1.0), 0.5 * (dot(f.f2, f.f2) - 1.0),
+                              0.5 * dot(f.f1, f.f2)};
+}
+
 /// Stress resultants [N/m] of the relaxed energy. With E_1 >= E_2: taut where E_2 + nu E_1 > 0, slack where
 /// E_1 <= 0, wrinkled between, and all three are
 ///   N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
 template <class T>
 HWY_INLINE Principals<T> relaxed_stress(const MembraneLaw& law, const PrincipalStrain<T>& p) {
-    const T zero = p.mean - p.mean;
+    const T zero = like(p.mean, 0.0);
     const T second = law.plane_modulus * larger(p.second() + law.poisson * p.first(), zero);
     return {law.tension_modulus * larger(p.first(), zero) + law.poisson * second, second};
 }
@@ -67,7 +89,7 @@ HWY_INLINE SymmetricTensor<T> turned_back(const Principals<T>& n, T cosine, T si
 /// Relaxed energy per reference area [J/m^2], of which that stress is the derivative.
 template <class T>
 HWY_INLINE T relaxed_energy(const MembraneLaw& law, const PrincipalStrain<T>& p) {
-    const T first = p.first(), second = p.second(), zero = first - first;
+    const T first = p.first(), second = p.second(), zero = like(first, 0.0);
     const T taut =
         0.5 * law.plane_modulus * (first * first + second * second + 2.0 * law.poisson * (first * second));
     const T wrinkled = 0.5 * law.tension_modulus * (first * first);
@@ -80,7 +102,7 @@ HWY_INLINE T relaxed_energy(const MembraneLaw& law, const PrincipalStrain<T>& p)
 template <class T>
 HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalStrain<T>& p, T trace,
                                         T along) {
-    const T zero = p.mean - p.mean;
+    const T zero = like(p.mean, 0.0);
     const auto taut = p.second() + law.poisson * p.first() > zero;
     return {select(p.first() > zero, select(taut, trace, along), zero), select(taut, trace, zero)};
 }
@@ -99,12 +121,9 @@ struct CornerPulls {
 template <class T, class T3>
 HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a, T inverse_c, T b_over_a,
                                              T area, T viscosity, T3 e1, T3 e2, T3 w1, T3 w2) {
-    // Deformation gradient by columns: f1, f2 are the images of the plane's unit vectors.
-    const T3 f1 = inverse_a * e1;
-    const T3 f2 = inverse_c * (e2 - b_over_a * e1);
-    const T3 r1 = inverse_a * w1;
-    const T3 r2 = inverse_c * (w2 - b_over_a * w1);
-    const SymmetricTensor<T> strain{0.5 * (dot(f1, f1) - 1.0), 0.5 * (dot(f2, f2) - 1.0), 0.5 * dot(f1, f2)};
+    const auto [f1, f2] = deformation_gradient(inverse_a, inverse_c, b_over_a, e1, e2);
+    const auto [r1, r2] = deformation_gradient(inverse_a, inverse_c, b_over_a, w1, w2);
+    const SymmetricTensor<T> strain = green_strain(DeformationGradient<T3>{f1, f2});
     const SymmetricTensor<T> rate{dot(f1, r1), dot(f2, r2), 0.5 * (dot(f1, r2) + dot(f2, r1))};
     const auto p = principal(strain);
     const T cosine = p.half_difference * p.inverse_radius, sine = strain.xy * p.inverse_radius;
@@ -122,6 +141,20 @@ HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a
     const T3 s1 = inverse_a * p1 - b_over_a * s2;
     return {s1 + s2, s1, s2, elastic.first,
             area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
+}
+
+/// How much more than unstrained a stretched triangle has in its rows.
+template <class T>
+struct MembraneStiffening {
+    T stiffness, damping;  // [-]
+};
+
+/// St. Venant-Kirchhoff fabric stiffens with its largest principal strain E_1: by lambda^2 and by the stress
+/// itself, 1 + 3 E_1; its viscosity acts on longer edges, 1 + 2 E_1. For the critical time step.
+template <class T>
+HWY_INLINE MembraneStiffening<T> membrane_stiffening(const SymmetricTensor<T>& strain) {
+    const T first = principal(strain).first(), stretch = larger(first, like(first, 0.0));
+    return {1.0 + 3.0 * stretch, 1.0 + 2.0 * stretch};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

@@ -1,10 +1,9 @@
-// The arithmetic of contact between gores, written once as that of membranes is: for four pairs in Lanes, and
-// for as many as the processor takes at once (see membrane_kernel.hpp for the guard).
-#if defined(TWINCHUTE_CONTACT_KERNEL) == defined(HWY_TARGET_TOGGLE)
-#ifdef TWINCHUTE_CONTACT_KERNEL
-#undef TWINCHUTE_CONTACT_KERNEL
+// Contact between gores: one pair of nodes (see membrane.hpp for the template and its guard).
+#if defined(TWINCHUTE_LAWS_CONTACT) == defined(HWY_TARGET_TOGGLE)
+#ifdef TWINCHUTE_LAWS_CONTACT
+#undef TWINCHUTE_LAWS_CONTACT
 #else
-#define TWINCHUTE_CONTACT_KERNEL
+#define TWINCHUTE_LAWS_CONTACT
 #endif
 
 #include <hwy/highway.h>

@@ -1,0 +1,75 @@
+// What the loops over elements are given and what they return, whatever the storage.
+#pragma once
+
+#include <array>
+
+#include "fullsim/forces/membrane.hpp"
+#include "fullsim/state.hpp"
+#include "lib/models/cylinder_drag.hpp"
+
+namespace twinchute::fullsim {
+
+/// Sums over elements.
+struct ElementSums {
+    double positive_area = 0.0, signed_area = 0.0;  ///< [m^2] along e_r
+    double dissipated = 0.0;                        ///< [W]
+    /// Of the elements: elastic tension [N], or first principal stress resultant at full stiffness [N/m]. Not
+    /// a number where that of one is none.
+    double largest_load = 0.0;
+    /// Derivatives of what pairs in contact hold, by the arm from the axis and by its direction [N], [N m].
+    std::array<double, 3> by_arm{}, by_turning{};
+
+    ElementSums& operator+=(const ElementSums& other) {
+        positive_area += other.positive_area;
+        signed_area += other.signed_area;
+        dissipated += other.dissipated;
+        largest_load = larger_or_none(largest_load, other.largest_load);
+        for (int c = 0; c < 3; ++c) {
+            by_arm[c] += other.by_arm[c];
+            by_turning[c] += other.by_turning[c];
+        }
+        return *this;
+    }
+};
+
+/// Of all elements of a kind.
+struct ElementLevels {
+    double energy = 0.0;  ///< [J]
+    double strain = 0.0;  ///< [-] largest tensile strain, as Extreme
+};
+
+/// Membranes, and the pressure on them.
+struct MembranePass {
+    MembraneLaw law;
+    std::array<double, 3> direction{};  ///< e_r
+    double radial_pressure = 0.0;       ///< phi
+    double weight = 1.0;                ///< share of their stiffness that membranes have
+};
+
+/// Drag of fabric until the canopy fills.
+struct FabricDragPass {
+    double factor = 0.0;           ///< 1/2 rho C_D [kg/m^3]
+    std::array<double, 3> wind{};  ///< [m/s]
+};
+
+/// Fabric as springs, and folds.
+struct SpringPass {
+    double repulsion = 0.0;  ///< of folded fabric over its stiffness in tension [-]
+    bool springs = false;    ///< these act,
+    bool folds = false;      ///< and these
+    bool folded = false;     ///< as State: for the critical time step
+};
+
+/// Pairs of nodes of neighbouring gores.
+struct ContactPass {
+    std::array<double, 3> centre{}, direction{};  ///< of the axis: a point of it [m], a unit vector
+};
+
+/// What the air does to lines.
+struct LineAir {
+    const CylinderDragTable* coefficient = nullptr;
+    double diameter = 0.0, density = 0.0, viscosity = 0.0;  ///< [m], [kg/m^3], [Pa s]
+    std::array<double, 3> wind{};                           ///< [m/s]
+};
+
+}  // namespace twinchute::fullsim
