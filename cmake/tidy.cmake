@@ -3,7 +3,7 @@ find_program(BASH bash)
 mark_as_advanced(BASH)
 if(BASH)
   add_custom_target(tidy
-    COMMAND ${BASH} ${PROJECT_SOURCE_DIR}/tests/house/tidy.sh ${PROJECT_BINARY_DIR} all
+    COMMAND ${BASH} ${PROJECT_SOURCE_DIR}/tests/architecture/tidy.sh ${PROJECT_BINARY_DIR} all
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM
     COMMENT "clang-tidy over the whole tree")
   # It reads the generated sources as well.
