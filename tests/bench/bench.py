@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the benchmarks, leaves what they measured as JSON, and prints it as the tables of docs/cost.md.
+"""Runs the benchmarks, leaves what they measured as JSON, and prints it as the tables of docs/generated/benchmarks.md.
 
     bench.py run PROGRAM JSON [OPTIONS]    runs PROGRAM with Google Benchmark's OPTIONS
     bench.py table JSON                    the tables of an earlier run
