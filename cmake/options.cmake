@@ -1,5 +1,5 @@
 # One interface target that every module links: language, warnings, floating-point rules. It stays in this
-# build; whoever links the installed libraries brings their own.
+# build; users of the installed libraries have their own.
 add_library(twinchute_options INTERFACE)
 # Includes start at the repository root, so that each names its module.
 target_include_directories(twinchute_options INTERFACE ${PROJECT_SOURCE_DIR})

@@ -1,4 +1,4 @@
-# Run by the target 'coverage': the default tests, then the lines of each module that they reached.
+# Runs the default tests, then prints the lines of each module that they reached; run by the target 'coverage'.
 if(NOT GCOVR)
   message(FATAL_ERROR "gcovr was not found (Debian: apt-get install gcovr), install it and configure again")
 endif()
@@ -6,13 +6,13 @@ file(GLOB_RECURSE counts ${BUILD}/*.gcda)
 if(counts)
   file(REMOVE ${counts})
 endif()
-# What the installed package is tested with is compiled without counters, by design.
+# The tests of the installed package are compiled without counters, by design.
 execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${BUILD} -LE "long|architecture" -j2 --timeout 1800 --output-on-failure
   RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "tests failed; no figure is drawn from them")
 endif()
-# Branches that only an exception takes, on every call that could throw one, would hide the others.
+# Branches for exceptions stand at every call that could throw; they would hide the others.
 set(counted ${BUILD}/coverage.json)
 execute_process(
   COMMAND ${GCOVR} --root ${SOURCE} --filter "${SOURCE}/(lib|rom|fullsim|compare)/" --exclude-unreachable-branches

@@ -1,4 +1,4 @@
-# The target 'tidy': clang-tidy over the whole tree, as .clang-tidy says. .ci/run does the same for what has changed.
+# The target 'tidy': clang-tidy over the whole tree, with .clang-tidy. .ci/run checks changed sources the same way.
 find_program(BASH bash)
 mark_as_advanced(BASH)
 if(BASH)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Remakes the tables of docs/ that a run makes, each between its markers, with commit, compiler and machine.
+"""Makes the generated tables of docs/ anew, each between its markers, with commit, compiler and machine.
 
-    docs_tables.py make DOCS PROGRAM WORK TESTS [BLOCK ...]   all blocks, or those named; an idle machine, please
-    docs_tables.py short DOCS PROGRAM WORK TESTS              the quick ones on a coarse mesh, on a copy of DOCS; for a test
-    docs_tables.py check DOCS                                 whether every block has its markers and says where it is from
+    docs_tables.py make DOCS PROGRAM WORK TESTS [BLOCK ...]   all blocks, or those named; use an idle machine
+    docs_tables.py short DOCS PROGRAM WORK TESTS              the quick ones on a coarse mesh, in a copy of DOCS; for a test
+    docs_tables.py check DOCS                                 fails where a block has no markers or does not name its source
 
 PROGRAM, WORK and TESTS are twinchute, work_precision and verification_tests.
 """
@@ -218,7 +218,7 @@ def crane_seeds(tools):
             + table([f"{len(found)} seeds", "least", "5 %", "25 %", "median", "75 %", "95 %", "largest", "rom"], rows))
 
 
-# Where a block stands, what makes it, and whether it is quick enough for a test.
+# Page of a block, the function that makes it, and whether it is quick enough for a test.
 BLOCKS = {
     "ladder": ("generated/ladder.md", ladder, True),
     "stability": ("generated/stability.md", stability, False),
