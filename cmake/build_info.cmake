@@ -1,4 +1,4 @@
-# Which source, compiler and flags a binary was made from. The commit is looked up at every build,
+# Source, compiler and flags of a binary. The commit is looked up at every build,
 # not at configure time, and the generated file is touched only when something in it has changed.
 function(twinchute_build_info target)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/build_info.cpp)

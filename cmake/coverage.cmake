@@ -1,5 +1,5 @@
-# The target 'coverage': runs the default tests in a build that counts lines, and prints what they reached, room
-# by room.
+# The target 'coverage': runs the default tests in a build that counts lines, and prints what they reached,
+# module by module.
 if(NOT TWINCHUTE_COVERAGE)
   return()
 endif()

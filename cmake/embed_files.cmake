@@ -1,4 +1,4 @@
-# Run by the build: writes OUTPUT, a C++ file, with the bytes of FILES.
+# Writes OUTPUT, a C++ file, with the bytes of FILES; run by the build.
 
 set(text "// Written by cmake/embed_files.cmake at build time.
 #include \"compare/report/page_files.hpp\"
@@ -11,12 +11,12 @@ set(number 0)
 foreach(file IN LISTS FILES)
   file(READ ${file} content)
   string(TOLOWER "${content}" lower)
-  string(FIND "${lower}" "</script" at)  # where a page ends a script, wherever it stands
+  string(FIND "${lower}" "</script" at)  # ends a script of a page wherever it stands
   if(NOT at EQUAL -1)
     message(FATAL_ERROR "${file} holds a closing script tag and cannot stand in a page")
   endif()
   file(READ ${file} hex HEX)
-  # Points to a file that nobody has beside the page; it stands in the last line.
+  # The last line may name a source map, which no page has beside it.
   string(FIND "${content}" "//# sourceMappingURL" at REVERSE)
   if(NOT at EQUAL -1)
     math(EXPR at "2 * ${at}")

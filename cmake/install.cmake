@@ -1,4 +1,4 @@
-# What 'cmake --install' puts where, and what find_package(twinchute) finds.
+# Destinations of 'cmake --install', and the package that find_package(twinchute) finds.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS twinchute)

@@ -1,7 +1,7 @@
-# One interface target that every room links: language, warnings, floating-point rules. It stays in this
-# build; whoever links the installed libraries brings their own.
+# One interface target that every module links: language, warnings, floating-point rules. It stays in this
+# build; users of the installed libraries have their own.
 add_library(twinchute_options INTERFACE)
-# Includes start at the repository root, so that each names its room.
+# Includes start at the repository root, so that each names its module.
 target_include_directories(twinchute_options INTERFACE ${PROJECT_SOURCE_DIR})
 # No contraction: the same input gives the same bits on every instruction set.
 target_compile_options(twinchute_options INTERFACE
@@ -23,9 +23,9 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
-# twinchute_room(NAME LIBS...): one static library from every source below this folder, installed
+# twinchute_module(NAME LIBS...): one static library from every source below this folder, installed
 # with its headers and exported as twinchute::NAME.
-function(twinchute_room name)
+function(twinchute_module name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   add_library(twinchute_${name} STATIC ${sources})
   add_library(twinchute::${name} ALIAS twinchute_${name})

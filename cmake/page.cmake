@@ -1,5 +1,5 @@
-# What the HTML report is made of besides a comparison: its own style and scripts, and two libraries of the system,
-# as bytes in the program: a report is one file that needs neither a network nor an installation.
+# Style and scripts of the HTML report, and two libraries of the system, as bytes in the program: a report is one
+# file that needs neither a network nor an installation.
 find_file(DYGRAPHS_JS dygraph.min.js
   PATHS /usr/share/javascript/dygraphs /usr/share/javascript/dygraphs/dist /usr/local/share/javascript/dygraphs
   DOC "dygraphs, minified: the plots of the HTML report")

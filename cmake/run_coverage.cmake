@@ -1,4 +1,4 @@
-# Run by the target 'coverage': the default tests, then the lines of each room that they reached.
+# Runs the default tests, then prints the lines of each module that they reached; run by the target 'coverage'.
 if(NOT GCOVR)
   message(FATAL_ERROR "gcovr was not found (Debian: apt-get install gcovr), install it and configure again")
 endif()
@@ -6,13 +6,13 @@ file(GLOB_RECURSE counts ${BUILD}/*.gcda)
 if(counts)
   file(REMOVE ${counts})
 endif()
-# What the installed package is tested with is compiled without counters, by design.
-execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${BUILD} -LE "long|house" -j2 --timeout 1800 --output-on-failure
+# The tests of the installed package are compiled without counters, by design.
+execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${BUILD} -LE "long|architecture" -j2 --timeout 1800 --output-on-failure
   RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "tests failed; no figure is drawn from them")
 endif()
-# Branches that only an exception takes, on every call that could throw one, would hide the others.
+# Branches for exceptions stand at every call that could throw; they would hide the others.
 set(counted ${BUILD}/coverage.json)
 execute_process(
   COMMAND ${GCOVR} --root ${SOURCE} --filter "${SOURCE}/(lib|rom|fullsim|compare)/" --exclude-unreachable-branches
@@ -29,22 +29,22 @@ function(pad text width)
   set(padded "${text}${blanks}" PARENT_SCOPE)
 endfunction()
 
-foreach(room lib/math lib/record lib/models lib/scene lib/solve lib/cli lib rom fullsim compare all)
-  set(filter "${SOURCE}/${room}/")
-  if(room STREQUAL "all")
+foreach(module lib/math lib/record lib/models lib/scene lib/solve lib/cli lib rom fullsim compare all)
+  set(filter "${SOURCE}/${module}/")
+  if(module STREQUAL "all")
     set(filter "${SOURCE}/")
   endif()
   execute_process(COMMAND ${GCOVR} --root ${SOURCE} --filter "${filter}" --add-tracefile ${counted} --print-summary
     OUTPUT_VARIABLE text ERROR_VARIABLE error RESULT_VARIABLE failed)
   if(failed OR NOT text MATCHES "lines: ([0-9.]+%) \\([0-9]+ out of ([0-9]+)\\)")
-    message(FATAL_ERROR "gcovr failed for ${room}:\n${error}${text}")
+    message(FATAL_ERROR "gcovr failed for ${module}:\n${error}${text}")
   endif()
-  pad("${room}" 12)
+  pad("${module}" 12)
   set(line "${padded}")
   pad("${CMAKE_MATCH_1} of ${CMAKE_MATCH_2} lines" 22)
   string(APPEND line "${padded}")
   if(NOT text MATCHES "branches: ([0-9.]+%) \\([0-9]+ out of ([0-9]+)\\)")
-    message(FATAL_ERROR "gcovr counted no branches for ${room}:\n${error}${text}")
+    message(FATAL_ERROR "gcovr counted no branches for ${module}:\n${error}${text}")
   endif()
   message("${line}${CMAKE_MATCH_1} of ${CMAKE_MATCH_2} branches")
 endforeach()

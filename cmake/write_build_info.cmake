@@ -1,4 +1,4 @@
-# Run by the build: writes OUTPUT, a C++ file, from VERSION, COMPILER, FLAGS and the commit of SOURCE_DIR.
+# Writes OUTPUT, a C++ file, from VERSION, COMPILER, FLAGS and the commit of SOURCE_DIR; run by the build.
 
 set(commit "unknown")  # a tarball, or no git on this machine
 find_program(GIT git)
@@ -19,7 +19,7 @@ if(GIT)
   endif()
 endif()
 
-# Warnings do not change the code that comes out.
+# Warnings do not change the generated code.
 string(REGEX REPLACE "(^| )-W[^ ]*" " " FLAGS "${FLAGS}")
 string(REGEX REPLACE " +" " " FLAGS "${FLAGS}")
 string(STRIP "${FLAGS}" FLAGS)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the benchmarks, leaves what they measured as JSON, and prints it as the tables of docs/cost.md.
+"""Runs the benchmarks, writes their results as JSON, and prints the tables of docs/generated/benchmarks.md.
 
     bench.py run PROGRAM JSON [OPTIONS]    runs PROGRAM with Google Benchmark's OPTIONS
     bench.py table JSON                    the tables of an earlier run
@@ -14,7 +14,7 @@ STAGES = ["deployment", "springs", "ramp", "flight"]
 
 
 def best_of(benchmarks):
-    """Of each benchmark the repetition that took the least: other work on the machine only ever adds."""
+    """The fastest repetition of each benchmark. The minimum estimates the uncontended time."""
     best = {}
     for run in benchmarks:
         if run.get("run_type") == "aggregate" or run.get("error_occurred"):

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Numbers in the prose of README.md and docs/, held against what the program says.
+"""Compares marked numbers in the prose of README.md and docs/ with the program.
 
-    docs_numbers.py check TREE PROGRAM   whether every marked number is what the program, or a table of its page, says
-    docs_numbers.py make TREE PROGRAM    writes what they say
+    docs_numbers.py check TREE PROGRAM   fails where a marked number differs from the program, or from a table of its page
+    docs_numbers.py make TREE PROGRAM    writes the numbers of the program
 
-A comment behind a number, which no reader sees, says what it is:
+A comment behind a number, which no reader sees, names its source:
 
     4975<!-- = full c9-inflation peak_force_N --> N         a metric of a run of a scene of data/scenes
     1.5<!-- = full c9-speeds:fr-2.7 filling_time_s --> s     of a case of a series
     48<!-- = [gap-demo: + Line elasticity | Peak opening force [N]] --> N    a cell of a block that docs_tables.py makes
     0.5<!-- = 100 * (full c9-inflation peak_force_N / rom c9-inflation peak_force_N - 1) --> %    arithmetic with these
 
-and <!-- A = B --> alone, that two of them agree to the digits of the first, a cell. What a run of the full model gives is the same to
-the last digit only with the same compiler and instruction set: the last line of a page names those that its numbers were made with, and
-with others its numbers of the full model are left alone.
+A comment <!-- A = B --> alone demands that two of them agree to the digits of the first, a cell. Results of the full model are equal to
+the last digit only with the same compiler and instruction set. The last line of a page names those of its numbers; with others the check
+skips its numbers of the full model.
 """
 
 import ast

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Remakes the tables of docs/ that a run makes, each between its markers, with commit, compiler and machine.
+"""Makes the generated tables of docs/ anew, each between its markers, with commit, compiler and machine.
 
-    docs_tables.py make DOCS PROGRAM WORK TESTS [BLOCK ...]   all blocks, or those named; an idle machine, please
-    docs_tables.py short DOCS PROGRAM WORK TESTS              the quick ones on a coarse mesh, on a copy of DOCS; for a test
-    docs_tables.py check DOCS                                 whether every block has its markers and says where it is from
+    docs_tables.py make DOCS PROGRAM WORK TESTS [BLOCK ...]   all blocks, or those named; use an idle machine
+    docs_tables.py short DOCS PROGRAM WORK TESTS              the quick ones on a coarse mesh, in a copy of DOCS; for a test
+    docs_tables.py check DOCS                                 fails where a block has no markers or does not name its source
 
 PROGRAM, WORK and TESTS are twinchute, work_precision and verification_tests.
 """
 
 import concurrent.futures
 import csv
+import glob
 import json
 import os
 import re
@@ -75,7 +76,7 @@ def ladder(tools):
         name = rung["name"] + (", as given" if rung["as_given"] else "") + (": reference" if rung["is_reference"] else "")
         text = share(error["value"]) if error else f"estimate {share(estimate['value'])}" if estimate else ""
         rows.append([name, duration(rung["wall_s"]), text, (error or estimate or {"metric": ""})["metric"].replace("_", " ")])
-    return tools.made("twinchute ladder data/scenes/c9-inflation.toml") + table(["rung", "time", "error", "in"], rows)
+    return tools.made("twinchute ladder data/scenes/c9-inflation.toml") + table(["level", "time", "error", "in"], rows)
 
 
 def stability(tools):
@@ -156,9 +157,20 @@ def series(tools):
             shutil.copy(os.path.join(directory, "series.svg"), picture)
             with open(os.path.join(directory, "series.md")) as file:
                 made = file.read()
-        made = made.replace("(series.svg)", f"(pictures/series-{name}.svg)").replace("# ", "### ", 1)
+        made = made.replace("(series.svg)", f"(../pictures/series-{name}.svg)").replace("# ", "### ", 1)
         text += made.split("\nWhere two numbers stand", 1)[0] + "\n"
     return text + "Where two numbers stand: rom / full.\n"
+
+
+def validation(tools):
+    """The report of `twinchute validate`, and its pictures anew."""
+    with tempfile.TemporaryDirectory() as directory:
+        # Ending with 1 means that some row is beyond its tolerance: the report says so.
+        tools.run([tools.program, "validate", "--quiet", "--out", directory], (0, 1))
+        for picture in glob.glob(os.path.join(directory, "scatter-*.svg")):
+            shutil.copy(picture, os.path.join(tools.docs, "pictures"))
+        with open(os.path.join(directory, "report.md")) as file:
+            return file.read().removeprefix("# Validation\n\n").replace("](scatter-", "](../pictures/scatter-").rstrip("\n") + "\n"
 
 
 def why(scene):
@@ -206,16 +218,17 @@ def crane_seeds(tools):
             + table([f"{len(found)} seeds", "least", "5 %", "25 %", "median", "75 %", "95 %", "largest", "rom"], rows))
 
 
-# Where a block stands, what makes it, and whether it is quick enough for a test.
+# Page of a block, the function that makes it, and whether it is quick enough for a test.
 BLOCKS = {
-    "ladder": ("ladder.md", ladder, True),
-    "stability": ("stability.md", stability, False),
-    "work-rom": ("cost.md", work_rom, True),
-    "work-full": ("cost.md", work_full, True),
-    "work-opening": ("cost.md", work_opening, True),
+    "ladder": ("generated/ladder.md", ladder, True),
+    "stability": ("generated/stability.md", stability, False),
+    "work-rom": ("generated/integrators.md", work_rom, True),
+    "work-full": ("generated/integrators.md", work_full, True),
+    "work-opening": ("generated/integrators.md", work_opening, True),
     "step-bound": ("stability.md", bound, False),
     "step-order": ("verification.md", order, True),
-    "series": ("verification.md", series, False),
+    "series": ("generated/series.md", series, False),
+    "validation": ("generated/validation.md", validation, False),
     "gap-demo": ("guide/gap.md", why("data/scenes/c9-inflation.toml"), True),
     "gap-crane-drop": ("guide/gap.md", why("data/scenes/paper/crane-drop.toml"), False),
     "crane-seeds": ("theory/deployment.md", crane_seeds, True),

@@ -2,11 +2,11 @@
 """Counts the instructions of fixed runs with callgrind and compares them with the committed figures.
 
 Times differ from machine to machine and from hour to hour; the number of instructions does not, as long as
-compiler and libraries are the same. So a change that makes a run dearer is found on any machine.
+compiler and libraries are the same. So the test finds a change that makes a run more expensive on any machine.
 
     instructions.py check PROGRAM FIGURES    ends with 1 where a count is more than 2 % off, 77 where
                                              the figures do not apply
-    instructions.py renew PROGRAM FIGURES    writes the counts of now into FIGURES
+    instructions.py renew PROGRAM FIGURES    writes the current counts into FIGURES
 """
 
 import contextlib

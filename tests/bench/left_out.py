@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What a scene leaves out costs nothing: the instructions of a run whose force blocks are chosen from all rows of
-the registry, against those of the same run with a registry of its own rows alone.
+"""Holds the cost of absent physics at zero: compares the instructions of a run whose force blocks are chosen from all
+rows of the registry with those of the same run with its own rows alone.
 
     left_out.py PROGRAM    ends with 1 where it costs more than 0.1 %, 77 where there is no valgrind
 """

@@ -1,4 +1,4 @@
-// Lists that stand in two rooms because the include order keeps them apart: they have to agree.
+// Lists that two modules hold each, since the include order keeps them apart: they have to agree.
 #include <gtest/gtest.h>
 
 #include <algorithm>

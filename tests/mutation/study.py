@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Breaks a law of physics on purpose and looks who notices.
+"""Breaks a law of physics on purpose and checks that a gate or a test notices.
 
-Each mutation is made in a copy of the tree. Made in one fidelity alone, the gate of a shipped scene has to close
-(`twinchute compare` exits 1) and the attribution has to name the piece: its term is the largest of a metric whose
-tolerance is exceeded, and of the sign of that gap. Made in lib, both fidelities agree on it: the law's own tests have to fail, and
-`twinchute compare --baseline` has to find that the scene has moved from what the sound program made of it.
+Each mutation is made in a copy of the tree. In one fidelity alone, the gate of a shipped scene has to close (`twinchute compare`
+exits 1) and the attribution has to name the effect: its term is the largest of a metric whose tolerance is exceeded, with the
+sign of that gap. In lib, both fidelities agree: the law's own tests have to fail, and `twinchute compare --baseline` has to find
+that the scene has moved from the results of the sound program.
 
 usage: study.py SOURCE BUILD [--only WORDS] [--keep]
        study.py SOURCE --check

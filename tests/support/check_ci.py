@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks a CI file as far as that is possible without its service: YAML without doubled keys, the structure that the service
-asks for, shell commands that parse, and that it runs the gate, publishes and keeps what it leaves. Exit code 77: no PyYAML."""
+requires, shell commands that parse, and that it runs the gate, publishes and keeps its results. Exit code 77: no PyYAML."""
 
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds JSON files against a JSON Schema: check_schema.py SCHEMA FILE... Exit code 77: no jsonschema package."""
+"""Validates JSON files with a JSON Schema: check_schema.py SCHEMA FILE... Exit code 77: no jsonschema package."""
 
 import json
 import sys

@@ -12,9 +12,9 @@ endfunction()
 file(REMOVE_RECURSE "${WORK}")
 run("installing" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
 if(WHAT STREQUAL "program")
-  set(project "${SOURCE}/tests/house/consumer")
+  set(project "${SOURCE}/tests/architecture/consumer")
 else()
-  set(project "${SOURCE}/tests/house/headers")
+  set(project "${SOURCE}/tests/architecture/headers")
 endif()
 run("configuring ${project}" ${CMAKE_COMMAND} -S "${project}" -B "${WORK}/build" -G "${GENERATOR}"
   "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${FLAGS}"

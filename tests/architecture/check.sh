@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Holds the rules of the house that a compiler does not: prints every breach as file:line: what, and
-# fails when there is one.   Usage: check.sh TREE
+# Checks the project rules that no compiler checks. Prints every breach as file:line: what, and fails
+# when there is one.   Usage: check.sh TREE
 set -euo pipefail
 cd "$1"
 
@@ -13,49 +13,49 @@ report() {  # reads lines of findings
     done
 }
 
-rooms=()
-for room in lib rom fullsim compare; do
-    [ ! -d "$room" ] || rooms+=("$room")
+modules=()
+for module in lib rom fullsim compare; do
+    [ ! -d "$module" ] || modules+=("$module")
 done
-if [ "${#rooms[@]}" -eq 0 ] || [ ! -f main.cpp ]; then
-    echo "$1: no rooms or no main.cpp here, nothing was checked"
+if [ "${#modules[@]}" -eq 0 ] || [ ! -f main.cpp ]; then
+    echo "$1: no modules or no main.cpp here, nothing was checked"
     exit 1
 fi
 
 sources=()
 while IFS= read -r -d '' file; do sources+=("$file"); done < <(
-    find "${rooms[@]}" main.cpp -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inl' \) -print0 | sort -z
+    find "${modules[@]}" main.cpp -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inl' \) -print0 | sort -z
 )
 
-# Include order: a line names its own room or one further left. SUNDIALS is seen by one pair of files.
+# Include order: a file includes its own module or one further left. One pair of files includes SUNDIALS.
 report < <(awk '
     BEGIN {
         rank["lib/math"] = 1; rank["lib/record"] = 2; rank["lib/models"] = 3; rank["lib/scene"] = 4
         rank["lib/solve"] = 5; rank["lib/cli"] = 6; rank["rom"] = 7; rank["fullsim"] = 7
         rank["compare"] = 8; rank["main.cpp"] = 9
     }
-    function room_of(path,   part) {
+    function module_of(path,   part) {
         split(path, part, "/")
         return part[1] == "lib" ? "lib/" part[2] : part[1]
     }
     function say(what) { printf "%s:%d: %s\n", FILENAME, FNR, what }
     FNR == 1 {
-        own = room_of(FILENAME)
-        if (!(own in rank)) say("lies in no known room")
+        own = module_of(FILENAME)
+        if (!(own in rank)) say("lies in no known module")
     }
     /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
         match($0, /[<"][^>"]*/)
         quote = substr($0, RSTART, 1)
         target = substr($0, RSTART + 1, RLENGTH - 1)
-        room = room_of(target)
-        if (quote == "\"" && (!(room in rank) || target !~ /\//))
-            say("\"" target "\" does not start with a room; files of other projects stand in <>")
-        else if (quote == "<" && room in rank)
+        module = module_of(target)
+        if (quote == "\"" && (!(module in rank) || target !~ /\//))
+            say("\"" target "\" does not start with a module; quote files of other projects with <>")
+        else if (quote == "<" && module in rank)
             say("<" target "> is a file of this tree: quote it")
-        else if (room in rank && room != own) {
-            if (own == "compare" && (room == "rom" || room == "fullsim"))
+        else if (module in rank && module != own) {
+            if (own == "compare" && (module == "rom" || module == "fullsim"))
                 say("compare sees only rows of Fidelity, not " target)
-            else if (rank[room] >= rank[own])
+            else if (rank[module] >= rank[own])
                 say(own " may not include " target)
         }
         if (target ~ /^(sundials|arkode|cvodes?|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\// &&
@@ -72,7 +72,7 @@ report < <(awk '
 
 report < <(awk 'END { if (NR >= 60) printf "main.cpp:%d: main.cpp stays under 60 lines\n", NR }' main.cpp)
 
-# What is installed runs on any machine of its architecture. TWINCHUTE_ARCH is for measurements.
+# The installed program runs on any machine of its architecture. TWINCHUTE_ARCH is for measurements.
 build_files=()
 while IFS= read -r -d '' file; do build_files+=("$file"); done < <(
     find . \( -path ./build -o -path './build-*' -o -path ./.git \) -prune -o -type f \
@@ -86,7 +86,7 @@ if [ "${#build_files[@]}" -gt 0 ]; then
 fi
 
 if [ "$breaches" -gt 0 ]; then
-    echo "$breaches breaches of the rules in docs/map.md"
+    echo "$breaches breaches of the rules in docs/architecture.md"
     exit 1
 fi
 echo "${#sources[@]} sources keep the rules"
