@@ -1,4 +1,4 @@
-// The report that is published as docs/validation.md.
+// The report that is published as docs/generated/validation.md.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Between nodes that lie anywhere and elements side by side: records of a node are loaded whole, and rows
 // become columns in registers. A gather instruction for each component would take three times as long.
-// Included once for every instruction set (see membrane_kernel.hpp for the guard).
+// Included once for every instruction set (see fullsim/laws/membrane.hpp for the guard).
 #if defined(TWINCHUTE_LANES_RECORDS) == defined(HWY_TARGET_TOGGLE)
 #ifdef TWINCHUTE_LANES_RECORDS
 #undef TWINCHUTE_LANES_RECORDS

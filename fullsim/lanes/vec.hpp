@@ -1,5 +1,5 @@
 // Elements side by side: doubles in one or two of the processor's registers, with the operators that formulas
-// need. Included once for every instruction set (see membrane_kernel.hpp for the guard).
+// need. Included once for every instruction set (see fullsim/laws/membrane.hpp for the guard).
 #if defined(TWINCHUTE_LANES_VEC) == defined(HWY_TARGET_TOGGLE)
 #ifdef TWINCHUTE_LANES_VEC
 #undef TWINCHUTE_LANES_VEC

@@ -70,7 +70,7 @@ LineWaves line_waves(const Mesh& mesh, const NodeConstants& constants, double li
                      double bulk_viscosity, double beta);
 
 /// Longest step of the canopy [s] in which impulses do not make lines ring, however small their substeps are,
-/// by docs/theory/full-model.md, "Lines in steps of their own": H^5 = pi^5 lag h^2 m/(8 EA/L), of which half
+/// by docs/theory/full-model.md, "Subcycling of lines": H^5 = pi^5 lag h^2 m/(8 EA/L), of which half
 /// is taken. `canopy_bound`: h, the longest stable step of the canopy without lines [s]. Infinite without
 /// lines.
 double quiet_step(const LineWaves& line, double added_mass, double canopy_bound);
