@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/checkpoint.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/write_error.hpp"

@@ -1,4 +1,4 @@
-// What every verb that takes a scene does in the same way.
+// Options, scenes and output shared by the commands that take a scene.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/field_files.hpp"
 #include "lib/solve/fidelity.hpp"
 
@@ -16,7 +16,7 @@ namespace twinchute {
 /// --out, --set, --check, --json, --quiet.
 std::vector<Option> scene_options(std::string out_meaning);
 
-/// --fields, for verbs that run a fidelity which gives fields.
+/// --fields, for commands that run a fidelity which gives fields.
 Option fields_option();
 
 /// What --fields overrides in a scene for this fidelity; nothing where it is absent, or the fidelity gives
@@ -43,8 +43,8 @@ std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std:
 /// The exit code of a series: the gravest of its cases.
 ExitCode gravest(ExitCode one, ExitCode other);
 
-/// Throws UsageError naming the first key whose physics `fidelity` lacks, and the verb of `others` that has
-/// it.
+/// Throws UsageError naming the first key whose physics `fidelity` lacks, and the command of `others` that
+/// has it.
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others);
 
 /// For --check: says that the scenes are valid.

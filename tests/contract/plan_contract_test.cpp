@@ -234,7 +234,7 @@ TEST(PlanContract, TheDemoIsHeldInFourHundredBytesATriangle) {
     }
 }
 
-/// The reduced-order run tells the full plan its times, as the verb does.
+/// The reduced-order run tells the full plan its times, as the command does.
 Plan plan_of(const Scene& scene) {
     const RunRecord expected = test::run_rom(scene);
     PlanBasis basis;

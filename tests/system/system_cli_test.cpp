@@ -1,4 +1,4 @@
-// The program as a script sees it. Expected values are the tables of verbs, files and exit codes
+// The program as a script sees it. Expected values are the tables of commands, files and exit codes
 // that the program promises (`twinchute --help`, docs).
 #include <gtest/gtest.h>
 
@@ -39,18 +39,18 @@ protected:
     ScratchDir here_;
 };
 
-TEST_F(SystemCli, HelpAndVersionSucceedForEveryVerb) {
+TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
     EXPECT_EQ(run({"--help"}).code, 0);
     const Ended version = run({"--version"});
     EXPECT_EQ(version.code, 0);
     for (const char* word : {"twinchute ", "commit ", "compiler "}) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
-    for (const std::string verb :
+    for (const std::string command :
          {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "plan", "list"}) {
-        const Ended help = run({verb, "-h"});
+        const Ended help = run({command, "-h"});
         EXPECT_EQ(help.code, 0);
-        EXPECT_NE(help.out.find("example: twinchute " + verb), std::string::npos) << help.out;
+        EXPECT_NE(help.out.find("example: twinchute " + command), std::string::npos) << help.out;
     }
     EXPECT_TRUE(nothing_written());
 }
@@ -140,23 +140,24 @@ TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
 }
 
 TEST_F(SystemCli, ParachutesThatWaitForEachOtherAreRefusedByEveryCommand) {
-    for (const std::string verb : {"rom", "full", "compare", "plan", "size", "ladder"}) {
-        const Ended ended = run({verb, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}",
-                                 "--set", "parachute.drogue.cut={after=\"main.full-open\"}"});
-        EXPECT_EQ(ended.code, 2) << verb;
+    for (const std::string command : {"rom", "full", "compare", "plan", "size", "ladder"}) {
+        const Ended ended =
+            run({command, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}", "--set",
+                 "parachute.drogue.cut={after=\"main.full-open\"}"});
+        EXPECT_EQ(ended.code, 2) << command;
         EXPECT_NE(ended.err.find("parachutes wait for each other (drogue.cut waits for main.full-open"),
                   std::string::npos)
-            << verb << ended.err;
+            << command << ended.err;
     }
     EXPECT_TRUE(nothing_written());
 }
 
 TEST_F(SystemCli, CheckRunsNothing) {
-    for (const std::string verb : {"compare", "rom", "full", "mesh"}) {
-        const Ended ended = run({verb, scene, "--check"});
+    for (const std::string command : {"compare", "rom", "full", "mesh"}) {
+        const Ended ended = run({command, scene, "--check"});
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("valid"), std::string::npos);
-        EXPECT_EQ(run({verb, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
+        EXPECT_EQ(run({command, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
     }
     EXPECT_TRUE(nothing_written());
 }

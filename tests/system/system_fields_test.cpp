@@ -300,7 +300,7 @@ TEST_F(SystemFields, PicturesNeedNoDisplay) {
     }
 }
 
-// --- the verb mesh ------------------------------------------------------------------------------
+// --- the command mesh ---------------------------------------------------------------------------
 
 TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
     const Ended ended = run({"mesh", scene, "--json"});

@@ -1,4 +1,4 @@
-// The ladder in the page of a comparison: found where both verbs write by default, and only where it is of
+// The ladder in the page of a comparison: found where both commands write by default, and only where it is of
 // the same scene.
 #include "tests/support/short_scene.hpp"
 

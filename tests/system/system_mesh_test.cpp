@@ -1,6 +1,6 @@
 // A mesh of one's own, as its user meets it: exported, run, drawn wrong. Promised: exit code 2 with file,
-// line and tag, and nothing written, from every verb that runs the full model; the reduced-order model needs
-// no mesh.
+// line and tag, and nothing written, from every command that runs the full model; the reduced-order model
+// needs no mesh.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -27,10 +27,10 @@ protected:
 
 TEST_F(SystemPaths, EveryOptionThatTakesAValueRefusesAnEmptyOne) {
     here_.write("rom/history.csv", "years of work");
-    for (const std::string verb : {"rom", "full", "compare", "size", "ladder", "mesh"})
-        expect_refused(run({verb, "scene.toml", "--out", ""}), "--out is given nothing");
-    for (const std::string verb : {"stability", "validate"})
-        expect_refused(run({verb, "--out", ""}), "--out is given nothing");
+    for (const std::string command : {"rom", "full", "compare", "size", "ladder", "mesh"})
+        expect_refused(run({command, "scene.toml", "--out", ""}), "--out is given nothing");
+    for (const std::string command : {"stability", "validate"})
+        expect_refused(run({command, "--out", ""}), "--out is given nothing");
     for (const std::string option : {"--baseline", "--test", "--set", "--tolerance", "--fields"})
         expect_refused(run({"compare", "scene.toml", option, ""}), option + " is given nothing");
     expect_refused(run({"ladder", "scene.toml", "--reference", ""}), "--reference is given nothing");

@@ -41,9 +41,9 @@ Words rom(const std::string& mass, const fs::path& out) {
 }
 
 /// A run of both fidelities of a moment.
-Words quick(const std::string& verb) {
+Words quick(const std::string& command) {
     return {TWINCHUTE_PROGRAM,
-            verb,
+            command,
             scene,
             "--quiet",
             "--set",
@@ -57,8 +57,8 @@ Words quick(const std::string& verb) {
 }
 
 /// A full run that lasts until somebody ends it.
-Words endless(const std::string& verb) {
-    return {TWINCHUTE_PROGRAM, verb, scene, "--set", "stop.time=1000"};
+Words endless(const std::string& command) {
+    return {TWINCHUTE_PROGRAM, command, scene, "--set", "stop.time=1000"};
 }
 
 Ended run(const Words& words, const fs::path& directory = "/", const std::function<bool()>& prepare = {}) {
@@ -134,15 +134,15 @@ TEST_F(FullDisk, ANewDirectoryDisappearsAgain) {
     EXPECT_TRUE(everything_in(disk_ / "out") == before_);
 }
 
-TEST_F(FullDisk, TheOtherVerbsKeepTheSamePromise) {
-    for (const std::string verb : {"full", "compare"}) {
+TEST_F(FullDisk, TheOtherCommandsKeepTheSamePromise) {
+    for (const std::string command : {"full", "compare"}) {
         disk_.leave(4u << 20);  // a page takes less than 3 MB
-        ASSERT_LT(run(quick(verb) + Words{"--out", disk_ / verb}).code, 2);
-        const auto earlier = everything_in(disk_ / verb);
+        ASSERT_LT(run(quick(command) + Words{"--out", disk_ / command}).code, 2);
+        const auto earlier = everything_in(disk_ / command);
         for (const std::size_t room : {0u, 12u << 10, 24u << 10}) {
             disk_.leave(room);
-            expect_refused(run(quick(verb) + Words{"--out", disk_ / verb, "--set", "payload.mass=90"}));
-            EXPECT_TRUE(everything_in(disk_ / verb) == earlier) << verb << ", room " << room;
+            expect_refused(run(quick(command) + Words{"--out", disk_ / command, "--set", "payload.mass=90"}));
+            EXPECT_TRUE(everything_in(disk_ / command) == earlier) << command << ", room " << room;
         }
         fs::remove(disk_ / "ballast");
     }
@@ -312,9 +312,9 @@ TEST(Killed, BeforeAnyStepOfWritingLeavesWholeFilesOnly) {
 
 class Interrupted : public testing::TestWithParam<int> {
 protected:
-    /// Runs a verb until it has computed for a while, then sends the signal.
-    Ended interrupt(const std::string& verb) {
-        Process process(endless(verb) + Words{"--out", "out"}, here_.path());
+    /// Runs a command until it has computed for a while, then sends the signal.
+    Ended interrupt(const std::string& command) {
+        Process process(endless(command) + Words{"--out", "out"}, here_.path());
         EXPECT_TRUE(process.wait_until_handled(GetParam()));
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
         ::kill(process.id(), GetParam());

@@ -28,9 +28,10 @@ protected:
                     "compare.tolerance.stage_1_peak_force = \"1000 %\"\n");
     }
 
-    Words words(const std::string& verb, const std::string& out, const std::string& file = "long.toml",
+    Words words(const std::string& command, const std::string& out, const std::string& file = "long.toml",
                 const std::string& stop = "12") const {
-        return {TWINCHUTE_PROGRAM, verb, file, "--out", out, "--set", "stop.time=" + stop, "--fields", "2"};
+        return {TWINCHUTE_PROGRAM,   command,    file, "--out", out, "--set",
+                "stop.time=" + stop, "--fields", "2"};
     }
     Ended start(const Words& words) const { return Process(words, here_.path()).wait(); }
 

@@ -78,8 +78,8 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
 }
 
 TEST_F(SystemSeries, EndsWithATableOfItsCases) {
-    for (const std::string verb : {"rom", "full"}) {
-        const std::string out = run({verb, "series.toml", "--out", verb}).out;
+    for (const std::string command : {"rom", "full"}) {
+        const std::string out = run({command, "series.toml", "--out", command}).out;
         const auto table = out.rfind("\ncase ");
         ASSERT_NE(table, std::string::npos) << out;
         const std::string rows = out.substr(table);
@@ -88,7 +88,7 @@ TEST_F(SystemSeries, EndsWithATableOfItsCases) {
         EXPECT_NE(rows.find("peak force [N]"), std::string::npos) << rows;
         // As each case says it.
         for (const std::string name : {"light", "heavy"}) {
-            const double force = read(verb + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
+            const double force = read(command + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
             EXPECT_NE(rows.find("  " + readable(force)), std::string::npos) << force << " in " << rows;
         }
     }

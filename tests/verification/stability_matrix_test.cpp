@@ -6,7 +6,7 @@
 
 #include "compare/stability.hpp"
 #include "compare/stability/base_scenes.hpp"
-#include "compare/stability_verb.hpp"
+#include "compare/stability_command.hpp"
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -241,7 +241,7 @@ TEST(StabilityMatrix, AWrongBuildIsExitCodeOne) {
     const ScratchDir here;
     Arguments arguments;
     arguments.options = {{"quick", {}}, {"quiet", {}}, {"out", {(here / "out").string()}}};
-    EXPECT_EQ(stability_verb(fullsim::full_fidelity(), wrong[1]).run(arguments), ExitCode::verdict);
+    EXPECT_EQ(stability_command(fullsim::full_fidelity(), wrong[1]).run(arguments), ExitCode::verdict);
     EXPECT_TRUE(std::filesystem::is_regular_file(here / "out/stability.md"));
 }
 

@@ -1,4 +1,4 @@
-#include "compare/ladder_verb.hpp"
+#include "compare/ladder_command.hpp"
 
 #include <fmt/format.h>
 
@@ -75,14 +75,14 @@ ExitCode run_ladder(const std::vector<const Fidelity*>& fidelities, const Argume
 
 }  // namespace
 
-Verb ladder_verb(std::vector<const Fidelity*> fidelities) {
-    Verb verb;
-    verb.name = "ladder";
-    verb.summary = "error against run time, from closed forms to the finest mesh";
-    verb.operand = "SCENE";
-    verb.example = "twinchute ladder data/scenes/c9-inflation.toml --quick";
-    verb.options = scene_options("write table and plot there instead of ./<scene file>.out");
-    const auto at = verb.options.begin() + 1;
+Command ladder_command(std::vector<const Fidelity*> fidelities) {
+    Command command;
+    command.name = "ladder";
+    command.summary = "error against run time, from closed forms to the finest mesh";
+    command.operand = "SCENE";
+    command.example = "twinchute ladder data/scenes/c9-inflation.toml --quick";
+    command.options = scene_options("write table and plot there instead of ./<scene file>.out");
+    const auto at = command.options.begin() + 1;
     std::vector<Option> own{
         {"quick", "",
          fmt::format("leave out what costs more than {:g} runs of the scene as it is", quick_cost)},
@@ -90,11 +90,11 @@ Verb ladder_verb(std::vector<const Fidelity*> fidelities) {
          "what a test measured: how far each rung is from it, beside errors and gaps"},
         {"seeds", "N", "runs with noise of a packed start: medians over N seeds, 3 unless given"}};
     if (std::ranges::any_of(fidelities, &Fidelity::has_threads)) own.push_back(threads_option());
-    verb.options.insert(at, own.begin(), own.end());
-    verb.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
+    command.options.insert(at, own.begin(), own.end());
+    command.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
         return run_ladder(fidelities, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::compare

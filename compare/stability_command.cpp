@@ -1,4 +1,4 @@
-#include "compare/stability_verb.hpp"
+#include "compare/stability_command.hpp"
 
 #include <fmt/format.h>
 
@@ -64,20 +64,20 @@ ExitCode run_stability(std::span<const Fidelity* const> fidelities, const Argume
 
 }  // namespace
 
-Verb stability_verb(const Fidelity& full, const Fidelity& rom) {
-    Verb verb;
-    verb.name = "stability";
-    verb.summary = "run stiff and extreme cases, a verdict and a margin each";
-    verb.operand = "";
-    verb.example = "twinchute stability --quick";
-    verb.options = {{"out", "DIR", "write stability.md, .csv and .json there instead of ./stability.out"},
-                    {"quick", "", "only cells that take less than about 0.2 s"},
-                    {"json", "", "print the matrix as JSON and nothing else"},
-                    {"quiet", "", "print nothing but errors"}};
-    verb.run = [&full, &rom](const Arguments& arguments) {
+Command stability_command(const Fidelity& full, const Fidelity& rom) {
+    Command command;
+    command.name = "stability";
+    command.summary = "run stiff and extreme cases, a verdict and a margin each";
+    command.operand = "";
+    command.example = "twinchute stability --quick";
+    command.options = {{"out", "DIR", "write stability.md, .csv and .json there instead of ./stability.out"},
+                       {"quick", "", "only cells that take less than about 0.2 s"},
+                       {"json", "", "print the matrix as JSON and nothing else"},
+                       {"quiet", "", "print nothing but errors"}};
+    command.run = [&full, &rom](const Arguments& arguments) {
         return run_stability(std::array{&full, &rom}, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::compare

@@ -1,4 +1,4 @@
-#include "rom/size/size_verb.hpp"
+#include "rom/size/size_command.hpp"
 
 #include <fmt/format.h>
 
@@ -71,7 +71,7 @@ void check(const std::vector<Scene>& scenes) {
     }
 }
 
-/// The sized scene for other verbs to run.
+/// The sized scene for other commands to run.
 std::string scene_text(const Scene& scene, const Candidate& best) {
     Scene sized = best.found->scene;
     sized.name += ", sized";
@@ -125,16 +125,16 @@ ExitCode run_size(const Arguments& arguments) {
 
 }  // namespace
 
-Verb size_verb() {
-    Verb verb;
-    verb.name = "size";
-    verb.summary = "diameter or release speed that meets a descent rate, a force and a deceleration";
-    verb.operand = "SCENE";
-    verb.example = "twinchute size data/scenes/sizing/rocket-main.toml";
-    verb.options = scene_options("write the sized scene there");
-    verb.options.front().value = "FILE";
-    verb.run = &run_size;
-    return verb;
+Command size_command() {
+    Command command;
+    command.name = "size";
+    command.summary = "diameter or release speed that meets a descent rate, a force and a deceleration";
+    command.operand = "SCENE";
+    command.example = "twinchute size data/scenes/sizing/rocket-main.toml";
+    command.options = scene_options("write the sized scene there");
+    command.options.front().value = "FILE";
+    command.run = &run_size;
+    return command;
 }
 
 }  // namespace twinchute::rom

@@ -1,9 +1,9 @@
-// The verb of one fidelity: run the scene with it and say what came out.
+// The command of one fidelity: run the scene with it and say what came out.
 #pragma once
 
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
@@ -15,8 +15,8 @@ enum class DefaultOutput {
 };
 
 /// `others`: fidelities to point to when this one lacks physics that the scene asks for. The rows must
-/// outlive the verb.
-Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput output,
-                 std::vector<const Fidelity*> others);
+/// outlive the command.
+Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultOutput output,
+                         std::vector<const Fidelity*> others);
 
 }  // namespace twinchute

@@ -1,4 +1,4 @@
-#include "compare/report_verb.hpp"
+#include "compare/report_command.hpp"
 
 #include <fmt/format.h>
 
@@ -190,21 +190,21 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
 
 }  // namespace
 
-Verb report_verb(const Fidelity& reference, const Fidelity& candidate) {
-    Verb verb;
-    verb.name = "report";
-    verb.summary = "make the reports of comparisons again, from their records; of many, a table";
-    verb.operand = "DIR...";
-    verb.example = "twinchute report c9-inflation.out";
-    verb.options = {tolerance_option(reference.name),
-                    test_option(),
-                    {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
-                    {"json", "", "print the gap as JSON and nothing else"},
-                    {"quiet", "", "print nothing but errors"}};
-    verb.run = [&reference, &candidate](const Arguments& arguments) {
+Command report_command(const Fidelity& reference, const Fidelity& candidate) {
+    Command command;
+    command.name = "report";
+    command.summary = "make the reports of comparisons again, from their records; of many, a table";
+    command.operand = "DIR...";
+    command.example = "twinchute report c9-inflation.out";
+    command.options = {tolerance_option(reference.name),
+                       test_option(),
+                       {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
+                       {"json", "", "print the gap as JSON and nothing else"},
+                       {"quiet", "", "print nothing but errors"}};
+    command.run = [&reference, &candidate](const Arguments& arguments) {
         return run_report(reference, candidate, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::compare

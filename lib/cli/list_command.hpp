@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "lib/cli/command.hpp"
 #include "lib/cli/text.hpp"
-#include "lib/cli/verb.hpp"
 
 namespace twinchute {
 
@@ -20,6 +20,6 @@ struct ListTopic {
 /// Topics of the shared library: keys, laws, materials, scenes.
 std::vector<ListTopic> library_topics();
 
-Verb list_verb(std::vector<ListTopic> topics);
+Command list_command(std::vector<ListTopic> topics);
 
 }  // namespace twinchute

@@ -1,4 +1,4 @@
-#include "lib/cli/plan_verb.hpp"
+#include "lib/cli/plan_command.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -187,19 +187,19 @@ ExitCode run_plan(const std::vector<const Fidelity*>& fidelities, const Argument
 
 }  // namespace
 
-Verb plan_verb(std::vector<const Fidelity*> fidelities) {
-    Verb verb;
-    verb.name = "plan";
-    verb.summary = "what a scene needs and leaves out, and what its runs will cost";
-    verb.operand = "SCENE";
-    verb.example = "twinchute plan data/scenes/c9-inflation.toml";
-    verb.options = scene_options("");
-    verb.options.front() = threads_option();  // nothing is written, so that there is no --out
+Command plan_command(std::vector<const Fidelity*> fidelities) {
+    Command command;
+    command.name = "plan";
+    command.summary = "what a scene needs and leaves out, and what its runs will cost";
+    command.operand = "SCENE";
+    command.example = "twinchute plan data/scenes/c9-inflation.toml";
+    command.options = scene_options("");
+    command.options.front() = threads_option();  // nothing is written, so that there is no --out
     std::erase_if(fidelities, [](const Fidelity* fidelity) { return fidelity->plan == nullptr; });
-    verb.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
+    command.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
         return run_plan(fidelities, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute

@@ -1,4 +1,4 @@
-#include "fullsim/mesh_verb.hpp"
+#include "fullsim/mesh_command.hpp"
 
 #include <fmt/format.h>
 
@@ -248,19 +248,19 @@ ExitCode run_mesh(const Arguments& arguments) {
 
 }  // namespace
 
-Verb mesh_verb() {
-    Verb verb;
-    verb.name = "mesh";
-    verb.summary = "what the full model's mesh weighs and measures, and its shape for VTK";
-    verb.operand = "SCENE";
-    verb.example = "twinchute mesh data/scenes/c9-inflation.toml --out c9.vtu";
-    verb.options = scene_options(
+Command mesh_command() {
+    Command command;
+    command.name = "mesh";
+    command.summary = "what the full model's mesh weighs and measures, and its shape for VTK";
+    command.operand = "SCENE";
+    command.example = "twinchute mesh data/scenes/c9-inflation.toml --out c9.vtu";
+    command.options = scene_options(
         "write the mesh there: .vtu, a packed one beside it as <name>-packed.vtu; or .msh for Gmsh, as made");
-    verb.options.front().value = "FILE";
-    verb.options.insert(verb.options.begin() + 1,
-                        {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
-    verb.run = &run_mesh;
-    return verb;
+    command.options.front().value = "FILE";
+    command.options.insert(command.options.begin() + 1,
+                           {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
+    command.run = &run_mesh;
+    return command;
 }
 
 }  // namespace twinchute::fullsim

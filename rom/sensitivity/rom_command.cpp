@@ -1,4 +1,4 @@
-#include "rom/sensitivity/verb.hpp"
+#include "rom/sensitivity/rom_command.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lib/cli/fidelity_command.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
-#include "lib/cli/single_verb.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/metric_key.hpp"
 #include "lib/record/record_json.hpp"
@@ -106,15 +106,15 @@ ExitCode run_sensitivity(const Arguments& arguments, const Fidelity& full) {
 
 }  // namespace
 
-Verb rom_verb(const Fidelity& full) {
-    Verb verb =
-        single_verb(rom_fidelity(), "quick run of the reduced-order model", DefaultOutput::none, {&full});
-    verb.options.push_back(
+Command rom_command(const Fidelity& full) {
+    Command command = fidelity_command(rom_fidelity(), "quick run of the reduced-order model",
+                                       DefaultOutput::none, {&full});
+    command.options.push_back(
         {"sensitivity", "", "print how much the answers hang on each input, % per %, instead of the record"});
-    verb.run = [&full, run = std::move(verb.run)](const Arguments& arguments) {
+    command.run = [&full, run = std::move(command.run)](const Arguments& arguments) {
         return arguments.has("sensitivity") ? run_sensitivity(arguments, full) : run(arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::rom

@@ -1,4 +1,4 @@
-// A verb of the command line is a row: what it is called, what it takes, what it does.
+// One row per command: its name, what it takes and what it does.
 #pragma once
 
 #include <functional>
@@ -25,10 +25,10 @@ struct Option {
     bool repeatable = false;
 };
 
-/// What stood on the command line after the verb; every name is one of the verb's options.
+/// The command line after the command; every name is an option of that command.
 struct Arguments {
     std::string operand;  ///< the first positional argument; empty when it is optional and absent
-    std::vector<std::string> operands;  ///< all of them; more than one only where the verb takes several
+    std::vector<std::string> operands;  ///< all of them; more than one only where the command takes several
     std::map<std::string, std::vector<std::string>, std::less<>> options;
 
     bool has(std::string_view name) const { return options.contains(name); }
@@ -36,7 +36,7 @@ struct Arguments {
     std::vector<std::string> values(std::string_view name) const;
 };
 
-struct Verb {
+struct Command {
     std::string name;
     std::string summary;  ///< one line
     std::string operand;  ///< "SCENE"; "[TOPIC]" when it may be left out, "DIR..." when there may be several,

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
 
 /// The cheapest fidelity first: its run tells the others when events will come.
-Verb plan_verb(std::vector<const Fidelity*> fidelities);
+Command plan_command(std::vector<const Fidelity*> fidelities);
 
 }  // namespace twinchute

@@ -1,4 +1,4 @@
-#include "lib/cli/single_verb.hpp"
+#include "lib/cli/fidelity_command.hpp"
 
 #include <fmt/format.h>
 
@@ -136,23 +136,23 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
 
 }  // namespace
 
-Verb single_verb(const Fidelity& fidelity, std::string summary, DefaultOutput output,
-                 std::vector<const Fidelity*> others) {
-    Verb verb;
-    verb.name = fidelity.name;
-    verb.summary = std::move(summary);
-    verb.operand = "SCENE";
-    verb.example = fmt::format("twinchute {} data/scenes/c9-inflation.toml", fidelity.name);
-    verb.options =
+Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultOutput output,
+                         std::vector<const Fidelity*> others) {
+    Command command;
+    command.name = fidelity.name;
+    command.summary = std::move(summary);
+    command.operand = "SCENE";
+    command.example = fmt::format("twinchute {} data/scenes/c9-inflation.toml", fidelity.name);
+    command.options =
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
-    if (fidelity.gives_fields) verb.options.insert(verb.options.begin() + 1, fields_option());
-    if (fidelity.keeps_checkpoints) verb.options.insert(verb.options.begin() + 1, resume_option());
-    if (fidelity.has_threads) verb.options.insert(verb.options.begin() + 1, threads_option());
-    verb.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
+    if (fidelity.gives_fields) command.options.insert(command.options.begin() + 1, fields_option());
+    if (fidelity.keeps_checkpoints) command.options.insert(command.options.begin() + 1, resume_option());
+    if (fidelity.has_threads) command.options.insert(command.options.begin() + 1, threads_option());
+    command.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
         return run_single(fidelity, output, others, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute

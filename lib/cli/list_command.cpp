@@ -1,4 +1,4 @@
-#include "lib/cli/list_verb.hpp"
+#include "lib/cli/list_command.hpp"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -194,17 +194,17 @@ std::vector<ListTopic> library_topics() {
     };
 }
 
-Verb list_verb(std::vector<ListTopic> topics) {
-    Verb verb;
-    verb.name = "list";
-    verb.summary = "what there is: keys, laws, types, materials, scenes, metrics";
-    verb.operand = "[TOPIC [KEY]...]";
-    verb.example = "twinchute list keys parachute.deploy";
-    verb.options = {{"json", "", "print the table as JSON"}};
-    verb.run = [topics = std::move(topics)](const Arguments& arguments) {
+Command list_command(std::vector<ListTopic> topics) {
+    Command command;
+    command.name = "list";
+    command.summary = "what there is: keys, laws, types, materials, scenes, metrics";
+    command.operand = "[TOPIC [KEY]...]";
+    command.example = "twinchute list keys parachute.deploy";
+    command.options = {{"json", "", "print the table as JSON"}};
+    command.run = [topics = std::move(topics)](const Arguments& arguments) {
         return run_list(topics, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute

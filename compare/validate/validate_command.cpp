@@ -1,4 +1,4 @@
-#include "compare/validate/verb.hpp"
+#include "compare/validate/validate_command.hpp"
 
 #include <fmt/format.h>
 
@@ -111,13 +111,13 @@ ExitCode run_validate(const std::vector<const Fidelity*>& fidelities, const Argu
 
 }  // namespace
 
-Verb validate_verb(std::vector<const Fidelity*> fidelities) {
-    Verb verb;
-    verb.name = "validate";
-    verb.summary = "hold the models against exact answers, printed numbers and test data";
-    verb.operand = "[SUITE.toml...]";
-    verb.example = "twinchute validate --quick";
-    verb.options = {
+Command validate_command(std::vector<const Fidelity*> fidelities) {
+    Command command;
+    command.name = "validate";
+    command.summary = "hold the models against exact answers, printed numbers and test data";
+    command.operand = "[SUITE.toml...]";
+    command.example = "twinchute validate --quick";
+    command.options = {
         {"out", "DIR", "write report.md, validate.csv and .json there instead of ./validate.out"},
         {"suite", "NAME", "run this suite of those that come with the program", true},
         {"quick", "", "one seed of each packed scene, fewer samples of uncertain inputs"},
@@ -125,10 +125,10 @@ Verb validate_verb(std::vector<const Fidelity*> fidelities) {
          "runs at the same time, as many as there are cores unless given; the answer is the same"},
         {"json", "", "print the results as JSON and nothing else"},
         {"quiet", "", "print nothing but errors"}};
-    verb.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
+    command.run = [fidelities = std::move(fidelities)](const Arguments& arguments) {
         return run_validate(fidelities, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::compare

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute::compare {
 
-/// The rungs of these fidelities, the cheapest first. The rows must outlive the verb.
-Verb ladder_verb(std::vector<const Fidelity*> fidelities);
+/// The rungs of these fidelities, the cheapest first. The rows must outlive the command.
+Command ladder_command(std::vector<const Fidelity*> fidelities);
 
 }  // namespace twinchute::compare

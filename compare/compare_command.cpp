@@ -1,4 +1,4 @@
-#include "compare/verb.hpp"
+#include "compare/compare_command.hpp"
 
 #include <fmt/format.h>
 
@@ -305,13 +305,13 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
 
 }  // namespace
 
-Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
-    Verb verb;
-    verb.name = "compare";
-    verb.summary = "run a scene at both fidelities and report the gap";
-    verb.operand = "SCENE";
-    verb.example = "twinchute compare data/scenes/c9-inflation.toml";
-    verb.options = scene_options("write records and report there instead of ./<scene file>.out");
+Command compare_command(const Fidelity& reference, const Fidelity& candidate) {
+    Command command;
+    command.name = "compare";
+    command.summary = "run a scene at both fidelities and report the gap";
+    command.operand = "SCENE";
+    command.example = "twinchute compare data/scenes/c9-inflation.toml";
+    command.options = scene_options("write records and report there instead of ./<scene file>.out");
     std::vector<Option> own{
         tolerance_option(reference.name),
         {"why", "",
@@ -322,17 +322,17 @@ Verb compare_verb(const Fidelity& reference, const Fidelity& candidate) {
     own.push_back(test_option());
     const std::vector<Option> of_baseline = baseline_options();
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
-    verb.options.insert(verb.options.begin() + 1, own.begin(), own.end());
+    command.options.insert(command.options.begin() + 1, own.begin(), own.end());
     if (reference.gives_fields || candidate.gives_fields)
-        verb.options.insert(verb.options.begin() + 2, fields_option());
+        command.options.insert(command.options.begin() + 2, fields_option());
     if (reference.keeps_checkpoints || candidate.keeps_checkpoints)
-        verb.options.insert(verb.options.begin() + 2, resume_option());
+        command.options.insert(command.options.begin() + 2, resume_option());
     if (reference.has_threads || candidate.has_threads)
-        verb.options.insert(verb.options.begin() + 2, threads_option());
-    verb.run = [&reference, &candidate](const Arguments& arguments) {
+        command.options.insert(command.options.begin() + 2, threads_option());
+    command.run = [&reference, &candidate](const Arguments& arguments) {
         return run_compare(reference, candidate, arguments);
     };
-    return verb;
+    return command;
 }
 
 }  // namespace twinchute::compare
