@@ -14,7 +14,7 @@ namespace twinchute::rom {
 /// has to be left first (Canopies::leaves_pack()), `motion` is then that of the payload at
 /// Observer::rows().back().time.
 template <int dimensions>
-std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& canopies, double time,
+std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, Canopies& canopies, double time,
                                 Motion<dimensions>& motion, double separation, Openings& openings);
 
 }  // namespace twinchute::rom

@@ -29,7 +29,7 @@ void Openings::after_stage(const std::vector<Occurrence>& done, double time) {
 }
 
 CanopyPeak Openings::take_canopy_peak() {
-    const auto [peak, canopy] = course_.observer.take_canopy_peak();
+    const auto [peak, canopy] = context_.observer.take_canopy_peak();
     const Canopy& whose = canopies_.all()[canopy];
     std::string note = fmt::format("{} at t = {:.4g} s", whose.chute->name, peak.at);
     if (whose.chute->count > whose.count)
@@ -39,7 +39,7 @@ CanopyPeak Openings::take_canopy_peak() {
 }
 
 Maximum Openings::take_peak() {
-    const Maximum peak = course_.observer.take_peak();
+    const Maximum peak = context_.observer.take_peak();
     result.max_force = std::max(result.max_force, peak.value);
     if (!has_several_canopies(scene_)) return peak;
     canopy_peak_ = take_canopy_peak();
@@ -81,7 +81,7 @@ void Openings::note_snatch(const Occurrence& what, const Situation& now) {
         result.snatch_density = now.density;
         if (!packed) result.payload_snatch_speed = now.airspeed;
     }
-    add_opening_warnings(course_.record, scene_, chute, canopy_of(canopies_, what.index).inflation,
+    add_opening_warnings(context_.record, scene_, chute, canopy_of(canopies_, what.index).inflation,
                          now.airspeed, now.density);
 }
 
@@ -129,25 +129,25 @@ void Openings::note_event(const Occurrence& what, double time) {
     if (deploy.by == DeployBy::inflated && what.kind != Occurrence::Kind::cut) return;
     switch (what.kind) {
         case Occurrence::Kind::snatch:
-            course_.add_event(what.index, deploy.starts_packed() ? "snatch" : "line-stretch");
-            if (!canopies_.any_waits_to_leave()) course_.met(Trigger::Kind::line_stretch, time);
+            context_.add_event(what.index, deploy.starts_packed() ? "snatch" : "line-stretch");
+            if (!canopies_.any_waits_to_leave()) context_.met(Trigger::Kind::line_stretch, time);
             return;
         case Occurrence::Kind::filling:
             if (canopy_of(canopies_, what.index).inflation.initial_time > 0.0)
-                course_.add_event(what.index, "end-of-initial-phase");
+                context_.add_event(what.index, "end-of-initial-phase");
             return;
         case Occurrence::Kind::reefed_open:
-            course_.add_event(what.index, "reefed-open");
+            context_.add_event(what.index, "reefed-open");
             return;
         case Occurrence::Kind::disreef:
-            course_.add_event(what.index, "disreef");
+            context_.add_event(what.index, "disreef");
             return;
         case Occurrence::Kind::full_open:
-            course_.add_event(what.index, "full-open");
-            if (canopies_.is_filled()) course_.met(Trigger::Kind::full_open, time);
+            context_.add_event(what.index, "full-open");
+            if (canopies_.is_filled()) context_.met(Trigger::Kind::full_open, time);
             return;
         case Occurrence::Kind::cut:
-            course_.add_event(what.index, "cut");
+            context_.add_event(what.index, "cut");
     }
 }
 

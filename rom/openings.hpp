@@ -5,8 +5,8 @@
 
 #include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
-#include "rom/course.hpp"
 #include "rom/motion.hpp"
+#include "rom/run_context.hpp"
 
 namespace twinchute::rom {
 
@@ -24,8 +24,8 @@ inline constexpr double pressure_step = 0.2;
 
 class Openings {
 public:
-    Openings(const Scene& scene, Course& course, const Canopies& canopies, OpeningResult& to)
-        : result(to), scene_(scene), course_(course), canopies_(canopies) {}
+    Openings(const Scene& scene, RunContext& context, const Canopies& canopies, OpeningResult& to)
+        : result(to), scene_(scene), context_(context), canopies_(canopies) {}
 
     OpeningResult& result;
 
@@ -49,7 +49,7 @@ private:
     CanopyPeak take_canopy_peak();
 
     const Scene& scene_;
-    Course& course_;
+    RunContext& context_;
     const Canopies& canopies_;
     CanopyPeak canopy_peak_;  // taken with the last peak
 };

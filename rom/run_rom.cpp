@@ -21,7 +21,7 @@ namespace {
 
 /// Runs a scene; what an opening is judged by goes to `openings.result`.
 template <int dimensions>
-RunStatus fly(const Scene& scene, Course& course, Canopies& canopies, Openings& openings) {
+RunStatus fly(const Scene& scene, RunContext& context, Canopies& canopies, Openings& openings) {
     OpeningResult& result = openings.result;
     Motion<dimensions> motion = released<dimensions>(scene);
     double time = 0.0, separation = 0.0;
@@ -33,11 +33,11 @@ RunStatus fly(const Scene& scene, Course& course, Canopies& canopies, Openings& 
         if (const auto leaving = canopies.leaves_pack()) {
             const Parachute& chute = scene.parachutes[*leaving];
             const Deployed<dimensions> deployed =
-                deploy<dimensions>(scene, course, canopies, openings, time, motion);
+                deploy<dimensions>(scene, context, canopies, openings, time, motion);
             result.line_stretch_time = deployed.line_stretch_time;
-            if (deployed.payload_landed) result.landing_time = course.observer.rows().back().time;
+            if (deployed.payload_landed) result.landing_time = context.observer.rows().back().time;
             if (deployed.line_stretch_time)
-                add_snatch_forms(course.record, scene, chute, deployed.parting_speed, deployed.stretch);
+                add_snatch_forms(context.record, scene, chute, deployed.separation_speed, deployed.stretch);
             if (!deployed.locked) return deployed.status;
             motion = *deployed.locked;
             time = deployed.snatch_time;
@@ -45,19 +45,19 @@ RunStatus fly(const Scene& scene, Course& course, Canopies& canopies, Openings& 
             result.payload_snatch_speed = deployed.payload_speed;
             canopies.snatched(*leaving, situation_of<dimensions>(scene, time, motion));
         }
-        const auto status = fly_on<dimensions>(scene, course, canopies, time, motion, separation, openings);
+        const auto status = fly_on<dimensions>(scene, context, canopies, time, motion, separation, openings);
         if (status) return *status;
-        time = course.observer.rows().back().time;
+        time = context.observer.rows().back().time;
     }
 }
 
 /// What the observer knows of the whole run.
-void judge(const Scene& scene, int dimensions, Course& course, Openings& openings) {
+void judge(const Scene& scene, int dimensions, RunContext& context, Openings& openings) {
     openings.close();
     OpeningResult& result = openings.result;
-    const Observer& observer = course.observer;
+    const Observer& observer = context.observer;
     const HistoryRow& last = observer.rows().back();
-    RunRecord& record = course.record;
+    RunRecord& record = context.record;
     for (const ParachuteResult& chute : result.parachutes)
         for (const ParachuteResult::Stage& stage : chute.stages)
             if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
@@ -108,10 +108,10 @@ bool is_one_opening(const Scene& scene) {
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
 }
 
-Reached reached_by(const Scene& scene, const Course& course, const Canopies& canopies) {
+Reached reached_by(const Scene& scene, const RunContext& context, const Canopies& canopies) {
     constexpr double on_ground = 1e-6;  // [m] to which a stop at the altitude of the ground is met
-    const bool landed = course.record.find_event("ground") != nullptr ||
-                        course.observer.rows().back().altitude - scene.environment.ground < on_ground;
+    const bool landed = context.record.find_event("ground") != nullptr ||
+                        context.observer.rows().back().altitude - scene.environment.ground < on_ground;
     return {landed, canopies.unopened().empty() && canopies.is_open()};
 }
 
@@ -119,20 +119,20 @@ template <int dimensions>
 RunRecord run_in(const Scene& scene, Run& run) {
     RunRecord record = begin_record(scene, "rom");
     const Stopwatch watch;
-    Course course(scene, run, record);
+    RunContext context(scene, run, record);
     OpeningResult result;
     Canopies canopies(scene);
-    Openings openings(scene, course, canopies, result);
-    record.status = fly<dimensions>(scene, course, canopies, openings);
-    judge(scene, dimensions, course, openings);
-    const Reached reached = reached_by(scene, course, canopies);
+    Openings openings(scene, context, canopies, result);
+    record.status = fly<dimensions>(scene, context, canopies, openings);
+    judge(scene, dimensions, context, openings);
+    const Reached reached = reached_by(scene, context, canopies);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
     note_never_opened(record, scene, never_opened(canopies), reached);
     note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
-    add_channels(record, course.observer.rows(), scene, dimensions);
+    add_channels(record, context.observer.rows(), scene, dimensions);
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);

@@ -1,4 +1,4 @@
-#include "rom/course.hpp"
+#include "rom/run_context.hpp"
 
 #include <fmt/format.h>
 
@@ -16,67 +16,67 @@ constexpr int most_steps = 100'000;
 
 }  // namespace
 
-double Course::unlimited() {
+double RunContext::unlimited() {
     return longest_flight;
 }
 
-Leg Course::integrate_to(OdeSolver& solver, double end) {
+IntegrationSegment RunContext::integrate_to(OdeSolver& solver, double end) {
     if (end - solver.time() <= 64.0 * std::numeric_limits<double>::epsilon() * end) {
         // A stage without length, to round-off: ARKODE would refuse it.
         const std::vector<double> y(solver.state().begin(), solver.state().end());
         solver.restart(end, y);
-        return Leg::reached_end;
+        return IntegrationSegment::reached_end;
     }
     solver.stop_at(end);
     for (;;) {
-        if (run_.stop.stop_requested()) return Leg::interrupted;
-        if (++steps_ > most_steps) return Leg::too_many_steps;
+        if (run_.stop.stop_requested()) return IntegrationSegment::interrupted;
+        if (++steps_ > most_steps) return IntegrationSegment::too_many_steps;
         const auto outcome = solver.advance();
-        if (outcome == OdeSolver::Outcome::failed) return Leg::failed;
+        if (outcome == OdeSolver::Outcome::failed) return IntegrationSegment::failed;
         observer.step(solver);
-        if (!observer.is_finite()) return Leg::not_finite;
-        if (outcome == OdeSolver::Outcome::reached_stop) return Leg::reached_end;
+        if (!observer.is_finite()) return IntegrationSegment::not_finite;
+        if (outcome == OdeSolver::Outcome::reached_stop) return IntegrationSegment::reached_end;
         if (outcome != OdeSolver::Outcome::found_root) continue;
-        if (solver.root() != floor_root || !stops_above_ground()) return Leg::root;
+        if (solver.root() != floor_root || !stops_above_ground()) return IntegrationSegment::root;
         // Not the ground but the altitude to stop at: from here on the ground is watched.
         below_stop_altitude_ = true;
         met(Trigger::Kind::altitude, solver.time());
         end = std::min(end, stop_time);
         const std::vector<double> y(solver.state().begin(), solver.state().end());
         solver.restart(solver.time(), y);
-        if (solver.time() >= end) return Leg::reached_end;
+        if (solver.time() >= end) return IntegrationSegment::reached_end;
         solver.stop_at(end);
     }
 }
 
-bool Course::stops_above_ground() const {
+bool RunContext::stops_above_ground() const {
     return scene_.stop.kind == Trigger::Kind::altitude && !below_stop_altitude_;
 }
 
-double Course::floor() const {
+double RunContext::floor() const {
     return stops_above_ground() ? scene_.stop.value : scene_.environment.ground;
 }
 
-void Course::met(Trigger::Kind what, double time) {
+void RunContext::met(Trigger::Kind what, double time) {
     if (scene_.stop.kind == what) end_at(time + scene_.stop.delay);
 }
 
-void Course::end_at(double time) {
+void RunContext::end_at(double time) {
     stop_time = std::min(stop_time, time);
     stop_is_set_ = true;
 }
 
-void Course::add_event(const char* name) {
+void RunContext::add_event(const char* name) {
     const HistoryRow& r = observer.rows().back();
     record.events.push_back({name, r.time, r.altitude, r.speed});
 }
 
-void Course::add_event(std::size_t parachute, const char* name) {
+void RunContext::add_event(std::size_t parachute, const char* name) {
     if (scene_.parachutes.size() == 1) return add_event(name);
     add_event((scene_.parachutes[parachute].name + "." + name).c_str());
 }
 
-void Course::count(const OdeSolver& solver) {
+void RunContext::count(const OdeSolver& solver) {
     const auto s = solver.statistics();
     Cost& cost = record.cost;
     if (s.steps > 0) {
@@ -88,28 +88,28 @@ void Course::count(const OdeSolver& solver) {
     cost.rejected_steps += s.rejected;
 }
 
-RunStatus Course::ending(Leg leg, const OdeSolver& solver) const {
+RunStatus RunContext::ending(IntegrationSegment segment, const OdeSolver& solver) const {
     const double time = observer.rows().back().time;
-    switch (leg) {
-        case Leg::reached_end:
+    switch (segment) {
+        case IntegrationSegment::reached_end:
             if (stop_is_set_ || time < stop_time) return {StatusCode::completed, "stop condition met"};
             return {StatusCode::time_limit,
                     fmt::format("stop condition not met within {:g} s of flight", stop_time)};
-        case Leg::not_finite:
+        case IntegrationSegment::not_finite:
             return {StatusCode::not_finite, fmt::format("force or acceleration after t = {:.6g} s", time)};
-        case Leg::too_many_steps:
+        case IntegrationSegment::too_many_steps:
             return {StatusCode::step_limit,
                     fmt::format("more than {} steps by t = {:.6g} s", most_steps, time)};
-        case Leg::interrupted:
+        case IntegrationSegment::interrupted:
             return {StatusCode::interrupted, "stopped on request"};
-        case Leg::root:  // the caller's
-        case Leg::failed:
+        case IntegrationSegment::root:  // the caller's
+        case IntegrationSegment::failed:
             break;
     }
     return {StatusCode::solver_failed, solver.failure()};
 }
 
-RunStatus Course::landed(const std::string& before) const {
+RunStatus RunContext::landed(const std::string& before) const {
     if (scene_.stop.kind == Trigger::Kind::ground)
         return {StatusCode::completed, "ground reached" + (before.empty() ? "" : ": " + before)};
     return {StatusCode::stopped_by_event,
