@@ -213,7 +213,7 @@ ExitCode run_mesh(const Arguments& arguments) {
         if (const auto missing = missing_structure(scene.parachutes.front()); !missing.empty())
             throw UsageError(
                 fmt::format("{}: the parachute has no structure to mesh ({}), give these keys or a design",
-                            scene.file.string(), lacking_text(scene, missing)));
+                            scene.file.string(), unsupported_text(scene, missing)));
     for (const Scene& scene : scenes)
         if (const std::string why = lacks_canopy(scene.parachutes.front()); !why.empty())
             throw UsageError(

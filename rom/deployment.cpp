@@ -47,12 +47,12 @@ class DeploymentRun {
     using Model = TwoBodies<dimensions, by_mach>;
 
 public:
-    DeploymentRun(const Scene& scene, RunContext& context, Canopies& canopies, Openings& openings,
+    DeploymentRun(const Scene& scene, RunContext& context, OpeningSequence& sequence, Openings& openings,
                   double time, const Motion<dimensions>& motion)
         : scene_(scene),
-          chute_(scene.parachutes[*canopies.leaves_pack()]),
+          chute_(scene.parachutes[*sequence.leaves_pack()]),
           context_(context),
-          canopies_(canopies),
+          sequence_(sequence),
           openings_(openings),
           begin_(time),
           corners_(corners_of(chute_.deploy.extraction, time)),
@@ -89,8 +89,8 @@ private:
         model.pack_drag_area = chute_.count * chute_.deploy.pack_drag_area;
         model.stiffness = line_stiffness(chute_);
         model.taut_distance = taut_distance(chute_);
-        model.canopies = &canopies_;
-        if (scene_.aerodynamics.added_mass && canopies_.out_mass() > 0.0)
+        model.canopies = &sequence_;
+        if (scene_.aerodynamics.added_mass && sequence_.out_mass() > 0.0)
             model.added_mass = &*scene_.aerodynamics.added_mass;
         const Vec<dimensions> velocity =
             airspeed_of<dimensions>(motion.velocity, motion.altitude(), model.wind);
@@ -99,11 +99,11 @@ private:
         return model;
     }
 
-    double carried_mass() const { return scene_.payload.mass + canopies_.packed_mass(); }
+    double carried_mass() const { return scene_.payload.mass + sequence_.packed_mass(); }
 
     /// Mortar ejection: the pack gets its speed, the payload recoils; momentum is conserved.
     void eject_from_mortar(std::vector<double>& y) const {
-        const double pack = model_.parachute_mass, payload = carried_mass() + canopies_.out_mass();
+        const double pack = model_.parachute_mass, payload = carried_mass() + sequence_.out_mass();
         const Vec<dimensions> speed = chute_.deploy.muzzle_speed * model_.behind;
         for (int i = 0; i < dimensions; ++i) {
             y[dimensions + i] -= pack / (pack + payload) * speed[i];
@@ -120,7 +120,7 @@ private:
         }
         const auto separation = Model::separation_of(solver.state());
         const auto motion = motion_of<dimensions>(solver.state());
-        context_.add_event(*canopies_.leaves_pack(), "line-stretch");
+        context_.add_event(*sequence_.leaves_pack(), "line-stretch");
         openings_.lines_taut();
         result.line_stretch_time = start_ = solver.time();
         result.payload_speed =
@@ -153,32 +153,32 @@ private:
         const double end = std::min(context_.stop_time, limit);
         for (;;) {
             const std::vector<double> y(solver.state().begin(), solver.state().end());
-            const auto done = canopies_.advance(now(solver));
+            const auto done = sequence_.advance(now(solver));
             openings_.before_stage(done, now(solver));
             const auto corner = std::ranges::upper_bound(corners_, solver.time());
             const double bend = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
-            const double next = std::min(bend, canopies_.next_time());
-            model_.payload_mass = carried_mass() + canopies_.out_mass();
+            const double next = std::min(bend, sequence_.next_time());
+            model_.payload_mass = carried_mass() + sequence_.out_mass();
             model_.extraction = piece_of(chute_.deploy.extraction, begin_, solver.time(), bend);
             solver.restart(solver.time(), y);
             watch(solver);
-            if (canopies_.watches_pressure()) solver.limit_step(pressure_step);
+            if (sequence_.watches_pressure()) solver.limit_step(pressure_step);
             context_.observer.mark(solver.time(), y);
             openings_.after_stage(done, solver.time());
             const IntegrationSegment segment = context_.integrate_to(solver, std::min(next, end));
             if (segment == IntegrationSegment::root && solver.root() >= first_trigger)
-                canopies_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
+                sequence_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
             else if (segment != IntegrationSegment::reached_end || solver.time() >= end)
                 return segment;
         }
     }
 
-    Situation now(const OdeSolver& solver) const {
-        return situation_of<dimensions>(scene_, solver.time(), motion_of<dimensions>(solver.state()));
+    FlightState now(const OdeSolver& solver) const {
+        return flight_state_of<dimensions>(scene_, solver.time(), motion_of<dimensions>(solver.state()));
     }
 
     void watch(OdeSolver& solver) const {
-        const auto count = first_trigger + static_cast<int>(canopies_.watch_count());
+        const auto count = first_trigger + static_cast<int>(sequence_.watch_count());
         solver.watch(count, [this](double t, std::span<const double> y, std::span<double> g) {
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
@@ -188,7 +188,7 @@ private:
             g[along_lines] =
                 model_.phase == DeploymentPhase::taut_lines ? s.speed() : s.length() - model_.taut_distance;
             if (g.size() > first_trigger)
-                std::ranges::copy(canopies_.watch(situation_of<dimensions>(scene_, t, motion)),
+                std::ranges::copy(sequence_.watch(flight_state_of<dimensions>(scene_, t, motion)),
                                   g.begin() + first_trigger);
         });
     }
@@ -229,16 +229,16 @@ private:
         r.separation = s.length();
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
-                canopies_,
+                sequence_,
                 {t, model_.atmosphere.at(m.altitude()).density, model_.gravity, model_.mach_number(m),
                  model_.added_mass, false, airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind),
                  model_.payload_acceleration(t, m, s)});
             const double own = model_.tension(s) / chute_.count;  // alike, and drawn out together
-            const auto leaving = std::ranges::find(canopies_.all(), *canopies_.leaves_pack(), &Canopy::index);
+            const auto leaving = std::ranges::find(sequence_.all(), *sequence_.leaves_pack(), &Canopy::index);
             r.canopies = pull.canopies + (own > 0.0 ? chute_.count : 0);
             r.canopy_force = std::max(own, pull.force);
             r.canopy =
-                own > pull.force ? static_cast<std::size_t>(leaving - canopies_.all().begin()) : pull.canopy;
+                own > pull.force ? static_cast<std::size_t>(leaving - sequence_.all().begin()) : pull.canopy;
         }
         return r;
     }
@@ -269,7 +269,7 @@ private:
     const Scene& scene_;
     const Parachute& chute_;
     RunContext& context_;
-    Canopies& canopies_;
+    OpeningSequence& sequence_;
     Openings& openings_;
     const double begin_;  // [s]
     const std::vector<double> corners_;
@@ -305,18 +305,18 @@ Motion<dimensions> released(const Scene& scene) {
 }
 
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, RunContext& context, Canopies& canopies, Openings& openings,
-                            double time, const Motion<dimensions>& motion) {
-    if (canopies.go_by_mach())
-        return DeploymentRun<dimensions, true>(scene, context, canopies, openings, time, motion).run(motion);
-    return DeploymentRun<dimensions, false>(scene, context, canopies, openings, time, motion).run(motion);
+Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                            Openings& openings, double time, const Motion<dimensions>& motion) {
+    if (sequence.go_by_mach())
+        return DeploymentRun<dimensions, true>(scene, context, sequence, openings, time, motion).run(motion);
+    return DeploymentRun<dimensions, false>(scene, context, sequence, openings, time, motion).run(motion);
 }
 
 template Motion<1> released(const Scene&);
 template Motion<2> released(const Scene&);
 template Motion<3> released(const Scene&);
-template Deployed<1> deploy(const Scene&, RunContext&, Canopies&, Openings&, double, const Motion<1>&);
-template Deployed<2> deploy(const Scene&, RunContext&, Canopies&, Openings&, double, const Motion<2>&);
-template Deployed<3> deploy(const Scene&, RunContext&, Canopies&, Openings&, double, const Motion<3>&);
+template Deployed<1> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<1>&);
+template Deployed<2> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<2>&);
+template Deployed<3> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<3>&);
 
 }  // namespace twinchute::rom

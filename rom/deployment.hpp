@@ -29,11 +29,11 @@ struct Deployed {
 template <int dimensions>
 Motion<dimensions> released(const Scene& scene);
 
-/// Runs the deployment of the parachute that leaves its pack (Canopies::leaves_pack()), from the payload's
-/// motion at `time` [s]; others go on with what they do.
+/// Runs the deployment of the parachute that leaves its pack (OpeningSequence::leaves_pack()), from the
+/// payload's motion at `time` [s]; others go on with what they do.
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, RunContext& context, Canopies& canopies, Openings& openings,
-                            double time, const Motion<dimensions>& motion);
+Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                            Openings& openings, double time, const Motion<dimensions>& motion);
 
 /// [N/m] of lines and risers together, of the whole cluster: a riser has as many strands as it carries lines.
 double line_stiffness(const Parachute& chute);

@@ -29,11 +29,11 @@ class Flight {
     using Model = RigidComposite<dimensions, air, by_mach>;
 
 public:
-    Flight(const Scene& scene, RunContext& context, Canopies& canopies, double time,
+    Flight(const Scene& scene, RunContext& context, OpeningSequence& sequence, double time,
            Motion<dimensions>& motion, double separation, Openings& openings)
         : scene_(scene),
           context_(context),
-          canopies_(canopies),
+          sequence_(sequence),
           motion_(motion),
           result_(openings.result),
           openings_(openings),
@@ -62,7 +62,7 @@ private:
     Model make_model() const {
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
-        model.canopies = &canopies_;
+        model.canopies = &sequence_;
         model.gravity = scene_.environment.gravity;
         model.payload_mass = scene_.payload.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
@@ -115,7 +115,7 @@ private:
         r.drag_area = loads.drag_area;
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
-                canopies_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
+                sequence_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
                             model_.added_mass, air == Air::accreting,
                             model_.canopy_airspeed(m, loads.airspeed), loads.acceleration});
             r.canopy_force = pull.force;
@@ -142,7 +142,7 @@ private:
         const auto loads = model_.loads(t, m);
         const Vec<dimensions> velocity = model_.canopy_airspeed(m, loads.airspeed);
         const double sink = -velocity[dimensions - 1];
-        Fall now{sink, loads.added_mass / (model_.hung_mass() + canopies_.out_mass()), 1.0};
+        Fall now{sink, loads.added_mass / (model_.hung_mass() + sequence_.out_mass()), 1.0};
         const double drag =
             1.0 + (1.0 + now.added_mass_ratio) * loads.acceleration[dimensions - 1] / model_.gravity;
         if (!(sink > 0.0) || !(drag > 0.0)) return now;
@@ -196,13 +196,13 @@ private:
     /// The window at the end of the run: a ground that comes first does not make it less steady.
     void note_last_window() {
         result_.last_window = window();
-        if (!result_.last_window || !result_.last_window->is_steady() || !canopies_.is_settled()) return;
+        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled()) return;
         result_.descent = result_.last_window;
         if (!result_.descent_altitude) result_.descent_altitude = here().altitude();
     }
 
     Motion<dimensions> here() const { return motion_of<dimensions>(solver_->state()); }
-    Situation now() const { return situation_of<dimensions>(scene_, solver_->time(), here()); }
+    FlightState now() const { return flight_state_of<dimensions>(scene_, solver_->time(), here()); }
 
     /// Negative once the force has fallen well below its peak.
     double above_past_peak(double t, const Motion<dimensions>& m) const {
@@ -216,12 +216,12 @@ private:
         solver_->restart(solver_->time(), y);
         roots_ = {Root::ground};
         roots_.insert(roots_.end(), sought.begin(), sought.end());
-        roots_.resize(roots_.size() + canopies_.watch_count(), Root::trigger);
+        roots_.resize(roots_.size() + sequence_.watch_count(), Root::trigger);
         solver_->watch(static_cast<int>(roots_.size()),
                        [this](double t, std::span<const double> state, std::span<double> g) {
                            look(t, motion_of<dimensions>(state), g);
                        });
-        if (canopies_.watches_pressure() != is_limited_) {
+        if (sequence_.watches_pressure() != is_limited_) {
             is_limited_ = !is_limited_;
             solver_->limit_step(is_limited_ ? pressure_step : 0.0);
         }
@@ -235,7 +235,7 @@ private:
                    : roots_[i] == Root::steady ? unsteadiness(t, motion)
                                                : above_past_peak(t, motion);
         if (i == roots_.size()) return;
-        for (const double left : canopies_.watch(situation_of<dimensions>(scene_, t, motion)))
+        for (const double left : sequence_.watch(flight_state_of<dimensions>(scene_, t, motion)))
             g[i++] = left;
     }
 
@@ -243,22 +243,22 @@ private:
     /// nothing.
     std::optional<IntegrationSegment> follow() {
         for (;;) {
-            const std::vector<Occurrence> done = canopies_.advance(now());
+            const std::vector<OpeningEvent> done = sequence_.advance(now());
             openings_.before_stage(done, now());
             refusal_ = openings_.check();
             if (refusal_.code == StatusCode::refused) return IntegrationSegment::reached_end;
             if (!done.empty()) is_steady_ = false, open_since_ = solver_->time();
             begin_stage(sought());
             openings_.after_stage(done, solver_->time());
-            if (canopies_.leaves_pack()) return std::nullopt;
+            if (sequence_.leaves_pack()) return std::nullopt;
             if (solver_->time() >= context_.stop_time) return IntegrationSegment::reached_end;
             if (const std::optional<IntegrationSegment> last = fly_stage()) return last;
         }
     }
 
     std::vector<Root> sought() const {
-        const bool last = canopies_.is_settled();
-        if (is_steady_ || !canopies_.is_quiet() || !(last || canopies_.waits_for_steady_descent())) return {};
+        const bool last = sequence_.is_settled();
+        if (is_steady_ || !sequence_.is_quiet() || !(last || sequence_.waits_for_steady_descent())) return {};
         if (last && scene_.stop.kind == Trigger::Kind::peak_force) return {Root::steady, Root::peak};
         return {Root::steady};
     }
@@ -271,14 +271,14 @@ private:
         if (!seeks_steady || !(unsteadiness() < 0.0)) {
             settling_since_.reset();
             const IntegrationSegment segment =
-                context_.integrate_to(*solver_, std::min(canopies_.next_time(), context_.stop_time));
+                context_.integrate_to(*solver_, std::min(sequence_.next_time(), context_.stop_time));
             if (segment == IntegrationSegment::reached_end && goes_on()) return std::nullopt;
             if (segment != IntegrationSegment::root) return segment;
             const auto root = static_cast<std::size_t>(solver_->root());
             if (roots_[root] == Root::ground) return segment;
             if (roots_[root] == Root::peak) return end_after_peak();
             if (roots_[root] == Root::trigger) {
-                canopies_.met(root - (roots_.size() - canopies_.watch_count()), now());
+                sequence_.met(root - (roots_.size() - sequence_.watch_count()), now());
                 return std::nullopt;
             }
         }
@@ -287,7 +287,7 @@ private:
 
     /// What happens at the very end of a run has happened, too.
     bool goes_on() const {
-        return solver_->time() < context_.stop_time || canopies_.next_time() <= solver_->time();
+        return solver_->time() < context_.stop_time || sequence_.next_time() <= solver_->time();
     }
 
     /// Declared steady after a window that begins here; where it is not, looked at again and again.
@@ -298,24 +298,24 @@ private:
         if (!settling_since_) settling_since_ = solver_->time();
         const double steady_since = std::max(*settling_since_ + length, solver_->time() + again * length);
         begin_stage({});
-        const double end = std::min({steady_since, canopies_.next_time(), context_.stop_time});
+        const double end = std::min({steady_since, sequence_.next_time(), context_.stop_time});
         const IntegrationSegment segment = context_.integrate_to(*solver_, end);
         if (segment == IntegrationSegment::root &&
             roots_[static_cast<std::size_t>(solver_->root())] == Root::trigger) {
-            canopies_.met(static_cast<std::size_t>(solver_->root()) - 1, now());
+            sequence_.met(static_cast<std::size_t>(solver_->root()) - 1, now());
             return std::nullopt;
         }
         if (segment != IntegrationSegment::reached_end) return segment;
         if (solver_->time() < steady_since) return goes_on() ? std::nullopt : std::optional(segment);
         const std::optional<DescentWindow> found = window();
         if (!found || !found->is_steady()) {
-            if (canopies_.is_settled()) take_long_steps();  // thin air may keep it from being steady for long
+            if (sequence_.is_settled()) take_long_steps();  // thin air may keep it from being steady for long
             return std::nullopt;
         }
         is_steady_ = true;
-        const bool last = canopies_.is_settled();
+        const bool last = sequence_.is_settled();
         context_.add_event("steady-descent");
-        canopies_.descends_steadily(now());
+        sequence_.descends_steadily(now());
         if (!last) return std::nullopt;
         result_.descent = found;
         result_.descent_altitude = context_.observer.rows().back().altitude;
@@ -371,7 +371,7 @@ private:
 
     const Scene& scene_;
     RunContext& context_;
-    Canopies& canopies_;
+    OpeningSequence& sequence_;
     Motion<dimensions>& motion_;
     OpeningResult& result_;
     Openings& openings_;
@@ -391,13 +391,14 @@ private:
 }  // namespace
 
 template <int dimensions>
-std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, Canopies& canopies, double time,
-                                Motion<dimensions>& motion, double separation, Openings& openings) {
+std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                                double time, Motion<dimensions>& motion, double separation,
+                                Openings& openings) {
     const auto fly = [&]<Air air>() {
-        if (canopies.go_by_mach())
-            return Flight<dimensions, air, true>(scene, context, canopies, time, motion, separation, openings)
+        if (sequence.go_by_mach())
+            return Flight<dimensions, air, true>(scene, context, sequence, time, motion, separation, openings)
                 .fly();
-        return Flight<dimensions, air, false>(scene, context, canopies, time, motion, separation, openings)
+        return Flight<dimensions, air, false>(scene, context, sequence, time, motion, separation, openings)
             .fly();
     };
     if (!scene.aerodynamics.added_mass) return fly.template operator()<Air::none>();
@@ -406,11 +407,11 @@ std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, Canopie
     return fly.template operator()<Air::inertia_only>();
 }
 
-template std::optional<RunStatus> fly_on(const Scene&, RunContext&, Canopies&, double, Motion<1>&, double,
-                                         Openings&);
-template std::optional<RunStatus> fly_on(const Scene&, RunContext&, Canopies&, double, Motion<2>&, double,
-                                         Openings&);
-template std::optional<RunStatus> fly_on(const Scene&, RunContext&, Canopies&, double, Motion<3>&, double,
-                                         Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<1>&,
+                                         double, Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<2>&,
+                                         double, Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<3>&,
+                                         double, Openings&);
 
 }  // namespace twinchute::rom

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "lib/models/atmosphere.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
@@ -17,7 +17,7 @@ enum class Air { none, inertia_only, accreting };
 template <int dimensions, Air air, bool by_mach = false>
 struct RigidComposite {
     Atmosphere atmosphere;
-    const Canopies* canopies = nullptr;
+    const OpeningSequence* canopies = nullptr;
     double gravity = 0.0;            ///< [m/s^2]
     double payload_mass = 0.0;       ///< [kg]
     double payload_drag_area = 0.0;  ///< [m^2]

@@ -21,19 +21,19 @@ namespace {
 
 /// Runs a scene; what an opening is judged by goes to `openings.result`.
 template <int dimensions>
-RunStatus fly(const Scene& scene, RunContext& context, Canopies& canopies, Openings& openings) {
+RunStatus fly(const Scene& scene, RunContext& context, OpeningSequence& sequence, Openings& openings) {
     OpeningResult& result = openings.result;
     Motion<dimensions> motion = released<dimensions>(scene);
     double time = 0.0, separation = 0.0;
     result.snatch_speed = result.payload_snatch_speed = release_airspeed(scene).norm();
     result.snatch_density = scene.environment.atmosphere.at(motion.altitude()).density;
     result.snatched = false;
-    canopies.release(situation_of<dimensions>(scene, time, motion));
+    sequence.release(flight_state_of<dimensions>(scene, time, motion));
     for (;;) {
-        if (const auto leaving = canopies.leaves_pack()) {
+        if (const auto leaving = sequence.leaves_pack()) {
             const Parachute& chute = scene.parachutes[*leaving];
             const Deployed<dimensions> deployed =
-                deploy<dimensions>(scene, context, canopies, openings, time, motion);
+                deploy<dimensions>(scene, context, sequence, openings, time, motion);
             result.line_stretch_time = deployed.line_stretch_time;
             if (deployed.payload_landed) result.landing_time = context.observer.rows().back().time;
             if (deployed.line_stretch_time)
@@ -43,9 +43,9 @@ RunStatus fly(const Scene& scene, RunContext& context, Canopies& canopies, Openi
             time = deployed.snatch_time;
             separation = deployed.separation;
             result.payload_snatch_speed = deployed.payload_speed;
-            canopies.snatched(*leaving, situation_of<dimensions>(scene, time, motion));
+            sequence.snatched(*leaving, flight_state_of<dimensions>(scene, time, motion));
         }
-        const auto status = fly_on<dimensions>(scene, context, canopies, time, motion, separation, openings);
+        const auto status = fly_on<dimensions>(scene, context, sequence, time, motion, separation, openings);
         if (status) return *status;
         time = context.observer.rows().back().time;
     }
@@ -108,11 +108,11 @@ bool is_one_opening(const Scene& scene) {
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
 }
 
-Reached reached_by(const Scene& scene, const RunContext& context, const Canopies& canopies) {
+Reached reached_by(const Scene& scene, const RunContext& context, const OpeningSequence& sequence) {
     constexpr double on_ground = 1e-6;  // [m] to which a stop at the altitude of the ground is met
     const bool landed = context.record.find_event("ground") != nullptr ||
                         context.observer.rows().back().altitude - scene.environment.ground < on_ground;
-    return {landed, canopies.unopened().empty() && canopies.is_open()};
+    return {landed, sequence.unopened().empty() && sequence.is_open()};
 }
 
 template <int dimensions>
@@ -121,15 +121,15 @@ RunRecord run_in(const Scene& scene, Run& run) {
     const Stopwatch watch;
     RunContext context(scene, run, record);
     OpeningResult result;
-    Canopies canopies(scene);
-    Openings openings(scene, context, canopies, result);
-    record.status = fly<dimensions>(scene, context, canopies, openings);
+    OpeningSequence sequence(scene);
+    Openings openings(scene, context, sequence, result);
+    record.status = fly<dimensions>(scene, context, sequence, openings);
     judge(scene, dimensions, context, openings);
-    const Reached reached = reached_by(scene, context, canopies);
+    const Reached reached = reached_by(scene, context, sequence);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
-    note_never_opened(record, scene, never_opened(canopies), reached);
+    note_never_opened(record, scene, never_opened(sequence), reached);
     note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
     add_channels(record, context.observer.rows(), scene, dimensions);
@@ -140,7 +140,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
 }
 
 /// A pack without drag falls beside its payload.
-std::vector<std::string> lacks(const Scene& scene) {
+std::vector<std::string> unsupported_keys(const Scene& scene) {
     for (const Parachute& chute : scene.parachutes)
         if (chute.deploy.by == DeployBy::free && !(chute.deploy.pack_drag_area > 0.0))
             return {"parachute.deploy.pack_drag_area"};
@@ -161,7 +161,8 @@ RunRecord run_rom(const Scene& scene, Run& run) {
 }
 
 const Fidelity& rom_fidelity() {
-    static constexpr Fidelity row{"rom", "reduced-order model", &run_rom, &lacks, false, false, &plan_rom};
+    static constexpr Fidelity row{"rom",    "reduced-order model", &run_rom, &unsupported_keys, false, false,
+                                  &plan_rom};
     return row;
 }
 

@@ -4,7 +4,7 @@
 
 #include "lib/models/atmosphere.hpp"
 #include "lib/scene/deployment.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
@@ -49,7 +49,7 @@ struct TwoBodies {
     double stiffness = 0.0;                     ///< [N/m] of all lines and risers
     double taut_distance = 0.0;                 ///< [m] between the two where the lines come taut
     Vec<dimensions> behind;                     ///< unit vector of the extraction force
-    const Canopies* canopies = nullptr;         ///< that the payload hangs under already
+    const OpeningSequence* canopies = nullptr;  ///< that the payload hangs under already
     const AddedMassSpec* added_mass = nullptr;  ///< of theirs
 
     DeploymentPhase phase = DeploymentPhase::free_pack;  ///< set at each stage boundary, as is the force

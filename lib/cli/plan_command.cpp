@@ -21,8 +21,8 @@ using nlohmann::ordered_json;
 
 struct Planned {
     const Fidelity* fidelity;
-    std::vector<std::string> lacks;  ///< keys of the scene; empty: there is a plan
-    std::string why_not;             ///< in words
+    std::vector<std::string> unsupported_keys;  ///< empty: there is a plan
+    std::string why_not;                        ///< in words
     Plan plan;
 };
 
@@ -80,7 +80,8 @@ std::string stages_text(const Plan& plan) {
 
 std::string plan_text(const Planned& planned, const Style& style) {
     std::string text = "\n" + style.paint(planned.fidelity->title, Colour::bold) + "\n";
-    if (!planned.lacks.empty()) return text + fmt::format("  cannot run this scene: {}\n", planned.why_not);
+    if (!planned.unsupported_keys.empty())
+        return text + fmt::format("  cannot run this scene: {}\n", planned.why_not);
     const Plan& plan = planned.plan;
     return text + "\nneeded\n" + parts_text(plan, true) + "\nleft out\n" + parts_text(plan, false) +
            "\nmemory\n" + arrays_text(plan) + "\ncost\n" + stages_text(plan) + "  " + printable(plan.how) +
@@ -96,8 +97,8 @@ ordered_json part_json(const PlanPart& part) {
 
 ordered_json plan_json(const Planned& planned) {
     ordered_json json{{"fidelity", planned.fidelity->name}};
-    if (!planned.lacks.empty()) {
-        json["lacks"] = planned.lacks;
+    if (!planned.unsupported_keys.empty()) {
+        json["lacks"] = planned.unsupported_keys;
         return json;
     }
     const Plan& plan = planned.plan;
@@ -136,9 +137,9 @@ std::vector<Planned> plans_of(const Scene& scene, const std::vector<const Fideli
     std::vector<Planned> plans;
     std::optional<RunRecord> expected;
     for (const Fidelity* fidelity : fidelities) {
-        Planned planned{fidelity, fidelity->lacks(scene), {}, {}};
-        planned.why_not = lacking_text(scene, planned.lacks);
-        if (planned.lacks.empty()) {
+        Planned planned{fidelity, fidelity->unsupported_keys(scene), {}, {}};
+        planned.why_not = unsupported_text(scene, planned.unsupported_keys);
+        if (planned.unsupported_keys.empty()) {
             PlanBasis basis;
             basis.expected = expected ? &*expected : nullptr;
             basis.threads = fidelity->has_threads ? threads : 1;

@@ -91,11 +91,11 @@ ExitCode gravest(ExitCode one, ExitCode other) {
 }
 
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others) {
-    const std::vector<std::string> lacking = fidelity.lacks(scene);
+    const std::vector<std::string> lacking = fidelity.unsupported_keys(scene);
     if (lacking.empty()) return;
     const std::string& key = lacking.front();
     const auto able = std::ranges::find_if(others, [&](const Fidelity* other) {
-        return other->name != fidelity.name && std::ranges::count(other->lacks(scene), key) == 0;
+        return other->name != fidelity.name && std::ranges::count(other->unsupported_keys(scene), key) == 0;
     });
     const bool given = std::ranges::count(scene.inputs, key, &Input::key) != 0;
     const std::string way_out = able != others.end()
@@ -103,7 +103,7 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
                                 : given ? fmt::format("take '{}' out of the scene", key)
                                         : fmt::format("give '{}'", key);
     throw UsageError(fmt::format("{}: '{}' cannot run this scene ({}), {}", scene.file.string(),
-                                 fidelity.name, lacking_text(scene, lacking), way_out));
+                                 fidelity.name, unsupported_text(scene, lacking), way_out));
 }
 
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {

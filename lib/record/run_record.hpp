@@ -105,7 +105,7 @@ struct EnergyLedger {
     /// What a change of structure brought in: stiffness that grows under strain, energy of elements
     /// that are dropped (negative). Runs that change their structure.
     double ramp = 0.0;
-    /// Work of the extraction force and of the static line's far end, less the energy that the static line
+    /// Work of the extraction force and of the static line's anchor, less the energy that the static line
     /// carries off when it lets go. Runs that have either.
     double external_work = 0.0;
 };

@@ -44,7 +44,7 @@ struct Run {
     int threads = 1;  ///< at most; the answer is the same for any number
     /// Lays a structure out in memory as for a mesh without any order, where its own would allow a faster
     /// way: the answer is the same but for rounding. For checks; no scene asks for it.
-    bool as_any_mesh = false;
+    bool force_unstructured = false;
     Checkpoints checkpoints = {};
 };
 
@@ -54,7 +54,7 @@ struct Fidelity {
     RunRecord (*run)(const Scene&, Run&) = nullptr;
     /// Keys of the scene whose physics this fidelity lacks, or which it needs and the scene does not give;
     /// never null, usually empty.
-    std::vector<std::string> (*lacks)(const Scene&) = nullptr;
+    std::vector<std::string> (*unsupported_keys)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
     bool has_threads = false;   ///< it is faster with some
     /// What a run of the scene would need and cost; may be null. Throws SceneError.
@@ -64,7 +64,7 @@ struct Fidelity {
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs
 /// 'x'" where the scene does not give that key.
-std::string lacking_text(const Scene& scene, const std::vector<std::string>& keys);
+std::string unsupported_text(const Scene& scene, const std::vector<std::string>& keys);
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.
 RunRecord begin_record(const Scene& scene, std::string_view fidelity);

@@ -7,7 +7,7 @@
 
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 
 namespace twinchute {
 
@@ -18,8 +18,8 @@ struct NeverOpened {
     std::string why;
 };
 
-/// Those of `canopies` at the end of a run.
-std::vector<NeverOpened> never_opened(const Canopies& canopies);
+/// Canopies of `sequence` that have not opened by the end of a run.
+std::vector<NeverOpened> never_opened(const OpeningSequence& sequence);
 
 /// How far a run came, beside its status.
 struct Reached {

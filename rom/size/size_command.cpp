@@ -64,7 +64,7 @@ void check(const std::vector<Scene>& scenes) {
                             "max_descent_rate = \"6 m/s\"",
                             scene.file.string()));
         for (const std::string& name : scene.size->vary)
-            if (const std::string why = find_vary(name)->lacks(scene); !why.empty())
+            if (const std::string why = find_vary(name)->why_unavailable(scene); !why.empty())
                 throw UsageError(
                     fmt::format("{}: size.vary: '{}' cannot vary ({}), add it or take the word out",
                                 scene.file.string(), name, why));

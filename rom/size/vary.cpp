@@ -61,11 +61,11 @@ Bounds bounds_of_diameter(const Scene& scene) {
     return {near / below, std::min(near * above, largest_diameter)};
 }
 
-std::string has_all(const Scene&) {
+std::string always_available(const Scene&) {
     return {};
 }
 
-std::string lacks_reefing(const Scene& scene) {
+std::string requires_reefing(const Scene& scene) {
     return sized_parachute(scene).reefing.empty() ? "the scene has no [[parachute.reefing]]" : "";
 }
 
@@ -82,9 +82,9 @@ Bounds bounds_of_ratio(const Scene& scene) {
 
 constexpr std::array<VaryRow, 4> rows{{
     {"nominal_diameter", "m", "nominal diameter D0",
-     "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", has_all,
+     "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", always_available,
      goal_of_diameter, bounds_of_diameter, diameter, set_diameter},
-    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", has_all,
+    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", always_available,
      [](const SizeSpec&) { return Goal::largest; },
      [](const Scene&) {
          return Bounds{1.0, fastest_release};
@@ -92,12 +92,12 @@ constexpr std::array<VaryRow, 4> rows{{
      [](const Scene& scene) { return scene.release.speed; },
      [](Scene& scene, double value) { scene.release.speed = value; }},
     {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
-     lacks_reefing, least_load, bounds_of_ratio,
+     requires_reefing, least_load, bounds_of_ratio,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
      [](Scene& scene, double value) {
          scene.parachutes[sized_index(scene)].reefing.front().drag_area_ratio = value;
      }},
-    {"cutter_delay", "s", "delay of the first cutter", "with the least load", lacks_reefing, least_load,
+    {"cutter_delay", "s", "delay of the first cutter", "with the least load", requires_reefing, least_load,
      [](const Scene&) {
          return Bounds{0.2, 30.0};
      },

@@ -25,7 +25,7 @@ struct VaryRow {
     std::string_view name, unit, title;
     std::string_view what;  ///< goes along with it, in words
     /// Why a scene does not have it; empty where it does.
-    std::string (*lacks)(const Scene&);
+    std::string (*why_unavailable)(const Scene&);
     Goal (*goal)(const SizeSpec&);
     Bounds (*bounds)(const Scene&);
     double (*get)(const Scene&);

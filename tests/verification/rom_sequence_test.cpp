@@ -6,8 +6,8 @@
 #include <map>
 
 #include "lib/scene/line_stretch.hpp"
-#include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/canopy_force.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/rigid_composite.hpp"
@@ -180,15 +180,15 @@ TEST(RomSequence, AClusterWithoutLagIsOneParachute) {
 /// speed, against what the equation of motion says that the payload is pulled with: the same law, summed.
 template <rom::Air air>
 void expect_balance(const Scene& scene) {
-    const Situation at_snatch{0.0, 300.0, -20.0, 22.0, 1.225};
-    Canopies canopies(scene);
-    canopies.release(at_snatch);
+    const FlightState at_snatch{0.0, 300.0, -20.0, 22.0, 1.225};
+    OpeningSequence openings(scene);
+    openings.release(at_snatch);
     constexpr double t = 1.3;  // [s] the first nearly full, the second in its initial phase
-    while (canopies.next_time() <= t)
-        canopies.advance({canopies.next_time(), 280.0, -20.0, 22.0, 1.225});
+    while (openings.next_time() <= t)
+        openings.advance({openings.next_time(), 280.0, -20.0, 22.0, 1.225});
     rom::RigidComposite<2, air> model;
     model.atmosphere = scene.environment.atmosphere;
-    model.canopies = &canopies;
+    model.canopies = &openings;
     model.gravity = g;
     model.payload_mass = scene.payload.mass;
     model.payload_drag_area = 1.0;
@@ -205,11 +205,11 @@ void expect_balance(const Scene& scene) {
                                    loads.acceleration};
     rom::Vec<2> sum = rom::Vec<2>::Zero(), drag = rom::Vec<2>::Zero(), own = rom::Vec<2>::Zero();
     std::vector<double> each;
-    for (const Canopy& c : canopies.all()) {
-        const rom::Vec<2> pull = rom::canopy_force<2>(c, canopies, shared);
+    for (const Canopy& c : openings.all()) {
+        const rom::Vec<2> pull = rom::canopy_force<2>(c, openings, shared);
         each.push_back(pull.norm());
         sum += c.count * pull;
-        drag += c.count * rom::drag_of<2>(loads.density, Canopies::drag_area_of(c, t), loads.airspeed);
+        drag += c.count * rom::drag_of<2>(loads.density, OpeningSequence::drag_area_of(c, t), loads.airspeed);
         own += c.count * c.chute->mass * (loads.acceleration + g * rom::Vec<2>::UnitY());
     }
     // Forces of 1e4 N out of sums of a few terms of that size: 1e-12 is a hundred roundings.

@@ -317,7 +317,7 @@ TEST(SizingTables, HaveTheWordsOfTheKeys) {
         Scene scene = read_text(
             edited(falling, "[stop]",
                    "reefing = [{ drag_area_ratio = 0.1, until = { time = 4, delay = 2 } }]\n[stop]"));
-        EXPECT_EQ(row.lacks(scene), "") << row.name;
+        EXPECT_EQ(row.why_unavailable(scene), "") << row.name;
         const double before = row.get(scene);
         row.set(scene, 1.25 * before);
         EXPECT_NEAR(row.get(scene), 1.25 * before, 1e-12) << row.name;

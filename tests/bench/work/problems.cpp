@@ -44,7 +44,7 @@ Bodies bodies_of(const Scene& scene) {
     model.stiffness = rom::line_stiffness(chute);
     model.taut_distance = rom::taut_distance(chute);
     model.behind = rom::Vec<1>::Unit(0);
-    static const Canopies none;
+    static const OpeningSequence none;
     model.canopies = &none;
     return model;
 }
@@ -52,7 +52,7 @@ Bodies bodies_of(const Scene& scene) {
 /// y: altitude and its rate.
 Stage flight(const Problem& problem, Composite model, const Scene& scene, const Inflation& inflation,
              Phase phase, double end) {
-    const auto canopies = std::make_shared<Canopies>(scene.parachutes.front(), inflation, phase);
+    const auto canopies = std::make_shared<OpeningSequence>(scene.parachutes.front(), inflation, phase);
     model.canopies = canopies.get();
     return {end, [&problem, model, canopies](double t, const double* y, double* dydt) {
                 ++problem.calls;

@@ -224,7 +224,7 @@ protected:
     Drawn draw(const Fidelity& model, int number) const {
         const RandomDrop drop = DropGenerator(seed_, number, model.name == "full").drop();
         const Scene scene = read_scene_text(drop.text, fmt::format("drop {}", number), here_.path());
-        EXPECT_TRUE(model.lacks(scene).empty()) << drop.text;
+        EXPECT_TRUE(model.unsupported_keys(scene).empty()) << drop.text;
         return {drop, scene};
     }
 

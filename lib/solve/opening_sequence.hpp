@@ -1,5 +1,5 @@
-// What the parachutes of a scene do, one after the other or at once: wait, open in stages, are let go. The
-// same for every fidelity; a model says how it flies, this says what happens when.
+// Opening sequence of the parachutes of a scene, one after the other or at once: they wait, open in stages
+// and are cut. Shared by all fidelities: a model computes the flight, the sequence decides what happens when.
 #pragma once
 
 #include <limits>
@@ -13,8 +13,8 @@
 
 namespace twinchute {
 
-/// The payload's flight at one instant, as far as parachutes go by it.
-struct Situation {
+/// State of the payload's flight at one instant, as far as triggers need it.
+struct FlightState {
     double time = 0.0;      ///< [s] since release
     double altitude = 0.0;  ///< [m] above sea level
     double climb = 0.0;     ///< [m/s] upward
@@ -24,7 +24,7 @@ struct Situation {
     double dynamic_pressure() const { return 0.5 * density * airspeed * airspeed; }
 };
 
-/// One canopy, or several of a cluster that do the same.
+/// One canopy, or several of a cluster that behave alike.
 struct Canopy {
     enum class State { packed, open, cut };
 
@@ -43,8 +43,8 @@ struct Canopy {
     bool is_reefed() const { return stage < chute->reefing.size(); }
 };
 
-/// Something that happened to a parachute.
-struct Occurrence {
+/// Event in the opening of a parachute.
+struct OpeningEvent {
     enum class Kind {
         snatch,       ///< line stretch, or snatch of one that was packed
         filling,      ///< its drag area begins to rise: end of the initial phase
@@ -62,39 +62,39 @@ struct Occurrence {
 /// skirt, and two thirds of the radius, the mean height of a hemisphere over its projected area.
 double drag_distance(const Parachute& chute);
 
-class Canopies {
+class OpeningSequence {
 public:
     /// All in their packs. The scene outlives it.
-    explicit Canopies(const Scene& scene);
+    explicit OpeningSequence(const Scene& scene);
     /// None: nothing ever happens.
-    Canopies() = default;
+    OpeningSequence() = default;
     /// One that is out and stays in its phase: a right-hand side without events, for integrators alone. The
     /// parachute outlives it.
-    Canopies(const Parachute& chute, const Inflation& inflation, Phase phase);
+    OpeningSequence(const Parachute& chute, const Inflation& inflation, Phase phase);
 
     /// Release: what waits for nothing happens, and is told by advance().
-    void release(const Situation& now);
+    void release(const FlightState& now);
 
     /// Everything that is due by now, in order. Stop at next_time(), and where watch() falls to zero, and
     /// ask.
-    std::vector<Occurrence> advance(const Situation& now);
+    std::vector<OpeningEvent> advance(const FlightState& now);
     /// The parachute that has to leave its pack now, if any; others stay in theirs until it has snatched.
     std::optional<std::size_t> leaves_pack() const { return leaving_; }
     /// Snatch, of a parachute that has left its pack.
-    void snatched(std::size_t index, const Situation& now);
+    void snatched(std::size_t index, const FlightState& now);
     /// A steady descent has been found.
-    void descends_steadily(const Situation& now);
+    void descends_steadily(const FlightState& now);
 
     /// [s] The next time at which something is known to happen; infinite when nothing is.
     double next_time() const;
     /// Conditions on the flight that something waits for: each is met where it falls to zero. [m], [m/s],
     /// [Pa]
-    std::vector<double> watch(const Situation& now) const;
+    std::vector<double> watch(const FlightState& now) const;
     std::size_t watch_count() const;
     /// Whether one of them may be met for a short while only, so that a long step could miss it.
     bool watches_pressure() const;
     /// The condition of that number among watch() is met.
-    void met(std::size_t watched, const Situation& now);
+    void met(std::size_t watched, const FlightState& now);
     bool waits_for_steady_descent() const;
 
     /// No drag area changes.
@@ -150,12 +150,12 @@ public:
         std::size_t canopy;  ///< of all()
         std::string why;     ///< e.g. "deploy.when, altitude 0 m, was not met"
     };
-    /// Those still in their packs, and those behind a reefing line that has not been cut.
+    /// Canopies still in their packs, or behind a reefing line that has not been cut.
     std::vector<Unopened> unopened() const;
     /// Whether all that are out are full.
     bool is_open() const;
 
-    /// Of those of the same scene.
+    /// Writes or reads the sequence of one scene.
     void keep(Keeper& k);
 
 private:
@@ -168,17 +168,17 @@ private:
         double due = std::numeric_limits<double>::infinity();  ///< [s]
     };
 
-    /// What a canopy in its stage waits for.
+    /// Trigger that a canopy in its stage waits for.
     const Trigger* trigger_of(Wait::What what, const Canopy& c) const;
-    void arm(Wait wait, const Situation& now);
+    void arm(Wait wait, const FlightState& now);
     void occurred(Trigger::Kind kind, std::size_t index, double time);
     bool is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const;
-    double left(const Wait& wait, const Situation& now) const;
+    double left(const Wait& wait, const FlightState& now) const;
     bool is_watched(const Wait& wait) const;
     bool is_blocked(const Wait& wait) const;
-    void open(std::size_t index, const Situation& now, std::vector<Occurrence>& done);
-    void end_phase(Canopy& c, const Situation& now, std::vector<Occurrence>& done);
-    void act(const Wait& wait, const Situation& now, std::vector<Occurrence>& done);
+    void open(std::size_t index, const FlightState& now, std::vector<OpeningEvent>& done);
+    void end_phase(Canopy& c, const FlightState& now, std::vector<OpeningEvent>& done);
+    void act(const Wait& wait, const FlightState& now, std::vector<OpeningEvent>& done);
     void weigh();
 
     const Scene* scene_ = nullptr;
@@ -190,7 +190,7 @@ private:
         double time;
     };
     std::vector<Past> past_;
-    std::vector<Occurrence> unreported_;
+    std::vector<OpeningEvent> unreported_;
     std::optional<std::size_t> leaving_;
     double out_mass_ = 0.0, packed_mass_ = 0.0, distance_ = 0.0;
 };

@@ -1,4 +1,4 @@
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 
 #include <fmt/format.h>
 
@@ -33,7 +33,7 @@ bool is_filling(const Canopy& c) {
 
 }  // namespace
 
-Canopies::Canopies(const Scene& scene) : scene_(&scene) {
+OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
         const Parachute& chute = scene.parachutes[k];
         std::map<double, int> alike;  // those of one lag do the same
@@ -55,7 +55,7 @@ Canopies::Canopies(const Scene& scene) : scene_(&scene) {
     weigh();
 }
 
-Canopies::Canopies(const Parachute& chute, const Inflation& inflation, Phase phase) {
+OpeningSequence::OpeningSequence(const Parachute& chute, const Inflation& inflation, Phase phase) {
     Canopy c;
     c.chute = &chute;
     c.state = Canopy::State::open;
@@ -72,7 +72,7 @@ double drag_distance(const Parachute& chute) {
     return chute.riser_length + std::sqrt(std::max(0.0, line * line - radius * radius)) + radius / 1.5;
 }
 
-void Canopies::weigh() {
+void OpeningSequence::weigh() {
     out_mass_ = packed_mass_ = distance_ = 0.0;
     double most = 0.0;
     for (const Canopy& c : all_) {
@@ -85,7 +85,7 @@ void Canopies::weigh() {
     }
 }
 
-void Canopies::release(const Situation& now) {
+void OpeningSequence::release(const FlightState& now) {
     past_.push_back({Trigger::Kind::release, 0, now.time});
     std::size_t before = all_.size();
     for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -96,7 +96,7 @@ void Canopies::release(const Situation& now) {
     unreported_ = advance(now);
 }
 
-const Trigger* Canopies::trigger_of(Wait::What what, const Canopy& c) const {
+const Trigger* OpeningSequence::trigger_of(Wait::What what, const Canopy& c) const {
     static const Trigger at_release{Trigger::Kind::release, 0.0, 0.0};
     switch (what) {
         case Wait::What::deploy:
@@ -109,8 +109,8 @@ const Trigger* Canopies::trigger_of(Wait::What what, const Canopy& c) const {
     return c.chute->cut ? &*c.chute->cut : nullptr;
 }
 
-/// Whether what happens to a parachute, or to the flight, is what is waited for.
-bool Canopies::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const {
+/// Whether an event of a parachute, or of the flight, is the one that is waited for.
+bool OpeningSequence::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index) const {
     const Trigger& t = *wait.trigger;
     if (t.kind != kind) return false;
     const bool of_parachute =
@@ -120,7 +120,7 @@ bool Canopies::is_about(const Wait& wait, Trigger::Kind kind, std::size_t index)
 }
 
 /// [m], [m/s] or [Pa] until the condition on the flight is met.
-double Canopies::left(const Wait& wait, const Situation& now) const {
+double OpeningSequence::left(const Wait& wait, const FlightState& now) const {
     switch (wait.trigger->kind) {
         case Trigger::Kind::altitude:
             return std::max(now.altitude - wait.trigger->value, now.climb);  // not on the way up
@@ -133,14 +133,14 @@ double Canopies::left(const Wait& wait, const Situation& now) const {
     }
 }
 
-bool Canopies::is_watched(const Wait& wait) const {
+bool OpeningSequence::is_watched(const Wait& wait) const {
     using enum Trigger::Kind;
     const Trigger::Kind kind = wait.trigger->kind;
     return wait.due == never && (kind == altitude || kind == apogee || kind == dynamic_pressure);
 }
 
-/// What has been met before begins to count now.
-void Canopies::arm(Wait wait, const Situation& now) {
+/// Begins to wait; a condition that has been met before counts from now.
+void OpeningSequence::arm(Wait wait, const FlightState& now) {
     const Trigger& t = *wait.trigger;
     if (t.kind == Trigger::Kind::time) wait.due = t.value + t.delay;
     for (const Past& p : past_)
@@ -151,17 +151,17 @@ void Canopies::arm(Wait wait, const Situation& now) {
     waits_.push_back(wait);
 }
 
-void Canopies::occurred(Trigger::Kind kind, std::size_t index, double time) {
+void OpeningSequence::occurred(Trigger::Kind kind, std::size_t index, double time) {
     past_.push_back({kind, index, time});
     for (Wait& wait : waits_)
         if (wait.due == never && is_about(wait, kind, index)) wait.due = time + wait.trigger->delay;
 }
 
-void Canopies::descends_steadily(const Situation& now) {
+void OpeningSequence::descends_steadily(const FlightState& now) {
     occurred(Trigger::Kind::steady_descent, 0, now.time);
 }
 
-double Canopies::next_time() const {
+double OpeningSequence::next_time() const {
     double next = never;
     for (const Canopy& c : all_)
         next = std::min({next, phase_end(c), next_kink(c)});
@@ -171,18 +171,18 @@ double Canopies::next_time() const {
 }
 
 /// One pack after the other.
-bool Canopies::is_blocked(const Wait& wait) const {
+bool OpeningSequence::is_blocked(const Wait& wait) const {
     return leaving_ && wait.what == Wait::What::deploy && all_[wait.canopy].chute->deploy.starts_packed();
 }
 
-std::vector<double> Canopies::watch(const Situation& now) const {
+std::vector<double> OpeningSequence::watch(const FlightState& now) const {
     std::vector<double> values;
     for (const Wait& wait : waits_)
         if (is_watched(wait)) values.push_back(left(wait, now));
     return values;
 }
 
-void Canopies::met(std::size_t watched, const Situation& now) {
+void OpeningSequence::met(std::size_t watched, const FlightState& now) {
     for (Wait& wait : waits_)
         if (is_watched(wait) && watched-- == 0) {
             wait.due = now.time + wait.trigger->delay;
@@ -190,40 +190,40 @@ void Canopies::met(std::size_t watched, const Situation& now) {
         }
 }
 
-std::size_t Canopies::watch_count() const {
+std::size_t OpeningSequence::watch_count() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(waits_, [this](const Wait& wait) { return is_watched(wait); }));
 }
 
-bool Canopies::watches_pressure() const {
+bool OpeningSequence::watches_pressure() const {
     return std::ranges::any_of(waits_, [this](const Wait& wait) {
         return is_watched(wait) && wait.trigger->kind == Trigger::Kind::dynamic_pressure;
     });
 }
 
-bool Canopies::waits_for_steady_descent() const {
+bool OpeningSequence::waits_for_steady_descent() const {
     return std::ranges::any_of(waits_, [](const Wait& wait) {
         return wait.due == never && wait.trigger->kind == Trigger::Kind::steady_descent;
     });
 }
 
-bool Canopies::is_quiet() const {
+bool OpeningSequence::is_quiet() const {
     return std::ranges::none_of(all_, [](const Canopy& c) { return c.is_out() && c.phase != Phase::open; });
 }
 
-bool Canopies::is_filled() const {
+bool OpeningSequence::is_filled() const {
     return waits_.empty() && std::ranges::none_of(all_, is_filling);
 }
 
-bool Canopies::is_settled() const {
+bool OpeningSequence::is_settled() const {
     return waits_.empty() && is_quiet();
 }
 
-bool Canopies::any_waits_to_leave() const {
+bool OpeningSequence::any_waits_to_leave() const {
     return std::ranges::any_of(all_, [](const Canopy& c) { return c.state == Canopy::State::packed; });
 }
 
-std::vector<Canopies::Unopened> Canopies::unopened() const {
+std::vector<OpeningSequence::Unopened> OpeningSequence::unopened() const {
     std::vector<Unopened> list;
     for (std::size_t i = 0; i < all_.size(); ++i) {
         const Canopy& c = all_[i];
@@ -244,29 +244,29 @@ std::vector<Canopies::Unopened> Canopies::unopened() const {
     return list;
 }
 
-bool Canopies::is_open() const {
+bool OpeningSequence::is_open() const {
     return std::ranges::none_of(all_, is_filling);
 }
 
-bool Canopies::go_by_mach() const {
+bool OpeningSequence::go_by_mach() const {
     return std::ranges::any_of(all_,
                                [](const Canopy& c) { return c.chute->drag_area_mach_table.has_value(); });
 }
 
-double Canopies::drag_area(double time, double mach) const {
+double OpeningSequence::drag_area(double time, double mach) const {
     double sum = 0.0;
     for (const Canopy& c : all_)
         if (c.is_out()) sum += c.count * drag_area_of(c, time, mach);
     return sum;
 }
 
-double Canopies::drag_area_of(const Canopy& c, double time, double mach) {
+double OpeningSequence::drag_area_of(const Canopy& c, double time, double mach) {
     const auto& table = c.chute->drag_area_mach_table;
     return drag_area_of(c, time) * (table ? table->factor(mach) : 1.0);
 }
 
-std::vector<Occurrence> Canopies::advance(const Situation& now) {
-    std::vector<Occurrence> done = std::move(unreported_);
+std::vector<OpeningEvent> OpeningSequence::advance(const FlightState& now) {
+    std::vector<OpeningEvent> done = std::move(unreported_);
     unreported_.clear();
     // Conditions that the flight has met by now.
     for (Wait& wait : waits_)
@@ -292,7 +292,7 @@ std::vector<Occurrence> Canopies::advance(const Situation& now) {
     return done;
 }
 
-void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrence>& done) {
+void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<OpeningEvent>& done) {
     Canopy& c = all_[wait.canopy];
     switch (wait.what) {
         case Wait::What::deploy:
@@ -307,7 +307,7 @@ void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrenc
             std::erase_if(waits_, [&](const Wait& other) { return other.canopy == wait.canopy; });
             if (std::ranges::none_of(all_,
                                      [&](const Canopy& o) { return o.index == c.index && o.is_out(); })) {
-                done.push_back({Occurrence::Kind::cut, c.index});
+                done.push_back({OpeningEvent::Kind::cut, c.index});
                 occurred(Trigger::Kind::cut, c.index, now.time);
             }
             return;
@@ -326,13 +326,13 @@ void Canopies::act(const Wait& wait, const Situation& now, std::vector<Occurrenc
             if (std::ranges::none_of(all_, [&](const Canopy& o) {
                     return &o != &c && o.index == c.index && o.stage >= c.stage;
                 }))
-                done.push_back({Occurrence::Kind::disreef, c.index, c.stage});
+                done.push_back({OpeningEvent::Kind::disreef, c.index, c.stage});
             if (c.is_reefed())
                 arm({Wait::What::disreef, wait.canopy, trigger_of(Wait::What::disreef, c)}, now);
     }
 }
 
-void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence>& done) {
+void OpeningSequence::end_phase(Canopy& c, const FlightState& now, std::vector<OpeningEvent>& done) {
     const auto others = [&](auto&& is) {  // of its cluster
         return std::ranges::any_of(
             all_, [&](const Canopy& o) { return &o != &c && o.index == c.index && o.is_out() && is(o); });
@@ -344,13 +344,13 @@ void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence
     if (c.phase == Phase::initial) {
         c.phase = Phase::filling;
         if (!others([](const Canopy& o) { return o.phase != Phase::initial; }))
-            done.push_back({Occurrence::Kind::filling, c.index, c.stage});
+            done.push_back({OpeningEvent::Kind::filling, c.index, c.stage});
         return;
     }
     c.phase = c.inflation.after(c.phase);
     if (c.is_reefed()) {
         if (!others([&](const Canopy& o) { return o.stage == c.stage && o.phase != Phase::open; }))
-            done.push_back({Occurrence::Kind::reefed_open, c.index, c.stage});
+            done.push_back({OpeningEvent::Kind::reefed_open, c.index, c.stage});
         const auto own = static_cast<std::size_t>(&c - all_.data());
         for (Wait& wait : waits_)  // "full-open" of a stage is its own
             if (wait.what == Wait::What::disreef && wait.canopy == own && wait.trigger->of.empty() &&
@@ -359,12 +359,12 @@ void Canopies::end_phase(Canopy& c, const Situation& now, std::vector<Occurrence
         return;
     }
     if (others([](const Canopy& o) { return is_filling(o) || o.is_reefed(); })) return;
-    done.push_back({Occurrence::Kind::full_open, c.index, c.stage});
+    done.push_back({OpeningEvent::Kind::full_open, c.index, c.stage});
     occurred(Trigger::Kind::full_open, c.index, now.time);
 }
 
-void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurrence>& done) {
-    done.push_back({Occurrence::Kind::snatch, index});
+void OpeningSequence::open(std::size_t index, const FlightState& now, std::vector<OpeningEvent>& done) {
+    done.push_back({OpeningEvent::Kind::snatch, index});
     occurred(Trigger::Kind::line_stretch, index, now.time);
     const bool is_open = scene_->parachutes[index].deploy.by == DeployBy::inflated;
     bool fills_at_once = false;
@@ -383,20 +383,20 @@ void Canopies::open(std::size_t index, const Situation& now, std::vector<Occurre
         if (c.is_reefed()) arm({Wait::What::disreef, i, trigger_of(Wait::What::disreef, c)}, now);
         if (c.chute->cut) arm({Wait::What::cut, i, trigger_of(Wait::What::cut, c)}, now);
     }
-    if (fills_at_once) done.push_back({Occurrence::Kind::filling, index});
+    if (fills_at_once) done.push_back({OpeningEvent::Kind::filling, index});
     if (is_open) {
-        done.push_back({Occurrence::Kind::full_open, index});
+        done.push_back({OpeningEvent::Kind::full_open, index});
         occurred(Trigger::Kind::full_open, index, now.time);
     }
     weigh();
 }
 
-void Canopies::snatched(std::size_t index, const Situation& now) {
+void OpeningSequence::snatched(std::size_t index, const FlightState& now) {
     leaving_.reset();
     open(index, now, unreported_);
 }
 
-void Canopies::keep(Keeper& k) {
+void OpeningSequence::keep(Keeper& k) {
     for (Canopy& c : all_) {
         k.choice("canopy", c.state, Canopy::State::cut);
         k.whole("stage", c.stage, 0, c.chute->reefing.size());
@@ -426,8 +426,8 @@ void Canopies::keep(Keeper& k) {
         k.number("at", past.time);
     }
     k.length("unreported", unreported_, most);
-    for (Occurrence& what : unreported_) {
-        k.choice("occurred", what.kind, Occurrence::Kind::cut);
+    for (OpeningEvent& what : unreported_) {
+        k.choice("occurred", what.kind, OpeningEvent::Kind::cut);
         k.whole("parachute", what.index, 0, all_.size());
         k.whole("stage", what.stage);
     }
