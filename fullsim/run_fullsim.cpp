@@ -205,22 +205,22 @@ private:
         if (!saves()) return;
         const bool stops = run_.stop.stop_requested();
         if (!stops && watch_.wall() < next_save_) return;
-        Keeper k;
-        keep(k);
-        run_.checkpoints.save(k.take());
+        Archive archive;
+        serialize(archive);
+        run_.checkpoints.save(archive.take());
         saved_for_stop_ = stops;
         next_save_ = watch_.wall() + scene_.full.checkpoint_interval;
     }
 
     void go_on_from(const std::string& saved) {
-        Keeper k(saved, run_.checkpoints.file);
-        keep(k);
-        k.end();
+        Archive archive(saved, run_.checkpoints.file);
+        serialize(archive);
+        archive.end();
         record_.cost.resumed_at.push_back(state().time);
         if (run_.progress) run_.progress({stage_name(), state().time, expected_share(), resumed_at()});
     }
 
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
@@ -488,53 +488,53 @@ private:
     bool saved_for_stop_ = false;
 };
 
-void keep_window(Keeper& k, std::optional<DescentWindow>& window) {
+void serialize_window(Archive& archive, std::optional<DescentWindow>& window) {
     bool is_there = window.has_value();
-    k.flag("window", is_there);
+    archive.flag("window", is_there);
     if (!is_there) return window.reset();
-    if (k.reads()) window.emplace();
+    if (archive.reads()) window.emplace();
     auto& [from, to, rate, amplitude, drift, remaining] = *window;
     for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining})
-        k.number("window", *x);
+        archive.number("window", *x);
 }
 
 /// What the constructor makes anew is not kept.
-void FullRun::keep(Keeper& k) {
-    simulation_.keep(k);
-    observer_.keep(k);
-    fall_.keep(k);
-    fields_.keep(k);
-    frames_.keep(k);
-    if (sequence_) sequence_->keep(k);
-    k.length("events", record_.events, 1'000'000);
+void FullRun::serialize(Archive& archive) {
+    simulation_.serialize(archive);
+    observer_.serialize(archive);
+    fall_.serialize(archive);
+    fields_.serialize(archive);
+    frames_.serialize(archive);
+    if (sequence_) sequence_->serialize(archive);
+    archive.length("events", record_.events, 1'000'000);
     for (Event& event : record_.events) {
         auto& [name, time, altitude, speed] = event;
-        k.text("event", name);
+        archive.text("event", name);
         for (double* x : {&time, &altitude, &speed})
-            k.number("event", *x);
+            archive.number("event", *x);
     }
-    k.whole("sound events", sound_events_, 0, record_.events.size());
+    archive.whole("sound events", sound_events_, 0, record_.events.size());
     for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &snatch_, &snatch_speed_,
                       &snatch_path_angle_, &payload_snatch_speed_, &snatch_density_})
-        k.number("run", *x);
+        archive.number("run", *x);
     for (std::optional<double>* x : {&line_stretch_time_, &descent_altitude_, &landing_time_, &steady_area_})
-        k.number("run", *x);
+        archive.number("run", *x);
     for (std::optional<DescentWindow>* window : {&descent_, &last_window_})
-        keep_window(k, *window);
-    k.flag("switched late", switched_late_);
-    k.length("stages", stages_, 1000);
+        serialize_window(archive, *window);
+    archive.flag("switched late", switched_late_);
+    archive.length("stages", stages_, 1000);
     for (ParachuteResult::Stage& stage : stages_) {
         auto& [begin, full, peak_force, peak_time] = stage;
-        k.number("begin", begin);
-        k.number("full", full);
-        k.number("peak force", peak_force);
-        k.number("peak time", peak_time);
+        archive.number("begin", begin);
+        archive.number("full", full);
+        archive.number("peak force", peak_force);
+        archive.number("peak time", peak_time);
     }
     double wall = wall_before_ + watch_.wall(), cpu = cpu_before_ + watch_.cpu();
-    k.number("wall time", wall);
-    k.number("processor time", cpu);
-    k.numbers("resumed at", record_.cost.resumed_at);
-    if (k.reads()) wall_before_ = wall, cpu_before_ = cpu;
+    archive.number("wall time", wall);
+    archive.number("processor time", cpu);
+    archive.numbers("resumed at", record_.cost.resumed_at);
+    if (archive.reads()) wall_before_ = wall, cpu_before_ = cpu;
 }
 
 Observer::Peak FullRun::largest_peak() const {

@@ -54,7 +54,7 @@ LongRun::LongRun(const Fidelity& fidelity, const Scene& scene, fs::path director
 
 Checkpoints LongRun::checkpoints(FieldFiles& fields) {
     if (!keeps_) return {};
-    fields.vouch();
+    fields.compute_checksums();
     Checkpoints made;
     if (from_) {
         fields.adopt(from_->frames);

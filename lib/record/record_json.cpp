@@ -161,7 +161,7 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
             {"threads", provenance.threads}};
 }
 
-std::string summary_json(const RunRecord& record, const FileSums& files) {
+std::string summary_json(const RunRecord& record, const FileChecksums& files) {
     std::vector<Metric> metrics = record.metrics;
     std::vector<MissingMetric> missing = record.missing;
     std::vector<Warning> warnings = record.warnings;

@@ -26,7 +26,7 @@ struct Progress {
 
 /// How a long run is kept from being lost: now and then it gives away all that it needs to go on.
 struct Checkpoints {
-    /// Takes a state of the run (lib/record/keeper.hpp), again and again. Empty: none are made.
+    /// Takes a state of the run (lib/record/archive.hpp), again and again. Empty: none are made.
     std::function<void(std::string)> save;
     std::string from = {};  ///< one of these states, to go on from; empty: from release
     std::string file = {};  ///< that it is of, for messages

@@ -396,45 +396,45 @@ void OpeningSequence::snatched(std::size_t index, const FlightState& now) {
     open(index, now, unreported_);
 }
 
-void OpeningSequence::keep(Keeper& k) {
+void OpeningSequence::serialize(Archive& archive) {
     for (Canopy& c : all_) {
-        k.choice("canopy", c.state, Canopy::State::cut);
-        k.whole("stage", c.stage, 0, c.chute->reefing.size());
-        k.choice("phase", c.phase, Phase::open);
-        twinchute::keep(k, c.inflation, c.chute->drag_area_law,
-                        c.chute->drag_area_table ? &*c.chute->drag_area_table : nullptr);
-        k.number("snatch speed", c.snatch_speed);
-        k.number("snatch density", c.snatch_density);
+        archive.choice("canopy", c.state, Canopy::State::cut);
+        archive.whole("stage", c.stage, 0, c.chute->reefing.size());
+        archive.choice("phase", c.phase, Phase::open);
+        twinchute::serialize(archive, c.inflation, c.chute->drag_area_law,
+                             c.chute->drag_area_table ? &*c.chute->drag_area_table : nullptr);
+        archive.number("snatch speed", c.snatch_speed);
+        archive.number("snatch density", c.snatch_density);
     }
     const std::size_t most = 8 * all_.size() + 8;
-    k.length("waits", waits_, most);
+    archive.length("waits", waits_, most);
     for (Wait& wait : waits_) {
-        k.choice("waits for", wait.what, Wait::What::cut);
-        k.whole("canopy", wait.canopy, 0, all_.size() - 1);
-        k.number("due", wait.due);
-        if (!k.reads()) continue;
+        archive.choice("waits for", wait.what, Wait::What::cut);
+        archive.whole("canopy", wait.canopy, 0, all_.size() - 1);
+        archive.number("due", wait.due);
+        if (!archive.reads()) continue;
         const Canopy& c = all_[wait.canopy];
         const bool has_none =
             wait.what == Wait::What::disreef ? !c.is_reefed() : wait.what == Wait::What::cut && !c.chute->cut;
-        if (has_none) k.refuse("holds what no run writes", "something waits for nothing");
+        if (has_none) archive.refuse("holds what no run writes", "something waits for nothing");
         wait.trigger = trigger_of(wait.what, c);
     }
-    k.length("past", past_, 1'000'000);
+    archive.length("past", past_, 1'000'000);
     for (Past& past : past_) {
-        k.choice("happened", past.kind, Trigger::Kind::cut);
-        k.whole("parachute", past.index, 0, all_.size());
-        k.number("at", past.time);
+        archive.choice("happened", past.kind, Trigger::Kind::cut);
+        archive.whole("parachute", past.index, 0, all_.size());
+        archive.number("at", past.time);
     }
-    k.length("unreported", unreported_, most);
+    archive.length("unreported", unreported_, most);
     for (OpeningEvent& what : unreported_) {
-        k.choice("occurred", what.kind, OpeningEvent::Kind::cut);
-        k.whole("parachute", what.index, 0, all_.size());
-        k.whole("stage", what.stage);
+        archive.choice("occurred", what.kind, OpeningEvent::Kind::cut);
+        archive.whole("parachute", what.index, 0, all_.size());
+        archive.whole("stage", what.stage);
     }
     bool leaves = leaving_.has_value();
     std::size_t leaving = leaving_.value_or(0);
-    k.flag("leaves its pack", leaves);
-    k.whole("parachute", leaving, 0, all_.size());
+    archive.flag("leaves its pack", leaves);
+    archive.whole("parachute", leaving, 0, all_.size());
     leaving_.reset();
     if (leaves) leaving_ = leaving;
     weigh();

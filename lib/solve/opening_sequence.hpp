@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lib/models/inflation.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -156,7 +156,7 @@ public:
     bool is_open() const;
 
     /// Writes or reads the sequence of one scene.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     /// Something that a canopy's trigger has yet to bring about.

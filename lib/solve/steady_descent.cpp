@@ -191,8 +191,8 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
     return window;
 }
 
-void SteadyDescent::keep(Keeper& k) {
-    k.row("fall", last_, [](FallSample& s, auto&& each) {
+void SteadyDescent::serialize(Archive& archive) {
+    archive.row("fall", last_, [](FallSample& s, auto&& each) {
         auto& [time, density, sink, airspeed, updraft, system_sink, air_sink, added_mass_ratio, accretion,
                swing, period] = s;
         for (double* x : {&time, &density, &sink, &airspeed, &updraft, &system_sink, &air_sink,
@@ -204,8 +204,8 @@ void SteadyDescent::keep(Keeper& k) {
         for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing})
             each(*x);
     };
-    k.row("fall so far", now_, members);
-    k.rows("falls", rows_, members);
+    archive.row("fall so far", now_, members);
+    archive.rows("falls", rows_, members);
 }
 
 std::string unsteadiness_text(const std::optional<DescentWindow>& last) {

@@ -39,7 +39,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -109,7 +109,7 @@ public:
     std::optional<DescentWindow> judge(double altitude);
 
     /// Between two samples.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     /// Integrals from the first sample on.

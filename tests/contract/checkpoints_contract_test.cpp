@@ -12,9 +12,9 @@
 
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/indexed/kernels.hpp"
-#include "fullsim/keep_state.hpp"
 #include "fullsim/run_fullsim.hpp"
 #include "fullsim/sector/kernels.hpp"
+#include "fullsim/serialize_state.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/same_run.hpp"
@@ -121,18 +121,18 @@ INSTANTIATE_TEST_SUITE_P(
 
 // --- the state of a simulation ------------------------------------------------------------
 
-std::string kept(Simulation& simulation) {
-    Keeper k;
-    simulation.keep(k);
-    return k.take();
+std::string serialized(Simulation& simulation) {
+    Archive archive;
+    simulation.serialize(archive);
+    return archive.take();
 }
 
 /// Node by node, without what clocks measured.
 std::string state_of(const Simulation& simulation) {
     State state = simulation.state();
-    Keeper k;
-    keep(k, state);
-    return k.take();
+    Archive archive;
+    serialize(archive, state);
+    return archive.take();
 }
 
 void fly(Simulation& simulation, int steps) {
@@ -162,12 +162,12 @@ void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout,
         seen.insert(simulation.outline().stage);
         SCOPED_TRACE(
             fmt::format("step {}, {}", simulation.outline().step, stage_name(simulation.outline().stage)));
-        const std::string bytes = kept(simulation);
+        const std::string bytes = serialized(simulation);
         Simulation other(scene, layout);
-        Keeper k(bytes, "a test");
-        other.keep(k);
-        k.end();
-        ASSERT_EQ(kept(other), bytes);
+        Archive archive(bytes, "a test");
+        other.serialize(archive);
+        archive.end();
+        ASSERT_EQ(serialized(other), bytes);
         fly(simulation, steps);
         fly(other, steps);
         ASSERT_EQ(state_of(other), state_of(simulation));
@@ -228,11 +228,11 @@ TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
     };
     Simulation simulation(scene, indexed(0));
     fly(simulation, 100);
-    const std::string bytes = kept(simulation);
+    const std::string bytes = serialized(simulation);
     const auto why_not = [&](Simulation&& other) {
         try {
-            Keeper k(bytes, "a test");
-            other.keep(k);
+            Archive archive(bytes, "a test");
+            other.serialize(archive);
         } catch (const RecordError& error) {
             return std::string(error.what());
         }

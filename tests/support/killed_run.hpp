@@ -17,8 +17,8 @@
 
 namespace twinchute::test {
 
-/// What a record's directory holds, by name: every file whole, but a summary without date, clocks, and the
-/// sum that vouches for these.
+/// Files of a record's directory, by name: every file whole, but a summary without date, clocks, and the
+/// checksum that depends on these.
 inline std::map<std::string, std::string> record_files(const std::filesystem::path& directory) {
     std::map<std::string, std::string> files;
     for (const std::string& name : tree_of(directory)) {

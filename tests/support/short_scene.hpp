@@ -29,15 +29,15 @@ protected:
     std::string text(const std::string& file) const { return content_of(here_ / file); }
     nlohmann::json read(const std::string& file) const { return nlohmann::json::parse(text(file)); }
 
-    /// A file of results as standard output has it: only files vouch for themselves.
+    /// A file of results as standard output has it: only files carry their own checksum.
     nlohmann::json printed(const std::string& file) const {
         nlohmann::json content = read(file);
         EXPECT_EQ(content.erase("sha256"), 1u) << file;
         return content;
     }
-    /// Writes what a test has changed as a version that did not vouch for its files would have: an edited one
-    /// is refused.
-    void write_unsealed(const std::string& file, nlohmann::ordered_json content) const {
+    /// Writes changed content without a checksum, as an earlier version did: an edited file with one is
+    /// refused.
+    void write_without_checksum(const std::string& file, nlohmann::ordered_json content) const {
         content.erase("sha256");
         here_.write(file, content.dump());
     }

@@ -163,13 +163,13 @@ TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
     }
     const std::string summary = text("good/rom/summary.json");
     refused("rom/summary.json", summary.substr(0, summary.size() / 2));
-    // A record of an earlier version vouches for nothing and is read.
+    // A record of an earlier version has no checksum and is read.
     auto old = nlohmann::ordered_json::parse(summary);
     old.erase("files");
-    refused("rom/summary.json", old.dump(2));  // the seal is still there
+    refused("rom/summary.json", old.dump(2));  // the checksum is still there
     std::filesystem::remove_all(here_ / "bad");
     std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
-    write_unsealed("bad/rom/summary.json", old);
+    write_without_checksum("bad/rom/summary.json", old);
     EXPECT_EQ(run({"report", "bad", "--quiet"}).err, "");
 }
 
@@ -214,7 +214,7 @@ TEST_F(SystemRecords, AnEditedSummaryIsRefusedWhereverItIsRead) {
     EXPECT_EQ(files("out"), before);
 }
 
-TEST_F(SystemRecords, PythonChecksASealInThreeLines) {
+TEST_F(SystemRecords, PythonVerifiesAChecksumInThreeLines) {
     run({"compare", "scene.toml", "--quiet", "--out", "out"});
     // As docs/guide/ci.md has them.
     const std::string guide = content_of(TWINCHUTE_SOURCE_DIR "/docs/guide/ci.md");

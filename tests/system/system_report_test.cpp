@@ -73,11 +73,11 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
         "not the one in summary.json: it was edited or cut short), run the scene again\n");
     EXPECT_EQ(content_of(here_ / "out/report.html"), before.at("report.html"));  // nothing was written
     std::filesystem::remove(here_ / "out/full/frames.bin");
-    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 2);  // the summary vouches for it
+    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 2);  // its checksum is in the summary
     // A record of a version that had none says nothing of it.
     auto summary = nlohmann::json::parse(before.at("full/summary.json"));
     summary["files"].erase("frames.bin");
-    write_unsealed("out/full/summary.json", summary);
+    write_without_checksum("out/full/summary.json", summary);
     EXPECT_LT(run({"report", "out", "--quiet"}).code, 2);
     const std::string page = content_of(here_ / "out/report.html");
     EXPECT_EQ(page.find("id=\"canopy-section\""), page.npos);
@@ -211,7 +211,7 @@ TEST_F(SystemReport, BadRecordsAreExitTwoAndChangeNothing) {
         return [this, file, pointer, value] {
             json content = read(file);
             content[json::json_pointer(pointer)] = value;
-            write_unsealed(file, content);
+            write_without_checksum(file, content);
         };
     };
     breaking("'bad' holds no comparison", [&] {
@@ -253,7 +253,7 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
         auto content = nlohmann::ordered_json::parse(content_of(here_ / file));
         content["later"] = {1, 2, 3};
         content["provenance"]["later"] = "words";
-        write_unsealed(file, content);
+        write_without_checksum(file, content);
     }
     const Ended again = run({"report", "out", "--quiet"});
     EXPECT_EQ(again.err, "");

@@ -111,7 +111,7 @@ TEST_F(SystemTrend, OfAnotherProgramOnAnotherMachineSaysSo) {
         summary["metrics"].erase("load_factor");
         summary["metrics"]["gone_m"] = 1.0;
         summary["standing"]["gone_m"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     const auto other = trend({});
     EXPECT_EQ(other["model"][0]["what"], "commit");
@@ -131,7 +131,7 @@ TEST_F(SystemTrend, OfAnotherProgramOnAnotherMachineSaysSo) {
         auto summary = nlohmann::ordered_json::parse(text(file));
         summary["metrics"]["descent_rate_m_s"] = 7.0;
         summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     EXPECT_EQ(trend({})["verdict"], "exceeded");
 }
@@ -174,7 +174,7 @@ TEST_F(SystemTrend, WhatNobodyAskedForAndTheStopComesBeforeIsNotReached) {
         auto summary = nlohmann::ordered_json::parse(text(file));
         summary["metrics"]["descent_rate_m_s"] = 7.0;
         summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     EXPECT_EQ(run({"compare", "plain.toml", "--quiet", "--out", "q", "--baseline", "p"}).code, 0);
     EXPECT_EQ(read("q/trend.json")["verdict"], "within");

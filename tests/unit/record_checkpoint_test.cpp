@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "lib/math/sha256.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/checkpoint.hpp"
-#include "lib/record/keeper.hpp"
 #include "tests/support/chance.hpp"
 #include "tests/support/scratch_dir.hpp"
 
@@ -27,15 +27,15 @@ struct Parts {
     };
     std::vector<Row> rows;
 
-    void keep(Keeper& k) {
-        k.number("number", number);
-        k.number("maybe", maybe);
-        k.numbers("numbers", numbers);
-        k.whole("whole", whole);
-        k.flag("flag", flag);
-        k.text("text", text);
-        k.small("small", small);
-        k.rows("rows", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
+    void serialize(Archive& archive) {
+        archive.number("number", number);
+        archive.number("maybe", maybe);
+        archive.numbers("numbers", numbers);
+        archive.whole("whole", whole);
+        archive.flag("flag", flag);
+        archive.text("text", text);
+        archive.small("small", small);
+        archive.rows("rows", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
     }
 };
 
@@ -44,7 +44,7 @@ double any_bits(test::Chance& chance) {
     return std::bit_cast<double>(chance.bits());
 }
 
-TEST(Keeper, ReadsTheBitsThatItWrote) {
+TEST(Archive, ReadsTheBitsThatItWrote) {
     test::Chance chance(20261122);
     for (int round = 0; round < 500; ++round) {
         Parts parts;
@@ -58,15 +58,15 @@ TEST(Keeper, ReadsTheBitsThatItWrote) {
         }
         parts.whole = static_cast<std::int64_t>(chance.bits());
         parts.flag = chance.bits() & 1;
-        Keeper writer;
-        parts.keep(writer);
+        Archive writer;
+        parts.serialize(writer);
         const std::string bytes = writer.take();
-        Keeper reader(bytes, "a test");
+        Archive reader(bytes, "a test");
         Parts again;
-        again.keep(reader);
+        again.serialize(reader);
         reader.end();
-        Keeper writer_again;
-        again.keep(writer_again);
+        Archive writer_again;
+        again.serialize(writer_again);
         ASSERT_EQ(writer_again.take(), bytes);
         ASSERT_EQ(std::bit_cast<std::uint64_t>(again.number), std::bit_cast<std::uint64_t>(parts.number));
         ASSERT_EQ(again.maybe.has_value(), parts.maybe.has_value());
@@ -77,16 +77,16 @@ TEST(Keeper, ReadsTheBitsThatItWrote) {
     }
 }
 
-TEST(Keeper, WritesWhatItsCommentSays) {
-    Keeper k;
+TEST(Archive, WritesWhatItsCommentSays) {
+    Archive archive;
     double one = 1.0;
-    k.number("x", one);
+    archive.number("x", one);
     // Kind, length of the name, name, how many (8 bytes, low ones first), and 1.0 as IEEE 754 has it.
-    EXPECT_EQ(k.take(), std::string("d\1x\1\0\0\0\0\0\0\0\0\0\0\0\0\0\xF0\x3F", 19));
+    EXPECT_EQ(archive.take(), std::string("d\1x\1\0\0\0\0\0\0\0\0\0\0\0\0\0\xF0\x3F", 19));
 }
 
-TEST(Keeper, RefusesWhatIsNotAskedFor) {
-    Keeper writer;
+TEST(Archive, RefusesWhatIsNotAskedFor) {
+    Archive writer;
     std::vector<double> three{1.0, 2.0, 3.0};
     int seven = 7;
     writer.numbers("three", three);
@@ -94,20 +94,20 @@ TEST(Keeper, RefusesWhatIsNotAskedFor) {
     const std::string bytes = writer.take();
     const auto refusal = [&](auto&& read, std::string_view of) {
         try {
-            Keeper k(of, "d/checkpoint.bin");
-            read(k);
-            k.end();
+            Archive archive(of, "d/checkpoint.bin");
+            read(archive);
+            archive.end();
         } catch (const RecordError& error) {
             EXPECT_EQ(error.place().file, "d/checkpoint.bin");
             return std::string(error.what());
         }
         return std::string();
     };
-    const auto read_both = [&](Keeper& k) {
+    const auto read_both = [&](Archive& archive) {
         std::vector<double> numbers;
         int whole = 0;
-        k.numbers("three", numbers);
-        k.whole("seven", whole, 0, 10);
+        archive.numbers("three", numbers);
+        archive.whole("seven", whole, 0, 10);
     };
     EXPECT_EQ(refusal(read_both, bytes), "");
     for (std::size_t cut = 0; cut < bytes.size(); ++cut)
@@ -116,26 +116,27 @@ TEST(Keeper, RefusesWhatIsNotAskedFor) {
             << cut;
     EXPECT_NE(refusal(read_both, bytes + "d").find("something is left over"), std::string::npos);
     const auto other = [&](auto&& read) { return refusal(read, bytes); };
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers;
-                  k.numbers("four", numbers);
+                  archive.numbers("four", numbers);
               }).find("'four' should come"),
               std::string::npos);
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers(4);
-                  k.numbers("three", std::span(numbers));
+                  archive.numbers("three", std::span(numbers));
               }).find("'three' is of another length"),
               std::string::npos);
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers;
                   int whole = 0;
-                  k.numbers("three", numbers);
-                  k.whole("seven", whole, 0, 6);
+                  archive.numbers("three", numbers);
+                  archive.whole("seven", whole, 0, 6);
               }).find("'seven' is out of range"),
               std::string::npos);
-    EXPECT_NE(
-        other([](Keeper& k) { k.same("three", "x", "is of another mesh"); }).find("'three' should come"),
-        std::string::npos);
+    EXPECT_NE(other([](Archive& archive) {
+                  archive.same("three", "x", "is of another mesh");
+              }).find("'three' should come"),
+              std::string::npos);
     // A number of parts that no file could hold asks for no memory.
     std::string huge("d\5three", 7);
     huge += std::string(8, '\xFF');

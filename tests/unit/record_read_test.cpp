@@ -365,7 +365,7 @@ TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     std::filesystem::remove(scratch / "r/frames.bin");
     EXPECT_TRUE(has(says(), "r/frames.bin: no such file (the record is not whole)"));
 
-    // An earlier version vouched for nothing: its record is read, edited or not.
+    // An earlier version wrote no checksums: its record is read, edited or not.
     whole();
     ordered_json summary = ordered_json::parse(content_of(scratch / "r/summary.json"));
     EXPECT_EQ(summary["files"].size(), 3u);

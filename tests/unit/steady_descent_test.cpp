@@ -264,12 +264,12 @@ TEST(SteadyDescent, GoesOnFromACheckpointToTheSameBits) {
         whole.add(fall(k * step));
         before.add(fall(k * step));
     }
-    Keeper out;
-    before.keep(out);
+    Archive out;
+    before.serialize(out);
     const std::string kept = out.take();
     SteadyDescent after(air);
-    Keeper in(kept, "here");
-    after.keep(in);
+    Archive in(kept, "here");
+    after.serialize(in);
     in.end();
     for (int k = 700; k < 900; ++k) {
         whole.add(fall(k * step));

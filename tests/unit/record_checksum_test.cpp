@@ -1,9 +1,9 @@
-// Texts that vouch for themselves: what was edited is not read.
+// Texts with their own checksum: an edited one is not read.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/read_record.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
@@ -15,8 +15,8 @@ namespace {
 /// printf '{\n  "a": 1,\n  "sha256": ""\n}\n' | sha256sum
 const std::string digits = "cf9f29d52da39a93f9c1215ef4f8f9b30e7cf4b3fb5aa9121094470d16722647";
 
-TEST(RecordSeal, IsTheSumOfTheTextWithoutItsDigits) {
-    EXPECT_EQ(sealed("{\n  \"a\": 1\n}\n"), "{\n  \"a\": 1,\n  \"sha256\": \"" + digits + "\"\n}\n");
+TEST(RecordChecksum, IsTheSumOfTheTextWithoutItsDigits) {
+    EXPECT_EQ(with_checksum("{\n  \"a\": 1\n}\n"), "{\n  \"a\": 1,\n  \"sha256\": \"" + digits + "\"\n}\n");
 }
 
 /// What a reader of a record says of its summary.
@@ -30,9 +30,9 @@ std::string complaint(const std::string& summary) {
     return "no complaint";
 }
 
-TEST(RecordSeal, EveryEditOfASummaryIsNoticed) {
+TEST(RecordChecksum, EveryEditOfASummaryIsNoticed) {
     const std::string whole =
-        sealed(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4), {{"x.csv", digits}}));
+        with_checksum(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4), {{"x.csv", digits}}));
     EXPECT_EQ(complaint(whole), "no complaint");
     const auto with = [&](const std::string& from, const std::string& to) {
         std::string text = whole;
@@ -52,17 +52,18 @@ TEST(RecordSeal, EveryEditOfASummaryIsNoticed) {
     std::string other = whole;
     other[whole.size() - 5] = other[whole.size() - 5] == '0' ? '1' : '0';
     EXPECT_EQ(complaint(other), edited);  // its own last digit
-    EXPECT_EQ(complaint(sealed(whole.substr(0, 2) + "\"sha256\": \"\",\n" + whole.substr(2))).substr(0, 43),
-              "d/summary.json: the key 'sha256' stands twi");
+    EXPECT_EQ(
+        complaint(with_checksum(whole.substr(0, 2) + "\"sha256\": \"\",\n" + whole.substr(2))).substr(0, 43),
+        "d/summary.json: the key 'sha256' stands twi");
 }
 
-TEST(RecordSeal, WhatIsWrongIsSaidFirst) {
-    std::string text = sealed(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4)));
+TEST(RecordChecksum, WhatIsWrongIsSaidFirst) {
+    std::string text = with_checksum(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4)));
     const std::size_t at = text.find("\"schema\": 1");
     EXPECT_NE(complaint(text.replace(at, 11, "\"schema\": 9")).find("schema: 9 is not known"), text.npos);
 }
 
-TEST(RecordSeal, ARecordOfAnEarlierVersionHasNone) {
+TEST(RecordChecksum, ARecordOfAnEarlierVersionHasNone) {
     const std::string text = summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4));
     EXPECT_FALSE(nlohmann::json::parse(text).contains("sha256"));
     EXPECT_EQ(complaint(text), "no complaint");

@@ -3,14 +3,14 @@
 
 #include "fullsim/mesh/mesh.hpp"
 #include "fullsim/state.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
 
-/// All of it. What is read back has as many nodes as the state has already.
-void keep(Keeper& k, State& state);
+/// Writes or reads the whole state; one that is read has to have as many nodes as `state`.
+void serialize(Archive& archive, State& state);
 
-void keep(Keeper& k, LargestLoads& loads);
+void serialize(Archive& archive, LargestLoads& loads);
 
 /// SHA-256 of nodes, elements and materials of a mesh, but for what goes while it flies: the static line, and
 /// how long a reefing line is.

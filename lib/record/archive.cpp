@@ -1,4 +1,4 @@
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 #include <fmt/format.h>
 
@@ -26,21 +26,21 @@ std::uint64_t get(const char* bytes) {
 
 }  // namespace
 
-void Keeper::write_head(char kind, std::string_view name, std::uint64_t count) {
+void Archive::write_head(char kind, std::string_view name, std::uint64_t count) {
     written_ += kind;
     written_ += static_cast<char>(name.size());
     written_ += name;
     put(written_, count);
 }
 
-std::string_view Keeper::read_bytes(std::size_t count) {
+std::string_view Archive::read_bytes(std::size_t count) {
     if (count > bytes_.size()) refuse("ends too early", "a part of it is missing");
     const std::string_view bytes = bytes_.substr(0, count);
     bytes_.remove_prefix(count);
     return bytes;
 }
 
-std::uint64_t Keeper::read_head(char kind, std::string_view name, std::size_t bytes_each) {
+std::uint64_t Archive::read_head(char kind, std::string_view name, std::size_t bytes_each) {
     const std::string_view head = read_bytes(2);
     const std::string_view found = read_bytes(static_cast<unsigned char>(head[1]));
     if (head[0] != kind || found != name)
@@ -51,7 +51,7 @@ std::uint64_t Keeper::read_head(char kind, std::string_view name, std::size_t by
     return count;
 }
 
-void Keeper::numbers(std::string_view name, std::span<double> values) {
+void Archive::numbers(std::string_view name, std::span<double> values) {
     if (!reads_) {
         write_head(number_kind, name, values.size());
         for (const double value : values)
@@ -65,18 +65,18 @@ void Keeper::numbers(std::string_view name, std::span<double> values) {
         values[i] = std::bit_cast<double>(get(bytes.data() + word * i));
 }
 
-void Keeper::numbers(std::string_view name, std::vector<double>& values, std::size_t most) {
+void Archive::numbers(std::string_view name, std::vector<double>& values, std::size_t max) {
     if (reads_) {
         const std::string_view here = bytes_;
         const std::uint64_t count = read_head(number_kind, name, word);
-        if (count > most) refuse_range(name);
+        if (count > max) refuse_range(name);
         bytes_ = here;
         values.resize(count);
     }
     numbers(name, std::span(values));
 }
 
-void Keeper::number(std::string_view name, std::optional<double>& value) {
+void Archive::number(std::string_view name, std::optional<double>& value) {
     std::vector<double> none_or_one;
     if (value) none_or_one.push_back(*value);
     numbers(name, none_or_one, 1);
@@ -84,7 +84,7 @@ void Keeper::number(std::string_view name, std::optional<double>& value) {
     if (!none_or_one.empty()) value = none_or_one.front();
 }
 
-void Keeper::text(std::string_view name, std::string& value) {
+void Archive::text(std::string_view name, std::string& value) {
     if (!reads_) {
         write_head(text_kind, name, value.size());
         written_ += value;
@@ -93,7 +93,7 @@ void Keeper::text(std::string_view name, std::string& value) {
     value = read_bytes(read_head(text_kind, name, 1));
 }
 
-std::int64_t Keeper::integer(std::string_view name, std::int64_t value) {
+std::int64_t Archive::integer(std::string_view name, std::int64_t value) {
     if (!reads_) {
         write_head(whole_kind, name, 1);
         put(written_, static_cast<std::uint64_t>(value));
@@ -103,22 +103,22 @@ std::int64_t Keeper::integer(std::string_view name, std::int64_t value) {
     return static_cast<std::int64_t>(get(read_bytes(word).data()));
 }
 
-void Keeper::same(std::string_view name, const std::string& mine, const std::string& problem) {
+void Archive::same(std::string_view name, const std::string& mine, const std::string& problem) {
     std::string found = mine;
     text(name, found);
     if (found != mine)
         refuse(problem, fmt::format("{} '{}', here it is '{}'", name, found.substr(0, 200), mine));
 }
 
-void Keeper::end() const {
+void Archive::end() const {
     if (!bytes_.empty()) refuse("does not hold what this version keeps", "something is left over");
 }
 
-void Keeper::refuse(const std::string& problem, const std::string& why) const {
+void Archive::refuse(const std::string& problem, const std::string& why) const {
     throw RecordError({place_}, problem, why, "run without --resume to begin from release");
 }
 
-void Keeper::refuse_range(std::string_view name) const {
+void Archive::refuse_range(std::string_view name) const {
     refuse("holds what no run writes", fmt::format("'{}' is out of range", name));
 }
 

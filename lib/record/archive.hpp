@@ -1,4 +1,4 @@
-// One list of what changes with time, for both ways: written down, and read back to the same bits.
+// Archive that writes a state and reads it back to the same bits, by one list of its parts.
 #pragma once
 
 #include <cstddef>
@@ -16,44 +16,44 @@
 
 namespace twinchute {
 
-/// Either writes or reads: whatever has a state names its parts to a keeper, once and in one order, and both
-/// ways agree. What is written says the name, kind and number of each part, little endian; reading throws
-/// RecordError where that is not what is asked for next. Parts keep their bits, NaNs and zeros with a sign
-/// among them.
-class Keeper {
+/// Either writes or reads: whatever has a state names its parts to an archive, once and in one order, so that
+/// both ways agree. A part is written as its kind, name, count and values, little endian. Reading throws
+/// RecordError where another part follows than the one asked for. Values keep their bits, NaNs and zeros with
+/// a sign among them.
+class Archive {
 public:
     /// Writes.
-    Keeper() = default;
+    Archive() = default;
     /// Reads `bytes`, which outlive it; `place` stands for them in messages.
-    Keeper(std::string_view bytes, std::string place)
+    Archive(std::string_view bytes, std::string place)
         : reads_(true), bytes_(bytes), place_(std::move(place)) {}
 
     bool reads() const { return reads_; }
-    /// What has been written.
+    /// Returns the bytes written so far.
     std::string take() { return std::move(written_); }
     /// Nothing is left to read.
     void end() const;
 
     void number(std::string_view name, double& value) { numbers(name, std::span(&value, 1)); }
     void number(std::string_view name, std::optional<double>& value);
-    /// As many as there are.
+    /// Numbers of a fixed count.
     void numbers(std::string_view name, std::span<double> values);
-    /// Those of a list, which becomes as long as what was written. `most`: a longer one is refused.
+    /// Numbers of a list, which takes the length that was written. `max`: a longer one is refused.
     void numbers(std::string_view name, std::vector<double>& values,
-                 std::size_t most = std::numeric_limits<std::size_t>::max());
+                 std::size_t max = std::numeric_limits<std::size_t>::max());
     void text(std::string_view name, std::string& value);
 
-    /// A whole number from `least` to `most`.
+    /// A whole number from `min` to `max`.
     template <class Integer>
     void whole(std::string_view name, Integer& value,
-               std::type_identity_t<Integer> least = std::numeric_limits<Integer>::min(),
-               std::type_identity_t<Integer> most = std::numeric_limits<Integer>::max()) {
+               std::type_identity_t<Integer> min = std::numeric_limits<Integer>::min(),
+               std::type_identity_t<Integer> max = std::numeric_limits<Integer>::max()) {
         static_assert(std::is_integral_v<Integer>);
-        const std::int64_t kept = integer(name, static_cast<std::int64_t>(value));
-        if (!std::in_range<Integer>(kept) || static_cast<Integer>(kept) < least ||
-            static_cast<Integer>(kept) > most)
+        const std::int64_t stored = integer(name, static_cast<std::int64_t>(value));
+        if (!std::in_range<Integer>(stored) || static_cast<Integer>(stored) < min ||
+            static_cast<Integer>(stored) > max)
             refuse_range(name);
-        value = static_cast<Integer>(kept);
+        value = static_cast<Integer>(stored);
     }
     void flag(std::string_view name, bool& value) {
         int number = value ? 1 : 0;
@@ -68,11 +68,11 @@ public:
         whole(name, number, 0, static_cast<int>(last));
         value = static_cast<Enum>(number);
     }
-    /// How long a list is whose rows are named after this. `most`: more are refused.
+    /// Length of a list whose rows follow. `max`: more are refused.
     template <class Row>
-    void length(std::string_view name, std::vector<Row>& rows, std::size_t most) {
+    void length(std::string_view name, std::vector<Row>& rows, std::size_t max) {
         std::size_t count = rows.size();
-        whole(name, count, 0, most);
+        whole(name, count, 0, max);
         if (!reads_) return;
         if (count > bytes_.size()) refuse_range(name);  // each row takes some
         rows.resize(count);
@@ -106,7 +106,7 @@ public:
         numbers(name, std::span(flat));
         scatter(flat.data(), row, visit);
     }
-    /// Of a list of them.
+    /// The numbers of a list of structs, as row().
     template <class Row, class Visit>
     void rows(std::string_view name, std::vector<Row>& rows, Visit&& visit) {
         std::vector<double> flat;

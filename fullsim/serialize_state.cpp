@@ -1,4 +1,4 @@
-#include "fullsim/keep_state.hpp"
+#include "fullsim/serialize_state.hpp"
 
 #include <algorithm>
 #include <span>
@@ -17,28 +17,28 @@ constexpr auto sums_members = [](NodeSums& sums, auto&& each) {
         each(*x);
 };
 
-void keep_air(Keeper& k, AeroState& air) {
+void serialize_air(Archive& archive, AeroState& air) {
     auto& [density, viscosity, wind, wind_at_payload, direction, airspeed, dynamic_pressure, drag_area,
            radial_pressure, projected_area, signed_area, pressure, pressure_capped] = air;
-    k.numbers("wind", std::span(wind.data(), 3));
-    k.numbers("wind at the payload", std::span(wind_at_payload.data(), 3));
-    k.numbers("direction of the air", std::span(direction.data(), 3));
+    archive.numbers("wind", std::span(wind.data(), 3));
+    archive.numbers("wind at the payload", std::span(wind_at_payload.data(), 3));
+    archive.numbers("direction of the air", std::span(direction.data(), 3));
     for (double* x : {&density, &viscosity, &airspeed, &dynamic_pressure, &drag_area, &radial_pressure,
                       &projected_area, &signed_area, &pressure})
-        k.number("air", *x);
-    k.flag("pressure is capped", pressure_capped);
+        archive.number("air", *x);
+    archive.flag("pressure is capped", pressure_capped);
 }
 
-void keep_body(Keeper& k, std::optional<BodyState>& body) {
+void serialize_body(Archive& archive, std::optional<BodyState>& body) {
     bool turns = body.has_value();
-    k.flag("payload turns", turns);
+    archive.flag("payload turns", turns);
     if (!turns) return body.reset();
     if (!body) body.emplace();
     auto& [attitude, half_momentum, momentum, torque] = *body;
-    k.numbers("attitude", std::span(attitude));
-    k.numbers("momentum of the half step", std::span(half_momentum.data(), 3));
-    k.numbers("momentum", std::span(momentum.data(), 3));
-    k.numbers("torque", std::span(torque.data(), 3));
+    archive.numbers("attitude", std::span(attitude));
+    archive.numbers("momentum of the half step", std::span(half_momentum.data(), 3));
+    archive.numbers("momentum", std::span(momentum.data(), 3));
+    archive.numbers("torque", std::span(torque.data(), 3));
 }
 
 constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
@@ -59,41 +59,41 @@ std::span<double> doubles(std::vector<Record>& records) {
 
 }  // namespace
 
-void keep(Keeper& k, LargestLoads& loads) {
-    k.row("largest loads", loads, [](LargestLoads& of, auto&& each) {
+void serialize(Archive& archive, LargestLoads& loads) {
+    archive.row("largest loads", loads, [](LargestLoads& of, auto&& each) {
         auto& [line_tension, fabric_stress] = of;
         each(line_tension), each(fabric_stress);
     });
 }
 
-void keep(Keeper& k, State& state) {
+void serialize(Archive& archive, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
            added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
            external_power, riser_force, in_substeps, capped_steps, largest] = state;
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
-        k.number("state", *x);
-    k.whole("step", step, 0);
-    k.whole("capped steps", capped_steps, 0);
-    k.choice("phase", phase, Phase::open);
-    k.choice("stage", stage, Stage::flight);
-    k.flag("folded", folded);
-    k.numbers("nodes", doubles(node));
-    k.numbers("velocities of half steps", doubles(v_half));
-    k.numbers("forces", doubles(force.held()));
-    k.numbers("forces of the air", doubles(aero.held()));
-    keep_body(k, body);
-    k.row("sums", sums, sums_members);
-    keep_air(k, air);
-    k.row("energy", energy, energy_members);
-    k.numbers("riser force", std::span(riser_force.data(), 3));
-    k.numbers("risers in substeps", std::span(in_substeps.sum.data(), 3));
-    k.whole("risers in substeps", in_substeps.count, 0);
-    keep(k, largest);
+        archive.number("state", *x);
+    archive.whole("step", step, 0);
+    archive.whole("capped steps", capped_steps, 0);
+    archive.choice("phase", phase, Phase::open);
+    archive.choice("stage", stage, Stage::flight);
+    archive.flag("folded", folded);
+    archive.numbers("nodes", doubles(node));
+    archive.numbers("velocities of half steps", doubles(v_half));
+    archive.numbers("forces", doubles(force.held()));
+    archive.numbers("forces of the air", doubles(aero.held()));
+    serialize_body(archive, body);
+    archive.row("sums", sums, sums_members);
+    serialize_air(archive, air);
+    archive.row("energy", energy, energy_members);
+    archive.numbers("riser force", std::span(riser_force.data(), 3));
+    archive.numbers("risers in substeps", std::span(in_substeps.sum.data(), 3));
+    archive.whole("risers in substeps", in_substeps.count, 0);
+    serialize(archive, largest);
 }
 
 std::string mesh_digest(const Mesh& mesh) {
-    Keeper k;  // for its bytes
+    Archive archive;  // for its bytes
     std::vector<double> numbers;
     for (const Vec3& x : mesh.position)
         numbers.insert(numbers.end(), x.begin(), x.end());
@@ -118,8 +118,8 @@ std::string mesh_digest(const Mesh& mesh) {
                    {fabric.density, fabric.youngs_modulus, fabric.poisson_ratio, fabric.thickness});
     for (const Cord& cord : mesh.cords)
         numbers.insert(numbers.end(), {cord.density, cord.youngs_modulus, cord.diameter});
-    k.numbers("mesh", numbers);
-    return sha256_hex(k.take());
+    archive.numbers("mesh", numbers);
+    return sha256_hex(archive.take());
 }
 
 }  // namespace twinchute::fullsim
