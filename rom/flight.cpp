@@ -178,14 +178,14 @@ private:
         const double first = u(2.0 * (begin - middle) / length, 0.5 * (begin + middle)),
                      second = u(2.0 * (middle - altitude) / length, 0.5 * (middle + altitude));
         const double last = u(-here().velocity[dimensions - 1], altitude);
-        double least = last, most = last;
+        double low = last, high = last;
         const auto& rows = context_.observer.rows();
         for (auto row = rows.rbegin(); row != rows.rend() && row->time >= end - length; ++row) {
-            least = std::min(least, u(-row->vertical_speed, row->altitude));
-            most = std::max(most, u(-row->vertical_speed, row->altitude));
+            low = std::min(low, u(-row->vertical_speed, row->altitude));
+            high = std::max(high, u(-row->vertical_speed, row->altitude));
         }
         DescentWindow window{end - length, end, (begin - altitude) / length, 0.0, second / first - 1.0, 0.0};
-        window.amplitude = (most - least) / (first + second);
+        window.amplitude = (high - low) / (first + second);
         window.remaining = std::abs(std::log(0.5 * (first + second) / last)) + now.departure;
         if (!std::isfinite(window.remaining)) return std::nullopt;
         if (window.is_steady())

@@ -12,7 +12,7 @@ namespace twinchute::rom {
 namespace {
 
 /// A descent of ten hours takes 40 000: where more are needed, something is stiffer than this method.
-constexpr int most_steps = 100'000;
+constexpr int max_steps = 100'000;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ IntegrationSegment RunContext::integrate_to(OdeSolver& solver, double end) {
     solver.stop_at(end);
     for (;;) {
         if (run_.stop.stop_requested()) return IntegrationSegment::interrupted;
-        if (++steps_ > most_steps) return IntegrationSegment::too_many_steps;
+        if (++steps_ > max_steps) return IntegrationSegment::too_many_steps;
         const auto outcome = solver.advance();
         if (outcome == OdeSolver::Outcome::failed) return IntegrationSegment::failed;
         observer.step(solver);
@@ -99,7 +99,7 @@ RunStatus RunContext::ending(IntegrationSegment segment, const OdeSolver& solver
             return {StatusCode::not_finite, fmt::format("force or acceleration after t = {:.6g} s", time)};
         case IntegrationSegment::too_many_steps:
             return {StatusCode::step_limit,
-                    fmt::format("more than {} steps by t = {:.6g} s", most_steps, time)};
+                    fmt::format("more than {} steps by t = {:.6g} s", max_steps, time)};
         case IntegrationSegment::interrupted:
             return {StatusCode::interrupted, "stopped on request"};
         case IntegrationSegment::root:  // the caller's

@@ -53,16 +53,16 @@ int threads_of(const Arguments& arguments) {
     return whole_number(arguments, "threads", 1, 256, 2);
 }
 
-int whole_number(const Arguments& arguments, std::string_view option, int fallback, int most, int example) {
+int whole_number(const Arguments& arguments, std::string_view option, int fallback, int max, int example) {
     const std::optional<std::string> text = arguments.value(option);
     if (!text) return fallback;
     int number = 0;
     const char* const end = text->data() + text->size();
     const auto [rest, error] = std::from_chars(text->data(), end, number);
-    if (error != std::errc{} || rest != end || number < 1 || number > most)
+    if (error != std::errc{} || rest != end || number < 1 || number > max)
         throw UsageError(fmt::format(
             "'--{0} {1}' is not understood (a whole number from 1 to {2} is wanted), e.g. --{0} {3}", option,
-            *text, most, example));
+            *text, max, example));
     return number;
 }
 

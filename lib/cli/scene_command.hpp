@@ -26,9 +26,9 @@ std::vector<std::string> fields_overrides(const Arguments& arguments, const Fide
 /// --threads, for those that have some; 1 where it is absent. Throws UsageError.
 Option threads_option();
 int threads_of(const Arguments& arguments);
-/// An option's number from 1 to `most`; `fallback` where it is absent. Throws UsageError, which shows
+/// An option's number from 1 to `max`; `fallback` where it is absent. Throws UsageError, which shows
 /// `example`.
-int whole_number(const Arguments& arguments, std::string_view option, int fallback, int most, int example);
+int whole_number(const Arguments& arguments, std::string_view option, int fallback, int max, int example);
 
 /// The scene of the operand, or the cases of its series, with every --set, and whatever else overrides
 /// them, applied. Throws SceneError and UsageError.

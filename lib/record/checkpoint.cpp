@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 // The number goes up with what the parts below mean; what a fidelity keeps is told apart by the program.
 constexpr std::string_view magic = "twinchute checkpoint 1\n";
 constexpr std::size_t hash_digits = 64;
-constexpr std::size_t most_frames = 10'000'000;
+constexpr std::size_t max_frames = 10'000'000;
 constexpr std::size_t largest = std::size_t{4} << 30;  // [bytes]: a hundred times what the finest meshes take
 
 void serialize(Archive& archive, Checkpoint& c) {
     archive.text("program", c.of.program);
     archive.text("fidelity", c.of.fidelity);
     archive.text("scene", c.of.scene);
-    archive.length("frames", c.frames, most_frames);
+    archive.length("frames", c.frames, max_frames);
     for (WrittenFrame& frame : c.frames) {
         auto& [time, file, temporary, sha256] = frame;
         archive.number("time", time);

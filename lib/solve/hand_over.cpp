@@ -24,11 +24,11 @@ double last(const RunRecord& record, std::string_view channel) {
 /// Rate at the last row of a channel over time: of the polynomial through its last rows of different times,
 /// as many as there are up to five. Two rows of one time are a jump of something else: places have none.
 double last_rate(const RunRecord& record, std::string_view channel) {
-    constexpr std::size_t most = 5;
+    constexpr std::size_t max_points = 5;
     const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
     if (time == nullptr || values == nullptr) return 0.0;
     std::vector<double> t, x;  // the last one first
-    for (std::size_t i = time->values.size(); i-- > 0 && t.size() < most;)
+    for (std::size_t i = time->values.size(); i-- > 0 && t.size() < max_points;)
         if (t.empty() || time->values[i] < t.back()) {
             t.push_back(time->values[i]);
             x.push_back(values->values[i]);

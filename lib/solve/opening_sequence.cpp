@@ -12,7 +12,7 @@
 namespace twinchute {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A time that has come, to round-off.
 bool is_due(double due, double time) {
@@ -20,11 +20,11 @@ bool is_due(double due, double time) {
 }
 
 double phase_end(const Canopy& c) {
-    return c.is_out() ? c.inflation.end_of(c.phase) : never;
+    return c.is_out() ? c.inflation.end_of(c.phase) : infinity;
 }
 
 double next_kink(const Canopy& c) {
-    return c.is_out() && c.phase != Phase::open ? c.inflation.next_kink() : never;
+    return c.is_out() && c.phase != Phase::open ? c.inflation.next_kink() : infinity;
 }
 
 bool is_filling(const Canopy& c) {
@@ -74,12 +74,12 @@ double drag_distance(const Parachute& chute) {
 
 void OpeningSequence::weigh() {
     out_mass_ = packed_mass_ = distance_ = 0.0;
-    double most = 0.0;
+    double largest = 0.0;
     for (const Canopy& c : all_) {
         if (c.state == Canopy::State::open) {
             out_mass_ += c.count * c.chute->mass;
-            if (c.inflation.steady_drag_area > most) distance_ = drag_distance(*c.chute);
-            most = std::max(most, c.inflation.steady_drag_area);
+            if (c.inflation.steady_drag_area > largest) distance_ = drag_distance(*c.chute);
+            largest = std::max(largest, c.inflation.steady_drag_area);
         }
         if (c.state == Canopy::State::packed && c.index != leaving_) packed_mass_ += c.count * c.chute->mass;
     }
@@ -129,14 +129,14 @@ double OpeningSequence::left(const Wait& wait, const FlightState& now) const {
         case Trigger::Kind::dynamic_pressure:
             return now.dynamic_pressure() - wait.trigger->value;
         default:
-            return never;
+            return infinity;
     }
 }
 
 bool OpeningSequence::is_watched(const Wait& wait) const {
     using enum Trigger::Kind;
     const Trigger::Kind kind = wait.trigger->kind;
-    return wait.due == never && (kind == altitude || kind == apogee || kind == dynamic_pressure);
+    return wait.due == infinity && (kind == altitude || kind == apogee || kind == dynamic_pressure);
 }
 
 /// Begins to wait; a condition that has been met before counts from now.
@@ -146,7 +146,7 @@ void OpeningSequence::arm(Wait wait, const FlightState& now) {
     for (const Past& p : past_)
         if (is_about(wait, p.kind, p.index) && p.kind != Trigger::Kind::steady_descent)
             wait.due = std::min(wait.due, p.time + t.delay);
-    if (wait.due == never && left(wait, now) <= 0.0) wait.due = now.time + t.delay;
+    if (wait.due == infinity && left(wait, now) <= 0.0) wait.due = now.time + t.delay;
     wait.due = std::max(wait.due, now.time);
     waits_.push_back(wait);
 }
@@ -154,7 +154,7 @@ void OpeningSequence::arm(Wait wait, const FlightState& now) {
 void OpeningSequence::occurred(Trigger::Kind kind, std::size_t index, double time) {
     past_.push_back({kind, index, time});
     for (Wait& wait : waits_)
-        if (wait.due == never && is_about(wait, kind, index)) wait.due = time + wait.trigger->delay;
+        if (wait.due == infinity && is_about(wait, kind, index)) wait.due = time + wait.trigger->delay;
 }
 
 void OpeningSequence::descends_steadily(const FlightState& now) {
@@ -162,7 +162,7 @@ void OpeningSequence::descends_steadily(const FlightState& now) {
 }
 
 double OpeningSequence::next_time() const {
-    double next = never;
+    double next = infinity;
     for (const Canopy& c : all_)
         next = std::min({next, phase_end(c), next_kink(c)});
     for (const Wait& wait : waits_)
@@ -203,7 +203,7 @@ bool OpeningSequence::watches_pressure() const {
 
 bool OpeningSequence::waits_for_steady_descent() const {
     return std::ranges::any_of(waits_, [](const Wait& wait) {
-        return wait.due == never && wait.trigger->kind == Trigger::Kind::steady_descent;
+        return wait.due == infinity && wait.trigger->kind == Trigger::Kind::steady_descent;
     });
 }
 
@@ -238,7 +238,7 @@ std::vector<OpeningSequence::Unopened> OpeningSequence::unopened() const {
                                          ? "deploy.when"
                                          : fmt::format("reefing.{}.until", c.stage + 1);
             list.push_back({i, fmt::format("{}, {}, was {}", what, trigger_text(*wait.trigger),
-                                           wait.due == never ? "not met" : "met and not yet acted upon")});
+                                           wait.due == infinity ? "not met" : "met and not yet acted upon")});
         }
     }
     return list;
@@ -354,7 +354,7 @@ void OpeningSequence::end_phase(Canopy& c, const FlightState& now, std::vector<O
         const auto own = static_cast<std::size_t>(&c - all_.data());
         for (Wait& wait : waits_)  // "full-open" of a stage is its own
             if (wait.what == Wait::What::disreef && wait.canopy == own && wait.trigger->of.empty() &&
-                wait.trigger->kind == Trigger::Kind::full_open && wait.due == never)
+                wait.trigger->kind == Trigger::Kind::full_open && wait.due == infinity)
                 wait.due = now.time + wait.trigger->delay;
         return;
     }
@@ -406,8 +406,8 @@ void OpeningSequence::serialize(Archive& archive) {
         archive.number("snatch speed", c.snatch_speed);
         archive.number("snatch density", c.snatch_density);
     }
-    const std::size_t most = 8 * all_.size() + 8;
-    archive.length("waits", waits_, most);
+    const std::size_t max_waits = 8 * all_.size() + 8;
+    archive.length("waits", waits_, max_waits);
     for (Wait& wait : waits_) {
         archive.choice("waits for", wait.what, Wait::What::cut);
         archive.whole("canopy", wait.canopy, 0, all_.size() - 1);
@@ -425,7 +425,7 @@ void OpeningSequence::serialize(Archive& archive) {
         archive.whole("parachute", past.index, 0, all_.size());
         archive.number("at", past.time);
     }
-    archive.length("unreported", unreported_, most);
+    archive.length("unreported", unreported_, max_waits);
     for (OpeningEvent& what : unreported_) {
         archive.choice("occurred", what.kind, OpeningEvent::Kind::cut);
         archive.whole("parachute", what.index, 0, all_.size());

@@ -69,8 +69,8 @@ std::string requires_reefing(const Scene& scene) {
     return sized_parachute(scene).reefing.empty() ? "the scene has no [[parachute.reefing]]" : "";
 }
 
-Goal least_load(const SizeSpec&) {
-    return Goal::least_load;
+Goal min_load(const SizeSpec&) {
+    return Goal::min_load;
 }
 
 /// From just above what the canopy begins with to just below what comes next.
@@ -92,12 +92,12 @@ constexpr std::array<VaryRow, 4> rows{{
      [](const Scene& scene) { return scene.release.speed; },
      [](Scene& scene, double value) { scene.release.speed = value; }},
     {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
-     requires_reefing, least_load, bounds_of_ratio,
+     requires_reefing, min_load, bounds_of_ratio,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
      [](Scene& scene, double value) {
          scene.parachutes[sized_index(scene)].reefing.front().drag_area_ratio = value;
      }},
-    {"cutter_delay", "s", "delay of the first cutter", "with the least load", requires_reefing, least_load,
+    {"cutter_delay", "s", "delay of the first cutter", "with the least load", requires_reefing, min_load,
      [](const Scene&) {
          return Bounds{0.2, 30.0};
      },

@@ -14,7 +14,7 @@ namespace twinchute::rom {
 enum class Goal {
     smallest,
     largest,
-    least_load  ///< whichever leaves the most of force and deceleration
+    min_load  ///< whichever leaves the most of force and deceleration
 };
 
 struct Bounds {
