@@ -1,4 +1,4 @@
-// What the table of keys promises, over scenes made by chance from that table: whatever is inside it is
+// What the table of keys promises, over random scenes made from that table: whatever is inside it is
 // read, whatever is outside is refused with its place, and a scene that is written reads back the same.
 #include <gtest/gtest.h>
 

@@ -94,8 +94,8 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
     const auto error_at = [&](int power) {
         return rung(ladder, "rom, rtol 1e-" + std::to_string(power))["error"]["value"].get<double>();
     };
-    // One error may be small by chance: two decades of tolerance are more than that. What a step commits adds
-    // up over some tens of steps.
+    // One error may be small by accident: two decades of tolerance are more than that. What a step commits
+    // adds up over some tens of steps.
     for (int power = 5; power <= 11; power += 2)
         EXPECT_LT(error_at(power), error_at(power - 2)) << power;
     for (int power = 3; power <= 12; ++power)

@@ -21,7 +21,7 @@ private:
     Mesh mesh_;
     State state_;
     std::mt19937 generator_{3};
-    std::uniform_real_distribution<double> chance_{0.0, 1.0};
+    std::uniform_real_distribution<double> uniform_{0.0, 1.0};
 
 public:
     Observer observer;
@@ -32,8 +32,8 @@ public:
         double largest = 0.0;
         while (state_.time < end) {
             const double begin = state_.time;
-            const double dt = std::min(end - begin, 1e-5 + 3e-4 * chance_(generator_));
-            const int substeps = chance_(generator_) < 0.5 ? 1 : 4;
+            const double dt = std::min(end - begin, 1e-5 + 3e-4 * uniform_(generator_));
+            const int substeps = uniform_(generator_) < 0.5 ? 1 : 4;
             state_.time = begin + dt < end ? begin + dt : end;
             state_.dt = dt;
             state_.line_dt = dt / substeps;
@@ -54,11 +54,11 @@ TEST(Observer, NeverFiltersAPeakAboveTheForcesOfItsInterval) {
     // Three stages at random times. Right before the first and the last one stands a spike ten times as large
     // as anything within them, which the second one has at its end.
     std::mt19937 generator(11);
-    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
     for (int round = 0; round < 40; ++round) {
         GivenForces run;
-        const double begin[] = {0.02 + 0.02 * chance(generator), 0.06 + 0.02 * chance(generator),
-                                0.1 + 0.02 * chance(generator), 0.14 + 0.02 * chance(generator)};
+        const double begin[] = {0.02 + 0.02 * uniform(generator), 0.06 + 0.02 * uniform(generator),
+                                0.1 + 0.02 * uniform(generator), 0.14 + 0.02 * uniform(generator)};
         double spike_at = begin[0];
         const auto force = [&](double t) {
             const double left = spike_at - t;

@@ -7,13 +7,13 @@
 #include "lib/math/sha256.hpp"
 #include "lib/record/archive.hpp"
 #include "lib/record/checkpoint.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/scratch_dir.hpp"
 
 namespace twinchute {
 namespace {
 
-/// Parts of every kind, by chance.
+/// Random parts of every kind.
 struct Parts {
     double number = 0.0;
     std::optional<double> maybe;
@@ -40,24 +40,24 @@ struct Parts {
 };
 
 /// Any 64 bits: NaNs with a payload, infinities, subnormals, zeros with a sign.
-double any_bits(test::Chance& chance) {
-    return std::bit_cast<double>(chance.bits());
+double any_bits(test::Random& random) {
+    return std::bit_cast<double>(random.bits());
 }
 
 TEST(Archive, ReadsTheBitsThatItWrote) {
-    test::Chance chance(20261122);
+    test::Random random(20261122);
     for (int round = 0; round < 500; ++round) {
         Parts parts;
-        parts.number = round == 0 ? -0.0 : any_bits(chance);
-        if (chance.bits() & 1) parts.maybe = any_bits(chance);
-        for (std::size_t i = chance.bits() % 20; i > 0; --i) {
-            parts.numbers.push_back(any_bits(chance));
-            parts.text += static_cast<char>(chance.bits());
-            parts.small.push_back(static_cast<std::uint16_t>(chance.bits()));
-            parts.rows.push_back({any_bits(chance), any_bits(chance)});
+        parts.number = round == 0 ? -0.0 : any_bits(random);
+        if (random.bits() & 1) parts.maybe = any_bits(random);
+        for (std::size_t i = random.bits() % 20; i > 0; --i) {
+            parts.numbers.push_back(any_bits(random));
+            parts.text += static_cast<char>(random.bits());
+            parts.small.push_back(static_cast<std::uint16_t>(random.bits()));
+            parts.rows.push_back({any_bits(random), any_bits(random)});
         }
-        parts.whole = static_cast<std::int64_t>(chance.bits());
-        parts.flag = chance.bits() & 1;
+        parts.whole = static_cast<std::int64_t>(random.bits());
+        parts.flag = random.bits() & 1;
         Archive writer;
         parts.serialize(writer);
         const std::string bytes = writer.take();
@@ -143,19 +143,19 @@ TEST(Archive, RefusesWhatIsNotAskedFor) {
     EXPECT_NE(refusal(read_both, huge).find("ends too early"), std::string::npos);
 }
 
-Checkpoint made_up() {
+Checkpoint synthetic_checkpoint() {
     return {{"1.0 (abc), GNU, -O3", "full", "digest"},
             {{0.5, "fields/frame-000000.vtu", ".frame-000000.vtu.1-0.tmp", "sum"}},
             std::string("state\0with a zero", 17)};
 }
 
 TEST(Checkpoint, IsReadAsItWasWritten) {
-    const Checkpoint checkpoint = made_up();
+    const Checkpoint checkpoint = synthetic_checkpoint();
     EXPECT_EQ(read_checkpoint_bytes(checkpoint_bytes(checkpoint), "f"), checkpoint);
 }
 
 TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
-    const std::string bytes = checkpoint_bytes(made_up());
+    const std::string bytes = checkpoint_bytes(synthetic_checkpoint());
     const auto why_not = [](const std::string& text) {
         try {
             read_checkpoint_bytes(text, "f");
@@ -186,7 +186,7 @@ TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
 }
 
 TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
-    const CheckpointOf wanted = made_up().of;
+    const CheckpointOf wanted = synthetic_checkpoint().of;
     require_same(wanted, wanted, "f");
     const auto why_not = [&](const CheckpointOf& found) {
         try {
@@ -213,9 +213,9 @@ TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
 TEST(Checkpoint, IsKnownByItsBeginning) {
     const ScratchDir here;
     EXPECT_EQ(read_checkpoint(here.path()), std::nullopt);
-    here.write("checkpoint.bin", checkpoint_bytes(made_up()));
+    here.write("checkpoint.bin", checkpoint_bytes(synthetic_checkpoint()));
     EXPECT_TRUE(is_checkpoint(here / "checkpoint.bin"));
-    EXPECT_EQ(read_checkpoint(here.path()), made_up());
+    EXPECT_EQ(read_checkpoint(here.path()), synthetic_checkpoint());
     here.write("checkpoint.bin", "something else");
     EXPECT_FALSE(is_checkpoint(here / "checkpoint.bin"));
     EXPECT_THROW(read_checkpoint(here.path()), RecordError);

@@ -54,7 +54,7 @@ const std::vector<double> hard{0.0,
                                5.0e-20,
                                9.5367431640625e-7};
 
-TEST(RecordRead, AMadeUpRecordComesBackToTheLastBit) {
+TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
     RunRecord record = compare::made_up_comparison().reference;
     record.cost.blocks = {{"membrane", 0.1 + 0.2}, {"a \"quoted\", name\n", 0}};
     record.cost.resumed_at = {0.1, 1e-300};

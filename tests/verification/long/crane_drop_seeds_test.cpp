@@ -65,7 +65,7 @@ TEST(CraneDropSeeds, OpenAsThePaperSays) {
 TEST(CraneDropSeeds, BothStructuresAgreeWithinTheirScatter) {
     // The ranges over seeds overlap, and the medians differ by less than the wider one; by 5 to 6 %, elements
     // being higher (docs/theory/deployment.md). That is one and a half standard deviations: of seven seeds
-    // the ranges miss each other by chance now and then, of 24 they do not.
+    // the ranges miss each other by accident now and then, of 24 they do not.
     constexpr int count = 24;
     const auto springs = run_seeds(count, {"stop.time=4.8"}).of("peak_force_ratio"),
                elements = run_seeds(count, {"stop.time=4.8", "full.structure='fe'"}).of("peak_force_ratio");

@@ -1,4 +1,4 @@
-// Numbers by chance, the same on every platform for the same seed.
+// Random numbers that are the same on every platform for the same seed.
 #pragma once
 
 #include <algorithm>
@@ -8,13 +8,13 @@
 
 namespace twinchute::test {
 
-class Chance {
+class Random {
 public:
-    explicit Chance(std::uint64_t seed) : random_(seed) {}
+    explicit Random(std::uint64_t seed) : random_(seed) {}
 
     std::uint64_t bits() { return random_(); }
     double share() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-    bool chance(double probability) { return share() < probability; }
+    bool random_bool(double probability) { return share() < probability; }
     std::size_t below(std::size_t count) { return static_cast<std::size_t>(random_() % count); }
     template <class List>
     const auto& one_of(const List& list) {
