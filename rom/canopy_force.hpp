@@ -1,4 +1,4 @@
-// What each canopy of several pulls at the confluence.
+// Force of each of several canopies at the confluence.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace twinchute::rom {
 
-/// What canopies that fly as one body share at one moment.
+/// Air and motion that canopies flying as one body share at one moment.
 template <int dimensions>
 struct CanopyAir {
     double time = 0.0, density = 0.0, gravity = 0.0;  ///< [s] since release, [kg/m^3], [m/s^2]

@@ -15,8 +15,8 @@ namespace {
 constexpr double explicit_reach = 3.3;  // of Dormand and Prince's pair on the negative real axis
 constexpr double many_steps = 100.0;    // for which another method pays
 
-/// What remains [-] of a departure from the steady rate, over a window at whose end it is exp(-x) of what it
-/// was at its beginning, x = T/tau: in the mean, and from the mean of the first half to that of the second.
+/// Remainder [-] of a departure from the steady rate, over a window in which it decays to exp(-x) of its
+/// first value, x = T/tau: in the mean, and from the mean of the first half to that of the second.
 double mean_of_decay(double x) {
     return -std::expm1(-x) / x;
 }
@@ -285,7 +285,7 @@ private:
         return verify_steady();
     }
 
-    /// What happens at the very end of a run has happened, too.
+    /// Whether the run goes on; events due at its very end still happen.
     bool goes_on() const {
         return solver_->time() < context_.stop_time || sequence_.next_time() <= solver_->time();
     }

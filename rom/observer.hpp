@@ -1,4 +1,4 @@
-// What a reduced-order run writes down: history, largest forces, impulse, largest deceleration.
+// Observer of a reduced-order run: history, largest forces, impulse, largest deceleration.
 // Everything is taken from the integrator's dense output, so that no step size shows in it.
 #pragma once
 

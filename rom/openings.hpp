@@ -1,4 +1,4 @@
-// What a run notes down of its parachutes while they open: events, and which force belongs to which of them.
+// Notes of a run on its parachutes while they open: events, and which force belongs to which parachute.
 #pragma once
 
 #include <vector>
@@ -29,9 +29,9 @@ public:
 
     OpeningResult& result;
 
-    /// Before the first row of the stage that begins with them: what the forces until now belong to.
+    /// Assigns the forces until now, before the first row of the stage that begins with these events.
     void before_stage(const std::vector<OpeningEvent>& done, const FlightState& now);
-    /// After that row: events, and what the run may stop at.
+    /// Notes events and stop conditions, after that row.
     void after_stage(const std::vector<OpeningEvent>& done, double time);
     /// The lines of a parachute that has left its pack come taut: what they pull from here on is its snatch.
     void lines_taut();

@@ -1,4 +1,4 @@
-// What a reduced-order run says beside the metrics of an opening.
+// Parts of a reduced-order record beside the metrics of an opening.
 #pragma once
 
 #include <vector>

@@ -51,7 +51,7 @@ RunStatus fly(const Scene& scene, RunContext& context, OpeningSequence& sequence
     }
 }
 
-/// What the observer knows of the whole run.
+/// Results of the whole run, from its observer.
 void judge(const Scene& scene, int dimensions, RunContext& context, Openings& openings) {
     openings.close();
     OpeningResult& result = openings.result;
@@ -70,7 +70,7 @@ void judge(const Scene& scene, int dimensions, RunContext& context, Openings& op
         record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
         std::ranges::stable_sort(record.events, {}, &Event::time);
     }
-    // Of one canopy at a time they repeat the forces above.
+    // Where one canopy pulls at a time they repeat the forces above.
     if (std::ranges::none_of(observer.rows(), [](const HistoryRow& r) { return r.canopies > 1; })) {
         result.peak_canopy_force.reset();
         result.max_canopy_force.reset();
@@ -82,7 +82,7 @@ void judge(const Scene& scene, int dimensions, RunContext& context, Openings& op
     result.end_position = place_of(last, scene, dimensions);
 }
 
-/// What the filling time goes by.
+/// Source of the filling time, in words.
 std::string filling_note(const Parachute& chute) {
     const FillTime& fill = chute.fill_time;
     if (!chute.reefing.empty()) return "prescribed stage by stage; when lines are cut is part of it";
@@ -102,7 +102,7 @@ void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& res
     if (!result.descent) warn_of_unsteady_descent(record, scene, result.last_window);
 }
 
-/// What the formulas of openings are for: one canopy that opens at once.
+/// Whether the formulas of openings apply: one canopy that opens at once.
 bool is_one_opening(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();

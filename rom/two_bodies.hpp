@@ -88,7 +88,7 @@ struct TwoBodies {
         if constexpr (by_mach) return canopies->drag_area(t, mach_number(m));
         return canopies->drag_area(t);
     }
-    /// Of the payload, where a drag area goes by it; otherwise 0.
+    /// Mach number of the payload, where a drag area goes by it; otherwise 0.
     double mach_number([[maybe_unused]] const Motion<dimensions>& m) const {
         if constexpr (by_mach)
             return airspeed_of<dimensions>(m.velocity, m.altitude(), wind).norm() /

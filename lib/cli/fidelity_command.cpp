@@ -37,14 +37,14 @@ struct Case {
     std::optional<LongRun> long_run;  ///< where it has a directory
 };
 
-/// What a case comes to, and lines about its files.
-struct Told {
+/// Outcome of a case, and lines about its files.
+struct CaseReport {
     RunRecord record;
     std::string more;
 };
 
-Told run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& others, Case& one,
-              const Interrupt& interrupt, int threads, const Arguments& arguments) {
+CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& others, Case& one,
+                    const Interrupt& interrupt, int threads, const Arguments& arguments) {
     std::vector<const Fidelity*> all = others;
     all.push_back(&fidelity);
     FileBatch batch;
@@ -52,17 +52,17 @@ Told run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& othe
     ShapeFrames frames;
     Checkpoints checkpoints;
     if (one.long_run) checkpoints = one.long_run->checkpoints(fields);
-    Told told{run_watched(fidelity, one.scene, interrupt.token(), arguments.has("quiet"), threads,
-                          one.long_run ? &fields : nullptr, one.long_run ? &frames : nullptr,
-                          std::move(checkpoints), all),
-              ""};
-    if (one.long_run && told.record.status.code != StatusCode::refused) {
-        add_record(batch, told.record, one.place, frames);
+    CaseReport report{run_watched(fidelity, one.scene, interrupt.token(), arguments.has("quiet"), threads,
+                                  one.long_run ? &fields : nullptr, one.long_run ? &frames : nullptr,
+                                  std::move(checkpoints), all),
+                      ""};
+    if (one.long_run && report.record.status.code != StatusCode::refused) {
+        add_record(batch, report.record, one.place, frames);
         batch.commit();
     }
-    if (one.long_run) one.long_run->ended(told.record);
-    told.more = fields_text(fields);
-    return told;
+    if (one.long_run) one.long_run->ended(report.record);
+    report.more = fields_text(fields);
+    return report;
 }
 
 /// The cases of a series below each other, in what most of them have.
@@ -109,24 +109,24 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     std::vector<std::string> summaries;
     std::vector<std::pair<std::string, RunRecord>> series;  // without their histories
     for (Case& one : cases) {
-        const Told told = one.finished
-                              ? Told{*one.finished, "kept      it had ended before; nothing was run\n"}
-                              : run_case(fidelity, others, one, interrupt, threads, arguments);
+        const CaseReport report =
+            one.finished ? CaseReport{*one.finished, "kept      it had ended before; nothing was run\n"}
+                         : run_case(fidelity, others, one, interrupt, threads, arguments);
         if (arguments.has("json")) {
-            summaries.push_back(summary_json(told.record));
+            summaries.push_back(summary_json(report.record));
         } else if (!arguments.has("quiet")) {
             print((&one == &cases.front() ? "" : "\n") +
-                  record_text(told.record, fidelity.title, output_style()));
-            print(resumed_text(told.record));
+                  record_text(report.record, fidelity.title, output_style()));
+            print(resumed_text(report.record));
             if (directory)
                 print(fmt::format("record    {}\n", printable((one.place / "summary.json").string())));
-            print(told.more);
+            print(report.more);
             if (!one.scene.case_name.empty()) {
-                series.emplace_back(one.scene.case_name, told.record);
+                series.emplace_back(one.scene.case_name, report.record);
                 series.back().second.channels.clear();
             }
         }
-        code = gravest(code, exit_code(told.record.status.code));
+        code = gravest(code, exit_code(report.record.status.code));
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, summaries));

@@ -121,7 +121,7 @@ bool is_our_output(const fs::path& directory) {
 }
 
 void check_output_dir(const fs::path& given) {
-    // What the path comes to, not how it is written: "" is the current directory, and so is "new/..".
+    // The resolved path counts, not its spelling: "" is the current directory, and so is "new/..".
     std::error_code error;
     fs::path directory = given;
     if (given.empty() || std::ranges::find(given, "..") != given.end())

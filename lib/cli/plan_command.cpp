@@ -33,7 +33,7 @@ std::string bytes_text(std::size_t bytes) {
     return b < mega ? readable(b / kilo, 3) + " kB" : readable(b / mega, 3) + " MB";
 }
 
-/// What is needed, or what is left out.
+/// Lists the parts that are needed, or those left out.
 std::string parts_text(const Plan& plan, bool needed) {
     Table table;
     for (const PlanPart& part : plan.parts) {

@@ -19,8 +19,8 @@ std::vector<Option> scene_options(std::string out_meaning);
 /// --fields, for commands that run a fidelity which gives fields.
 Option fields_option();
 
-/// What --fields overrides in a scene for this fidelity; nothing where it is absent, or the fidelity gives
-/// none. Throws UsageError.
+/// Overrides that --fields makes in a scene for this fidelity; none where it is absent, or the fidelity gives
+/// no fields. Throws UsageError.
 std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity);
 
 /// --threads, for those that have some; 1 where it is absent. Throws UsageError.

@@ -14,7 +14,7 @@
 
 namespace twinchute {
 
-/// What a cable of a shape is, by number.
+/// Kind of a cable of a shape; files hold its number.
 enum class ShapeCableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
 constexpr std::uint8_t shape_cable_kinds = 6;
 

@@ -65,7 +65,7 @@ struct Texts {
     std::string_view summary, history, events;
 };
 
-/// What is wrong in a table is said with its line; only then, that the table is another one.
+/// Reports a fault in a table with its line first, a checksum that does not match only after that.
 RunRecord read_parts(const Texts& texts, const fs::path& directory, FileChecksums& checksums) {
     const auto name = [&](const char* file) { return (directory / file).string(); };
     require_size(texts.summary, largest_summary, name("summary.json"));

@@ -1,4 +1,4 @@
-// What read_record puts together.
+// Parts of a record that read_record puts together.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a model has to offer to be run and compared. The comparison sees rows of this table and
+// Interface of a model that can be run and compared. The comparison sees rows of this table and
 // nothing else, so that a third fidelity (a CFD code, a flight-test file) is one more row.
 #pragma once
 
@@ -24,7 +24,7 @@ struct Progress {
     std::optional<double> resumed_at = {};  ///< [s] simulated: the checkpoint that the run went on from
 };
 
-/// How a long run is kept from being lost: now and then it gives away all that it needs to go on.
+/// Checkpoints of a long run: now and then it gives away all that it needs to go on.
 struct Checkpoints {
     /// Takes a state of the run (lib/record/archive.hpp), again and again. Empty: none are made.
     std::function<void(std::string)> save;
@@ -32,7 +32,7 @@ struct Checkpoints {
     std::string file = {};  ///< that it is of, for messages
 };
 
-/// What is not physics in a run.
+/// Settings and callbacks of a run that are not physics.
 struct Run {
     std::stop_token stop;                           ///< asks for an early, clean end
     std::function<void(const Progress&)> progress;  ///< may be empty; called now and then
@@ -57,7 +57,7 @@ struct Fidelity {
     std::vector<std::string> (*unsupported_keys)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
     bool has_threads = false;   ///< it is faster with some
-    /// What a run of the scene would need and cost; may be null. Throws SceneError.
+    /// Plan of a run: what the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
 };

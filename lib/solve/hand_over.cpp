@@ -63,7 +63,7 @@ void join_channels(RunRecord& first, const RunRecord& rest) {
 void join_events(RunRecord& first, const RunRecord& rest, double time) {
     first.events.push_back({"handed-over", time, last(first, "altitude"), last(first, "speed")});
     for (const Event& event : rest.events) {
-        // What happens at its beginning has happened before, and so has the peak.
+        // Events at its beginning have happened before, and so has the peak.
         const bool is_new = event.time > 0.0 && event.name != "peak-force" && !first.find_event(event.name);
         if (is_new) first.events.push_back({event.name, time + event.time, event.altitude, event.speed});
     }
@@ -95,7 +95,7 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
         first.add_metric(key, metric->value + more, metric->standing, std::move(note));
         made.metrics.emplace_back(key);
     }
-    // What the first one did not reach, the rest has.
+    // Metrics that the first part did not reach come from the rest.
     if (first.find_metric("descent_rate_m_s"))
         std::erase_if(first.warnings,
                       [](const Warning& warning) { return warning.what == not_steady_within_run; });

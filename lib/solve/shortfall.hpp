@@ -1,5 +1,4 @@
-// What a run did not come to: parachutes that never opened, metrics that it has no value for. The same for
-// every fidelity.
+// Shortfalls of a run, for every fidelity: parachutes that never opened, metrics without a value.
 #pragma once
 
 #include <string>

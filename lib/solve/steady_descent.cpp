@@ -20,7 +20,7 @@ constexpr double windows_kept = 4.0;
 constexpr double growth_of_swing = 3.0;  // from half a window to the next, that is still to come
 constexpr double max_layers = 400.0;     // of wind that are looked at
 
-/// What is left of a trend after the last of three means, beside a reference.
+/// Remainder of a trend after the last of three means, beside a reference.
 double left_of_trend(double a, double b, double c) {
     const double first = b - a, second = c - b;
     if (!(first * second > 0.0)) return std::max(std::abs(first), std::abs(second));

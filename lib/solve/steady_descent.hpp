@@ -133,7 +133,7 @@ private:
 /// The warning of a run without a descent rate.
 inline constexpr const char* not_steady_within_run = "no descent rate: not steady within the run";
 
-/// What of a window is not steady, for people.
+/// Describes in words how a window is not steady.
 std::string unsteadiness_text(const std::optional<DescentWindow>& last);
 
 }  // namespace twinchute

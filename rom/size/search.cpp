@@ -25,7 +25,7 @@ constexpr int samples_alone = 40, samples_before = 16, samples_inside = 6;
 /// [-] share of the limits up to which a minimum between such samples may still meet them.
 constexpr double unclear = 1.3;
 
-/// Of all limits and of those on loads [-].
+/// Used share [-] of all limits, and of those on loads.
 struct Share {
     double used, loaded;
 };

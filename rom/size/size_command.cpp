@@ -54,7 +54,7 @@ std::optional<fs::path> wanted_file(const Arguments& arguments, const std::vecto
     return file;
 }
 
-/// What sizing needs of a scene.
+/// Checks that scenes have what sizing needs.
 void check(const std::vector<Scene>& scenes) {
     for (const Scene& scene : scenes) {
         require_physics(scene, rom_fidelity(), {});

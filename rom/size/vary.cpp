@@ -39,7 +39,7 @@ double diameter(const Scene& scene) {
     return sized_parachute(scene).nominal_diameter;
 }
 
-/// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
+/// Scales the parachute at one shape: vent, lines and risers with it, C_D0 as it is, as many gores.
 void set_diameter(Scene& scene, double value) {
     Parachute& p = scene.parachutes[sized_index(scene)];
     scale_canopy(p, value, [](std::string_view) { return true; });

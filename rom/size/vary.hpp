@@ -1,4 +1,4 @@
-// What sizing may change in a scene: a row for each.
+// Quantities of a scene that sizing may change, a row each.
 #pragma once
 
 #include <span>
