@@ -1,42 +1,19 @@
 // The program as a script sees it. Expected values are the tables of commands, files and exit codes
 // that the program promises (`twinchute --help`, docs).
-#include <gtest/gtest.h>
+#include "tests/support/program_test.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
-
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
-
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+const std::string scene = shipped_scene("c9-inflation");
 
 /// A full run of a moment: few elements, short flight.
 const Words quick{"--set", "stop.time=0.25",        "--set", "full.mesh.gore_columns=1",
                   "--set", "full.mesh.gore_rows=4", "--set", "full.mesh.line_elements=4"};
 
-class SystemCli : public testing::Test {
+class SystemCli : public ProgramTest {
 protected:
-    Words command(const Words& words) const {
-        Words all{TWINCHUTE_PROGRAM};
-        all.insert(all.end(), words.begin(), words.end());
-        return all;
-    }
-    Ended run(const Words& words) { return Process(command(words), here_.path()).wait(); }
-    Ended run_quick(Words words) {
-        words.insert(words.end(), quick.begin(), quick.end());
-        return run(words);
-    }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
-    bool nothing_written() const { return tree_of(here_.path()).empty(); }
-
-    ScratchDir here_;
+    Ended run_quick(const Words& words) const { return run(words + quick); }
 };
 
 TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
@@ -120,7 +97,7 @@ TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
     EXPECT_EQ(read("none/gap.json")["metrics"]["max_force_N"]["verdict"], "exceeded");
 }
 
-const std::string rocket = TWINCHUTE_SOURCE_DIR "/data/scenes/rocket-dual-deploy.toml";
+const std::string rocket = shipped_scene("rocket-dual-deploy");
 
 TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
     const Words never{rocket, "--set", "parachute.main.deploy.when.height=0 ft"};
@@ -203,7 +180,7 @@ TEST_F(SystemCli, ResultsThatCannotBeWrittenAreExitFour) {
     here_.write("file", "not a directory");
     EXPECT_EQ(run({"rom", scene, "--out", "file/out"}).code, 4);
     EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"file"}));
-    EXPECT_EQ(Process(command({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
+    EXPECT_EQ(Process(program({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
 }
 
 TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
@@ -275,4 +252,4 @@ TEST_F(SystemCli, TheSameInputGivesTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -2,13 +2,10 @@
 // the same scene.
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended;
-using Words = std::vector<std::string>;
-
-class SystemLadderPage : public test::ShortScene {
+class SystemLadderPage : public ShortScene {
 protected:
     /// Without --out both write into scene.out.
     SystemLadderPage() { ladder_ = run({"ladder", "scene.toml", "--quick"}); }
@@ -82,4 +79,4 @@ TEST_F(SystemLadderPage, OfAnotherSceneOrEditedIsNotShown) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,38 +1,25 @@
 // Results that cannot be written, and writing that is cut short. Promised: exit code 4, nothing
 // half-written under its final name, earlier results untouched; a directory without summary.json
 // is not a record; a signal ends a run with the record so far and exit code 130.
-#include <gtest/gtest.h>
 #include <linux/capability.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 
 #include <chrono>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "lib/cli/output_dir.hpp"
 #include "tests/support/killed_process.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 #include "tests/support/small_disk.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using test::SmallDisk;
-using Words = std::vector<std::string>;
 
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
-
-Words operator+(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
+const std::string scene = shipped_scene("c9-inflation");
 
 /// A fast run whose record differs from that of another mass.
 Words rom(const std::string& mass, const fs::path& out) {
@@ -298,10 +285,9 @@ TEST(Killed, BeforeAnyStepOfWritingLeavesWholeFilesOnly) {
         for (int step = 1;; ++step) {
             fs::remove_all(out);
             if (there_before) fs::copy(here / "old", out);
-            const test::KilledAt where = test::kill_before_change(step, rom("200", out), here.path());
-            if (where == test::KilledAt::untraceable)
-                GTEST_SKIP() << "this machine lets no process trace another";
-            if (where == test::KilledAt::never) break;
+            const KilledAt where = kill_before_change(step, rom("200", out), here.path());
+            if (where == KilledAt::untraceable) GTEST_SKIP() << "this machine lets no process trace another";
+            if (where == KilledAt::never) break;
             ++killed;
             expect_whole(out, old_files, new_files, step);
         }
@@ -310,7 +296,7 @@ TEST(Killed, BeforeAnyStepOfWritingLeavesWholeFilesOnly) {
     }
 }
 
-class Interrupted : public testing::TestWithParam<int> {
+class Interrupted : public ProgramTest, public testing::WithParamInterface<int> {
 protected:
     /// Runs a command until it has computed for a while, then sends the signal.
     Ended interrupt(const std::string& command) {
@@ -320,9 +306,6 @@ protected:
         ::kill(process.id(), GetParam());
         return process.wait();
     }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
-
-    ScratchDir here_;
 };
 
 TEST_P(Interrupted, AFullRunLeavesTheRecordSoFar) {
@@ -360,4 +343,4 @@ TEST_P(Interrupted, AskingTwiceEndsItAtOnceOrWithAWholeRecord) {
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

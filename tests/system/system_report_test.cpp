@@ -1,19 +1,12 @@
 // `twinchute report`: what compare wrote, again from its records.
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using Words = std::vector<std::string>;
-
-class SystemReport : public test::ShortScene {
+class SystemReport : public ShortScene {
 protected:
     SystemReport() {
         here_.write("scene.toml",
@@ -85,7 +78,7 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
 }
 
 TEST_F(SystemReport, AWholeOpeningIsRemadeAsItWas) {
-    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const std::string opening = shipped_scene("c9-inflation");
     const Ended compared = run({"compare", opening, "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
                                 "full.mesh.gore_rows=4", "--out", "out"});
     const auto before = files("out");
@@ -159,7 +152,7 @@ TEST_F(SystemReport, SaysWhereEachToleranceIsFrom) {
     all("command line");
     EXPECT_NE(content_of(here_ / "out/junit.xml").find("tolerance 1 % (from the command line)"), junit.npos);
 
-    const std::string demo = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const std::string demo = shipped_scene("c9-inflation");
     run({"compare", demo, "--quiet", "--out", "out", "--set", "full.mesh={gore_columns=1, gore_rows=4}"});
     EXPECT_EQ(from("filling_time_s"), "default");
     EXPECT_EQ(from("peak_force_N"), "scene");  // the demo has one of its own
@@ -262,4 +255,4 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test
