@@ -28,7 +28,7 @@ Scene coarse(const char* file, std::vector<std::string> more = {}) {
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + file, more);
 }
 
-/// What a run gives away beside its record.
+/// Output of a run beside its record.
 struct Given {
     RunRecord record;
     std::vector<VtuGrid> fields;
@@ -153,7 +153,7 @@ void fly(Simulation& simulation, int steps) {
     }
 }
 
-/// What has been kept is read to the same bytes, and goes on to the same bits.
+/// Expects a state to be read back to the same bytes, and to go on to the same bits.
 void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout, int steps, int rounds,
                       std::size_t stages = 1) {
     Simulation simulation(scene, layout);
@@ -173,7 +173,7 @@ void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout,
         ASSERT_EQ(state_of(other), state_of(simulation));
         ASSERT_EQ(other.step().dt, simulation.step().dt);
     }
-    EXPECT_EQ(seen.size(), stages) << "stages that were kept";
+    EXPECT_EQ(seen.size(), stages) << "stages that were written";
 }
 
 TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {

@@ -137,7 +137,7 @@ inline std::string SceneGenerator::text() {
     return "\"" + out + (random_bool(0.5) ? "\\t.\"" : "\"");
 }
 
-/// What needs no knowledge of other keys, only of the row itself.
+/// Decides on a key from its row alone, without other keys.
 inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::string, std::less<>>& words) {
     const std::string path(key.path);
     if (!key.only_with.empty() && !key.goes_with(words[std::string(selector_of(scene_keys(), key)->path)]))

@@ -19,7 +19,7 @@
 
 namespace twinchute::test {
 
-/// What was found, into the test's output: docs/verification.md quotes it.
+/// Prints a result into the test's output: docs/verification.md quotes it.
 inline void report(const char* what, auto... values) {
     std::string line = what;
     ((line += fmt::format("  {:.6g}", static_cast<double>(values))), ...);

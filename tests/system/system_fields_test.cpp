@@ -32,7 +32,7 @@ const Words quick = coarse + Words{"--set", "stop.time=0.5"};
 
 class SystemFields : public ProgramTest {
 protected:
-    /// What VTK reads, or a skipped test where there is no VTK.
+    /// Reads a file with VTK.
     json read(const std::string& file) {
         const Ended ended =
             run_vtk_script("tests/support/read_fields.py", {(here_ / file).string()}, here_.path());

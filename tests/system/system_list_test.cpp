@@ -76,7 +76,7 @@ TEST_F(SystemList, OneKeyStandsInFull) {
     EXPECT_NE(list("", {"parachute.fill_time.n"})
                   .out.find("only with   parachute.fill_time.model = fill-constant, "),
               std::string::npos);
-    // Of a member of a list as of all of them.
+    // A member of a list has the row of the list.
     EXPECT_EQ(list("", {"parachute.reefing.2.drag_area_ratio"}).out,
               list("", {"parachute.reefing.drag_area_ratio"}).out);
 }

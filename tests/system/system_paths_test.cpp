@@ -8,7 +8,7 @@ namespace {
 
 class SystemPaths : public ShortScene {
 protected:
-    /// What a shell makes of a line, with the program as $T.
+    /// Runs a line in a shell, with the program as $T.
     Ended shell(const std::string& line) {
         return Process({"/usr/bin/env", "T=" TWINCHUTE_PROGRAM, "/bin/bash", "-c", line}, here_.path())
             .wait();

@@ -323,7 +323,7 @@ TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
     EXPECT_NE(summary.find("tolerance not met"), std::string::npos) << summary;
     EXPECT_NE(summary.find("against a baseline"), std::string::npos) << summary;  // of the one that has one
 
-    // What would replace the baseline that it is held against is refused before anything is deleted.
+    // A comparison that would replace its own baseline is refused before anything is deleted.
     std::filesystem::create_directory_symlink(here_ / "baselines", here_ / "link");
     const auto kept = files("baselines");
     for (const std::string same : {"baselines", "./scenes/../baselines/", "link"}) {

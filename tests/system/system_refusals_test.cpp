@@ -245,7 +245,7 @@ TEST(CurrentDirectory, OneThatIsGoneOrClosedStopsOnlyWhatIsWrittenThere) {
 
 // --- interrupted ----------------------------------------------------------------------------
 
-/// What a reader may rely on after the program was killed: a record is wholly the old or the new one,
+/// Promise to readers after the program was killed: a record is wholly the old or the new one,
 /// and every file under its final name is whole.
 void expect_whole(const fs::path& directory, const std::map<std::string, std::string>& old_files,
                   const std::map<std::string, std::string>& new_files, int step) {

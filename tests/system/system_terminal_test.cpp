@@ -28,7 +28,7 @@ protected:
         if (master >= 0) ::close(master);
     }
 
-    /// What the program writes to a terminal. The other end is read meanwhile: a terminal holds some kB.
+    /// Output of the program on a terminal. The other end is read meanwhile: a terminal holds some kB.
     std::string on_terminal(const Words& environment, const Words& words, unsigned short columns = 0) {
         const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
         if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) return "no terminal";

@@ -45,7 +45,7 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
     EXPECT_EQ(ended.code, exceeded > 0 ? 1 : 0);
     EXPECT_EQ(result["within"], exceeded == 0);
     EXPECT_GT(judged, 150);
-    // What the equations say holds, whatever tests and papers say.
+    // Closed forms hold, whatever tests and papers say.
     for (const json& suite : result["suites"]) {
         if (suite["evidence"] != "exact") continue;
         for (const json& row : suite["rows"])

@@ -1,4 +1,4 @@
-// What may be overwritten: our own results and nothing else.
+// Only our own results may be overwritten.
 #include <gtest/gtest.h>
 
 #include <sys/wait.h>

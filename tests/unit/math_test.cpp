@@ -97,7 +97,7 @@ struct Signal {
     double integral(double x) const {
         double sum = 0.0;
         for (std::size_t i = 1; i < t.size() && t[i - 1] < x; ++i) {
-            // Of the piece that x cuts the mean of its ends counts, as in the filter.
+            // A piece that x cuts counts by the mean of its ends, as in the filter.
             sum += 0.5 * (value[i - 1] + value[i]) * (std::min(x, t[i]) - t[i - 1]);
         }
         return sum;

@@ -1,4 +1,4 @@
-// What a full run notes of its forces: which of them belong to which interval of the opening.
+// Forces that a full run notes: which of them belong to which interval of the opening.
 #include "fullsim/observer.hpp"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(Observer, NeverFiltersAPeakAboveTheForcesOfItsInterval) {
         double largest[3], all = 0.0;
         for (int stage = 0; stage < 3; ++stage) {
             spike_at = stage == 1 ? begin[2] : 0.0;
-            // What the step into the boundary pulled at its very end belongs to both sides.
+            // The force at the very end of the step into the boundary belongs to both sides.
             const double at_begin = force(begin[stage]);
             largest[stage] = std::max(at_begin, run.step_to(begin[stage + 1], force));
             all = std::max(all, largest[stage]);

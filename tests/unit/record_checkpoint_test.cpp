@@ -178,7 +178,7 @@ TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
     std::string later = bytes;
     later[later.find('\n') - 1] = '2';
     EXPECT_NE(why_not(later).find("is no checkpoint of this version"), std::string::npos);
-    // What was put together by hand, with a sum that fits, is held to its parts.
+    // A file put together by hand, with a checksum that fits, is still checked part by part.
     const std::string head =
         bytes.substr(0, bytes.find('\n') + 1) + std::string("t\5other\0\0\0\0\0\0\0\0", 15);
     EXPECT_NE(why_not(head + sha256_hex(head)).find("does not hold what this version keeps"),

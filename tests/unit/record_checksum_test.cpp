@@ -15,11 +15,11 @@ namespace {
 /// printf '{\n  "a": 1,\n  "sha256": ""\n}\n' | sha256sum
 const std::string digits = "cf9f29d52da39a93f9c1215ef4f8f9b30e7cf4b3fb5aa9121094470d16722647";
 
-TEST(RecordChecksum, IsTheSumOfTheTextWithoutItsDigits) {
+TEST(RecordChecksum, IsThatOfTheTextWithoutItsDigits) {
     EXPECT_EQ(with_checksum("{\n  \"a\": 1\n}\n"), "{\n  \"a\": 1,\n  \"sha256\": \"" + digits + "\"\n}\n");
 }
 
-/// What a reader of a record says of its summary.
+/// Complaint of a reader about the summary of a record.
 std::string complaint(const std::string& summary) {
     const RunRecord record = compare::made_up_record("rom", 4800, 1.45, 4e-4);
     try {

@@ -155,7 +155,7 @@ TEST(RecordRead, TheLocaleChangesNothing) {
     EXPECT_EQ(difference, "");
 }
 
-/// What a reader says of a changed record.
+/// Complaint of a reader about a changed record.
 std::string complaint(const std::string& summary, const std::string& history, const std::string& events) {
     try {
         read_record_text(summary, history, events, "d");
@@ -374,7 +374,7 @@ TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     scratch.write("r/summary.json", summary.dump());
     scratch.write("r/events.csv", "name,time,altitude,speed\n-,s,m,m/s\n");
     EXPECT_EQ(says(), "");
-    // What it names stays inside: no file of another place is opened, whatever its sum.
+    // Names stay inside the directory: no file of another place is opened, whatever its checksum.
     for (const char* name : {"../r/history.csv", "/etc/hostname", "..", ".hidden", "", "a b", "a\nb"}) {
         summary["files"] = {{name, "0"}};
         scratch.write("r/summary.json", summary.dump());

@@ -1,4 +1,4 @@
-// What `rom.method = "auto"` asks for, held against every single one-step method on ten scenes: evaluations
+// `rom.method = "auto"`, held against every single one-step method on ten scenes: evaluations
 // of the right-hand side at equal error. Evaluations are the same on every machine, seconds are not.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What holds for every scene of the reduced-order model, of whatever size: two thousand random scenes,
+// Properties of every scene of the reduced-order model, of whatever size: two thousand random scenes,
 // with reefing, clusters, sequences, winds and releases in all directions.
 #include <gtest/gtest.h>
 
@@ -146,7 +146,7 @@ TEST(RomProperties, WithoutGravityAFasterReleasePullsHarder) {
 }
 
 TEST(RomProperties, UnitsOfMassLengthAndTimeMeanNothing) {
-    // The same fall told in other units: one of mass, length and time each. The integration's tolerance is
+    // A fall told in other units: one of mass, length and time each. The integration's tolerance is
     // relative to a metre and a metre per second only where things are small.
     Scenes some(4);
     for (int i = 0; i < scenes / 4; ++i) {

@@ -62,7 +62,7 @@ TEST(StabilityMatrix, NoQuickCellFails) {
     }
     EXPECT_GT(count[CellVerdict::stable], 80);
     EXPECT_GT(count[CellVerdict::refused], 10);
-    // What the integrator cannot do comes out under its name, never as an answer.
+    // A failure of the integrator is named, and never given as an answer.
     EXPECT_TRUE(stops.contains("solver_failed"));
     EXPECT_TRUE(stops.contains("step_limit"));
 }
@@ -79,7 +79,7 @@ TEST(StabilityMatrix, RowsHaveNamesOfTheirOwnAndReasons) {
 }
 
 TEST(StabilityMatrix, EveryCaseCanBeWrittenAsASceneThatIsReadAlike) {
-    // What the matrix runs, and refuses, is what a user can ask for: the reader says the same of the text.
+    // The matrix runs, and refuses, scenes that a user can write: the reader agrees on their text.
     // Materials are by name there, so that those of a case keep the shipped numbers.
     for (const StabilityCase& row : stability_cases()) {
         if (!row.asked.empty()) continue;

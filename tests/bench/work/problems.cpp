@@ -18,7 +18,7 @@ using Bodies = rom::TwoBodies<1>;
 
 constexpr double printed_modulus = 9.7e10;  // [Pa] of the lines, paper, 5.1
 
-/// What lives as long as its problem, which the right-hand sides refer to.
+/// Models that the right-hand sides refer to; they live as long as their problem.
 struct Models {
     Scene scene = test::packed_c9(DeployBy::static_line, false);
     Composite composite;

@@ -37,7 +37,7 @@ Seeds run_seeds(int count, const std::vector<std::string>& overrides) {
         const RunRecord& r = seeds.records.back();
         EXPECT_EQ(r.status.code, StatusCode::completed) << r.status.detail;
         EXPECT_LT(std::abs(r.energy->residual_fraction), 0.01);
-        // What 60 s on an idle core leave to a loaded one.
+        // 60 s on an idle core, with time for a loaded one.
         EXPECT_LT(r.cost.cpu_s, 120.0);
     }
     for (const char* key : {"line_stretch_time_s", "snatch_speed_m_s", "snatch_force_N", "peak_force_ratio",
