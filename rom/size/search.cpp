@@ -18,8 +18,8 @@ using Rows = std::span<const VaryRow* const>;
 /// load is least.
 constexpr double closeness = 1e-7, closeness_before = 1e-4, closeness_at_minimum = 1e-5;
 /// [-] of its value by which a row stays inside its edge when others are decided on after it: with what they
-/// change the edge itself moves a little, and would leave them no room.
-constexpr double room = 5e-3;
+/// change the edge itself moves a little, and would leave them no margin.
+constexpr double margin = 5e-3;
 /// Samples between the bounds: of a row alone, of one that others follow, of those others meanwhile.
 constexpr int samples_alone = 40, samples_before = 16, samples_inside = 6;
 /// [-] share of the limits up to which a minimum between such samples may still meet them.
@@ -150,8 +150,8 @@ private:
             edge(used, samples.at[in], samples.at[out], rest.empty() ? closeness : closeness_before);
         if (rest.empty()) return found;
         notes_.push_back(fmt::format("{}: {:.1f} % inside its edge, room for what is decided after it",
-                                     row.title, 100.0 * room));
-        return found * (smallest ? 1.0 + room : 1.0 - room);
+                                     row.title, 100.0 * margin));
+        return found * (smallest ? 1.0 + margin : 1.0 - margin);
     }
 
     /// Ranges beyond the lowest that meet the limits as well: loads need not grow with what varies.
