@@ -2,21 +2,21 @@
 #include <array>
 #include <vector>
 
-#include "compare/ladder_verb.hpp"
+#include "compare/compare_command.hpp"
+#include "compare/ladder_command.hpp"
 #include "compare/metrics.hpp"
-#include "compare/report_verb.hpp"
-#include "compare/stability_verb.hpp"
-#include "compare/validate/verb.hpp"
-#include "compare/verb.hpp"
+#include "compare/report_command.hpp"
+#include "compare/stability_command.hpp"
+#include "compare/validate/validate_command.hpp"
 #include "fullsim/fidelity.hpp"
-#include "fullsim/mesh_verb.hpp"
-#include "lib/cli/list_verb.hpp"
-#include "lib/cli/plan_verb.hpp"
+#include "fullsim/mesh_command.hpp"
+#include "lib/cli/fidelity_command.hpp"
+#include "lib/cli/list_command.hpp"
+#include "lib/cli/plan_command.hpp"
 #include "lib/cli/program.hpp"
-#include "lib/cli/single_verb.hpp"
 #include "rom/fidelity.hpp"
-#include "rom/sensitivity/verb.hpp"
-#include "rom/size/size_verb.hpp"
+#include "rom/sensitivity/rom_command.hpp"
+#include "rom/size/size_command.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -26,18 +26,18 @@ int main(int argc, char** argv) {
     std::vector<ListTopic> topics = library_topics();
     topics.push_back(compare::metrics_topic());
 
-    const std::array verbs{
-        compare::compare_verb(full, rom),
-        rom::rom_verb(full),
-        single_verb(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
-        rom::size_verb(),
-        compare::report_verb(full, rom),
-        compare::ladder_verb({&rom, &full}),
-        compare::stability_verb(full, rom),
-        compare::validate_verb({&rom, &full}),
-        fullsim::mesh_verb(),
-        plan_verb({&rom, &full}),
-        list_verb(std::move(topics)),
+    const std::array commands{
+        compare::compare_command(full, rom),
+        rom::rom_command(full),
+        fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
+        rom::size_command(),
+        compare::report_command(full, rom),
+        compare::ladder_command({&rom, &full}),
+        compare::stability_command(full, rom),
+        compare::validate_command({&rom, &full}),
+        fullsim::mesh_command(),
+        plan_command({&rom, &full}),
+        list_command(std::move(topics)),
     };
-    return run_program(verbs, argc, argv);
+    return run_program(commands, argc, argv);
 }

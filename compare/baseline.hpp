@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compare/trend.hpp"
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/solve/fidelity.hpp"
 

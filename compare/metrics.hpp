@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "lib/cli/list_verb.hpp"
+#include "lib/cli/list_command.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute::compare {

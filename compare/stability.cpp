@@ -94,7 +94,7 @@ std::optional<std::string> refusal(const StabilityCase& row, const Scene& scene,
     } catch (const SceneError& error) {
         return complaint(error);
     }
-    if (const auto keys = fidelity.lacks(scene); !keys.empty())
+    if (const auto keys = fidelity.unsupported_keys(scene); !keys.empty())
         return fmt::format("{} lacks the physics of {}", fidelity.title, keys.front());
     return std::nullopt;
 }
@@ -114,13 +114,13 @@ std::optional<StabilityCell> judge(const StabilityCase& row, const StabilityMeth
     }
     Run run;
     run.stop = stop;
-    run.as_any_mesh = method.as_any_mesh;
+    run.force_unstructured = method.force_unstructured;
     const RunRecord record = fidelity.run(scene, run);
     if (record.status.code == StatusCode::interrupted) return std::nullopt;
     cell.steps = record.cost.steps;
     cell.seconds = record.cost.wall_s;
     cell.status = status_name(record.status.code);
-    const Trial trial{scene, record, fidelity, stop, method.as_any_mesh};
+    const Trial trial{scene, record, fidelity, stop, method.force_unstructured};
     if (const Channel* time = record.find_channel("time"); time && !time->values.empty())
         cell.end = time->values.back();
     if (record.status.code == StatusCode::refused)

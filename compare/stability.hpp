@@ -21,15 +21,15 @@ namespace twinchute::compare {
 struct Trial {
     const Scene& scene;
     const RunRecord& record;
-    const Fidelity& fidelity;   ///< for runs that it is compared with
-    std::stop_token stop = {};  ///< of those
-    bool as_any_mesh = false;   ///< those, like this run, are laid out as Run says
+    const Fidelity& fidelity;         ///< for runs that it is compared with
+    std::stop_token stop = {};        ///< of those
+    bool force_unstructured = false;  ///< those, like this run, are laid out as Run says
 
     /// Such a run.
     RunRecord run(const Scene& other) const {
         Run control;
         control.stop = stop;
-        control.as_any_mesh = as_any_mesh;
+        control.force_unstructured = force_unstructured;
         return fidelity.run(other, control);
     }
 };
@@ -51,8 +51,8 @@ using Check = std::function<std::vector<Finding>(const Trial&)>;
 struct StabilityMethod {
     std::string name;
     std::function<void(Scene&)> choose;
-    bool as_any_mesh = false;  ///< as Run::as_any_mesh
-    Check check = {};          ///< beside that of the case
+    bool force_unstructured = false;  ///< as Run::force_unstructured
+    Check check = {};                 ///< beside that of the case
 };
 
 struct StabilityCase {

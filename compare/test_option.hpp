@@ -1,10 +1,10 @@
-// The option --test of verbs that compare.
+// The option --test of commands that compare.
 #pragma once
 
 #include <optional>
 
 #include "compare/test_histories.hpp"
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 
 namespace twinchute::compare {
 

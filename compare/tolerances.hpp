@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/state.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/vtu.hpp"
 
 namespace twinchute::fullsim {
@@ -60,9 +60,9 @@ public:
     void forget() { pending_.clear(); }
 
     /// While no frame waits to be accepted.
-    void keep(Keeper& k) {
+    void serialize(Archive& archive) {
         assert(pending_.empty());
-        k.number("next frame of the fields", next_);
+        archive.number("next frame of the fields", next_);
     }
 
 private:

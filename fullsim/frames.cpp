@@ -133,26 +133,26 @@ void FrameRecorder::accept() {
     accepted_ = frames.size();
 }
 
-void FrameRecorder::keep(Keeper& k) {
+void FrameRecorder::serialize(Archive& archive) {
     bool wanted = wanted_;
-    k.flag("shapes", wanted);
-    if (wanted != wanted_) k.refuse("is of a run with another output", "shapes for a report, or none");
-    k.number("interval of shapes", stretch_.interval);
-    k.whole("most shapes", stretch_.most);
-    k.number("begin of shapes", begin_);
-    k.number("next shape", next_);
-    k.length("shapes", shape_.frames, 1'000'000);
-    k.whole("shapes before", first_, 0, shape_.frames.size());
-    k.whole("accepted shapes", accepted_, 0, shape_.frames.size());
+    archive.flag("shapes", wanted);
+    if (wanted != wanted_) archive.refuse("is of a run with another output", "shapes for a report, or none");
+    archive.number("interval of shapes", stretch_.interval);
+    archive.whole("most shapes", stretch_.most);
+    archive.number("begin of shapes", begin_);
+    archive.number("next shape", next_);
+    archive.length("shapes", shape_.frames, 1'000'000);
+    archive.whole("shapes before", first_, 0, shape_.frames.size());
+    archive.whole("accepted shapes", accepted_, 0, shape_.frames.size());
     for (ShapeFrame& frame : shape_.frames) {
         auto& [time, corner, step, stress_step, place, stress, folds] = frame;
-        k.number("time", time);
-        k.numbers("corner", std::span(corner));
-        k.number("step", step);
-        k.number("stress step", stress_step);
-        k.small("place", place);
-        k.small("stress", stress);
-        k.small("folds", folds);
+        archive.number("time", time);
+        archive.numbers("corner", std::span(corner));
+        archive.number("step", step);
+        archive.number("stress step", stress_step);
+        archive.small("place", place);
+        archive.small("stress", stress);
+        archive.small("folds", folds);
     }
 }
 

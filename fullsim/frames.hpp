@@ -6,8 +6,8 @@
 
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/state.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/frames.hpp"
-#include "lib/record/keeper.hpp"
 
 namespace twinchute::fullsim {
 
@@ -44,7 +44,7 @@ public:
     ShapeFrames finish();
 
     /// Of the same mesh.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     void take(const State& state);

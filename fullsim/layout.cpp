@@ -75,7 +75,7 @@ public:
         state.damping_power += line_damping_;
         fullsim::advance(state, constants_, dt, next_added_mass);
     }
-    void keep(Keeper& k, const State&) override { weights_.keep(k); }
+    void serialize(Archive& archive, const State&) override { weights_.serialize(archive); }
 
 private:
     /// [W] dissipated.
@@ -120,14 +120,14 @@ void BlockClock::begin(const std::vector<std::string>& names) {
     }
 }
 
-void BlockClock::keep(Keeper& k) {
-    k.length("accounts", accounts_, 1000);
+void BlockClock::serialize(Archive& archive) {
+    archive.length("accounts", accounts_, 1000);
     for (Account& account : accounts_) {
         auto& [name, seconds, sampled, steps] = account;
-        k.text("block", name);
-        k.number("seconds", seconds);
-        k.whole("sampled", sampled, 0);
-        k.whole("steps", steps, 0);
+        archive.text("block", name);
+        archive.number("seconds", seconds);
+        archive.whole("sampled", sampled, 0);
+        archive.whole("steps", steps, 0);
     }
 }
 

@@ -11,7 +11,7 @@
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
 #include "fullsim/step/stable_step.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/solve/plan.hpp"
@@ -44,7 +44,7 @@ public:
     std::vector<BlockCost> costs() const;
 
     /// Before begin.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     struct Account {
@@ -127,7 +127,7 @@ public:
 
     /// What it knows after a step and the state does not, so that it goes on to the same bits. `state` is
     /// kept; what is read has the name and instruction set of this layout, and goes in after begin.
-    virtual void keep(Keeper& k, const State& state) = 0;
+    virtual void serialize(Archive& archive, const State& state) = 0;
 };
 
 namespace indexed {

@@ -39,16 +39,16 @@ void MovingAverage::push(double t, double value) {
     value_ = (integral - before) / (t - left);
 }
 
-void MovingAverage::keep(Keeper& k) {
+void MovingAverage::serialize(Archive& archive) {
     std::vector<Sample> held;
-    if (!k.reads())
+    if (!archive.reads())
         for (std::size_t i = first_; i < end_; ++i)
             held.push_back(at(i));
-    k.rows("samples", held, [](Sample& sample, auto&& each) {
+    archive.rows("samples", held, [](Sample& sample, auto&& each) {
         auto& [t, integral] = sample;
         each(t), each(integral);
     });
-    if (k.reads()) {
+    if (archive.reads()) {
         while (ring_.size() < held.size())
             ring_.resize(2 * ring_.size());
         std::ranges::copy(held, ring_.begin());
@@ -56,8 +56,8 @@ void MovingAverage::keep(Keeper& k) {
         end_ = held.size();
     }
     for (double* value : {&start_, &last_value_, &centre_, &value_})
-        k.number("average", *value);
-    k.flag("ready", ready_);
+        archive.number("average", *value);
+    archive.flag("ready", ready_);
 }
 
 }  // namespace twinchute::fullsim

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
 
@@ -36,7 +36,7 @@ public:
                 visit(at(i).t + half_, (last.integral - at(i).integral) / (last.t - at(i).t));
     }
 
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     struct Sample {
@@ -78,10 +78,10 @@ public:
     /// So far, of windows that have passed.
     const Peak& peak() const { return peak_; }
 
-    void keep(Keeper& k) {
-        average_.keep(k);
-        k.number("peak", peak_.value);
-        k.number("peak", peak_.time);
+    void serialize(Archive& archive) {
+        average_.serialize(archive);
+        archive.number("peak", peak_.value);
+        archive.number("peak", peak_.time);
     }
 
 private:

@@ -154,19 +154,19 @@ std::optional<double> Observer::first_time_of_area(double area, double from) con
     return std::nullopt;
 }
 
-void Observer::keep_extremes(Keeper& k, Extremes& most) {
+void Observer::serialize_extremes(Archive& archive, Extremes& most) {
     const auto members = [](Peak& peak, auto&& each) { each(peak.value), each(peak.time); };
     auto& [peak, raw_peak, snatch_peak, earlier, peak_from, acceleration] = most;
     for (Peak* of : {&peak, &raw_peak, &snatch_peak})
-        k.row("peak", *of, members);
-    k.rows("earlier peaks", earlier, members);
-    k.number("peak counts from", peak_from);
-    k.number("largest acceleration", acceleration);
+        archive.row("peak", *of, members);
+    archive.rows("earlier peaks", earlier, members);
+    archive.number("peak counts from", peak_from);
+    archive.number("largest acceleration", acceleration);
 }
 
-void Observer::keep(Keeper& k) {
-    k.number("next row", next_row_);
-    k.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
+void Observer::serialize(Archive& archive) {
+    archive.number("next row", next_row_);
+    archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, density] =
             row;
@@ -176,14 +176,14 @@ void Observer::keep(Keeper& k) {
               &projected_area, &signed_area, &added_mass, &seam_diameter, &depth, &density})
             each(*x);
     });
-    k.whole("unsettled", unsettled_, 0, rows_.size());
-    force_.keep(k);
-    acceleration_.keep(k);
-    opening_.keep(k);
-    keep_extremes(k, extremes_);
-    k.whole("accepted rows", accepted_.rows, 0, rows_.size());
-    k.whole("accepted unsettled", accepted_.unsettled, 0, rows_.size());
-    keep_extremes(k, accepted_.extremes);
+    archive.whole("unsettled", unsettled_, 0, rows_.size());
+    force_.serialize(archive);
+    acceleration_.serialize(archive);
+    opening_.serialize(archive);
+    serialize_extremes(archive, extremes_);
+    archive.whole("accepted rows", accepted_.rows, 0, rows_.size());
+    archive.whole("accepted unsettled", accepted_.unsettled, 0, rows_.size());
+    serialize_extremes(archive, accepted_.extremes);
 }
 
 std::vector<Channel> Observer::channels() const {

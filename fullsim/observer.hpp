@@ -83,7 +83,7 @@ public:
     std::vector<Channel> channels() const;
 
     /// Between two observations.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     void add_row(const State& state, double force_raw);
@@ -104,7 +104,7 @@ private:
         double peak_from = 0.0;
         double acceleration = 0.0;
     };
-    static void keep_extremes(Keeper& k, Extremes& most);
+    static void serialize_extremes(Archive& archive, Extremes& most);
     Extremes extremes_;
     struct Accepted {
         std::size_t rows = 0, unsettled = 0;

@@ -18,8 +18,8 @@
 #include "fullsim/plan.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/needs.hpp"
-#include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/steady_descent.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -56,8 +56,8 @@ public:
           run_(run),
           record_(begin_record(scene, "full")),
           simulation_(scene,
-                      [threads = run.threads, any = run.as_any_mesh](const Scene& s, const Mesh& mesh,
-                                                                     const NodeConstants& constants) {
+                      [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
+                                                                            const NodeConstants& constants) {
                           return any ? make_indexed_layout(s, mesh, constants)
                                      : make_layout(s, mesh, constants, threads);
                       }),
@@ -69,8 +69,8 @@ public:
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight) {
         if (!scene.parachutes.front().reefing.empty()) {
-            canopies_.emplace(scene);
-            canopies_->release(situation());
+            sequence_.emplace(scene);
+            sequence_->release(flight_state());
         }
         if (packed()) {
             snatch_ = never;
@@ -136,7 +136,7 @@ private:
     /// canopy from that.
     double last_stage(double snatch) const { return std::max(snatch, stages_.back().begin); }
     bool reefed() const { return simulation_.inflation().share < 1.0; }
-    Situation situation() const {
+    FlightState flight_state() const {
         const NodeRecord& payload = state().node[simulation_.mesh().payload()];
         return {state().time, payload.x[2], payload.v[2],
                 (state().sums.system_velocity - state().air.wind).norm(), state().air.density};
@@ -162,7 +162,7 @@ private:
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
                                     : std::min(simulation_.inflation().end_of(state().phase),
                                                simulation_.inflation().next_kink());
-        const double cut = canopies_ ? canopies_->next_time() : never;
+        const double cut = sequence_ ? sequence_->next_time() : never;
         return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
     }
 
@@ -205,22 +205,22 @@ private:
         if (!saves()) return;
         const bool stops = run_.stop.stop_requested();
         if (!stops && watch_.wall() < next_save_) return;
-        Keeper k;
-        keep(k);
-        run_.checkpoints.save(k.take());
+        Archive archive;
+        serialize(archive);
+        run_.checkpoints.save(archive.take());
         saved_for_stop_ = stops;
         next_save_ = watch_.wall() + scene_.full.checkpoint_interval;
     }
 
     void go_on_from(const std::string& saved) {
-        Keeper k(saved, run_.checkpoints.file);
-        keep(k);
-        k.end();
+        Archive archive(saved, run_.checkpoints.file);
+        serialize(archive);
+        archive.end();
         record_.cost.resumed_at.push_back(state().time);
         if (run_.progress) run_.progress({stage_name(), state().time, expected_share(), resumed_at()});
     }
 
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
     void check_end() {
         if (const auto fault = simulation_.find_fault()) {
@@ -308,7 +308,7 @@ private:
         snatch_path_angle_ = angle_below_horizon(airspeed);
         snatch_density_ = state().air.density;
         if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
-        if (canopies_) canopies_->snatched(0, situation());
+        if (sequence_) sequence_->snatched(0, flight_state());
         snatch_ = now;
         add_event("snatch");
         begin_opening_frames();
@@ -331,7 +331,7 @@ private:
             // evaluated are those of the phase that begins, too.
             simulation_.begin(simulation_.inflation().after(state().phase));
         }
-        if (canopies_) look_for_disreef();
+        if (sequence_) look_for_disreef();
         if (state().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
             switched_late_ = opens && !simulation_.mouth_is_open();
             simulation_.begin_ramp();
@@ -358,13 +358,13 @@ private:
 
     /// The canopies know when a line is cut; drag area and added mass go on from where they are.
     void look_for_disreef() {
-        if (canopies_->waits_for_steady_descent() && state().phase == Phase::open && falls_steadily()) {
+        if (sequence_->waits_for_steady_descent() && state().phase == Phase::open && falls_steadily()) {
             add_event("steady-descent");
-            canopies_->descends_steadily(situation());
+            sequence_->descends_steadily(flight_state());
         }
-        for (const Occurrence& what : canopies_->advance(situation())) {
-            if (what.kind != Occurrence::Kind::disreef) continue;
-            const Canopy& canopy = canopies_->all().front();
+        for (const OpeningEvent& what : sequence_->advance(flight_state())) {
+            if (what.kind != OpeningEvent::Kind::disreef) continue;
+            const Canopy& canopy = sequence_->all().front();
             add_event("disreef");
             stages_.push_back({state().time});
             observer_.begin_stage(state().time);
@@ -479,7 +479,7 @@ private:
     std::optional<DescentWindow> descent_, last_window_;  // found steady; judged last
     const bool accretes_ = scene_.aerodynamics.added_mass &&
                            scene_.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting;
-    std::optional<Canopies> canopies_;                   // of a reefed parachute
+    std::optional<OpeningSequence> sequence_;            // of a reefed parachute
     std::vector<ParachuteResult::Stage> stages_ = {{}};  // of its opening
 
     Stopwatch watch_;
@@ -488,53 +488,53 @@ private:
     bool saved_for_stop_ = false;
 };
 
-void keep_window(Keeper& k, std::optional<DescentWindow>& window) {
+void serialize_window(Archive& archive, std::optional<DescentWindow>& window) {
     bool is_there = window.has_value();
-    k.flag("window", is_there);
+    archive.flag("window", is_there);
     if (!is_there) return window.reset();
-    if (k.reads()) window.emplace();
+    if (archive.reads()) window.emplace();
     auto& [from, to, rate, amplitude, drift, remaining] = *window;
     for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining})
-        k.number("window", *x);
+        archive.number("window", *x);
 }
 
 /// What the constructor makes anew is not kept.
-void FullRun::keep(Keeper& k) {
-    simulation_.keep(k);
-    observer_.keep(k);
-    fall_.keep(k);
-    fields_.keep(k);
-    frames_.keep(k);
-    if (canopies_) canopies_->keep(k);
-    k.length("events", record_.events, 1'000'000);
+void FullRun::serialize(Archive& archive) {
+    simulation_.serialize(archive);
+    observer_.serialize(archive);
+    fall_.serialize(archive);
+    fields_.serialize(archive);
+    frames_.serialize(archive);
+    if (sequence_) sequence_->serialize(archive);
+    archive.length("events", record_.events, 1'000'000);
     for (Event& event : record_.events) {
         auto& [name, time, altitude, speed] = event;
-        k.text("event", name);
+        archive.text("event", name);
         for (double* x : {&time, &altitude, &speed})
-            k.number("event", *x);
+            archive.number("event", *x);
     }
-    k.whole("sound events", sound_events_, 0, record_.events.size());
+    archive.whole("sound events", sound_events_, 0, record_.events.size());
     for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &snatch_, &snatch_speed_,
                       &snatch_path_angle_, &payload_snatch_speed_, &snatch_density_})
-        k.number("run", *x);
+        archive.number("run", *x);
     for (std::optional<double>* x : {&line_stretch_time_, &descent_altitude_, &landing_time_, &steady_area_})
-        k.number("run", *x);
+        archive.number("run", *x);
     for (std::optional<DescentWindow>* window : {&descent_, &last_window_})
-        keep_window(k, *window);
-    k.flag("switched late", switched_late_);
-    k.length("stages", stages_, 1000);
+        serialize_window(archive, *window);
+    archive.flag("switched late", switched_late_);
+    archive.length("stages", stages_, 1000);
     for (ParachuteResult::Stage& stage : stages_) {
         auto& [begin, full, peak_force, peak_time] = stage;
-        k.number("begin", begin);
-        k.number("full", full);
-        k.number("peak force", peak_force);
-        k.number("peak time", peak_time);
+        archive.number("begin", begin);
+        archive.number("full", full);
+        archive.number("peak force", peak_force);
+        archive.number("peak time", peak_time);
     }
     double wall = wall_before_ + watch_.wall(), cpu = cpu_before_ + watch_.cpu();
-    k.number("wall time", wall);
-    k.number("processor time", cpu);
-    k.numbers("resumed at", record_.cost.resumed_at);
-    if (k.reads()) wall_before_ = wall, cpu_before_ = cpu;
+    archive.number("wall time", wall);
+    archive.number("processor time", cpu);
+    archive.numbers("resumed at", record_.cost.resumed_at);
+    if (archive.reads()) wall_before_ = wall, cpu_before_ = cpu;
 }
 
 Observer::Peak FullRun::largest_peak() const {
@@ -589,7 +589,7 @@ void FullRun::fill_results() {
     if (peak.value > 0.0) result.peak_force = peak.value;
     result.max_force = std::max(peak.value, observer_.snatch_peak().value);
     result.peak_time = peak.time;
-    if (canopies_ && result.snatched) result.parachutes.push_back(opening_in_stages(snatch));
+    if (sequence_ && result.snatched) result.parachutes.push_back(opening_in_stages(snatch));
     if (last.time >= filled && !inflated()) result.impulse = observer_.impulse(snatch, filled);
     result.max_deceleration = observer_.largest_acceleration();
     result.descent = descent_;
@@ -656,7 +656,7 @@ void FullRun::fill_results() {
 }
 
 std::vector<NeverOpened> FullRun::never_opened_here() const {
-    if (canopies_) return never_opened(*canopies_);
+    if (sequence_) return never_opened(*sequence_);
     if (std::isfinite(snatch_)) return {};
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }
@@ -680,7 +680,7 @@ void FullRun::add_warnings() {
         record_.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
     const bool opened = std::isfinite(snatch_);
-    if (opened && !inflated() && !canopies_)
+    if (opened && !inflated() && !sequence_)
         add_opening_warnings(record_, scene_, scene_.parachutes.front(), simulation_.inflation(),
                              packed() ? snatch_speed_ : release_airspeed(scene_).norm(),
                              packed() ? snatch_density_ : observer_.rows().front().density);
@@ -688,7 +688,7 @@ void FullRun::add_warnings() {
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
              "give it line drag, a static line, an extraction force, or more height");
-    if (packed() && opened && !canopies_ && record_.metric("peak_force_N")) {
+    if (packed() && opened && !sequence_ && record_.metric("peak_force_N")) {
         const Inflation& inflation = simulation_.inflation();
         const double time = largest_peak().time;
         if (const double ratio = inflation.drag_area_ratio(inflation.phase_at(time), time).value;
@@ -758,7 +758,7 @@ void FullRun::add_warnings() {
 
 /// What takes more than the one parachute that this model has, or another way out of its pack; and what its
 /// structure needs.
-std::vector<std::string> lacks(const Scene& scene) {
+std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
     const Parachute& chute = scene.parachutes.front();
     std::vector<std::string> keys;
@@ -787,7 +787,7 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
 
 const Fidelity& full_fidelity() {
     static constexpr Fidelity row{
-        "full", "full aeroelastic model", &run_fullsim, &lacks, true, true, &plan_full, true};
+        "full", "full aeroelastic model", &run_fullsim, &unsupported_keys, true, true, &plan_full, true};
     return row;
 }
 

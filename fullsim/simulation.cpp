@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "fullsim/keep_state.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/serialize_state.hpp"
 #include "fullsim/step/aero_reference.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
@@ -519,33 +519,33 @@ void Simulation::take_shape(bool tethered, std::size_t reefing_stage) {
     build_blocks();
 }
 
-void Simulation::keep(Keeper& k) {
-    State& s = k.reads() ? state_ : whole();
-    k.same("mesh", mesh_digest(mesh_), "is of another mesh");
-    k.same("layout", std::string(layout_->name()), "is of another layout of nodes and elements");
-    k.same("instruction set", fmt::format("{}, {}", layout_->instruction_set(), lane_instruction_set()),
-           "is of another instruction set");
+void Simulation::serialize(Archive& archive) {
+    State& s = archive.reads() ? state_ : whole();
+    archive.same("mesh", mesh_digest(mesh_), "is of another mesh");
+    archive.same("layout", std::string(layout_->name()), "is of another layout of nodes and elements");
+    archive.same("instruction set", fmt::format("{}, {}", layout_->instruction_set(), lane_instruction_set()),
+                 "is of another instruction set");
     bool tethered = !mesh_.static_line.cables.empty();
     std::size_t reefing_stage = reefing_stage_;
-    k.choice("stage", s.stage, Stage::flight);
-    k.flag("static line", tethered);
-    k.whole("reefing stage", reefing_stage, 0, scene_.parachutes.front().reefing.size());
-    clock_.keep(k);
-    if (k.reads()) take_shape(tethered, reefing_stage);
-    fullsim::keep(k, s);
-    layout_->keep(k, s);
+    archive.choice("stage", s.stage, Stage::flight);
+    archive.flag("static line", tethered);
+    archive.whole("reefing stage", reefing_stage, 0, scene_.parachutes.front().reefing.size());
+    clock_.serialize(archive);
+    if (archive.reads()) take_shape(tethered, reefing_stage);
+    fullsim::serialize(archive, s);
+    layout_->serialize(archive, s);
     const Parachute& chute = scene_.parachutes.front();
-    twinchute::keep(k, inflation_, chute.drag_area_law,
-                    chute.drag_area_table ? &*chute.drag_area_table : nullptr);
+    twinchute::serialize(archive, inflation_, chute.drag_area_law,
+                         chute.drag_area_table ? &*chute.drag_area_table : nullptr);
     for (double* x : {&step_, &dt_min_, &dt_max_, &ramp_start_, &ramp_time_, &ramp_energy_})
-        k.number("step", *x);
+        archive.number("step", *x);
     for (double* x : {&cloth_strain_, &cloth_seen_, &cloth_rate_})
-        k.number("cloth strain", *x);
-    impacts_.keep(k);
-    k.whole("substeps", substeps_, 1);
-    k.whole("most substeps", most_substeps_, 1);
-    k.whole("element steps", element_steps_, 0);
-    fullsim::keep(k, sound_loads_);
+        archive.number("cloth strain", *x);
+    impacts_.serialize(archive);
+    archive.whole("substeps", substeps_, 1);
+    archive.whole("most substeps", most_substeps_, 1);
+    archive.whole("element steps", element_steps_, 0);
+    fullsim::serialize(archive, sound_loads_);
 }
 
 std::string Simulation::first_bad_node(const State& state) const {

@@ -131,7 +131,7 @@ public:
     /// All that changes with time, right after a step or before the first. What is read makes a simulation
     /// of the same scene that has just been constructed go on to the same bits; throws RecordError where it
     /// is of another mesh, layout or instruction set.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
     /// From one bound on the step to the next, and what a run leaves between two looks for faults.
     static constexpr int steps_between_bounds = 20, steps_between_checks = 50;

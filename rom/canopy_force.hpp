@@ -1,14 +1,14 @@
-// What each canopy of several pulls at the confluence.
+// Force of each of several canopies at the confluence.
 #pragma once
 
 #include <algorithm>
 
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
 
-/// What canopies that fly as one body share at one moment.
+/// Air and motion that canopies flying as one body share at one moment.
 template <int dimensions>
 struct CanopyAir {
     double time = 0.0, density = 0.0, gravity = 0.0;  ///< [s] since release, [kg/m^3], [m/s^2]
@@ -25,13 +25,13 @@ struct CanopyAir {
 /// direction, since that is the same law for all of them. What accretes is counted as there: none while the
 /// air of all together shrinks, otherwise each canopy's part of the whole.
 template <int dimensions>
-Vec<dimensions> canopy_force(const Canopy& canopy, const Canopies& canopies,
+Vec<dimensions> canopy_force(const Canopy& canopy, const OpeningSequence& canopies,
                              const CanopyAir<dimensions>& air) {
-    Vec<dimensions> force =
-        drag_of<dimensions>(air.density, Canopies::drag_area_of(canopy, air.time, air.mach), air.airspeed);
+    Vec<dimensions> force = drag_of<dimensions>(
+        air.density, OpeningSequence::drag_area_of(canopy, air.time, air.mach), air.airspeed);
     double inertia = canopy.chute->mass;
     if (air.added_mass) {
-        const auto mass = Canopies::added_mass_of(canopy, *air.added_mass, air.time, air.density);
+        const auto mass = OpeningSequence::added_mass_of(canopy, *air.added_mass, air.time, air.density);
         inertia += mass.value;
         if (air.accretes && canopies.added_mass(*air.added_mass, air.time, air.density).rate > 0.0)
             force -= mass.rate * air.airspeed;
@@ -44,12 +44,12 @@ Vec<dimensions> canopy_force(const Canopy& canopy, const Canopies& canopies,
 /// The canopy that pulls most.
 struct LargestPull {
     double force = 0.0;      ///< [N]
-    std::size_t canopy = 0;  ///< of Canopies::all()
+    std::size_t canopy = 0;  ///< of OpeningSequence::all()
     int canopies = 0;        ///< that pull
 };
 
 template <int dimensions>
-LargestPull largest_pull(const Canopies& canopies, const CanopyAir<dimensions>& air) {
+LargestPull largest_pull(const OpeningSequence& canopies, const CanopyAir<dimensions>& air) {
     LargestPull largest;
     for (std::size_t i = 0; i < canopies.all().size(); ++i) {
         const Canopy& canopy = canopies.all()[i];

@@ -47,12 +47,12 @@ class DeploymentRun {
     using Model = TwoBodies<dimensions, by_mach>;
 
 public:
-    DeploymentRun(const Scene& scene, Course& course, Canopies& canopies, Openings& openings, double time,
-                  const Motion<dimensions>& motion)
+    DeploymentRun(const Scene& scene, RunContext& context, OpeningSequence& sequence, Openings& openings,
+                  double time, const Motion<dimensions>& motion)
         : scene_(scene),
-          chute_(scene.parachutes[*canopies.leaves_pack()]),
-          course_(course),
-          canopies_(canopies),
+          chute_(scene.parachutes[*sequence.leaves_pack()]),
+          context_(context),
+          sequence_(sequence),
           openings_(openings),
           begin_(time),
           corners_(corners_of(chute_.deploy.extraction, time)),
@@ -63,21 +63,21 @@ public:
         std::vector<double> y(size, 0.0);
         std::ranges::copy(motion.position, y.begin());
         std::ranges::copy(motion.velocity, y.begin() + dimensions);
-        if (chute_.deploy.by == DeployBy::mortar) throw_out(y);
+        if (chute_.deploy.by == DeployBy::mortar) eject_from_mortar(y);
         const bool tied = chute_.deploy.by == DeployBy::static_line;
-        model_.bond = tied ? Bond::held : Bond::loose;
+        model_.phase = tied ? DeploymentPhase::static_line : DeploymentPhase::free_pack;
         if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
             for (int i = 0; i < dimensions; ++i)
                 y[3 * dimensions + i] = -y[dimensions + i];
-        course_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });
+        context_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });
         OdeSolver solver(opening_method(scene_), rhs(), begin_, y, scene_.rom.rtol, tolerances(), dimensions);
         if (pay_out(solver, result)) stretch(solver, result);
-        course_.count(solver);
+        context_.count(solver);
         return result;
     }
 
 private:
-    enum Root { payload_ground = Course::floor_root, parachute_ground, along_lines, first_trigger };
+    enum Root { payload_ground = RunContext::floor_root, parachute_ground, along_lines, first_trigger };
 
     Model make_model(const Motion<dimensions>& motion) const {
         Model model;
@@ -89,8 +89,8 @@ private:
         model.pack_drag_area = chute_.count * chute_.deploy.pack_drag_area;
         model.stiffness = line_stiffness(chute_);
         model.taut_distance = taut_distance(chute_);
-        model.canopies = &canopies_;
-        if (scene_.aerodynamics.added_mass && canopies_.out_mass() > 0.0)
+        model.canopies = &sequence_;
+        if (scene_.aerodynamics.added_mass && sequence_.out_mass() > 0.0)
             model.added_mass = &*scene_.aerodynamics.added_mass;
         const Vec<dimensions> velocity =
             airspeed_of<dimensions>(motion.velocity, motion.altitude(), model.wind);
@@ -99,11 +99,11 @@ private:
         return model;
     }
 
-    double carried_mass() const { return scene_.payload.mass + canopies_.packed_mass(); }
+    double carried_mass() const { return scene_.payload.mass + sequence_.packed_mass(); }
 
-    /// The gun gives the pack its speed, the payload recoils: momentum is conserved.
-    void throw_out(std::vector<double>& y) const {
-        const double pack = model_.parachute_mass, payload = carried_mass() + canopies_.out_mass();
+    /// Mortar ejection: the pack gets its speed, the payload recoils; momentum is conserved.
+    void eject_from_mortar(std::vector<double>& y) const {
+        const double pack = model_.parachute_mass, payload = carried_mass() + sequence_.out_mass();
         const Vec<dimensions> speed = chute_.deploy.muzzle_speed * model_.behind;
         for (int i = 0; i < dimensions; ++i) {
             y[dimensions + i] -= pack / (pack + payload) * speed[i];
@@ -113,32 +113,32 @@ private:
 
     /// Until the lines come taut.
     bool pay_out(OdeSolver& solver, Deployed<dimensions>& result) {
-        const Leg leg = integrate(solver, begin_ + longest_deployment);
-        if (leg != Leg::root || solver.root() != along_lines) {
-            result.status = ending(leg, solver, result);
+        const IntegrationSegment segment = integrate(solver, begin_ + longest_deployment);
+        if (segment != IntegrationSegment::root || solver.root() != along_lines) {
+            result.status = ending(segment, solver, result);
             return false;
         }
         const auto separation = Model::separation_of(solver.state());
         const auto motion = motion_of<dimensions>(solver.state());
-        course_.add_event(*canopies_.leaves_pack(), "line-stretch");
+        context_.add_event(*sequence_.leaves_pack(), "line-stretch");
         openings_.lines_taut();
         result.line_stretch_time = start_ = solver.time();
         result.payload_speed =
             airspeed_of<dimensions>(motion.velocity, motion.altitude(), model_.wind).norm();
-        result.parting_speed = separation.speed();
+        result.separation_speed = separation.speed();
         return true;
     }
 
     /// Until the lines have brought both bodies to one speed along them.
     void stretch(OdeSolver& solver, Deployed<dimensions>& result) {
-        model_.bond = Bond::taut;
-        const Leg leg = integrate(solver, start_ + longest_deployment);
+        model_.phase = DeploymentPhase::taut_lines;
+        const IntegrationSegment segment = integrate(solver, start_ + longest_deployment);
         const auto separation = Model::separation_of(solver.state());
         result.separation = separation.length();
         result.stretch =
             (result.separation - model_.taut_distance) / (chute_.line_length + chute_.riser_length);
-        if (leg != Leg::root || solver.root() != along_lines) {
-            result.status = ending(leg, solver, result);
+        if (segment != IntegrationSegment::root || solver.root() != along_lines) {
+            result.status = ending(segment, solver, result);
             return;
         }
         auto motion = motion_of<dimensions>(solver.state());
@@ -149,45 +149,46 @@ private:
 
     /// Stops where the right-hand side changes: at each corner of the extraction force, and where something
     /// happens to a canopy that is out.
-    Leg integrate(OdeSolver& solver, double limit) {
-        const double end = std::min(course_.stop_time, limit);
+    IntegrationSegment integrate(OdeSolver& solver, double limit) {
+        const double end = std::min(context_.stop_time, limit);
         for (;;) {
             const std::vector<double> y(solver.state().begin(), solver.state().end());
-            const auto done = canopies_.advance(now(solver));
+            const auto done = sequence_.advance(now(solver));
             openings_.before_stage(done, now(solver));
             const auto corner = std::ranges::upper_bound(corners_, solver.time());
             const double bend = corner == corners_.end() ? std::numeric_limits<double>::infinity() : *corner;
-            const double next = std::min(bend, canopies_.next_time());
-            model_.payload_mass = carried_mass() + canopies_.out_mass();
+            const double next = std::min(bend, sequence_.next_time());
+            model_.payload_mass = carried_mass() + sequence_.out_mass();
             model_.extraction = piece_of(chute_.deploy.extraction, begin_, solver.time(), bend);
             solver.restart(solver.time(), y);
             watch(solver);
-            if (canopies_.watches_pressure()) solver.limit_step(pressure_step);
-            course_.observer.mark(solver.time(), y);
+            if (sequence_.watches_pressure()) solver.limit_step(pressure_step);
+            context_.observer.mark(solver.time(), y);
             openings_.after_stage(done, solver.time());
-            const Leg leg = course_.integrate_to(solver, std::min(next, end));
-            if (leg == Leg::root && solver.root() >= first_trigger)
-                canopies_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
-            else if (leg != Leg::reached_end || solver.time() >= end)
-                return leg;
+            const IntegrationSegment segment = context_.integrate_to(solver, std::min(next, end));
+            if (segment == IntegrationSegment::root && solver.root() >= first_trigger)
+                sequence_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
+            else if (segment != IntegrationSegment::reached_end || solver.time() >= end)
+                return segment;
         }
     }
 
-    Situation now(const OdeSolver& solver) const {
-        return situation_of<dimensions>(scene_, solver.time(), motion_of<dimensions>(solver.state()));
+    FlightState now(const OdeSolver& solver) const {
+        return flight_state_of<dimensions>(scene_, solver.time(), motion_of<dimensions>(solver.state()));
     }
 
     void watch(OdeSolver& solver) const {
-        const auto count = first_trigger + static_cast<int>(canopies_.watch_count());
+        const auto count = first_trigger + static_cast<int>(sequence_.watch_count());
         solver.watch(count, [this](double t, std::span<const double> y, std::span<double> g) {
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
             const double height = motion.altitude() - scene_.environment.ground;
-            g[payload_ground] = motion.altitude() - course_.floor();
+            g[payload_ground] = motion.altitude() - context_.floor();
             g[parachute_ground] = height + s.distance[dimensions - 1];
-            g[along_lines] = model_.bond == Bond::taut ? s.speed() : s.length() - model_.taut_distance;
+            g[along_lines] =
+                model_.phase == DeploymentPhase::taut_lines ? s.speed() : s.length() - model_.taut_distance;
             if (g.size() > first_trigger)
-                std::ranges::copy(canopies_.watch(situation_of<dimensions>(scene_, t, motion)),
+                std::ranges::copy(sequence_.watch(flight_state_of<dimensions>(scene_, t, motion)),
                                   g.begin() + first_trigger);
         });
     }
@@ -197,11 +198,11 @@ private:
             const auto motion = motion_of<dimensions>(y);
             const auto s = Model::separation_of(y);
             const Vec<dimensions> a = model_.payload_acceleration(t, motion, s);
-            const Vec<dimensions> parting = model_.parachute_acceleration(t, motion, s) - a;
+            const Vec<dimensions> separation_acceleration = model_.parachute_acceleration(t, motion, s) - a;
             std::ranges::copy(motion.velocity, dydt.begin());
             std::ranges::copy(a, dydt.begin() + dimensions);
             std::ranges::copy(s.velocity, dydt.begin() + 2 * dimensions);
-            std::ranges::copy(parting, dydt.begin() + 3 * dimensions);
+            std::ranges::copy(separation_acceleration, dydt.begin() + 3 * dimensions);
         };
     }
 
@@ -220,55 +221,55 @@ private:
         if constexpr (dimensions >= 2) r.east = m.position[0];
         if constexpr (dimensions == 3) r.north = m.position[1];
         r.force = model_.riser_force(t, m, s, carried_mass(), model_.payload_drag_area);
-        r.drag_area =
-            model_.canopy_drag_area(t, m) + (model_.bond == Bond::held ? 0.0 : model_.pack_drag_area);
+        r.drag_area = model_.canopy_drag_area(t, m) +
+                      (model_.phase == DeploymentPhase::static_line ? 0.0 : model_.pack_drag_area);
         r.dynamic_pressure = 0.5 * model_.atmosphere.at(m.altitude()).density *
                              airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind).squaredNorm();
         r.acceleration = model_.payload_acceleration(t, m, s).norm();
         r.separation = s.length();
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
-                canopies_,
+                sequence_,
                 {t, model_.atmosphere.at(m.altitude()).density, model_.gravity, model_.mach_number(m),
                  model_.added_mass, false, airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind),
                  model_.payload_acceleration(t, m, s)});
             const double own = model_.tension(s) / chute_.count;  // alike, and drawn out together
-            const auto leaving = std::ranges::find(canopies_.all(), *canopies_.leaves_pack(), &Canopy::index);
+            const auto leaving = std::ranges::find(sequence_.all(), *sequence_.leaves_pack(), &Canopy::index);
             r.canopies = pull.canopies + (own > 0.0 ? chute_.count : 0);
             r.canopy_force = std::max(own, pull.force);
             r.canopy =
-                own > pull.force ? static_cast<std::size_t>(leaving - canopies_.all().begin()) : pull.canopy;
+                own > pull.force ? static_cast<std::size_t>(leaving - sequence_.all().begin()) : pull.canopy;
         }
         return r;
     }
 
     /// In words, since a parachute that never opens is what a user wants to know most.
-    RunStatus ending(Leg leg, const OdeSolver& solver, Deployed<dimensions>& result) {
+    RunStatus ending(IntegrationSegment segment, const OdeSolver& solver, Deployed<dimensions>& result) {
         const auto s = Model::separation_of(solver.state());
         const std::string apart =
             fmt::format("payload and parachute are {:.4g} m apart at t = {:.4g} s, taut lines take {:.4g} m",
                         s.length(), solver.time(), model_.taut_distance);
         const std::string why = result.line_stretch_time ? "the lines were still stretching: " + apart
                                                          : "the lines never came taut: " + apart;
-        course_.record.warnings.push_back(
+        context_.record.warnings.push_back(
             {result.line_stretch_time ? "the run ended before snatch" : "the parachute did not deploy", why,
              "check parachute.deploy, the payload's drag area and stop"});
-        if (leg == Leg::root) {
-            course_.add_event("ground");
+        if (segment == IntegrationSegment::root) {
+            context_.add_event("ground");
             result.payload_landed = solver.root() == payload_ground;
             return result.payload_landed
-                       ? course_.landed(why)
+                       ? context_.landed(why)
                        : RunStatus{StatusCode::stopped_by_event, "the parachute reached the ground: " + why};
         }
-        if (leg == Leg::reached_end && solver.time() < course_.stop_time)
+        if (segment == IntegrationSegment::reached_end && solver.time() < context_.stop_time)
             return {StatusCode::time_limit, why};
-        return course_.ending(leg, solver);
+        return context_.ending(segment, solver);
     }
 
     const Scene& scene_;
     const Parachute& chute_;
-    Course& course_;
-    Canopies& canopies_;
+    RunContext& context_;
+    OpeningSequence& sequence_;
     Openings& openings_;
     const double begin_;  // [s]
     const std::vector<double> corners_;
@@ -304,18 +305,18 @@ Motion<dimensions> released(const Scene& scene) {
 }
 
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, Course& course, Canopies& canopies, Openings& openings,
-                            double time, const Motion<dimensions>& motion) {
-    if (canopies.go_by_mach())
-        return DeploymentRun<dimensions, true>(scene, course, canopies, openings, time, motion).run(motion);
-    return DeploymentRun<dimensions, false>(scene, course, canopies, openings, time, motion).run(motion);
+Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                            Openings& openings, double time, const Motion<dimensions>& motion) {
+    if (sequence.go_by_mach())
+        return DeploymentRun<dimensions, true>(scene, context, sequence, openings, time, motion).run(motion);
+    return DeploymentRun<dimensions, false>(scene, context, sequence, openings, time, motion).run(motion);
 }
 
 template Motion<1> released(const Scene&);
 template Motion<2> released(const Scene&);
 template Motion<3> released(const Scene&);
-template Deployed<1> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<1>&);
-template Deployed<2> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<2>&);
-template Deployed<3> deploy(const Scene&, Course&, Canopies&, Openings&, double, const Motion<3>&);
+template Deployed<1> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<1>&);
+template Deployed<2> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<2>&);
+template Deployed<3> deploy(const Scene&, RunContext&, OpeningSequence&, Openings&, double, const Motion<3>&);
 
 }  // namespace twinchute::rom

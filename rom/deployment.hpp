@@ -1,5 +1,5 @@
-// From release to snatch: payload and parachute part until the lines come taut, then the lines bring them to
-// one velocity.
+// Deployment, from release to snatch: payload and parachute separate until the lines come taut, then the
+// lines bring them to one velocity.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct Deployed {
 
     std::optional<double> line_stretch_time = {};  ///< [s]
     double payload_speed = 0.0;                    ///< [m/s] through the air at line stretch
-    double parting_speed = 0.0;                    ///< [m/s] along the lines at line stretch
+    double separation_speed = 0.0;                 ///< [m/s] along the lines at line stretch
     double stretch = 0.0;                          ///< [-] largest strain of lines and risers
     double separation = 0.0;                       ///< [m] of payload and parachute at lock-up
 };
@@ -29,16 +29,16 @@ struct Deployed {
 template <int dimensions>
 Motion<dimensions> released(const Scene& scene);
 
-/// Runs the deployment of the parachute that leaves its pack (Canopies::leaves_pack()), from the payload's
-/// motion at `time` [s]; others go on with what they do.
+/// Runs the deployment of the parachute that leaves its pack (OpeningSequence::leaves_pack()), from the
+/// payload's motion at `time` [s]; others go on with what they do.
 template <int dimensions>
-Deployed<dimensions> deploy(const Scene& scene, Course& course, Canopies& canopies, Openings& openings,
-                            double time, const Motion<dimensions>& motion);
+Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                            Openings& openings, double time, const Motion<dimensions>& motion);
 
 /// [N/m] of lines and risers together, of the whole cluster: a riser has as many strands as it carries lines.
 double line_stiffness(const Parachute& chute);
-/// [m] between the payload and the parachute's place where the lines come taut: the far end of a static line,
-/// or the skirt, where a pack stays until then.
+/// Distance [m] from the payload at which the lines come taut, measured to the anchor of a static line or to
+/// the skirt, where a pack stays until then.
 double taut_distance(const Parachute& chute);
 
 }  // namespace twinchute::rom

@@ -1,4 +1,4 @@
-// What handbooks say of the same opening.
+// Estimates of an opening by handbook formulas.
 #pragma once
 
 #include "lib/record/run_record.hpp"

@@ -15,8 +15,8 @@ namespace {
 constexpr double explicit_reach = 3.3;  // of Dormand and Prince's pair on the negative real axis
 constexpr double many_steps = 100.0;    // for which another method pays
 
-/// What remains [-] of a departure from the steady rate, over a window at whose end it is exp(-x) of what it
-/// was at its beginning, x = T/tau: in the mean, and from the mean of the first half to that of the second.
+/// Remainder [-] of a departure from the steady rate, over a window in which it decays to exp(-x) of its
+/// first value, x = T/tau: in the mean, and from the mean of the first half to that of the second.
 double mean_of_decay(double x) {
     return -std::expm1(-x) / x;
 }
@@ -29,31 +29,31 @@ class Flight {
     using Model = RigidComposite<dimensions, air, by_mach>;
 
 public:
-    Flight(const Scene& scene, Course& course, Canopies& canopies, double time, Motion<dimensions>& motion,
-           double separation, Openings& openings)
+    Flight(const Scene& scene, RunContext& context, OpeningSequence& sequence, double time,
+           Motion<dimensions>& motion, double separation, Openings& openings)
         : scene_(scene),
-          course_(course),
-          canopies_(canopies),
+          context_(context),
+          sequence_(sequence),
           motion_(motion),
           result_(openings.result),
           openings_(openings),
           separation_(separation),
           model_(make_model()),
           solver_(make_solver(opening_method(scene), scene.rom.rtol, time, state_of(motion))) {
-        course_.observer.watch([this](double t, std::span<const double> y) { return row(t, y); });
+        context_.observer.watch([this](double t, std::span<const double> y) { return row(t, y); });
     }
 
     std::optional<RunStatus> fly() {
-        const std::optional<Leg> leg = follow();
+        const std::optional<IntegrationSegment> segment = follow();
         note_last_window();
-        course_.count(*solver_);
+        context_.count(*solver_);
         motion_ = here();
         if (refusal_.code == StatusCode::refused) return refusal_;
-        if (!leg) return std::nullopt;
-        if (*leg != Leg::root) return course_.ending(*leg, *solver_);
-        course_.add_event("ground");
+        if (!segment) return std::nullopt;
+        if (*segment != IntegrationSegment::root) return context_.ending(*segment, *solver_);
+        context_.add_event("ground");
         result_.landing_time = solver_->time();
-        return course_.landed("");
+        return context_.landed("");
     }
 
 private:
@@ -62,7 +62,7 @@ private:
     Model make_model() const {
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
-        model.canopies = &canopies_;
+        model.canopies = &sequence_;
         model.gravity = scene_.environment.gravity;
         model.payload_mass = scene_.payload.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
@@ -115,7 +115,7 @@ private:
         r.drag_area = loads.drag_area;
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
-                canopies_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
+                sequence_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
                             model_.added_mass, air == Air::accreting,
                             model_.canopy_airspeed(m, loads.airspeed), loads.acceleration});
             r.canopy_force = pull.force;
@@ -142,7 +142,7 @@ private:
         const auto loads = model_.loads(t, m);
         const Vec<dimensions> velocity = model_.canopy_airspeed(m, loads.airspeed);
         const double sink = -velocity[dimensions - 1];
-        Fall now{sink, loads.added_mass / (model_.hung_mass() + canopies_.out_mass()), 1.0};
+        Fall now{sink, loads.added_mass / (model_.hung_mass() + sequence_.out_mass()), 1.0};
         const double drag =
             1.0 + (1.0 + now.added_mass_ratio) * loads.acceleration[dimensions - 1] / model_.gravity;
         if (!(sink > 0.0) || !(drag > 0.0)) return now;
@@ -173,19 +173,19 @@ private:
         const auto u = [&](double rate, double z) {
             return rate * std::sqrt(scene_.environment.atmosphere.at(z).density);
         };
-        const double begin = course_.observer.altitude_at(end - length),
-                     middle = course_.observer.altitude_at(end - 0.5 * length);
+        const double begin = context_.observer.altitude_at(end - length),
+                     middle = context_.observer.altitude_at(end - 0.5 * length);
         const double first = u(2.0 * (begin - middle) / length, 0.5 * (begin + middle)),
                      second = u(2.0 * (middle - altitude) / length, 0.5 * (middle + altitude));
         const double last = u(-here().velocity[dimensions - 1], altitude);
-        double least = last, most = last;
-        const auto& rows = course_.observer.rows();
+        double low = last, high = last;
+        const auto& rows = context_.observer.rows();
         for (auto row = rows.rbegin(); row != rows.rend() && row->time >= end - length; ++row) {
-            least = std::min(least, u(-row->vertical_speed, row->altitude));
-            most = std::max(most, u(-row->vertical_speed, row->altitude));
+            low = std::min(low, u(-row->vertical_speed, row->altitude));
+            high = std::max(high, u(-row->vertical_speed, row->altitude));
         }
         DescentWindow window{end - length, end, (begin - altitude) / length, 0.0, second / first - 1.0, 0.0};
-        window.amplitude = (most - least) / (first + second);
+        window.amplitude = (high - low) / (first + second);
         window.remaining = std::abs(std::log(0.5 * (first + second) / last)) + now.departure;
         if (!std::isfinite(window.remaining)) return std::nullopt;
         if (window.is_steady())
@@ -196,17 +196,17 @@ private:
     /// The window at the end of the run: a ground that comes first does not make it less steady.
     void note_last_window() {
         result_.last_window = window();
-        if (!result_.last_window || !result_.last_window->is_steady() || !canopies_.is_settled()) return;
+        if (!result_.last_window || !result_.last_window->is_steady() || !sequence_.is_settled()) return;
         result_.descent = result_.last_window;
         if (!result_.descent_altitude) result_.descent_altitude = here().altitude();
     }
 
     Motion<dimensions> here() const { return motion_of<dimensions>(solver_->state()); }
-    Situation now() const { return situation_of<dimensions>(scene_, solver_->time(), here()); }
+    FlightState now() const { return flight_state_of<dimensions>(scene_, solver_->time(), here()); }
 
     /// Negative once the force has fallen well below its peak.
     double above_past_peak(double t, const Motion<dimensions>& m) const {
-        return model_.opening_force(model_.loads(t, m)) - past_peak * course_.observer.peak().value;
+        return model_.opening_force(model_.loads(t, m)) - past_peak * context_.observer.peak().value;
     }
 
     /// The right-hand side changes here: a new start from the state reached. The stage ends at its time, at
@@ -216,121 +216,123 @@ private:
         solver_->restart(solver_->time(), y);
         roots_ = {Root::ground};
         roots_.insert(roots_.end(), sought.begin(), sought.end());
-        roots_.resize(roots_.size() + canopies_.watch_count(), Root::trigger);
+        roots_.resize(roots_.size() + sequence_.watch_count(), Root::trigger);
         solver_->watch(static_cast<int>(roots_.size()),
                        [this](double t, std::span<const double> state, std::span<double> g) {
                            look(t, motion_of<dimensions>(state), g);
                        });
-        if (canopies_.watches_pressure() != is_limited_) {
+        if (sequence_.watches_pressure() != is_limited_) {
             is_limited_ = !is_limited_;
             solver_->limit_step(is_limited_ ? pressure_step : 0.0);
         }
-        course_.observer.mark(solver_->time(), y);
+        context_.observer.mark(solver_->time(), y);
     }
 
     void look(double t, const Motion<dimensions>& motion, std::span<double> g) const {
         std::size_t i = 0;
         for (; i < roots_.size() && roots_[i] != Root::trigger; ++i)
-            g[i] = roots_[i] == Root::ground   ? motion.altitude() - course_.floor()
+            g[i] = roots_[i] == Root::ground   ? motion.altitude() - context_.floor()
                    : roots_[i] == Root::steady ? unsteadiness(t, motion)
                                                : above_past_peak(t, motion);
         if (i == roots_.size()) return;
-        for (const double left : canopies_.watch(situation_of<dimensions>(scene_, t, motion)))
+        for (const double left : sequence_.watch(flight_state_of<dimensions>(scene_, t, motion)))
             g[i++] = left;
     }
 
-    /// From event to event, to the end of the run or to a pack that has to be left; the last leg, or nothing.
-    std::optional<Leg> follow() {
+    /// From event to event, to the end of the run or to a pack that has to be left; the last segment, or
+    /// nothing.
+    std::optional<IntegrationSegment> follow() {
         for (;;) {
-            const std::vector<Occurrence> done = canopies_.advance(now());
+            const std::vector<OpeningEvent> done = sequence_.advance(now());
             openings_.before_stage(done, now());
             refusal_ = openings_.check();
-            if (refusal_.code == StatusCode::refused) return Leg::reached_end;
+            if (refusal_.code == StatusCode::refused) return IntegrationSegment::reached_end;
             if (!done.empty()) is_steady_ = false, open_since_ = solver_->time();
             begin_stage(sought());
             openings_.after_stage(done, solver_->time());
-            if (canopies_.leaves_pack()) return std::nullopt;
-            if (solver_->time() >= course_.stop_time) return Leg::reached_end;
-            if (const std::optional<Leg> last = fly_stage()) return last;
+            if (sequence_.leaves_pack()) return std::nullopt;
+            if (solver_->time() >= context_.stop_time) return IntegrationSegment::reached_end;
+            if (const std::optional<IntegrationSegment> last = fly_stage()) return last;
         }
     }
 
     std::vector<Root> sought() const {
-        const bool last = canopies_.is_settled();
-        if (is_steady_ || !canopies_.is_quiet() || !(last || canopies_.waits_for_steady_descent())) return {};
+        const bool last = sequence_.is_settled();
+        if (is_steady_ || !sequence_.is_quiet() || !(last || sequence_.waits_for_steady_descent())) return {};
         if (last && scene_.stop.kind == Trigger::Kind::peak_force) return {Root::steady, Root::peak};
         return {Root::steady};
     }
 
-    /// One stage; the leg that ends the run, or nothing.
-    std::optional<Leg> fly_stage() {
+    /// One stage; the segment that ends the run, or nothing.
+    std::optional<IntegrationSegment> fly_stage() {
         const bool seeks_steady = roots_.size() > 1 && roots_[1] == Root::steady;
         const bool seeks_peak = roots_.size() > 2 && roots_[2] == Root::peak;
         if (seeks_peak && above_past_peak(solver_->time(), here()) < 0.0) return end_after_peak();
         if (!seeks_steady || !(unsteadiness() < 0.0)) {
             settling_since_.reset();
-            const Leg leg =
-                course_.integrate_to(*solver_, std::min(canopies_.next_time(), course_.stop_time));
-            if (leg == Leg::reached_end && goes_on()) return std::nullopt;
-            if (leg != Leg::root) return leg;
+            const IntegrationSegment segment =
+                context_.integrate_to(*solver_, std::min(sequence_.next_time(), context_.stop_time));
+            if (segment == IntegrationSegment::reached_end && goes_on()) return std::nullopt;
+            if (segment != IntegrationSegment::root) return segment;
             const auto root = static_cast<std::size_t>(solver_->root());
-            if (roots_[root] == Root::ground) return leg;
+            if (roots_[root] == Root::ground) return segment;
             if (roots_[root] == Root::peak) return end_after_peak();
             if (roots_[root] == Root::trigger) {
-                canopies_.met(root - (roots_.size() - canopies_.watch_count()), now());
+                sequence_.met(root - (roots_.size() - sequence_.watch_count()), now());
                 return std::nullopt;
             }
         }
         return verify_steady();
     }
 
-    /// What happens at the very end of a run has happened, too.
+    /// Whether the run goes on; events due at its very end still happen.
     bool goes_on() const {
-        return solver_->time() < course_.stop_time || canopies_.next_time() <= solver_->time();
+        return solver_->time() < context_.stop_time || sequence_.next_time() <= solver_->time();
     }
 
     /// Declared steady after a window that begins here; where it is not, looked at again and again.
-    std::optional<Leg> verify_steady() {
+    std::optional<IntegrationSegment> verify_steady() {
         constexpr double again = 0.5;  // of a window
         const Fall begin = fall();
         const double length = descent_window(begin.sink, begin.added_mass_ratio, model_.gravity);
         if (!settling_since_) settling_since_ = solver_->time();
         const double steady_since = std::max(*settling_since_ + length, solver_->time() + again * length);
         begin_stage({});
-        const double end = std::min({steady_since, canopies_.next_time(), course_.stop_time});
-        const Leg leg = course_.integrate_to(*solver_, end);
-        if (leg == Leg::root && roots_[static_cast<std::size_t>(solver_->root())] == Root::trigger) {
-            canopies_.met(static_cast<std::size_t>(solver_->root()) - 1, now());
+        const double end = std::min({steady_since, sequence_.next_time(), context_.stop_time});
+        const IntegrationSegment segment = context_.integrate_to(*solver_, end);
+        if (segment == IntegrationSegment::root &&
+            roots_[static_cast<std::size_t>(solver_->root())] == Root::trigger) {
+            sequence_.met(static_cast<std::size_t>(solver_->root()) - 1, now());
             return std::nullopt;
         }
-        if (leg != Leg::reached_end) return leg;
-        if (solver_->time() < steady_since) return goes_on() ? std::nullopt : std::optional(leg);
+        if (segment != IntegrationSegment::reached_end) return segment;
+        if (solver_->time() < steady_since) return goes_on() ? std::nullopt : std::optional(segment);
         const std::optional<DescentWindow> found = window();
         if (!found || !found->is_steady()) {
-            if (canopies_.is_settled()) take_long_steps();  // thin air may keep it from being steady for long
+            if (sequence_.is_settled()) take_long_steps();  // thin air may keep it from being steady for long
             return std::nullopt;
         }
         is_steady_ = true;
-        const bool last = canopies_.is_settled();
-        course_.add_event("steady-descent");
-        canopies_.descends_steadily(now());
+        const bool last = sequence_.is_settled();
+        context_.add_event("steady-descent");
+        sequence_.descends_steadily(now());
         if (!last) return std::nullopt;
         result_.descent = found;
-        result_.descent_altitude = course_.observer.rows().back().altitude;
+        result_.descent_altitude = context_.observer.rows().back().altitude;
         const Trigger& stop = scene_.stop;
         if (stop.kind == Trigger::Kind::peak_force || stop.kind == Trigger::Kind::steady_descent)
-            course_.end_at(solver_->time() + stop.delay);
-        if (solver_->time() >= course_.stop_time) return leg;
+            context_.end_at(solver_->time() + stop.delay);
+        if (solver_->time() >= context_.stop_time) return segment;
         take_long_steps();
-        return course_.integrate_to(*solver_, course_.stop_time);
+        return context_.integrate_to(*solver_, context_.stop_time);
     }
 
     /// The force is well past its peak, the run goes on for the delay.
-    Leg end_after_peak() {
-        course_.end_at(solver_->time() + scene_.stop.delay);
+    IntegrationSegment end_after_peak() {
+        context_.end_at(solver_->time() + scene_.stop.delay);
         begin_stage({});
-        return solver_->time() < course_.stop_time ? course_.integrate_to(*solver_, course_.stop_time)
-                                                   : Leg::reached_end;
+        return solver_->time() < context_.stop_time ? context_.integrate_to(*solver_, context_.stop_time)
+                                                    : IntegrationSegment::reached_end;
     }
 
     /// Whether an explicit method would take many steps for its stability alone in a steady descent to `end`:
@@ -341,7 +343,7 @@ private:
         const double speed = -here.velocity[dimensions - 1];
         if (!(speed > 0.0)) return false;
         const auto density = [&](double z) { return scene_.environment.atmosphere.at(z).density; };
-        const double layer = (here.altitude() - course_.floor()) / layers;
+        const double layer = (here.altitude() - context_.floor()) / layers;
         const double here_density = density(here.altitude());
         double left = end - solver_->time(), steps = 0.0;
         for (int k = 0; k < layers && left > 0.0; ++k) {
@@ -355,21 +357,21 @@ private:
     }
 
     void take_long_steps() {
-        if (takes_long_steps_ || scene_.rom.method != automatic || !is_long(course_.stop_time)) return;
+        if (takes_long_steps_ || scene_.rom.method != automatic || !is_long(context_.stop_time)) return;
         takes_long_steps_ = true;
         change_to(descent_method(), descent_tolerance * scene_.rom.rtol);
     }
 
     void change_to(const OdeMethod& method, double rtol) {
-        course_.count(*solver_);
+        context_.count(*solver_);
         const std::vector<double> y(solver_->state().begin(), solver_->state().end());
         solver_ = make_solver(method, rtol, solver_->time(), y);
         begin_stage({});
     }
 
     const Scene& scene_;
-    Course& course_;
-    Canopies& canopies_;
+    RunContext& context_;
+    OpeningSequence& sequence_;
     Motion<dimensions>& motion_;
     OpeningResult& result_;
     Openings& openings_;
@@ -389,13 +391,14 @@ private:
 }  // namespace
 
 template <int dimensions>
-std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& canopies, double time,
-                                Motion<dimensions>& motion, double separation, Openings& openings) {
+std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, OpeningSequence& sequence,
+                                double time, Motion<dimensions>& motion, double separation,
+                                Openings& openings) {
     const auto fly = [&]<Air air>() {
-        if (canopies.go_by_mach())
-            return Flight<dimensions, air, true>(scene, course, canopies, time, motion, separation, openings)
+        if (sequence.go_by_mach())
+            return Flight<dimensions, air, true>(scene, context, sequence, time, motion, separation, openings)
                 .fly();
-        return Flight<dimensions, air, false>(scene, course, canopies, time, motion, separation, openings)
+        return Flight<dimensions, air, false>(scene, context, sequence, time, motion, separation, openings)
             .fly();
     };
     if (!scene.aerodynamics.added_mass) return fly.template operator()<Air::none>();
@@ -404,11 +407,11 @@ std::optional<RunStatus> fly_on(const Scene& scene, Course& course, Canopies& ca
     return fly.template operator()<Air::inertia_only>();
 }
 
-template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<1>&, double,
-                                         Openings&);
-template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<2>&, double,
-                                         Openings&);
-template std::optional<RunStatus> fly_on(const Scene&, Course&, Canopies&, double, Motion<3>&, double,
-                                         Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<1>&,
+                                         double, Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<2>&,
+                                         double, Openings&);
+template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<3>&,
+                                         double, Openings&);
 
 }  // namespace twinchute::rom

@@ -18,7 +18,8 @@ inline const OdeMethod& opening_method(const Scene& scene) {
 inline const OdeMethod& descent_method() {
     return *find_ode_method("bdf");
 }
-/// Of rom.rtol: at the same tolerance its answer is ten times as far off as that of the opening's pair.
+/// Factor on rom.rtol in a descent: at one tolerance its answer is ten times as far off as that of the
+/// opening's pair.
 inline constexpr double descent_tolerance = 0.1;
 
 }  // namespace twinchute::rom

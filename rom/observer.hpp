@@ -1,4 +1,4 @@
-// What a reduced-order run writes down: history, largest forces, impulse, largest deceleration.
+// Observer of a reduced-order run: history, largest forces, impulse, largest deceleration.
 // Everything is taken from the integrator's dense output, so that no step size shows in it.
 #pragma once
 
@@ -19,7 +19,7 @@ struct HistoryRow {
     double force, drag_area, dynamic_pressure, added_mass, acceleration;
     double separation;    // [m] of payload and parachute, packed starts only
     double canopy_force;  // [N] of the canopy that pulls most; several canopies only
-    std::size_t canopy;   // which it is, of Canopies::all()
+    std::size_t canopy;   // which it is, of OpeningSequence::all()
     int canopies;         // that pull; several canopies only
 };
 

@@ -8,8 +8,8 @@
 namespace twinchute::rom {
 namespace {
 
-const Canopy& canopy_of(const Canopies& canopies, std::size_t index) {
-    return *std::ranges::find(canopies.all(), index, &Canopy::index);
+const Canopy& canopy_of(const OpeningSequence& sequence, std::size_t index) {
+    return *std::ranges::find(sequence.all(), index, &Canopy::index);
 }
 
 void keep_larger(std::optional<CanopyPeak>& largest, const CanopyPeak& peak) {
@@ -18,19 +18,19 @@ void keep_larger(std::optional<CanopyPeak>& largest, const CanopyPeak& peak) {
 
 }  // namespace
 
-void Openings::before_stage(const std::vector<Occurrence>& done, const Situation& now) {
-    for (const Occurrence& what : done)
+void Openings::before_stage(const std::vector<OpeningEvent>& done, const FlightState& now) {
+    for (const OpeningEvent& what : done)
         note_forces(what, now);
 }
 
-void Openings::after_stage(const std::vector<Occurrence>& done, double time) {
-    for (const Occurrence& what : done)
+void Openings::after_stage(const std::vector<OpeningEvent>& done, double time) {
+    for (const OpeningEvent& what : done)
         note_event(what, time);
 }
 
 CanopyPeak Openings::take_canopy_peak() {
-    const auto [peak, canopy] = course_.observer.take_canopy_peak();
-    const Canopy& whose = canopies_.all()[canopy];
+    const auto [peak, canopy] = context_.observer.take_canopy_peak();
+    const Canopy& whose = sequence_.all()[canopy];
     std::string note = fmt::format("{} at t = {:.4g} s", whose.chute->name, peak.at);
     if (whose.chute->count > whose.count)
         note = fmt::format("{} of {} {}, lag {:g} s, at t = {:.4g} s", whose.count, whose.chute->count,
@@ -39,7 +39,7 @@ CanopyPeak Openings::take_canopy_peak() {
 }
 
 Maximum Openings::take_peak() {
-    const Maximum peak = course_.observer.take_peak();
+    const Maximum peak = context_.observer.take_peak();
     result.max_force = std::max(result.max_force, peak.value);
     if (!has_several_canopies(scene_)) return peak;
     canopy_peak_ = take_canopy_peak();
@@ -65,7 +65,7 @@ void Openings::lines_taut() {
     if (!result.parachutes.empty()) close();
 }
 
-void Openings::note_snatch(const Occurrence& what, const Situation& now) {
+void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
     const Parachute& chute = scene_.parachutes[what.index];
     const bool packed = chute.deploy.starts_packed();
     if (!packed && !result.parachutes.empty()) close();
@@ -81,78 +81,78 @@ void Openings::note_snatch(const Occurrence& what, const Situation& now) {
         result.snatch_density = now.density;
         if (!packed) result.payload_snatch_speed = now.airspeed;
     }
-    add_opening_warnings(course_.record, scene_, chute, canopy_of(canopies_, what.index).inflation,
+    add_opening_warnings(context_.record, scene_, chute, canopy_of(sequence_, what.index).inflation,
                          now.airspeed, now.density);
 }
 
 /// A stage is full, or the whole canopy.
-void Openings::note_full(ParachuteResult& chute, const Occurrence& what, double time) {
+void Openings::note_full(ParachuteResult& chute, const OpeningEvent& what, double time) {
     if (chute.stages.empty()) return;
     ParachuteResult::Stage& stage = chute.stages.back();
     if (!stage.full) stage.full = time;
-    if (what.kind != Occurrence::Kind::full_open || scene_.parachutes.size() > 1) return;
+    if (what.kind != OpeningEvent::Kind::full_open || scene_.parachutes.size() > 1) return;
     double last = 0.0;  // of those that opened without stages the time itself, not a difference
-    for (const Canopy& c : canopies_.all())
+    for (const Canopy& c : sequence_.all())
         if (c.index == what.index) last = std::max(last, c.inflation.filling_time);
-    const bool at_once = canopy_of(canopies_, what.index).inflation.snatch == chute.snatch_time;
+    const bool at_once = canopy_of(sequence_, what.index).inflation.snatch == chute.snatch_time;
     if (scene_.parachutes[what.index].deploy.by != DeployBy::inflated)
         result.filling_time = at_once ? last : time - chute.snatch_time;
 }
 
-void Openings::note_forces(const Occurrence& what, const Situation& now) {
-    if (what.kind == Occurrence::Kind::snatch) return note_snatch(what, now);
+void Openings::note_forces(const OpeningEvent& what, const FlightState& now) {
+    if (what.kind == OpeningEvent::Kind::snatch) return note_snatch(what, now);
     const auto found = std::ranges::find(result.parachutes, what.index, &ParachuteResult::index);
     if (found == result.parachutes.end()) return;
     ParachuteResult& chute = *found;
     switch (what.kind) {
-        case Occurrence::Kind::filling:
+        case OpeningEvent::Kind::filling:
             if (!chute.stages.empty()) return;
             chute.snatch_force = take_peak().value;  // from here on the peak counts
             chute.stages.push_back({chute.snatch_time});
             return;
-        case Occurrence::Kind::disreef:
+        case OpeningEvent::Kind::disreef:
             if (chute.stages.empty() || what.stage < chute.stages.size()) return;
             if (&chute == &result.parachutes.back()) close();
             chute.stages.push_back({now.time});
             return;
-        case Occurrence::Kind::reefed_open:
-        case Occurrence::Kind::full_open:
+        case OpeningEvent::Kind::reefed_open:
+        case OpeningEvent::Kind::full_open:
             return note_full(chute, what, now.time);
-        case Occurrence::Kind::snatch:
-        case Occurrence::Kind::cut:
+        case OpeningEvent::Kind::snatch:
+        case OpeningEvent::Kind::cut:
             return;
     }
 }
 
-void Openings::note_event(const Occurrence& what, double time) {
+void Openings::note_event(const OpeningEvent& what, double time) {
     const Deployment& deploy = scene_.parachutes[what.index].deploy;
-    if (deploy.by == DeployBy::inflated && what.kind != Occurrence::Kind::cut) return;
+    if (deploy.by == DeployBy::inflated && what.kind != OpeningEvent::Kind::cut) return;
     switch (what.kind) {
-        case Occurrence::Kind::snatch:
-            course_.add_event(what.index, deploy.starts_packed() ? "snatch" : "line-stretch");
-            if (!canopies_.any_waits_to_leave()) course_.met(Trigger::Kind::line_stretch, time);
+        case OpeningEvent::Kind::snatch:
+            context_.add_event(what.index, deploy.starts_packed() ? "snatch" : "line-stretch");
+            if (!sequence_.any_waits_to_leave()) context_.met(Trigger::Kind::line_stretch, time);
             return;
-        case Occurrence::Kind::filling:
-            if (canopy_of(canopies_, what.index).inflation.initial_time > 0.0)
-                course_.add_event(what.index, "end-of-initial-phase");
+        case OpeningEvent::Kind::filling:
+            if (canopy_of(sequence_, what.index).inflation.initial_time > 0.0)
+                context_.add_event(what.index, "end-of-initial-phase");
             return;
-        case Occurrence::Kind::reefed_open:
-            course_.add_event(what.index, "reefed-open");
+        case OpeningEvent::Kind::reefed_open:
+            context_.add_event(what.index, "reefed-open");
             return;
-        case Occurrence::Kind::disreef:
-            course_.add_event(what.index, "disreef");
+        case OpeningEvent::Kind::disreef:
+            context_.add_event(what.index, "disreef");
             return;
-        case Occurrence::Kind::full_open:
-            course_.add_event(what.index, "full-open");
-            if (canopies_.is_filled()) course_.met(Trigger::Kind::full_open, time);
+        case OpeningEvent::Kind::full_open:
+            context_.add_event(what.index, "full-open");
+            if (sequence_.is_filled()) context_.met(Trigger::Kind::full_open, time);
             return;
-        case Occurrence::Kind::cut:
-            course_.add_event(what.index, "cut");
+        case OpeningEvent::Kind::cut:
+            context_.add_event(what.index, "cut");
     }
 }
 
 RunStatus Openings::check() const {
-    for (const Canopy& c : canopies_.all()) {
+    for (const Canopy& c : sequence_.all()) {
         if (!c.is_out() || c.chute->deploy.by == DeployBy::inflated) continue;
         const Inflation& inflation = c.inflation;
         if (std::isfinite(inflation.filling_time) && inflation.initial_time < inflation.filling_time)

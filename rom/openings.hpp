@@ -1,18 +1,18 @@
-// What a run notes down of its parachutes while they open: events, and which force belongs to which of them.
+// Notes of a run on its parachutes while they open: events, and which force belongs to which parachute.
 #pragma once
 
 #include <vector>
 
-#include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
-#include "rom/course.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
+#include "rom/run_context.hpp"
 
 namespace twinchute::rom {
 
 /// The motion as canopies see it.
 template <int dimensions>
-Situation situation_of(const Scene& scene, double time, const Motion<dimensions>& motion) {
+FlightState flight_state_of(const Scene& scene, double time, const Motion<dimensions>& motion) {
     const Wind* wind = scene.environment.wind ? &*scene.environment.wind : nullptr;
     return {time, motion.altitude(), motion.velocity[dimensions - 1],
             airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind).norm(),
@@ -24,15 +24,15 @@ inline constexpr double pressure_step = 0.2;
 
 class Openings {
 public:
-    Openings(const Scene& scene, Course& course, const Canopies& canopies, OpeningResult& to)
-        : result(to), scene_(scene), course_(course), canopies_(canopies) {}
+    Openings(const Scene& scene, RunContext& context, const OpeningSequence& sequence, OpeningResult& to)
+        : result(to), scene_(scene), context_(context), sequence_(sequence) {}
 
     OpeningResult& result;
 
-    /// Before the first row of the stage that begins with them: what the forces until now belong to.
-    void before_stage(const std::vector<Occurrence>& done, const Situation& now);
-    /// After that row: events, and what the run may stop at.
-    void after_stage(const std::vector<Occurrence>& done, double time);
+    /// Assigns the forces until now, before the first row of the stage that begins with these events.
+    void before_stage(const std::vector<OpeningEvent>& done, const FlightState& now);
+    /// Notes events and stop conditions, after that row.
+    void after_stage(const std::vector<OpeningEvent>& done, double time);
     /// The lines of a parachute that has left its pack come taut: what they pull from here on is its snatch.
     void lines_taut();
     /// The stage that the force has belonged to ends: its peak is known.
@@ -41,16 +41,16 @@ public:
     RunStatus check() const;
 
 private:
-    void note_forces(const Occurrence& what, const Situation& now);
-    void note_event(const Occurrence& what, double time);
-    void note_snatch(const Occurrence& what, const Situation& now);
-    void note_full(ParachuteResult& chute, const Occurrence& what, double time);
+    void note_forces(const OpeningEvent& what, const FlightState& now);
+    void note_event(const OpeningEvent& what, double time);
+    void note_snatch(const OpeningEvent& what, const FlightState& now);
+    void note_full(ParachuteResult& chute, const OpeningEvent& what, double time);
     Maximum take_peak();
     CanopyPeak take_canopy_peak();
 
     const Scene& scene_;
-    Course& course_;
-    const Canopies& canopies_;
+    RunContext& context_;
+    const OpeningSequence& sequence_;
     CanopyPeak canopy_peak_;  // taken with the last peak
 };
 

@@ -13,7 +13,7 @@
 namespace twinchute::rom {
 namespace {
 
-constexpr int most_runs = 15;
+constexpr int max_runs = 15;
 
 struct Parts {
     std::vector<PlanPart> rows;
@@ -124,7 +124,7 @@ Plan plan_rom(const Scene& scene, const PlanBasis& basis) {
         Run run;
         record = run_rom(scene, run);
         seconds.push_back(record.cost.cpu_s);
-    } while (static_cast<int>(seconds.size()) < most_runs && all.wall() < 0.2 * basis.probe);
+    } while (static_cast<int>(seconds.size()) < max_runs && all.wall() < 0.2 * basis.probe);
     // Processor time, since other work on the machine is none of the run's; interrupts make some runs dear.
     const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
     std::ranges::nth_element(seconds, middle);

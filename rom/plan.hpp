@@ -1,4 +1,4 @@
-// What a reduced-order run is made of, what a scene leaves out of it, and what it costs.
+// Plan of a reduced-order run: its parts, those that a scene leaves out, and its cost.
 #pragma once
 
 #include <vector>

@@ -5,19 +5,19 @@
 #include <algorithm>
 
 #include "lib/models/atmosphere.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
 
-/// What the air that moves with the canopy does to the equation of motion.
+/// Effect of the air that moves with the canopy on the equation of motion.
 enum class Air { none, inertia_only, accreting };
 
 /// by_mach: the drag area of a canopy goes by the Mach number.
 template <int dimensions, Air air, bool by_mach = false>
 struct RigidComposite {
     Atmosphere atmosphere;
-    const Canopies* canopies = nullptr;
+    const OpeningSequence* canopies = nullptr;
     double gravity = 0.0;            ///< [m/s^2]
     double payload_mass = 0.0;       ///< [kg]
     double payload_drag_area = 0.0;  ///< [m^2]
@@ -31,7 +31,7 @@ struct RigidComposite {
     Vec<dimensions> airspeed(const Motion<dimensions>& motion) const {
         return airspeed_of<dimensions>(motion.velocity, motion.altitude(), wind);
     }
-    /// The same at the canopy, which trails behind the payload and meets the wind of its own altitude.
+    /// Airspeed at the canopy, which trails behind the payload and meets the wind of its own altitude.
     Vec<dimensions> canopy_airspeed(const Motion<dimensions>& motion, const Vec<dimensions>& airspeed) const {
         if (dimensions < 3 || !wind || wind->levels.size() < 2) return airspeed;
         const double speed = airspeed.norm();
@@ -51,7 +51,7 @@ struct RigidComposite {
         return airspeed.norm() / *atmosphere.speed_of_sound(motion.altitude());
     }
 
-    /// What acts on the composite at one moment.
+    /// Loads on the composite at one moment.
     struct Loads {
         double density, drag_area, added_mass;   ///< [kg/m^3], [m^2] of all canopies that are out, [kg]
         Vec<dimensions> airspeed, acceleration;  ///< [m/s] at the payload, [m/s^2]

@@ -51,18 +51,18 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
         channel("separation", "m", [](const HistoryRow& r) { return r.separation; });
 }
 
-void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double parting_speed,
+void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double separation_speed,
                       double stretch) {
     if (scene.parachutes.size() == 1) {
-        const std::string dv = fmt::format("at dv = {:.4g} m/s", parting_speed);
+        const std::string dv = fmt::format("at dv = {:.4g} m/s", separation_speed);
         const double strands = chute.count * chute.gores;
         record.add_metric(
             "snatch_force_mass_spring_N",
-            snatch_force_mass_spring(parting_speed, line_stiffness(chute),
+            snatch_force_mass_spring(separation_speed, line_stiffness(chute),
                                      reduced_mass(scene.payload.mass, chute.count * chute.mass)),
             Standing::result, "closed form dv sqrt(k m_red) " + dv);
         record.add_metric("snatch_force_wave_N",
-                          snatch_force_wave(parting_speed, strands * chute.line.axial_stiffness(),
+                          snatch_force_wave(separation_speed, strands * chute.line.axial_stiffness(),
                                             strands * chute.line.linear_density()),
                           Standing::result,
                           "closed form dv sqrt(EA mu), the first wave along the lines " + dv);

@@ -1,4 +1,4 @@
-// What a reduced-order run says beside the metrics of an opening.
+// Parts of a reduced-order record beside the metrics of an opening.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,9 @@ Vec3 place_of(const HistoryRow& row, const Scene& scene, int dimensions);
 void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const Scene& scene, int dimensions);
 
 /// Both closed forms of the snatch force beside what was integrated, and a warning where the lines were
-/// stretched further than cord goes. parting_speed [m/s]: along the lines when they come taut; stretch [-].
-void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double parting_speed,
+/// stretched further than cord goes. separation_speed [m/s]: along the lines when they come taut; stretch
+/// [-].
+void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& chute, double separation_speed,
                       double stretch);
 
 }  // namespace twinchute::rom

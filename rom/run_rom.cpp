@@ -21,43 +21,43 @@ namespace {
 
 /// Runs a scene; what an opening is judged by goes to `openings.result`.
 template <int dimensions>
-RunStatus fly(const Scene& scene, Course& course, Canopies& canopies, Openings& openings) {
+RunStatus fly(const Scene& scene, RunContext& context, OpeningSequence& sequence, Openings& openings) {
     OpeningResult& result = openings.result;
     Motion<dimensions> motion = released<dimensions>(scene);
     double time = 0.0, separation = 0.0;
     result.snatch_speed = result.payload_snatch_speed = release_airspeed(scene).norm();
     result.snatch_density = scene.environment.atmosphere.at(motion.altitude()).density;
     result.snatched = false;
-    canopies.release(situation_of<dimensions>(scene, time, motion));
+    sequence.release(flight_state_of<dimensions>(scene, time, motion));
     for (;;) {
-        if (const auto leaving = canopies.leaves_pack()) {
+        if (const auto leaving = sequence.leaves_pack()) {
             const Parachute& chute = scene.parachutes[*leaving];
             const Deployed<dimensions> deployed =
-                deploy<dimensions>(scene, course, canopies, openings, time, motion);
+                deploy<dimensions>(scene, context, sequence, openings, time, motion);
             result.line_stretch_time = deployed.line_stretch_time;
-            if (deployed.payload_landed) result.landing_time = course.observer.rows().back().time;
+            if (deployed.payload_landed) result.landing_time = context.observer.rows().back().time;
             if (deployed.line_stretch_time)
-                add_snatch_forms(course.record, scene, chute, deployed.parting_speed, deployed.stretch);
+                add_snatch_forms(context.record, scene, chute, deployed.separation_speed, deployed.stretch);
             if (!deployed.locked) return deployed.status;
             motion = *deployed.locked;
             time = deployed.snatch_time;
             separation = deployed.separation;
             result.payload_snatch_speed = deployed.payload_speed;
-            canopies.snatched(*leaving, situation_of<dimensions>(scene, time, motion));
+            sequence.snatched(*leaving, flight_state_of<dimensions>(scene, time, motion));
         }
-        const auto status = fly_on<dimensions>(scene, course, canopies, time, motion, separation, openings);
+        const auto status = fly_on<dimensions>(scene, context, sequence, time, motion, separation, openings);
         if (status) return *status;
-        time = course.observer.rows().back().time;
+        time = context.observer.rows().back().time;
     }
 }
 
-/// What the observer knows of the whole run.
-void judge(const Scene& scene, int dimensions, Course& course, Openings& openings) {
+/// Results of the whole run, from its observer.
+void judge(const Scene& scene, int dimensions, RunContext& context, Openings& openings) {
     openings.close();
     OpeningResult& result = openings.result;
-    const Observer& observer = course.observer;
+    const Observer& observer = context.observer;
     const HistoryRow& last = observer.rows().back();
-    RunRecord& record = course.record;
+    RunRecord& record = context.record;
     for (const ParachuteResult& chute : result.parachutes)
         for (const ParachuteResult::Stage& stage : chute.stages)
             if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
@@ -70,7 +70,7 @@ void judge(const Scene& scene, int dimensions, Course& course, Openings& opening
         record.events.push_back({"peak-force", result.peak_time, top.altitude, top.speed});
         std::ranges::stable_sort(record.events, {}, &Event::time);
     }
-    // Of one canopy at a time they repeat the forces above.
+    // Where one canopy pulls at a time they repeat the forces above.
     if (std::ranges::none_of(observer.rows(), [](const HistoryRow& r) { return r.canopies > 1; })) {
         result.peak_canopy_force.reset();
         result.max_canopy_force.reset();
@@ -82,7 +82,7 @@ void judge(const Scene& scene, int dimensions, Course& course, Openings& opening
     result.end_position = place_of(last, scene, dimensions);
 }
 
-/// What the filling time goes by.
+/// Source of the filling time, in words.
 std::string filling_note(const Parachute& chute) {
     const FillTime& fill = chute.fill_time;
     if (!chute.reefing.empty()) return "prescribed stage by stage; when lines are cut is part of it";
@@ -102,37 +102,37 @@ void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& res
     if (!result.descent) warn_of_unsteady_descent(record, scene, result.last_window);
 }
 
-/// What the formulas of openings are for: one canopy that opens at once.
+/// Whether the formulas of openings apply: one canopy that opens at once.
 bool is_one_opening(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
 }
 
-Reached reached_by(const Scene& scene, const Course& course, const Canopies& canopies) {
+Reached reached_by(const Scene& scene, const RunContext& context, const OpeningSequence& sequence) {
     constexpr double on_ground = 1e-6;  // [m] to which a stop at the altitude of the ground is met
-    const bool landed = course.record.find_event("ground") != nullptr ||
-                        course.observer.rows().back().altitude - scene.environment.ground < on_ground;
-    return {landed, canopies.unopened().empty() && canopies.is_open()};
+    const bool landed = context.record.find_event("ground") != nullptr ||
+                        context.observer.rows().back().altitude - scene.environment.ground < on_ground;
+    return {landed, sequence.unopened().empty() && sequence.is_open()};
 }
 
 template <int dimensions>
 RunRecord run_in(const Scene& scene, Run& run) {
     RunRecord record = begin_record(scene, "rom");
     const Stopwatch watch;
-    Course course(scene, run, record);
+    RunContext context(scene, run, record);
     OpeningResult result;
-    Canopies canopies(scene);
-    Openings openings(scene, course, canopies, result);
-    record.status = fly<dimensions>(scene, course, canopies, openings);
-    judge(scene, dimensions, course, openings);
-    const Reached reached = reached_by(scene, course, canopies);
+    OpeningSequence sequence(scene);
+    Openings openings(scene, context, sequence, result);
+    record.status = fly<dimensions>(scene, context, sequence, openings);
+    judge(scene, dimensions, context, openings);
+    const Reached reached = reached_by(scene, context, sequence);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
     add_metrics(record, scene, result);
-    note_never_opened(record, scene, never_opened(canopies), reached);
+    note_never_opened(record, scene, never_opened(sequence), reached);
     note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
-    add_channels(record, course.observer.rows(), scene, dimensions);
+    add_channels(record, context.observer.rows(), scene, dimensions);
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
@@ -140,7 +140,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
 }
 
 /// A pack without drag falls beside its payload.
-std::vector<std::string> lacks(const Scene& scene) {
+std::vector<std::string> unsupported_keys(const Scene& scene) {
     for (const Parachute& chute : scene.parachutes)
         if (chute.deploy.by == DeployBy::free && !(chute.deploy.pack_drag_area > 0.0))
             return {"parachute.deploy.pack_drag_area"};
@@ -161,7 +161,8 @@ RunRecord run_rom(const Scene& scene, Run& run) {
 }
 
 const Fidelity& rom_fidelity() {
-    static constexpr Fidelity row{"rom", "reduced-order model", &run_rom, &lacks, false, false, &plan_rom};
+    static constexpr Fidelity row{"rom",    "reduced-order model", &run_rom, &unsupported_keys, false, false,
+                                  &plan_rom};
     return row;
 }
 

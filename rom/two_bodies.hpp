@@ -4,7 +4,7 @@
 
 #include "lib/models/atmosphere.hpp"
 #include "lib/scene/deployment.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
@@ -16,21 +16,22 @@ struct ForcePiece {
     double at(double t) const { return value + rate * (t - middle); }
 };
 
-/// Where the parachute is, seen from the payload.
+/// Distance and velocity of the parachute, seen from the payload.
 template <int dimensions>
 struct Separation {
     Vec<dimensions> distance, velocity;  ///< [m], [m/s] of the parachute less the payload's
 
     double length() const { return distance.norm(); }
-    /// How fast they part [m/s].
+    /// Separation speed [m/s].
     double speed() const { return distance.dot(velocity) / length(); }
 };
 
-/// What holds the parachute before snatch.
-enum class Bond {
-    held,   ///< by the far end of its static line: it moves on as that does, lines pay out without force
-    loose,  ///< in its pack: weight, drag and extraction force
-    taut    ///< at the end of elastic lines
+/// Phase of a deployment, by what acts on the parachute before snatch.
+enum class DeploymentPhase {
+    static_line,  ///< held by the anchor of its static line: it moves as that does, lines pay out without
+                  ///< force
+    free_pack,    ///< in its pack: weight, drag and extraction force
+    taut_lines    ///< pulled by elastic lines
 };
 
 /// State vector: the payload's position and velocity, then distance and velocity of the parachute from it.
@@ -48,10 +49,10 @@ struct TwoBodies {
     double stiffness = 0.0;                     ///< [N/m] of all lines and risers
     double taut_distance = 0.0;                 ///< [m] between the two where the lines come taut
     Vec<dimensions> behind;                     ///< unit vector of the extraction force
-    const Canopies* canopies = nullptr;         ///< that the payload hangs under already
+    const OpeningSequence* canopies = nullptr;  ///< that the payload hangs under already
     const AddedMassSpec* added_mass = nullptr;  ///< of theirs
 
-    Bond bond = Bond::loose;  ///< set at each stage boundary, as is the force
+    DeploymentPhase phase = DeploymentPhase::free_pack;  ///< set at each stage boundary, as is the force
     ForcePiece extraction;
 
     static Separation<dimensions> separation_of(std::span<const double> y) {
@@ -60,7 +61,7 @@ struct TwoBodies {
 
     /// [N] of the lines. A stage of taut lines ends before they slacken.
     double tension(const Separation<dimensions>& s) const {
-        return bond == Bond::taut ? stiffness * (s.length() - taut_distance) : 0.0;
+        return phase == DeploymentPhase::taut_lines ? stiffness * (s.length() - taut_distance) : 0.0;
     }
 
     /// [N] on a body with its velocity over ground, at its altitude. Without drag area no air is asked for.
@@ -78,7 +79,7 @@ struct TwoBodies {
     }
 
     Vec<dimensions> pull(const Separation<dimensions>& s) const {
-        if (bond != Bond::taut) return Vec<dimensions>::Zero();
+        if (phase != DeploymentPhase::taut_lines) return Vec<dimensions>::Zero();
         return tension(s) / s.length() * s.distance;
     }
 
@@ -87,7 +88,7 @@ struct TwoBodies {
         if constexpr (by_mach) return canopies->drag_area(t, mach_number(m));
         return canopies->drag_area(t);
     }
-    /// Of the payload, where a drag area goes by it; otherwise 0.
+    /// Mach number of the payload, where a drag area goes by it; otherwise 0.
     double mach_number([[maybe_unused]] const Motion<dimensions>& m) const {
         if constexpr (by_mach)
             return airspeed_of<dimensions>(m.velocity, m.altitude(), wind).norm() /
@@ -105,10 +106,10 @@ struct TwoBodies {
         return acceleration_of(payload_mass, inertia, drag(drag_area, m.velocity, m.altitude()) + pull(s));
     }
 
-    /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while it is held.
+    /// m_p dv/dt = m_p g + D_p + F_extraction - T e; none while the static line holds it.
     Vec<dimensions> parachute_acceleration(double t, const Motion<dimensions>& m,
                                            const Separation<dimensions>& s) const {
-        if (bond == Bond::held) return Vec<dimensions>::Zero();
+        if (phase == DeploymentPhase::static_line) return Vec<dimensions>::Zero();
         return acceleration_of(
             parachute_mass, parachute_mass,
             drag(pack_drag_area, m.velocity + s.velocity, m.altitude() + s.distance[dimensions - 1]) +

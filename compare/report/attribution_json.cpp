@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/json_node.hpp"
 
 namespace twinchute::compare {
@@ -97,7 +97,7 @@ std::optional<Attribution> read_attribution(std::string_view gap, const std::str
     node->at("seeds").each_row(
         [&](const JsonNode& seed) { attribution.seeds.push_back(static_cast<std::uint64_t>(seed.count())); });
     node->at("notes").each_row([&](const JsonNode& note) { attribution.notes.push_back(note.text()); });
-    if (const auto sum = document.top().find("sha256")) require_seal(gap, sum->text(), file, again);
+    if (const auto sum = document.top().find("sha256")) require_own_checksum(gap, sum->text(), file, again);
     return attribution;
 }
 

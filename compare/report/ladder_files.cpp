@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/report/escape.hpp"
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
@@ -170,7 +170,7 @@ void add_ladder(FileBatch& batch, const Ladder& ladder, const std::filesystem::p
     batch.add(directory / "ladder.svg", ladder_svg(ladder));
     batch.add(directory / "ladder.md", ladder_markdown(ladder));
     batch.add(directory / "ladder.csv", ladder_csv(ladder));
-    batch.add(directory / "ladder.json", sealed(ladder_json(ladder)), FileBatch::Kind::marker);
+    batch.add(directory / "ladder.json", with_checksum(ladder_json(ladder)), FileBatch::Kind::marker);
 }
 
 }  // namespace twinchute::compare

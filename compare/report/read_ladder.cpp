@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compare/report/ladder_files.hpp"
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/json_node.hpp"
 #include "lib/record/record_parts.hpp"
 
@@ -124,7 +124,7 @@ Ladder read_ladder(std::string_view text, const std::string& file, Words fidelit
         top.at("references").refuse("names fewer than two fidelities", "there is a gap between two", again);
     top.at("rungs").each_row(
         [&](const JsonNode& row) { ladder.rungs.push_back(read_rung(row, fidelities)); });
-    if (const auto sum = top.find("sha256")) require_seal(text, sum->text(), file, again);
+    if (const auto sum = top.find("sha256")) require_own_checksum(text, sum->text(), file, again);
     return ladder;
 }
 

@@ -5,7 +5,7 @@
 #include "compare/report/junit.hpp"
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/write_record.hpp"
 
 namespace twinchute::compare {
@@ -17,7 +17,7 @@ void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::fi
     batch.add(directory / "report.md", report_markdown(comparison));
     batch.add(directory / "report.html", report_html(comparison, beside));
     batch.add(directory / "junit.xml", junit_xml(comparison, trend));
-    batch.add(directory / "gap.json", sealed(gap_json(comparison)), FileBatch::Kind::marker);
+    batch.add(directory / "gap.json", with_checksum(gap_json(comparison)), FileBatch::Kind::marker);
 }
 
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,

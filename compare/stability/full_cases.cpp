@@ -255,7 +255,7 @@ std::vector<Row> step_rows() {
                             Scene scene = trial.scene;
                             scene.full.time_step_factor = std::min(factor, 0.95);
                             auto findings = same_in_half_the_step()(
-                                {scene, trial.record, trial.fidelity, trial.stop, trial.as_any_mesh});
+                                {scene, trial.record, trial.fidelity, trial.stop, trial.force_unstructured});
                             for (Finding& f : energy_closes()(trial))
                                 findings.push_back(std::move(f));
                             return findings;

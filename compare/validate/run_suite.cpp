@@ -41,7 +41,7 @@ public:
         std::vector<RowResult> rows;
         for (const ExpectedRow& row : case_.rows)
             rows.push_back(begin_row(row));
-        if (const auto lacking = fidelity_.lacks(nominal); !lacking.empty()) {
+        if (const auto lacking = fidelity_.unsupported_keys(nominal); !lacking.empty()) {
             for (RowResult& row : rows)
                 row.verdict = RowVerdict::not_run,
                 row.why = fmt::format("the {} lacks the physics of {}", fidelity_.title, lacking.front());

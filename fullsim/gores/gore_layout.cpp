@@ -285,10 +285,10 @@ public:
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
     }
 
-    void keep(Keeper& k, const State& state) override {
-        nodes_->keep(k);
-        weights_.keep(k);
-        if (k.reads()) weigh_rows(state);
+    void serialize(Archive& archive, const State& state) override {
+        nodes_->serialize(archive);
+        weights_.serialize(archive);
+        if (archive.reads()) weigh_rows(state);
     }
 
 private:

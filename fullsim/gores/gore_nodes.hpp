@@ -9,7 +9,7 @@
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/state.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/solve/plan.hpp"
 
 namespace twinchute::fullsim {
@@ -73,9 +73,9 @@ public:
     void send_guests(int which, NodeForces& forces) const;
 
     /// Every number, lanes without a gore among them.
-    void keep(Keeper& k) {
-        k.numbers("nodes of gores", numbers(memory_));
-        k.numbers("seams between blocks of gores", numbers(edge_));
+    void serialize(Archive& archive) {
+        archive.numbers("nodes of gores", numbers(memory_));
+        archive.numbers("seams between blocks of gores", numbers(edge_));
     }
 
 private:

@@ -246,9 +246,10 @@ public:
         finish_step(state, constants_, sums, mover.kick(), dt, dt / substeps, next_added_mass);
     }
 
-    void keep(Keeper& k, const State&) override {
-        k.numbers("pushed areas", std::span(doubles(push_), sizeof(Lanes) / sizeof(double) * push_.size()));
-        weights_.keep(k);
+    void serialize(Archive& archive, const State&) override {
+        archive.numbers("pushed areas",
+                        std::span(doubles(push_), sizeof(Lanes) / sizeof(double) * push_.size()));
+        weights_.serialize(archive);
     }
 
 private:

@@ -8,7 +8,7 @@
 #include "fullsim/sector/kernels.hpp"
 #include "fullsim/sector/sector.hpp"
 #include "fullsim/step/midpoint.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/solve/plan.hpp"
 
@@ -53,9 +53,9 @@ public:
     std::vector<PlanArray> sizes() const;
 
     /// What a step leaves behind.
-    void keep(Keeper& k) {
-        k.numbers("nodes of the sector", node_arrays_.all());
-        k.numbers("streams", stream_rows_.all());
+    void serialize(Archive& archive) {
+        archive.numbers("nodes of the sector", node_arrays_.all());
+        archive.numbers("streams", stream_rows_.all());
     }
 
     SectorFrame frame;

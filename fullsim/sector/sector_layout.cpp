@@ -227,10 +227,10 @@ public:
         finish_step(state, constants_, sums, mover.kick(), dt, dt / count, next_added_mass);
     }
 
-    void keep(Keeper& k, const State&) override {
-        arrays_.keep(k);
-        weights_.keep(k);
-        if (k.reads()) weigh_rows();
+    void serialize(Archive& archive, const State&) override {
+        arrays_.serialize(archive);
+        weights_.serialize(archive);
+        if (archive.reads()) weigh_rows();
     }
 
 private:

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "fullsim/step/stable_step.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
 
@@ -62,9 +62,9 @@ public:
     /// to `tolerated` changes no step.
     void look(double used_up, double dissipated, double tolerated = 0.0);
 
-    void keep(Keeper& k) {
+    void serialize(Archive& archive) {
         for (double* x : {&share_, &used_up_, &dissipated_})
-            k.number("impacts", *x);
+            archive.number("impacts", *x);
     }
 
 private:

@@ -5,7 +5,7 @@
 
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/step/midpoint.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
 
@@ -45,9 +45,9 @@ public:
     const std::vector<double>& by_node() const { return weight_; }
 
     /// After begin.
-    void keep(Keeper& k) {
-        k.numbers("weights of rows", std::span(weight_));
-        k.number("weighed at", added_mass_);
+    void serialize(Archive& archive) {
+        archive.numbers("weights of rows", std::span(weight_));
+        archive.number("weighed at", added_mass_);
     }
 
 private:

@@ -1,4 +1,4 @@
-// What the process tells the shell. Scripts rely on these numbers.
+// Exit codes of the program. Scripts rely on these numbers.
 #pragma once
 
 #include "lib/record/run_record.hpp"

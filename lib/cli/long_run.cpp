@@ -21,7 +21,7 @@ bool is_there(const fs::path& file) {
     return fs::exists(fs::symlink_status(file, ignored));
 }
 
-/// What differs between a scene and that of a record, or nothing.
+/// Difference between a scene and that of a record; empty when there is none.
 std::string difference(const Scene& scene, const RunRecord& record) {
     if (record.scene.sha256 != scene.sha256) return "the scene file has changed since";
     RunRecord asked;
@@ -54,7 +54,7 @@ LongRun::LongRun(const Fidelity& fidelity, const Scene& scene, fs::path director
 
 Checkpoints LongRun::checkpoints(FieldFiles& fields) {
     if (!keeps_) return {};
-    fields.vouch();
+    fields.compute_checksums();
     Checkpoints made;
     if (from_) {
         fields.adopt(from_->frames);

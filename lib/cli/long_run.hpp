@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/checkpoint.hpp"
 #include "lib/record/field_files.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
 
-/// --resume, for verbs that run a fidelity which keeps checkpoints.
+/// --resume, for commands that run a fidelity which keeps checkpoints.
 Option resume_option();
 
 /// The checkpoints of one run of a fidelity in the directory of its record. Nothing of it is there for a

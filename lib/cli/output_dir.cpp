@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/checkpoint.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/write_error.hpp"
@@ -121,7 +121,7 @@ bool is_our_output(const fs::path& directory) {
 }
 
 void check_output_dir(const fs::path& given) {
-    // What the path comes to, not how it is written: "" is the current directory, and so is "new/..".
+    // The resolved path counts, not its spelling: "" is the current directory, and so is "new/..".
     std::error_code error;
     fs::path directory = given;
     if (given.empty() || std::ranges::find(given, "..") != given.end())

@@ -20,30 +20,30 @@ namespace po = boost::program_options;
 
 const Option help_option{"help", "", "this page", false};
 
-std::vector<Option> all_options(const Verb& verb) {
-    std::vector<Option> options = verb.options;
+std::vector<Option> all_options(const Command& command) {
+    std::vector<Option> options = command.options;
     options.push_back(help_option);
     return options;
 }
 
-[[noreturn]] void fail_unknown_option(const Verb& verb, const std::string& option) {
-    const std::vector<Option> options = all_options(verb);
+[[noreturn]] void fail_unknown_option(const Command& command, const std::string& option) {
+    const std::vector<Option> options = all_options(command);
     std::vector<std::string> names;
     for (const Option& row : options)
         names.push_back("--" + row.name);
-    throw UsageError(fmt::format("unknown option '{}' of `twinchute {}`, {}", option, verb.name,
+    throw UsageError(fmt::format("unknown option '{}' of `twinchute {}`, {}", option, command.name,
                                  suggest(option, {names.begin(), names.end()})));
 }
 
-const Verb& find_verb(std::span<const Verb> verbs, const std::string& name) {
-    const auto verb = std::ranges::find(verbs, name, &Verb::name);
-    if (verb != verbs.end()) return *verb;
+const Command& find_command(std::span<const Command> commands, const std::string& name) {
+    const auto command = std::ranges::find(commands, name, &Command::name);
+    if (command != commands.end()) return *command;
     std::vector<std::string_view> known;
-    for (const Verb& row : verbs)
+    for (const Command& row : commands)
         known.push_back(row.name);
     for (const std::string_view option : {"--help", "--version"})
         known.push_back(option);
-    throw UsageError(fmt::format("unknown {} '{}', {}", name.starts_with('-') ? "option" : "verb", name,
+    throw UsageError(fmt::format("unknown {} '{}', {}", name.starts_with('-') ? "option" : "command", name,
                                  suggest(name, known)));
 }
 
@@ -61,23 +61,23 @@ void say(const std::string& text) {
     std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
-ExitCode run_words(std::span<const Verb> verbs, const std::vector<std::string>& words) {
-    if (words.empty()) throw UsageError("no verb given.\n\n" + program_help(verbs));
+ExitCode run_words(std::span<const Command> commands, const std::vector<std::string>& words) {
+    if (words.empty()) throw UsageError("no command given.\n\n" + program_help(commands));
     if (words[0] == "-h" || words[0] == "--help") {
-        say(program_help(verbs));
+        say(program_help(commands));
         return ExitCode::done;
     }
     if (words[0] == "--version") {
         say(version_text());
         return ExitCode::done;
     }
-    const Verb& verb = find_verb(verbs, words[0]);
-    const Arguments arguments = parse_arguments(verb, {words.begin() + 1, words.end()});
+    const Command& command = find_command(commands, words[0]);
+    const Arguments arguments = parse_arguments(command, {words.begin() + 1, words.end()});
     if (arguments.has("help")) {
-        say(verb_help(verb));
+        say(command_help(command));
         return ExitCode::done;
     }
-    return verb.run(arguments);
+    return command.run(arguments);
 }
 
 /// Standard output is a result too: a full disk behind a redirection must not pass for success.
@@ -106,9 +106,9 @@ std::vector<std::string> Arguments::values(std::string_view name) const {
     return found == options.end() ? std::vector<std::string>{} : found->second;
 }
 
-Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& words) {
+Arguments parse_arguments(const Command& command, const std::vector<std::string>& words) {
     po::options_description described;
-    for (const Option& option : all_options(verb)) {
+    for (const Option& option : all_options(command)) {
         const std::string names = option.name == "help" ? "help,h" : option.name;
         if (option.value.empty()) {
             described.add_options()(names.c_str(), "");
@@ -129,7 +129,7 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
             po::command_line_parser(words).options(described).positional(positional).style(style).run();
         for (const auto& option : parsed.options) {
             if (option.string_key == "operand") {
-                if (option.position_key < 0) fail_unknown_option(verb, "--operand");
+                if (option.position_key < 0) fail_unknown_option(command, "--operand");
                 operands.insert(operands.end(), option.value.begin(), option.value.end());
                 continue;
             }
@@ -137,13 +137,13 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
             values.insert(values.end(), option.value.begin(), option.value.end());
         }
     } catch (const po::unknown_option& error) {
-        fail_unknown_option(verb, error.get_option_name());
+        fail_unknown_option(command, error.get_option_name());
     } catch (const po::error& error) {
-        throw UsageError(fmt::format("{}. `twinchute {} --help` shows its use", error.what(), verb.name));
+        throw UsageError(fmt::format("{}. `twinchute {} --help` shows its use", error.what(), command.name));
     }
     if (arguments.has("help")) return arguments;
 
-    for (const Option& option : verb.options) {
+    for (const Option& option : command.options) {
         const std::vector<std::string> values = arguments.values(option.name);
         if (!option.repeatable && values.size() > 1) {
             throw UsageError(
@@ -157,46 +157,46 @@ Arguments parse_arguments(const Verb& verb, const std::vector<std::string>& word
     }
     if (std::ranges::count(operands, "") > 0) {
         throw UsageError(fmt::format("an argument of `twinchute {}` is empty (it names nothing), e.g. {}",
-                                     verb.name, verb.example));
+                                     command.name, command.example));
     }
-    const bool none = verb.operand.empty(), several = verb.operand.find("...") != std::string::npos;
-    const bool optional = none || verb.operand.starts_with('[');
+    const bool none = command.operand.empty(), several = command.operand.find("...") != std::string::npos;
+    const bool optional = none || command.operand.starts_with('[');
     if (none && !operands.empty())
         throw UsageError(
             fmt::format("'{}' is one argument too many (`twinchute {}` takes options alone), "
                         "e.g. {}",
-                        operands[0], verb.name, verb.example));
+                        operands[0], command.name, command.example));
     if (operands.size() > 1 && !several) {
         throw UsageError(fmt::format("'{}' is one argument too many (`twinchute {}` takes one {})",
-                                     operands[1], verb.name, verb.operand));
+                                     operands[1], command.name, command.operand));
     }
     if (operands.empty() && !optional) {
-        const std::string operand = verb.operand.substr(0, verb.operand.find("..."));
-        throw UsageError(fmt::format("no {} given, e.g. {}", operand, verb.example));
+        const std::string operand = command.operand.substr(0, command.operand.find("..."));
+        throw UsageError(fmt::format("no {} given, e.g. {}", operand, command.example));
     }
     if (!operands.empty()) arguments.operand = operands[0];
     arguments.operands = std::move(operands);
     return arguments;
 }
 
-std::string program_help(std::span<const Verb> verbs) {
+std::string program_help(std::span<const Command> commands) {
     std::string text =
         "twinchute runs one parachute scene at two fidelities and reports the gap.\n\n"
-        "usage: twinchute VERB [options]\n\n";
-    for (const Verb& verb : verbs) {
-        text += fmt::format("  {:<27} {}\n", verb.name + " " + verb.operand, verb.summary);
+        "usage: twinchute COMMAND [options]\n\n";
+    for (const Command& command : commands) {
+        text += fmt::format("  {:<27} {}\n", command.name + " " + command.operand, command.summary);
     }
-    text += "\n  -h, --help                  this page; after a verb: its options and an example\n";
+    text += "\n  -h, --help                  this page; after a command: its options and an example\n";
     text += "  --version                   version, commit and compiler\n";
-    if (!verbs.empty()) text += fmt::format("\nexample: {}\n", verbs.front().example);
+    if (!commands.empty()) text += fmt::format("\nexample: {}\n", commands.front().example);
     return text;
 }
 
-std::string verb_help(const Verb& verb) {
-    std::string text = fmt::format("{}\n\nusage: twinchute {}{}{} [options]\n\n", verb.summary, verb.name,
-                                   verb.operand.empty() ? "" : " ", verb.operand);
-    option_lines(text, all_options(verb));
-    text += fmt::format("\nexample: {}\n", verb.example);
+std::string command_help(const Command& command) {
+    std::string text = fmt::format("{}\n\nusage: twinchute {}{}{} [options]\n\n", command.summary,
+                                   command.name, command.operand.empty() ? "" : " ", command.operand);
+    option_lines(text, all_options(command));
+    text += fmt::format("\nexample: {}\n", command.example);
     return text;
 }
 
@@ -206,12 +206,12 @@ std::string version_text() {
                        build.compiler, build.instruction_set, build.flags);
 }
 
-int run_program(std::span<const Verb> verbs, int argc, const char* const* argv) {
+int run_program(std::span<const Command> commands, int argc, const char* const* argv) {
     // A file-size limit is a full disk: write() shall return the error instead of killing the process.
     std::signal(SIGXFSZ, SIG_IGN);
     ExitCode code = ExitCode::done;
     try {
-        code = run_words(verbs, {argv + std::min(argc, 1), argv + argc});
+        code = run_words(commands, {argv + std::min(argc, 1), argv + argc});
         flush_output();
     } catch (const SceneError& error) {
         // "file:line:column: ..." as compilers write it, so that editors can jump there.

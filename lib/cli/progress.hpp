@@ -26,7 +26,7 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
-    /// What a Run calls; empty when nothing is shown. It must not outlive this object.
+    /// Callback for Run::progress; empty when nothing is shown. It must not outlive this object.
     std::function<void(const Progress&)> reporter();
 
 private:

@@ -53,16 +53,16 @@ int threads_of(const Arguments& arguments) {
     return whole_number(arguments, "threads", 1, 256, 2);
 }
 
-int whole_number(const Arguments& arguments, std::string_view option, int fallback, int most, int example) {
+int whole_number(const Arguments& arguments, std::string_view option, int fallback, int max, int example) {
     const std::optional<std::string> text = arguments.value(option);
     if (!text) return fallback;
     int number = 0;
     const char* const end = text->data() + text->size();
     const auto [rest, error] = std::from_chars(text->data(), end, number);
-    if (error != std::errc{} || rest != end || number < 1 || number > most)
+    if (error != std::errc{} || rest != end || number < 1 || number > max)
         throw UsageError(fmt::format(
             "'--{0} {1}' is not understood (a whole number from 1 to {2} is wanted), e.g. --{0} {3}", option,
-            *text, most, example));
+            *text, max, example));
     return number;
 }
 
@@ -91,11 +91,11 @@ ExitCode gravest(ExitCode one, ExitCode other) {
 }
 
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others) {
-    const std::vector<std::string> lacking = fidelity.lacks(scene);
+    const std::vector<std::string> lacking = fidelity.unsupported_keys(scene);
     if (lacking.empty()) return;
     const std::string& key = lacking.front();
     const auto able = std::ranges::find_if(others, [&](const Fidelity* other) {
-        return other->name != fidelity.name && std::ranges::count(other->lacks(scene), key) == 0;
+        return other->name != fidelity.name && std::ranges::count(other->unsupported_keys(scene), key) == 0;
     });
     const bool given = std::ranges::count(scene.inputs, key, &Input::key) != 0;
     const std::string way_out = able != others.end()
@@ -103,7 +103,7 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
                                 : given ? fmt::format("take '{}' out of the scene", key)
                                         : fmt::format("give '{}'", key);
     throw UsageError(fmt::format("{}: '{}' cannot run this scene ({}), {}", scene.file.string(),
-                                 fidelity.name, lacking_text(scene, lacking), way_out));
+                                 fidelity.name, unsupported_text(scene, lacking), way_out));
 }
 
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {

@@ -1,4 +1,4 @@
-// What every verb that takes a scene does in the same way.
+// Options, scenes and output shared by the commands that take a scene.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/cli/verb.hpp"
+#include "lib/cli/command.hpp"
 #include "lib/record/field_files.hpp"
 #include "lib/solve/fidelity.hpp"
 
@@ -16,19 +16,19 @@ namespace twinchute {
 /// --out, --set, --check, --json, --quiet.
 std::vector<Option> scene_options(std::string out_meaning);
 
-/// --fields, for verbs that run a fidelity which gives fields.
+/// --fields, for commands that run a fidelity which gives fields.
 Option fields_option();
 
-/// What --fields overrides in a scene for this fidelity; nothing where it is absent, or the fidelity gives
-/// none. Throws UsageError.
+/// Overrides that --fields makes in a scene for this fidelity; none where it is absent, or the fidelity gives
+/// no fields. Throws UsageError.
 std::vector<std::string> fields_overrides(const Arguments& arguments, const Fidelity& fidelity);
 
 /// --threads, for those that have some; 1 where it is absent. Throws UsageError.
 Option threads_option();
 int threads_of(const Arguments& arguments);
-/// An option's number from 1 to `most`; `fallback` where it is absent. Throws UsageError, which shows
+/// An option's number from 1 to `max`; `fallback` where it is absent. Throws UsageError, which shows
 /// `example`.
-int whole_number(const Arguments& arguments, std::string_view option, int fallback, int most, int example);
+int whole_number(const Arguments& arguments, std::string_view option, int fallback, int max, int example);
 
 /// The scene of the operand, or the cases of its series, with every --set, and whatever else overrides
 /// them, applied. Throws SceneError and UsageError.
@@ -43,8 +43,8 @@ std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std:
 /// The exit code of a series: the gravest of its cases.
 ExitCode gravest(ExitCode one, ExitCode other);
 
-/// Throws UsageError naming the first key whose physics `fidelity` lacks, and the verb of `others` that has
-/// it.
+/// Throws UsageError naming the first key whose physics `fidelity` lacks, and the command of `others` that
+/// has it.
 void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<const Fidelity* const> others);
 
 /// For --check: says that the scenes are valid.

@@ -77,8 +77,8 @@ ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, doubl
     return spec.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
 }
 
-void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table) {
-    k.row("inflation", inflation, [](Inflation& of, auto&& each) {
+void serialize(Archive& archive, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table) {
+    archive.row("inflation", inflation, [](Inflation& of, auto&& each) {
         auto& [snatch, initial_time, filling_time, steady_drag_area, eta, its_law, share, ramp_start,
                its_table, its_piece] = of;
         static_cast<void>(its_law), static_cast<void>(its_table);  // rows of tables, the parachute's own
@@ -88,11 +88,11 @@ void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAre
             each(*x);
     });
     bool has_law = inflation.law != nullptr, has_table = inflation.table != nullptr;
-    k.flag("has law", has_law);
-    k.flag("has table", has_table);
+    archive.flag("has law", has_law);
+    archive.flag("has table", has_table);
     inflation.law = has_law ? law : nullptr;
     inflation.table = has_table ? table : nullptr;
-    k.whole("piece", inflation.piece, 0, inflation.table ? inflation.table->pieces() - 1 : 0);
+    archive.whole("piece", inflation.piece, 0, inflation.table ? inflation.table->pieces() - 1 : 0);
 }
 
 }  // namespace twinchute

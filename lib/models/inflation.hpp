@@ -6,7 +6,7 @@
 
 #include "lib/models/added_mass.hpp"
 #include "lib/models/drag_area.hpp"
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 
 namespace twinchute {
 
@@ -58,6 +58,6 @@ struct Inflation {
 };
 
 /// Into a checkpoint and back; `law` and `table`: its parachute's, of which it has one or none.
-void keep(Keeper& k, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table);
+void serialize(Archive& archive, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table);
 
 }  // namespace twinchute

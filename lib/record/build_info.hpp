@@ -1,4 +1,5 @@
-// What this library was built from. The definition is written by the build (cmake/build_info.cmake).
+// Version, commit and compiler that this library was built with. The definition is written by the build
+// (cmake/build_info.cmake).
 #pragma once
 
 #include <string_view>

@@ -6,8 +6,8 @@
 #include <system_error>
 
 #include "lib/math/sha256.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/build_info.hpp"
-#include "lib/record/keeper.hpp"
 #include "lib/record/record_parts.hpp"
 
 namespace twinchute {
@@ -18,22 +18,22 @@ namespace fs = std::filesystem;
 // The number goes up with what the parts below mean; what a fidelity keeps is told apart by the program.
 constexpr std::string_view magic = "twinchute checkpoint 1\n";
 constexpr std::size_t hash_digits = 64;
-constexpr std::size_t most_frames = 10'000'000;
+constexpr std::size_t max_frames = 10'000'000;
 constexpr std::size_t largest = std::size_t{4} << 30;  // [bytes]: a hundred times what the finest meshes take
 
-void keep(Keeper& k, Checkpoint& c) {
-    k.text("program", c.of.program);
-    k.text("fidelity", c.of.fidelity);
-    k.text("scene", c.of.scene);
-    k.length("frames", c.frames, most_frames);
+void serialize(Archive& archive, Checkpoint& c) {
+    archive.text("program", c.of.program);
+    archive.text("fidelity", c.of.fidelity);
+    archive.text("scene", c.of.scene);
+    archive.length("frames", c.frames, max_frames);
     for (WrittenFrame& frame : c.frames) {
         auto& [time, file, temporary, sha256] = frame;
-        k.number("time", time);
-        k.text("file", file);
-        k.text("temporary", temporary);
-        k.text("sha256", sha256);
+        archive.number("time", time);
+        archive.text("file", file);
+        archive.text("temporary", temporary);
+        archive.text("sha256", sha256);
     }
-    k.text("state", c.state);
+    archive.text("state", c.state);
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& problem, const std::string& why) {
@@ -49,9 +49,9 @@ std::string current_program() {
 
 std::string checkpoint_bytes(const Checkpoint& checkpoint) {
     Checkpoint copy = checkpoint;
-    Keeper keeper;
-    keep(keeper, copy);
-    std::string bytes = std::string(magic) + keeper.take();
+    Archive archive;
+    serialize(archive, copy);
+    std::string bytes = std::string(magic) + archive.take();
     return bytes + sha256_hex(bytes);
 }
 
@@ -63,10 +63,10 @@ Checkpoint read_checkpoint_bytes(std::string_view bytes, const std::string& file
     if (sha256_hex(rest) != bytes.substr(rest.size()))
         refuse(file, "is not the checkpoint that was written",
                "its SHA-256 is not the one at its end: it was cut short or changed");
-    Keeper keeper(rest.substr(magic.size()), file);
+    Archive archive(rest.substr(magic.size()), file);
     Checkpoint checkpoint;
-    keep(keeper, checkpoint);
-    keeper.end();
+    serialize(archive, checkpoint);
+    archive.end();
     return checkpoint;
 }
 

@@ -11,7 +11,7 @@
 
 namespace twinchute {
 
-/// What a checkpoint belongs to. All of it has to be the same for a run to go on from it.
+/// Identity of the run that a checkpoint belongs to. A run goes on only from a checkpoint that agrees in all.
 struct CheckpointOf {
     std::string program;   ///< version, commit, compiler and flags, as current_program says
     std::string fidelity;  ///< name of the model
@@ -44,8 +44,8 @@ struct Checkpoint {
 /// The content of a checkpoint's file: parts by name, and the SHA-256 of all that.
 std::string checkpoint_bytes(const Checkpoint& checkpoint);
 
-/// Back again. `file` stands for it in messages. Throws RecordError for everything that checkpoint_bytes does
-/// not write.
+/// Reads the content of a checkpoint back. `file` stands for it in messages. Throws RecordError for
+/// everything that checkpoint_bytes does not write.
 Checkpoint read_checkpoint_bytes(std::string_view bytes, const std::string& file);
 
 /// Throws RecordError, which says in what they differ.

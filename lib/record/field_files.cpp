@@ -37,7 +37,8 @@ void FieldFiles::add(const VtuGrid& frame) {
     std::string file = next_name();
     const std::string text = vtu_text(frame);
     const fs::path temporary = batch_.add(directory_ / file, text);
-    if (vouches_) written_.push_back({*frame.time, file, temporary.filename().string(), sha256_hex(text)});
+    if (computes_checksums_)
+        written_.push_back({*frame.time, file, temporary.filename().string(), sha256_hex(text)});
     entries_.push_back({*frame.time, std::move(file)});
 }
 

@@ -19,9 +19,9 @@ public:
 
     /// `frame.time` is later than that of the last one. Throws WriteError.
     void add(const VtuGrid& frame);
-    /// From here on frames are known by their sums, too, for checkpoints.
-    void vouch() { vouches_ = true; }
-    /// Those so far. What is there by now stays when the batch is not committed.
+    /// From here on computes the checksum of each frame, for checkpoints.
+    void compute_checksums() { computes_checksums_ = true; }
+    /// Frames written so far; they stay when the batch is not committed.
     std::vector<WrittenFrame> written();
     /// Frames that a killed run wrote become the first ones of this. Throws RecordError where one of them is
     /// not what was written, WriteError.
@@ -39,7 +39,7 @@ private:
     FileBatch& batch_;
     std::filesystem::path directory_;
     std::vector<PvdEntry> entries_;
-    bool vouches_ = false;
+    bool computes_checksums_ = false;
     std::vector<WrittenFrame> written_;
 };
 

@@ -195,7 +195,7 @@ void FileBatch::commit() {
         for (const Pending& file : pending_) {
             if (file.kind == kind) renames.place(file.temporary, file.target);
         }
-        // A marker must not reach the disk before the contents that it vouches for.
+        // A marker must not reach the disk before the contents whose checksums it holds.
         for (const fs::path& directory : directories)
             sync_directory(directory);
     }

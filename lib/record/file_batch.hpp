@@ -30,8 +30,8 @@ public:
     /// A file that another process has written to a temporary name beside `target` is of this batch from here
     /// on.
     void adopt(const std::filesystem::path& target, const std::filesystem::path& temporary);
-    /// What is there by now keeps its temporary names when this goes without commit(): a checkpoint names
-    /// them.
+    /// Lets the files added so far keep their temporary names when the batch is destroyed without commit(): a
+    /// checkpoint names them.
     void spare() { spared_ = pending_.size(); }
 
     /// Makes commit() take a file away that nothing of this batch replaces, and the directory that is empty

@@ -17,7 +17,7 @@ constexpr std::string_view magic = "TWCSHAPE";
 constexpr std::uint32_t version = 1;
 // Bounds of what is believed. A mesh of 120 000 triangles, the largest that we measure, has half as many
 // nodes.
-constexpr std::uint32_t most_elements = 4'000'000, most_frames = 10'000;
+constexpr std::uint32_t max_elements = 4'000'000, max_frames = 10'000;
 constexpr std::size_t largest_file = 256u << 20;
 constexpr std::size_t head_of_frame = 6 * 8;  // time, corner, two steps
 
@@ -58,10 +58,10 @@ public:
                 static_cast<Word>(value | static_cast<Word>(static_cast<unsigned char>(text[i])) << (8 * i));
         return value;
     }
-    std::uint32_t count(const char* what, std::uint32_t most) {
+    std::uint32_t count(const char* what, std::uint32_t max) {
         const auto value = word<std::uint32_t>();
-        if (value > most)
-            refuse(fmt::format("has {} {}", value, what), fmt::format("at most {} are possible", most));
+        if (value > max)
+            refuse(fmt::format("has {} {}", value, what), fmt::format("at most {} are possible", max));
         return value;
     }
     std::uint32_t node(std::uint32_t nodes) {
@@ -161,10 +161,10 @@ ShapeFrame quantised(double time, std::span<const double> place, std::span<const
     for (std::size_t i = 0; i < place.size(); ++i)
         frame.place.push_back(
             static_cast<std::uint16_t>(std::min(65535.0, (place[i] - frame.corner[i % 3]) * counts + 0.5)));
-    double most = 0.0;
+    double largest = 0.0;
     for (const double value : stress)
-        most = std::max(most, value);
-    frame.stress_step = most / std::numeric_limits<std::uint8_t>::max();
+        largest = std::max(largest, value);
+    frame.stress_step = largest / std::numeric_limits<std::uint8_t>::max();
     const double shares = frame.stress_step > 0.0 ? 1.0 / frame.stress_step : 0.0;
     frame.stress.reserve(stress.size());
     for (const double value : stress)
@@ -179,9 +179,9 @@ std::size_t bytes_per_frame(const ShapeFrames& shape) {
            packed_folds(shape.triangles.size());
 }
 
-ShapeFrames thinned(const ShapeFrames& shape, std::size_t most) {
+ShapeFrames thinned(const ShapeFrames& shape, std::size_t max_bytes) {
     const std::size_t there = shape.frames.size();
-    const std::size_t wanted = std::max<std::size_t>(2, most / bytes_per_frame(shape));
+    const std::size_t wanted = std::max<std::size_t>(2, max_bytes / bytes_per_frame(shape));
     if (there <= wanted) return shape;
     ShapeFrames fewer{shape.nodes, shape.payload, shape.triangles, shape.cables, {}};
     for (std::size_t i = 0; i < wanted; ++i)
@@ -222,9 +222,9 @@ ShapeFrames read_frames_bytes(std::string_view bytes, const std::string& file) {
                           fmt::format("this program reads {}", version),
                           "read it with the version that wrote it");
     ShapeFrames shape;
-    shape.nodes = in.count("nodes", most_elements);
-    const std::uint32_t triangles = in.count("triangles", most_elements),
-                        cables = in.count("cables", most_elements), frames = in.count("frames", most_frames);
+    shape.nodes = in.count("nodes", max_elements);
+    const std::uint32_t triangles = in.count("triangles", max_elements),
+                        cables = in.count("cables", max_elements), frames = in.count("frames", max_frames);
     shape.payload = in.node(shape.nodes);
     // Before anything is allocated: what is promised must be there.
     const std::size_t size =

@@ -14,7 +14,7 @@
 
 namespace twinchute {
 
-/// What a cable of a shape is, by number.
+/// Kind of a cable of a shape; files hold its number.
 enum class ShapeCableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
 constexpr std::uint8_t shape_cable_kinds = 6;
 
@@ -61,9 +61,9 @@ ShapeFrame quantised(double time, std::span<const double> place, std::span<const
 /// [bytes] that each frame takes in a file.
 std::size_t bytes_per_frame(const ShapeFrames& shape);
 
-/// The same shape with at most so many frames that they take `most` bytes, evenly chosen, first and last
+/// Returns the shape with so few frames that they take at most `max_bytes`, evenly chosen, first and last
 /// always among them.
-ShapeFrames thinned(const ShapeFrames& shape, std::size_t most);
+ShapeFrames thinned(const ShapeFrames& shape, std::size_t max_bytes);
 
 /// The content of frames.bin.
 std::string frames_bytes(const ShapeFrames& shape);

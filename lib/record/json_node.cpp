@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Looking up a key walks the object, so that a large one costs the square of its size.
-constexpr std::size_t most_keys = 2048;
+constexpr std::size_t max_keys = 2048;
 constexpr int deepest = 32;
 
 /// Line and column of a byte, which the parser counts from 1.
@@ -38,8 +38,8 @@ public:
             const auto& key = parsed.get_ref<const std::string&>();
             if (!objects_.back().insert(key).second)
                 refuse(fmt::format("the key '{}' stands twice in one object", shown(key)), "");
-            if (objects_.back().size() > most_keys)
-                refuse("an object is too large", fmt::format("more than {} keys", most_keys));
+            if (objects_.back().size() > max_keys)
+                refuse("an object is too large", fmt::format("more than {} keys", max_keys));
         }
         return true;
     }

@@ -71,17 +71,17 @@ HandOver read_hand_over(const JsonNode& node) {
 }
 
 /// Names of files in the record's own directory: nothing else is ever looked at.
-FileSums read_sums(const JsonNode& node) {
-    FileSums sums;
-    node.each_key([&](const std::string& name, const JsonNode& sum) {
+FileChecksums read_checksums(const JsonNode& node) {
+    FileChecksums checksums;
+    node.each_key([&](const std::string& name, const JsonNode& checksum) {
         constexpr std::string_view plain =
             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
         if (name.empty() || name.starts_with('.') || name.size() > 100 ||
             name.find_first_not_of(plain) != name.npos)
             node.refuse(fmt::format("'{}' is not the name of a file of a record", shown(name)), "");
-        sums[name] = sum.text();
+        checksums[name] = checksum.text();
     });
-    return sums;
+    return checksums;
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ void require_schema(const JsonNode& top, std::string_view what, std::int64_t kno
                                 "read it with the version that wrote it");
 }
 
-RunRecord read_summary(std::string_view text, const std::string& file, FileSums& sums) {
+RunRecord read_summary(std::string_view text, const std::string& file, FileChecksums& checksums) {
     const JsonDocument document(text, file);
     const JsonNode top = document.top();
     require_schema(top, "record", RunRecord::schema);
@@ -166,9 +166,9 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileSums&
         record.left_out.push_back({row.text_at("what"), row.text_at("why")});
     });
     record.provenance = read_provenance(top.at("provenance"));
-    if (const auto files = top.find("files")) sums = read_sums(*files);
+    if (const auto files = top.find("files")) checksums = read_checksums(*files);
     // Last: what is wrong in it is said with its key; only then, that it is another one.
-    if (const auto sum = top.find("sha256")) require_seal(text, sum->text(), file);
+    if (const auto checksum = top.find("sha256")) require_own_checksum(text, checksum->text(), file);
     return record;
 }
 

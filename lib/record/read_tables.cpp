@@ -15,7 +15,7 @@
 namespace twinchute {
 namespace {
 
-constexpr std::size_t most_columns = 1024, most_events = 4096;
+constexpr std::size_t max_columns = 1024, max_events = 4096;
 
 /// Line and column, both from 1.
 struct Spot {
@@ -94,8 +94,8 @@ public:
         std::vector<Cell> cells;
         do {
             cells.push_back(next());
-            if (cells.size() > most_columns)
-                refuse(cells.back().place, "too many columns", fmt::format("more than {}", most_columns));
+            if (cells.size() > max_columns)
+                refuse(cells.back().place, "too many columns", fmt::format("more than {}", max_columns));
         } while (!cells.back().last);
         return cells;
     }
@@ -223,8 +223,8 @@ std::vector<Event> read_events(std::string_view text, const std::string& file) {
     }
     std::vector<Event> events;
     while (!cells.at_end()) {
-        if (events.size() == most_events)
-            cells.refuse(cells.here(), "too many events", fmt::format("more than {}", most_events));
+        if (events.size() == max_events)
+            cells.refuse(cells.here(), "too many events", fmt::format("more than {}", max_events));
         Event event;
         for (std::size_t i = 0; i < header.names.size(); ++i) {
             const Cell cell = cells.next();

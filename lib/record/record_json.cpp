@@ -40,7 +40,7 @@ void leave_out_not_finite(std::vector<Metric>& metrics, std::vector<MissingMetri
     });
 }
 
-/// What becomes of a value that is not finite: NaN, or 0 where zero is not written either.
+/// Replaces a value that is not finite by NaN, or by 0 where zero is not written either.
 void tell(double& value, double instead = std::numeric_limits<double>::quiet_NaN()) {
     if (!std::isfinite(value)) value = instead;
 }
@@ -161,7 +161,7 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
             {"threads", provenance.threads}};
 }
 
-std::string summary_json(const RunRecord& record, const FileSums& files) {
+std::string summary_json(const RunRecord& record, const FileChecksums& files) {
     std::vector<Metric> metrics = record.metrics;
     std::vector<MissingMetric> missing = record.missing;
     std::vector<Warning> warnings = record.warnings;

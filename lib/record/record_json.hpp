@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
 
 /// The text of summary.json. `files`: those written beside it; none, where the record is not written.
-std::string summary_json(const RunRecord& record, const FileSums& files = {});
+std::string summary_json(const RunRecord& record, const FileChecksums& files = {});
 
-/// What a reader of the record's files will see: metrics, and seconds of blocks, that are not finite are left
-/// out, other such numbers are NaN (0 for the terms of the energy that are written only unless zero), bytes
-/// that are not UTF-8 are replaced.
-/// A report made from this is the one that can be made again from the files.
+/// The record as a reader of its files will see it: metrics, and seconds of blocks, that are not finite are
+/// left out, other such numbers are NaN (0 for the terms of the energy that are written only unless zero),
+/// bytes that are not UTF-8 are replaced. A report made from this is the one that can be made again from the
+/// files.
 RunRecord as_written(RunRecord record);
 
 /// Its parts, for reports that hold more than one record.

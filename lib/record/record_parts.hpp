@@ -1,4 +1,4 @@
-// What read_record puts together.
+// Parts of a record that read_record puts together.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/record_error.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -20,9 +20,9 @@ class JsonNode;
 /// none beyond `largest` [bytes]. Throws RecordError.
 std::string read_record_file(const std::filesystem::path& file, std::size_t largest);
 
-/// Everything but channels and events. `file` stands for it in messages. `sums` gets what it says of the
+/// Everything but channels and events. `file` stands for it in messages. `checksums` gets what it says of the
 /// files beside it, by plain names. Throws RecordError.
-RunRecord read_summary(std::string_view text, const std::string& file, FileSums& sums);
+RunRecord read_summary(std::string_view text, const std::string& file, FileChecksums& checksums);
 
 /// Parts that other files hold as well. Each throws RecordError.
 SceneId read_scene_id(const JsonNode& node);

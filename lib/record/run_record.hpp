@@ -1,4 +1,4 @@
-// What a run leaves behind: the same record for every fidelity, so that whatever reads it
+// Record of a run: one type for every fidelity, so that whatever reads it
 // (terminal, JSON, report, comparison) never asks which solver wrote it.
 #pragma once
 
@@ -102,10 +102,10 @@ struct EnergyLedger {
     double damping = 0.0;            ///< dissipated by viscosity, Rayleigh and breathing damping, >= 0
     double added_mass = 0.0;         ///< + 1/2 integral of (dM_a/dt) v^2 for inertia-only added mass
     double residual_fraction = 0.0;  ///< [-] what does not add up, over |drag work|
-    /// What a change of structure brought in: stiffness that grows under strain, energy of elements
+    /// Energy that a change of structure brought in: stiffness that grows under strain, energy of elements
     /// that are dropped (negative). Runs that change their structure.
     double ramp = 0.0;
-    /// Work of the extraction force and of the static line's far end, less the energy that the static line
+    /// Work of the extraction force and of the static line's anchor, less the energy that the static line
     /// carries off when it lets go. Runs that have either.
     double external_work = 0.0;
 };

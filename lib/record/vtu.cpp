@@ -78,7 +78,7 @@ void add_value(Base64& out, VtuCell value) {
     out.add(static_cast<std::uint8_t>(value));
 }
 
-/// What a name may not hold inside quotes.
+/// Escapes characters that a name may not hold inside quotes.
 std::string escaped(std::string_view text) {
     std::string safe;
     for (const char c : text) {

@@ -10,10 +10,10 @@ namespace twinchute {
 void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
                 const ShapeFrames& frames) {
     remove_old_fields(batch, directory);
-    FileSums sums;
+    FileChecksums checksums;
     const auto add = [&](const char* name, const std::string& text) {
         batch.add(directory / name, text);
-        sums[name] = sha256_hex(text);
+        checksums[name] = sha256_hex(text);
     };
     add("history.csv", history_csv(record));
     add("events.csv", events_csv(record));
@@ -21,7 +21,8 @@ void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem
         batch.remove(directory / "frames.bin");
     else
         add("frames.bin", frames_bytes(frames));
-    batch.add(directory / "summary.json", sealed(summary_json(record, sums)), FileBatch::Kind::marker);
+    batch.add(directory / "summary.json", with_checksum(summary_json(record, checksums)),
+              FileBatch::Kind::marker);
 }
 
 void write_record(const RunRecord& record, const std::filesystem::path& directory,

@@ -15,7 +15,7 @@ namespace twinchute {
 void write_record(const RunRecord& record, const std::filesystem::path& directory,
                   const ShapeFrames& frames = {});
 
-/// The same as part of a larger batch.
+/// Adds the files of a record to a larger batch.
 void add_record(FileBatch& batch, const RunRecord& record, const std::filesystem::path& directory,
                 const ShapeFrames& frames = {});
 

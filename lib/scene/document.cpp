@@ -19,9 +19,9 @@ bool is_override(std::string_view file) {
 
 namespace {
 
-constexpr std::size_t most_cases = 1000;
-constexpr std::size_t most_members = 999;  // of a list: row_path() knows three digits
-constexpr std::size_t most_parachutes = 20;
+constexpr std::size_t max_cases = 1000;
+constexpr std::size_t max_members = 999;  // of a list: row_path() knows three digits
+constexpr std::size_t max_parachutes = 20;
 
 SourcePlace place_of(const std::string& file, const toml::source_region& region) {
     if (is_override(file)) return {file, 0, 0};
@@ -182,8 +182,8 @@ private:
             refuse(place, path, fmt::format("{} where a list belongs", type_name(node)), "",
                    of_tables ? fmt::format("write [[{}]] with two brackets", shown_path(path, kind_.prefix))
                              : fmt::format("write {} = [\"0 {}\", ...]", last_of(path), key.unit));
-        if (array->size() > most_members)
-            refuse(place, path, fmt::format("more than {} members", most_members), "", "shorten the list");
+        if (array->size() > max_members)
+            refuse(place, path, fmt::format("more than {} members", max_members), "", "shorten the list");
         document_.lists.insert(path);
         for (std::size_t i = 0; i < array->size(); ++i) {
             const toml::node& item = (*array)[i];
@@ -201,9 +201,9 @@ private:
         if (!array || array->empty() || !array->front().is_table())
             refuse(place, "parachute", "is not a list of tables", "a scene may have several",
                    "write [[parachute]] with two brackets");
-        if (array->size() > most_parachutes)
-            refuse(place_of(document_.file, (*array)[most_parachutes].source()), "parachute",
-                   fmt::format("more than {} parachutes", most_parachutes), "", "give alike ones a count");
+        if (array->size() > max_parachutes)
+            refuse(place_of(document_.file, (*array)[max_parachutes].source()), "parachute",
+                   fmt::format("more than {} parachutes", max_parachutes), "", "give alike ones a count");
         for (const toml::node& item : *array) {
             const SourcePlace where = place_of(document_.file, item.source());
             const bool first = &item == &array->front();
@@ -245,8 +245,8 @@ private:
             if (!item.is_table())
                 refuse(where, "case", fmt::format("{} where a table belongs", type_name(item)), "",
                        "write [[case]] with name and set below");
-            if (document_.cases.size() == most_cases)
-                refuse(where, "case", fmt::format("more than {} cases", most_cases), "every one is a run",
+            if (document_.cases.size() == max_cases)
+                refuse(where, "case", fmt::format("more than {} cases", max_cases), "every one is a run",
                        "split the series");
             document_.cases.push_back(one_case(*item.as_table(), where));
         }

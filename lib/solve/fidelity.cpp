@@ -8,7 +8,7 @@
 
 namespace twinchute {
 
-std::string lacking_text(const Scene& scene, const std::vector<std::string>& keys) {
+std::string unsupported_text(const Scene& scene, const std::vector<std::string>& keys) {
     std::vector<std::string> physics, absent;
     for (const std::string& key : keys) {
         const bool given = std::ranges::any_of(scene.inputs, [&](const Input& input) {

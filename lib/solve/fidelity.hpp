@@ -1,4 +1,4 @@
-// What a model has to offer to be run and compared. The comparison sees rows of this table and
+// Interface of a model that can be run and compared. The comparison sees rows of this table and
 // nothing else, so that a third fidelity (a CFD code, a flight-test file) is one more row.
 #pragma once
 
@@ -24,15 +24,15 @@ struct Progress {
     std::optional<double> resumed_at = {};  ///< [s] simulated: the checkpoint that the run went on from
 };
 
-/// How a long run is kept from being lost: now and then it gives away all that it needs to go on.
+/// Checkpoints of a long run: now and then it gives away all that it needs to go on.
 struct Checkpoints {
-    /// Takes a state of the run (lib/record/keeper.hpp), again and again. Empty: none are made.
+    /// Takes a state of the run (lib/record/archive.hpp), again and again. Empty: none are made.
     std::function<void(std::string)> save;
     std::string from = {};  ///< one of these states, to go on from; empty: from release
     std::string file = {};  ///< that it is of, for messages
 };
 
-/// What is not physics in a run.
+/// Settings and callbacks of a run that are not physics.
 struct Run {
     std::stop_token stop;                           ///< asks for an early, clean end
     std::function<void(const Progress&)> progress;  ///< may be empty; called now and then
@@ -44,7 +44,7 @@ struct Run {
     int threads = 1;  ///< at most; the answer is the same for any number
     /// Lays a structure out in memory as for a mesh without any order, where its own would allow a faster
     /// way: the answer is the same but for rounding. For checks; no scene asks for it.
-    bool as_any_mesh = false;
+    bool force_unstructured = false;
     Checkpoints checkpoints = {};
 };
 
@@ -54,17 +54,17 @@ struct Fidelity {
     RunRecord (*run)(const Scene&, Run&) = nullptr;
     /// Keys of the scene whose physics this fidelity lacks, or which it needs and the scene does not give;
     /// never null, usually empty.
-    std::vector<std::string> (*lacks)(const Scene&) = nullptr;
+    std::vector<std::string> (*unsupported_keys)(const Scene&) = nullptr;
     bool gives_fields = false;  ///< it has frames to give at `<name>.fields_rate`
     bool has_threads = false;   ///< it is faster with some
-    /// What a run of the scene would need and cost; may be null. Throws SceneError.
+    /// Plan of a run: what the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
 };
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs
 /// 'x'" where the scene does not give that key.
-std::string lacking_text(const Scene& scene, const std::vector<std::string>& keys);
+std::string unsupported_text(const Scene& scene, const std::vector<std::string>& keys);
 
 /// A record with everything filled in that does not depend on the run: scene, inputs, provenance.
 RunRecord begin_record(const Scene& scene, std::string_view fidelity);

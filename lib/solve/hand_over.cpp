@@ -24,11 +24,11 @@ double last(const RunRecord& record, std::string_view channel) {
 /// Rate at the last row of a channel over time: of the polynomial through its last rows of different times,
 /// as many as there are up to five. Two rows of one time are a jump of something else: places have none.
 double last_rate(const RunRecord& record, std::string_view channel) {
-    constexpr std::size_t most = 5;
+    constexpr std::size_t max_points = 5;
     const Channel *time = record.find_channel("time"), *values = record.find_channel(channel);
     if (time == nullptr || values == nullptr) return 0.0;
     std::vector<double> t, x;  // the last one first
-    for (std::size_t i = time->values.size(); i-- > 0 && t.size() < most;)
+    for (std::size_t i = time->values.size(); i-- > 0 && t.size() < max_points;)
         if (t.empty() || time->values[i] < t.back()) {
             t.push_back(time->values[i]);
             x.push_back(values->values[i]);
@@ -63,7 +63,7 @@ void join_channels(RunRecord& first, const RunRecord& rest) {
 void join_events(RunRecord& first, const RunRecord& rest, double time) {
     first.events.push_back({"handed-over", time, last(first, "altitude"), last(first, "speed")});
     for (const Event& event : rest.events) {
-        // What happens at its beginning has happened before, and so has the peak.
+        // Events at its beginning have happened before, and so has the peak.
         const bool is_new = event.time > 0.0 && event.name != "peak-force" && !first.find_event(event.name);
         if (is_new) first.events.push_back({event.name, time + event.time, event.altitude, event.speed});
     }
@@ -95,7 +95,7 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
         first.add_metric(key, metric->value + more, metric->standing, std::move(note));
         made.metrics.emplace_back(key);
     }
-    // What the first one did not reach, the rest has.
+    // Metrics that the first part did not reach come from the rest.
     if (first.find_metric("descent_rate_m_s"))
         std::erase_if(first.warnings,
                       [](const Warning& warning) { return warning.what == not_steady_within_run; });

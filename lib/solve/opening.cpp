@@ -88,7 +88,7 @@ std::string metric_head(std::string name) {
 
 namespace {
 
-/// Of each of several parachutes, and of each stage of one that is reefed.
+/// Adds the metrics of each of several parachutes, and of each stage of a reefed one.
 void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r) {
     const bool several = scene.parachutes.size() > 1;
     for (const ParachuteResult& p : r.parachutes) {

@@ -1,4 +1,4 @@
-// What an opening prescribes and what it is judged by, the same for every fidelity.
+// Inputs that prescribe an opening and results that it is judged by, for every fidelity.
 #pragma once
 
 #include <cmath>
@@ -73,7 +73,7 @@ struct CanopyPeak {
     std::string note;    ///< whose it is, and when
 };
 
-/// What a run found between release and its end. Times in [s] since release.
+/// Results of a run between release and its end. Times in [s] since release.
 ///
 /// With a deployment the snatch force is the largest force until t_s + t_i, the peak force that from then
 /// on: the two overlap. Without one the peak counts from t_s.

@@ -1,4 +1,4 @@
-// What a run would need, before it runs: pieces that take part or are left out and why, memory, steps, time.
+// Plan of a run, made before it: parts that are needed or left out and why, memory, steps, time.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ struct PlanPart {
 
 std::string_view kind_name(PlanPart::Kind kind);
 
-/// What of these parts a record says: physics, dimensions and blocks that are left out. Parts left out for
+/// Parts that a record lists as left out: physics, dimensions and blocks. Parts left out for
 /// one reason are one row.
 std::vector<LeftOut> left_out_of(const std::vector<PlanPart>& parts);
 
@@ -62,7 +62,7 @@ struct Plan {
     std::size_t bytes() const;
 };
 
-/// What a plan may start from.
+/// Known data that a plan may start from.
 struct PlanBasis {
     /// A run of the same scene by a cheaper fidelity, for the times of its events; null where there is none.
     const RunRecord* expected = nullptr;

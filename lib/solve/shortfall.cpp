@@ -7,10 +7,10 @@
 
 namespace twinchute {
 
-std::vector<NeverOpened> never_opened(const Canopies& canopies) {
+std::vector<NeverOpened> never_opened(const OpeningSequence& sequence) {
     std::vector<NeverOpened> list;
-    for (Canopies::Unopened& one : canopies.unopened()) {
-        const Canopy& c = canopies.all()[one.canopy];
+    for (OpeningSequence::Unopened& one : sequence.unopened()) {
+        const Canopy& c = sequence.all()[one.canopy];
         if (!list.empty() && list.back().parachute == c.index)
             list.back().count += c.count;
         else
@@ -54,7 +54,7 @@ void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& 
     const bool own_stop = code == StatusCode::completed;
     if (!own_stop && code != StatusCode::stopped_by_event && code != StatusCode::not_opened) return;
     const bool in_time = own_stop && (reached.full_open || !reached.ground);
-    const auto lacks = [&](const char* key, std::string why, bool not_reached) {
+    const auto note_missing = [&](const char* key, std::string why, bool not_reached) {
         if (!record.find_metric(key)) record.missing.push_back({key, std::move(why), not_reached});
     };
     const auto before = [&](const char* what) {
@@ -64,12 +64,12 @@ void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& 
     const Parachute& chute = scene.parachutes.front();
     if (scene.parachutes.size() == 1 && chute.deploy.by != DeployBy::inflated) {
         if (reached.full_open && !reached.no_filling_time.empty())
-            lacks("filling_time_s", reached.no_filling_time, own_stop && reached.filling_cut_short);
+            note_missing("filling_time_s", reached.no_filling_time, own_stop && reached.filling_cut_short);
         else
-            lacks("filling_time_s", before("the canopy was full"), in_time);
+            note_missing("filling_time_s", before("the canopy was full"), in_time);
     }
-    lacks("peak_force_N", before("a canopy began to fill"), in_time);
-    lacks("descent_rate_m_s", before("the descent was steady"), in_time);
+    note_missing("peak_force_N", before("a canopy began to fill"), in_time);
+    note_missing("descent_rate_m_s", before("the descent was steady"), in_time);
 }
 
 }  // namespace twinchute

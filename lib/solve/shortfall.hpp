@@ -1,5 +1,4 @@
-// What a run did not come to: parachutes that never opened, metrics that it has no value for. The same for
-// every fidelity.
+// Shortfalls of a run, for every fidelity: parachutes that never opened, metrics without a value.
 #pragma once
 
 #include <string>
@@ -7,7 +6,7 @@
 
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
-#include "lib/solve/canopies.hpp"
+#include "lib/solve/opening_sequence.hpp"
 
 namespace twinchute {
 
@@ -18,8 +17,8 @@ struct NeverOpened {
     std::string why;
 };
 
-/// Those of `canopies` at the end of a run.
-std::vector<NeverOpened> never_opened(const Canopies& canopies);
+/// Canopies of `sequence` that have not opened by the end of a run.
+std::vector<NeverOpened> never_opened(const OpeningSequence& sequence);
 
 /// How far a run came, beside its status.
 struct Reached {

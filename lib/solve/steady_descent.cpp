@@ -12,15 +12,15 @@ namespace {
 
 constexpr double rows_per_window = 256.0;
 constexpr std::size_t fewest_rows = 12;  // in a window
-constexpr double least_swing = 0.0025;   // s^2/(8 w^2) from which on a window holds two periods
+constexpr double min_swing = 0.0025;     // s^2/(8 w^2) from which on a window holds two periods
 constexpr double periods = 2.0;
 constexpr double slowest_decay = 0.98;      // of a trend, from one part of the window to the next
 constexpr double windows_of_a_swing = 3.0;  // that does not decay, see SteadyDescent::judge
 constexpr double windows_kept = 4.0;
 constexpr double growth_of_swing = 3.0;  // from half a window to the next, that is still to come
-constexpr double most_layers = 400.0;    // of wind that are looked at
+constexpr double max_layers = 400.0;     // of wind that are looked at
 
-/// What is left of a trend after the last of three means, beside a reference.
+/// Remainder of a trend after the last of three means, beside a reference.
 double left_of_trend(double a, double b, double c) {
     const double first = b - a, second = c - b;
     if (!(first * second > 0.0)) return std::max(std::abs(first), std::abs(second));
@@ -66,7 +66,7 @@ double change_below(const Environment& environment, double altitude, double sink
     const Wind& wind = *environment.wind;
     const double way = sink * sink / environment.gravity, updraft = wind.at(altitude).z();
     double across = 0.0, upward = 0.0;
-    for (double down = 0.0; down < depth; down += std::max(0.5 * way, depth / most_layers)) {
+    for (double down = 0.0; down < depth; down += std::max(0.5 * way, depth / max_layers)) {
         across = std::max(across, change_of_wind(wind, altitude - down, std::min(way, depth - down)) / sink);
         upward = std::max(upward, std::abs(wind.at(altitude - down).z() - updraft) / sink);
     }
@@ -133,8 +133,8 @@ double SteadyDescent::trend_of_mean(std::size_t from, std::size_t to) const {
 }
 
 double SteadyDescent::amplitude(std::size_t from) const {
-    const auto [least, most] = std::ranges::minmax(std::span(rows_).subspan(from), {}, &Row::u);
-    return 0.5 * (most.u - least.u) / mean(&Row::path, from, rows_.size() - 1);
+    const auto [low, high] = std::ranges::minmax(std::span(rows_).subspan(from), {}, &Row::u);
+    return 0.5 * (high.u - low.u) / mean(&Row::path, from, rows_.size() - 1);
 }
 
 std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
@@ -146,7 +146,7 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
     std::size_t from = row_at(now - length);
     if (end - from < fewest_rows) return {};
     const double sink = mean(&Row::path, from, end) / std::sqrt(last_.density);
-    const bool swings = mean(&Row::swing, from, end) > 8.0 * least_swing * sink * sink;
+    const bool swings = mean(&Row::swing, from, end) > 8.0 * min_swing * sink * sink;
     if (swings) {
         length = std::max(length, periods * last_.period);
         if (now - begin < length) return {};
@@ -191,8 +191,8 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
     return window;
 }
 
-void SteadyDescent::keep(Keeper& k) {
-    k.row("fall", last_, [](FallSample& s, auto&& each) {
+void SteadyDescent::serialize(Archive& archive) {
+    archive.row("fall", last_, [](FallSample& s, auto&& each) {
         auto& [time, density, sink, airspeed, updraft, system_sink, air_sink, added_mass_ratio, accretion,
                swing, period] = s;
         for (double* x : {&time, &density, &sink, &airspeed, &updraft, &system_sink, &air_sink,
@@ -204,8 +204,8 @@ void SteadyDescent::keep(Keeper& k) {
         for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing})
             each(*x);
     };
-    k.row("fall so far", now_, members);
-    k.rows("falls", rows_, members);
+    archive.row("fall so far", now_, members);
+    archive.rows("falls", rows_, members);
 }
 
 std::string unsteadiness_text(const std::optional<DescentWindow>& last) {

@@ -39,7 +39,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/record/keeper.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -109,7 +109,7 @@ public:
     std::optional<DescentWindow> judge(double altitude);
 
     /// Between two samples.
-    void keep(Keeper& k);
+    void serialize(Archive& archive);
 
 private:
     /// Integrals from the first sample on.
@@ -133,7 +133,7 @@ private:
 /// The warning of a run without a descent rate.
 inline constexpr const char* not_steady_within_run = "no descent rate: not steady within the run";
 
-/// What of a window is not steady, for people.
+/// Describes in words how a window is not steady.
 std::string unsteadiness_text(const std::optional<DescentWindow>& last);
 
 }  // namespace twinchute

@@ -91,12 +91,12 @@ static_assert(std::ranges::is_partitioned(methods, std::logical_not<>{}, &OdeMet
 /// Share of the error tolerance that it may leave in a stage; ARKODE's own 0.1 shows in the result. Its
 /// Jacobian is that of the step at hand: one kept from before a restart made it stop too early, by far.
 constexpr double newton_share = 1e-3;
-constexpr int most_newton_iterations = 10;
+constexpr int max_newton_iterations = 10;
 /// Times that a step is cut before it counts as failed: where a stiff transient sets in it has to become
 /// shorter by more than ARKODE's seven cuts.
-constexpr int most_step_cuts = 30;
+constexpr int max_step_cuts = 30;
 /// A start at a singular point takes some steps before they move the time.
-constexpr int most_lost_steps = 100;
+constexpr int max_lost_steps = 100;
 
 std::span<double> values(N_Vector v) {
     return {N_VGetArrayPointer(v), static_cast<std::size_t>(N_VGetLength(v))};
@@ -190,7 +190,7 @@ struct OdeSolver::Impl {
     }
 
     void choose_family() {
-        require(CVodeSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
+        require(CVodeSetMaxErrTestFails(memory, max_step_cuts), "SetMaxErrTestFails");
         if (implicit) return require(CVodeSetLinearSolver(memory, linear_solver, matrix), "SetLinearSolver");
         iteration = SUNNonlinSol_FixedPoint(y, 0, context);
         if (!iteration) throw std::invalid_argument("SUNNonlinSol_FixedPoint refused the problem");
@@ -202,17 +202,17 @@ struct OdeSolver::Impl {
             const auto table = static_cast<ARKODE_ERKTableID>(number);
             // By default a step that could grow by less than half stays as it is: a tenth more steps.
             require(ERKStepSetFixedStepBounds(memory, 1.0, 1.0), "SetFixedStepBounds");
-            require(ERKStepSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
+            require(ERKStepSetMaxErrTestFails(memory, max_step_cuts), "SetMaxErrTestFails");
             return require(ERKStepSetTableNum(memory, table), "SetTableNum");
         }
         const auto table = static_cast<ARKODE_DIRKTableID>(number);
         require(ARKStepSetTableNum(memory, table, ARKODE_ERK_NONE), "SetTableNum");
         require(ARKStepSetLinearSolver(memory, linear_solver, matrix), "SetLinearSolver");
         require(ARKStepSetNonlinConvCoef(memory, newton_share), "SetNonlinConvCoef");
-        require(ARKStepSetMaxErrTestFails(memory, most_step_cuts), "SetMaxErrTestFails");
+        require(ARKStepSetMaxErrTestFails(memory, max_step_cuts), "SetMaxErrTestFails");
         require(ARKStepSetLSetupFrequency(memory, 1), "SetLSetupFrequency");
         require(ARKStepSetJacEvalFrequency(memory, 1), "SetJacEvalFrequency");
-        require(ARKStepSetMaxNonlinIters(memory, most_newton_iterations), "SetMaxNonlinIters");
+        require(ARKStepSetMaxNonlinIters(memory, max_newton_iterations), "SetMaxNonlinIters");
     }
 
     std::int64_t rhs_calls() {
@@ -464,7 +464,7 @@ OdeSolver::Outcome OdeSolver::advance() {
     }
     // At the end of a solution SUNDIALS goes on with steps that are lost in the rounding of the time.
     s.lost_steps = reached > s.t ? 0 : s.lost_steps + 1;
-    if (s.lost_steps > most_lost_steps) {
+    if (s.lost_steps > max_lost_steps) {
         s.message = fmt::format("steps became shorter than round-off at t = {:.6g} s", s.t);
         return Outcome::failed;
     }

@@ -122,10 +122,10 @@ private:
         double time, altitude, mach, reynolds_per_length;
     };
     double largest(double Point::*quantity, double begin, double end) const {
-        double most = 0.0;
+        double largest = 0.0;
         for (const Point& p : points_)
-            if (p.time >= begin && p.time <= end) most = std::max(most, p.*quantity);
-        return most;
+            if (p.time >= begin && p.time <= end) largest = std::max(largest, p.*quantity);
+        return largest;
     }
 
     const Atmosphere& air_;
@@ -210,11 +210,11 @@ void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& re
     const Flown flown(record, scene);
     if (flown.empty()) return;
     const bool has_lines = scene.aerodynamics.line_drag && record.fidelity == user_name(KeyUser::full);
-    const double most = flown.mach(-infinity, infinity);
-    if (flown.has_sound()) record.add_metric("max_mach_number", most);
+    const double max_mach = flown.mach(-infinity, infinity);
+    if (flown.has_sound()) record.add_metric("max_mach_number", max_mach);
     record.add_metric("max_altitude_m", flown.highest());
     Judge flight(record, scene, scene.parachutes.front(), "", flown.has_sound());
-    flight.judge(mach_number, most, false);
+    flight.judge(mach_number, max_mach, false);
     flight.judge(altitude, flown.highest(), false);
     // A landing is found a little below the ground, where an atmosphere may end.
     flight.judge(altitude, std::max(flown.lowest(), scene.environment.ground), false);

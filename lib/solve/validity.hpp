@@ -13,7 +13,7 @@
 
 namespace twinchute {
 
-/// What the range of a correlation is stated in.
+/// Quantity that the range of a correlation is stated in.
 enum class RangedQuantity {
     mach_number,         ///< [-] largest of the air that the payload or the open canopy meets
     snatch_mach_number,  ///< [-] at snatch

@@ -87,10 +87,10 @@ Elasticity extrapolated(double near, double far) {
 }  // namespace
 
 double InputSensitivity::largest() const {
-    double most = 0.0;
+    double largest = 0.0;
     for (const auto& e : of)
-        if (e) most = std::max(most, std::abs(e->value));
-    return most;
+        if (e) largest = std::max(largest, std::abs(e->value));
+    return largest;
 }
 
 Sensitivity sensitivity_of(const SceneWith& scene_with, std::stop_token stop) {

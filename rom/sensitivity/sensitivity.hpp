@@ -19,8 +19,8 @@ struct Elasticity {
     double doubt = 0.0;
 };
 
-/// Of one input, for each of Sensitivity::metrics; absent where it moves the input out of its range, or the
-/// run with it has no such metric.
+/// Sensitivities to one input, for each of Sensitivity::metrics; absent where it moves the input out of its
+/// range, or the run with it has no such metric.
 struct InputSensitivity {
     std::string key;
     double value = 0.0;  ///< [unit]
@@ -36,13 +36,13 @@ struct Sensitivity {
     std::vector<InputSensitivity> inputs;
 };
 
-/// The same scene with more overrides, each key=value.
+/// Reads the scene with more overrides, each key=value.
 using SceneWith = std::function<Scene(const std::vector<std::string>& more)>;
 
-/// Of every number of the scene that is not zero and not a count. By central differences of whole runs at a
-/// tight tolerance, 0.1 and 0.2 % to either side, extrapolated: stage times depend on most inputs, so that
-/// the right-hand side alone has not got the derivative. Throws SceneError where the scene itself cannot be
-/// read. A stop request ends it with what there is.
+/// Sensitivities to every number of the scene that is not zero and not a count, by central differences of
+/// whole runs at a tight tolerance, 0.1 and 0.2 % to either side, extrapolated: stage times depend on most
+/// inputs, so that the right-hand side alone has not got the derivative. Throws SceneError where the scene
+/// itself cannot be read. A stop request ends it with what there is.
 Sensitivity sensitivity_of(const SceneWith& scene_with, std::stop_token stop);
 
 }  // namespace twinchute::rom

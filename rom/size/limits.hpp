@@ -1,4 +1,4 @@
-// What a parachute has to meet: rows of limits, and how near a run comes to them.
+// Limits that a parachute has to meet, a row each, and how near a run comes to them.
 #pragma once
 
 #include <optional>

@@ -16,16 +16,16 @@ using Rows = std::span<const VaryRow* const>;
 
 /// [-] to which an edge of what meets the limits is found, where others are decided on after it, and where a
 /// load is least.
-constexpr double closeness = 1e-7, closeness_before = 1e-4, closeness_least = 1e-5;
+constexpr double closeness = 1e-7, closeness_before = 1e-4, closeness_at_minimum = 1e-5;
 /// [-] of its value by which a row stays inside its edge when others are decided on after it: with what they
-/// change the edge itself moves a little, and would leave them no room.
-constexpr double room = 5e-3;
+/// change the edge itself moves a little, and would leave them no margin.
+constexpr double margin = 5e-3;
 /// Samples between the bounds: of a row alone, of one that others follow, of those others meanwhile.
 constexpr int samples_alone = 40, samples_before = 16, samples_inside = 6;
 /// [-] share of the limits up to which a minimum between such samples may still meet them.
 constexpr double unclear = 1.3;
 
-/// Of all limits and of those on loads [-].
+/// Used share [-] of all limits, and of those on loads.
 struct Share {
     double used, loaded;
 };
@@ -58,12 +58,12 @@ Samples sample(const auto& used, const Bounds& bounds, int count) {
     return samples;
 }
 
-/// The value between the neighbours of the best sample that misses the limits least.
-double least_missed(const auto& used, const Samples& samples) {
+/// The value, between the neighbours of the best sample, that misses the limits least.
+double argmin_excess(const auto& used, const Samples& samples) {
     const auto best = static_cast<std::size_t>(std::ranges::min_element(samples.used) - samples.used.begin());
     const double low = samples.at[best == 0 ? 0 : best - 1];
     const double high = samples.at[std::min(best + 1, samples.size() - 1)];
-    return maximum_on([&](double value) { return -used(value); }, low, high, 4, closeness_least).at;
+    return maximum_on([&](double value) { return -used(value); }, low, high, 4, closeness_at_minimum).at;
 }
 
 /// The last value, from one that meets the limits toward one that does not, that still meets them.
@@ -108,17 +108,17 @@ private:
         const VaryRow& inner = *rest.front();
         const auto share = [&](double v) { return used_at(scene, inner, v, rest.subspan(1)); };
         const Bounds bounds = inner.bounds(scene);
-        Share least{nowhere, nowhere};
+        Share best{nowhere, nowhere};
         const Samples samples = sample(
             [&](double v) {
                 const Share one = share(v);
-                if (one.used < least.used) least = one;
+                if (one.used < best.used) best = one;
                 return one.used;
             },
             bounds, samples_inside);
         // Where it is not clear from the samples whether the loads can be borne.
-        if (least.loaded <= 1.0 || least.used >= unclear) return least;
-        return share(least_missed([&](double v) { return share(v).used; }, samples));
+        if (best.loaded <= 1.0 || best.used >= unclear) return best;
+        return share(argmin_excess([&](double v) { return share(v).used; }, samples));
     }
 
     /// The value of a row that its goal asks for; where none meets the limits, the one that misses them
@@ -127,14 +127,14 @@ private:
         const Goal goal = row.goal(*scene.size);
         const auto used = [&](double value) {
             const Share share = used_at(scene, row, value, rest);
-            return goal == Goal::least_load ? share.loaded : share.used;
+            return goal == Goal::min_load ? share.loaded : share.used;
         };
         Samples samples = sample(used, row.bounds(scene), rest.empty() ? samples_alone : samples_before);
-        if (goal == Goal::least_load) return least_missed(used, samples);
+        if (goal == Goal::min_load) return argmin_excess(used, samples);
         if (samples.next(0, true) == samples.size()) {  // between samples, perhaps
-            const double least = least_missed(used, samples), share = used(least);
-            if (share > 1.0) return least;
-            samples.add(least, share);
+            const double best = argmin_excess(used, samples), share = used(best);
+            if (share > 1.0) return best;
+            samples.add(best, share);
         }
         const std::size_t first = samples.next(0, true), behind = samples.next(first, false);
         note_others(row, samples, behind);
@@ -150,8 +150,8 @@ private:
             edge(used, samples.at[in], samples.at[out], rest.empty() ? closeness : closeness_before);
         if (rest.empty()) return found;
         notes_.push_back(fmt::format("{}: {:.1f} % inside its edge, room for what is decided after it",
-                                     row.title, 100.0 * room));
-        return found * (smallest ? 1.0 + room : 1.0 - room);
+                                     row.title, 100.0 * margin));
+        return found * (smallest ? 1.0 + margin : 1.0 - margin);
     }
 
     /// Ranges beyond the lowest that meet the limits as well: loads need not grow with what varies.

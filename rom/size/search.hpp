@@ -11,7 +11,7 @@
 
 namespace twinchute::rom {
 
-/// What a search found.
+/// Result of a search.
 struct Found {
     Scene scene;  ///< with the values; where none meets the limits, those that miss them least
     Judged judged;

@@ -75,7 +75,7 @@ std::string trade_table(const Sized& sized, const Style& style) {
     return aligned(table, style, 2);
 }
 
-/// What the run of the best one uses of each limit.
+/// Share of each limit that the best run uses.
 std::string limits_table(const Judged& judged) {
     Table table;
     table.right = {false, true, false, true};

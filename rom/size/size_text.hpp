@@ -1,4 +1,4 @@
-// What sizing found, for reading and for scripts.
+// Results of sizing, for reading and for scripts.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

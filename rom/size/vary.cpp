@@ -39,7 +39,7 @@ double diameter(const Scene& scene) {
     return sized_parachute(scene).nominal_diameter;
 }
 
-/// The same shape: vent, lines and risers with it, C_D0 as it is, as many gores.
+/// Scales the parachute at one shape: vent, lines and risers with it, C_D0 as it is, as many gores.
 void set_diameter(Scene& scene, double value) {
     Parachute& p = scene.parachutes[sized_index(scene)];
     scale_canopy(p, value, [](std::string_view) { return true; });
@@ -61,16 +61,16 @@ Bounds bounds_of_diameter(const Scene& scene) {
     return {near / below, std::min(near * above, largest_diameter)};
 }
 
-std::string has_all(const Scene&) {
+std::string always_available(const Scene&) {
     return {};
 }
 
-std::string lacks_reefing(const Scene& scene) {
+std::string requires_reefing(const Scene& scene) {
     return sized_parachute(scene).reefing.empty() ? "the scene has no [[parachute.reefing]]" : "";
 }
 
-Goal least_load(const SizeSpec&) {
-    return Goal::least_load;
+Goal min_load(const SizeSpec&) {
+    return Goal::min_load;
 }
 
 /// From just above what the canopy begins with to just below what comes next.
@@ -82,9 +82,9 @@ Bounds bounds_of_ratio(const Scene& scene) {
 
 constexpr std::array<VaryRow, 4> rows{{
     {"nominal_diameter", "m", "nominal diameter D0",
-     "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", has_all,
+     "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", always_available,
      goal_of_diameter, bounds_of_diameter, diameter, set_diameter},
-    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", has_all,
+    {"release_speed", "m/s", "release speed over ground", "in the direction of the scene", always_available,
      [](const SizeSpec&) { return Goal::largest; },
      [](const Scene&) {
          return Bounds{1.0, fastest_release};
@@ -92,12 +92,12 @@ constexpr std::array<VaryRow, 4> rows{{
      [](const Scene& scene) { return scene.release.speed; },
      [](Scene& scene, double value) { scene.release.speed = value; }},
     {"reefing_ratio", "", "drag area of the first reefed stage over (C_D S)_0", "with the least load",
-     lacks_reefing, least_load, bounds_of_ratio,
+     requires_reefing, min_load, bounds_of_ratio,
      [](const Scene& scene) { return sized_parachute(scene).reefing.front().drag_area_ratio; },
      [](Scene& scene, double value) {
          scene.parachutes[sized_index(scene)].reefing.front().drag_area_ratio = value;
      }},
-    {"cutter_delay", "s", "delay of the first cutter", "with the least load", lacks_reefing, least_load,
+    {"cutter_delay", "s", "delay of the first cutter", "with the least load", requires_reefing, min_load,
      [](const Scene&) {
          return Bounds{0.2, 30.0};
      },

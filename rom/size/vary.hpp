@@ -1,4 +1,4 @@
-// What sizing may change in a scene: a row for each.
+// Quantities of a scene that sizing may change, a row each.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ namespace twinchute::rom {
 enum class Goal {
     smallest,
     largest,
-    least_load  ///< whichever leaves the most of force and deceleration
+    min_load  ///< whichever leaves the most of force and deceleration
 };
 
 struct Bounds {
@@ -25,7 +25,7 @@ struct VaryRow {
     std::string_view name, unit, title;
     std::string_view what;  ///< goes along with it, in words
     /// Why a scene does not have it; empty where it does.
-    std::string (*lacks)(const Scene&);
+    std::string (*why_unavailable)(const Scene&);
     Goal (*goal)(const SizeSpec&);
     Bounds (*bounds)(const Scene&);
     double (*get)(const Scene&);

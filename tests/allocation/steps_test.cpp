@@ -46,7 +46,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
 namespace twinchute::fullsim {
 namespace {
 
-/// Those of a hundred steps, bounds on the step among them, after some that may fill what grows once.
+/// Heap requests of a hundred steps, bounds on the step among them, after some that may fill what grows once.
 long requests_of_steps(Simulation& simulation) {
     const auto take = [&](int steps) {
         for (int k = 0; k < steps; ++k) {

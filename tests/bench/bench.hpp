@@ -1,10 +1,10 @@
-// What is measured, a group a file. Every group registers its benchmarks with Google Benchmark; user counters
+// Benchmarks, a group a file. Every group registers its benchmarks with Google Benchmark; user counters
 // carry what docs/cost.md quotes, with the unit in their name.
 #pragma once
 
 namespace twinchute::bench {
 
-/// What this machine can do at best: multiply-adds, reading and copying memory.
+/// Ceilings of this machine: multiply-adds, reading and copying memory.
 void register_ceilings();
 /// Force blocks, node update and whole steps, each on several meshes in flight.
 void register_elements();

@@ -38,22 +38,22 @@ class Program:
     def __init__(self, tree, program):
         self.tree, self.program, self.records = tree, program, {}
 
-    def records_of(self, verb, scene):
+    def records_of(self, command, scene):
         """The records of a run by case, "" where there is one."""
-        if (verb, scene) not in self.records:
+        if (command, scene) not in self.records:
             file = os.path.join(self.tree, "data", "scenes", scene + ".toml")
             with tempfile.TemporaryDirectory() as directory:
-                ended = subprocess.run([self.program, verb, file, "--json", "--out", directory], stdin=subprocess.DEVNULL,
+                ended = subprocess.run([self.program, command, file, "--json", "--out", directory], stdin=subprocess.DEVNULL,
                                        capture_output=True, text=True)
             if ended.returncode != 0:
-                sys.exit(f"{verb} {scene} ended with {ended.returncode}: {ended.stderr[-1000:]}")
+                sys.exit(f"{command} {scene} ended with {ended.returncode}: {ended.stderr[-1000:]}")
             read = json.loads(ended.stdout)
-            self.records[verb, scene] = ({record["scene"]["name"].rsplit(", ", 1)[1]: record for record in read}
+            self.records[command, scene] = ({record["scene"]["name"].rsplit(", ", 1)[1]: record for record in read}
                                          if isinstance(read, list) else {"": read})
-        return self.records[verb, scene]
+        return self.records[command, scene]
 
-    def metric(self, verb, scene, case, name):
-        return self.records_of(verb, scene)[case or ""]["metrics"][name]
+    def metric(self, command, scene, case, name):
+        return self.records_of(command, scene)[case or ""]["metrics"][name]
 
     def made_with(self):
         made = self.records_of("full", "c9-inflation")[""]["provenance"]

@@ -138,7 +138,7 @@ private:
     double bytes_ = 0.0;
 };
 
-/// The same one for benchmarks that follow each other, and never two large ones at once.
+/// Shared by benchmarks that follow each other, so that never two large ones exist at once.
 InFlight& in_flight(const Size& size, bool packed = false) {
     static std::unique_ptr<InFlight> held;
     static std::pair<const char*, bool> what;
@@ -310,7 +310,7 @@ void register_elements() {
                     name_of(fmt::format("{}, {}", part.name, choice.name), size).c_str(), &measure_layout,
                     size, part, choice);
         benchmark::RegisterBenchmark(name_of("step", size).c_str(), &measure_step, size);
-        // Those that act before snatch only, in their own state.
+        // Blocks that act before snatch only, in their own state.
         for (const fullsim::ForceBlock& row : fullsim::force_blocks())
             if (row.needed(packed, Stage::deployment) && !row.needed(filling, Stage::flight))
                 benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, true,

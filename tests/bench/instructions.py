@@ -31,7 +31,7 @@ UNINTERRUPTED = ["full.checkpoint_interval='0 s'"]
 INFLATION = "data/scenes/c9-inflation.toml"
 CRANE_DROP = "data/scenes/paper/crane-drop.toml"
 
-# What is run, and why: verb, scene, keys, and the function that is counted where it is not the whole program.
+# What is run, and why: command, scene, keys, and the function that is counted where it is not the whole program.
 RUNS = {
     "inflation": ("full", INFLATION, MESH + UNINTERRUPTED + ["stop.time=0.01"], "twinchute::fullsim::run_fullsim*"),  # finite elements, pressure, lines
     "deployment": ("full", CRANE_DROP, MESH + UNINTERRUPTED + ["stop.time=0.04"], "twinchute::fullsim::run_fullsim*"),  # springs, static line, cloth drag
@@ -58,9 +58,9 @@ def workplace(program):
 
 def run(directory, name, prefix):
     """Runs a fixed run in a workplace: the summary that it prints as JSON."""
-    verb, scene, keys, _ = RUNS[name]
-    words = prefix + ["./twinchute", verb, scene, "--json"]
-    if verb == "full":
+    command, scene, keys, _ = RUNS[name]
+    words = prefix + ["./twinchute", command, scene, "--json"]
+    if command == "full":
         words += ["--out", "out"]
     for key in keys:
         words += ["--set", key]

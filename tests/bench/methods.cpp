@@ -53,7 +53,7 @@ Model c9(const char* air, Phase phase) {
     inflation.steady_drag_area = 42.56;
     inflation.eta = 0.2;
     inflation.law = find_drag_area_law("ludtke");
-    static std::deque<Canopies> kept;  // by the models of all problems
+    static std::deque<OpeningSequence> kept;  // by the models of all problems
     model.canopies = &kept.emplace_back(chute, inflation, phase);
     return model;
 }

@@ -113,11 +113,11 @@ def is_accessible(page):
     expect("skip" in (page.ask("document.activeElement.className") or ""), "the first stop of the keyboard skips the navigation")
 
 
-def made(twinchute, work, name, verb, *words):
-    """The address of the page that a verb leaves, or brings its ladder to."""
+def made(twinchute, work, name, command, *words):
+    """The address of the page that a command leaves, or brings its ladder to."""
     out = pathlib.Path(work) / name
-    done = subprocess.run([twinchute, verb, *words, "--quiet", "--out", str(out)], check=False)
-    expect(done.returncode in (0, 1), f"{verb} ended with {done.returncode}")
+    done = subprocess.run([twinchute, command, *words, "--quiet", "--out", str(out)], check=False)
+    expect(done.returncode in (0, 1), f"{command} ended with {done.returncode}")
     return (out / "report.html").resolve().as_uri()
 
 

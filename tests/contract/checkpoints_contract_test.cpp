@@ -12,9 +12,9 @@
 
 #include "fullsim/gores/kernels.hpp"
 #include "fullsim/indexed/kernels.hpp"
-#include "fullsim/keep_state.hpp"
 #include "fullsim/run_fullsim.hpp"
 #include "fullsim/sector/kernels.hpp"
+#include "fullsim/serialize_state.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/same_run.hpp"
@@ -28,7 +28,7 @@ Scene coarse(const char* file, std::vector<std::string> more = {}) {
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + file, more);
 }
 
-/// What a run gives away beside its record.
+/// Output of a run beside its record.
 struct Given {
     RunRecord record;
     std::vector<VtuGrid> fields;
@@ -121,18 +121,18 @@ INSTANTIATE_TEST_SUITE_P(
 
 // --- the state of a simulation ------------------------------------------------------------
 
-std::string kept(Simulation& simulation) {
-    Keeper k;
-    simulation.keep(k);
-    return k.take();
+std::string serialized(Simulation& simulation) {
+    Archive archive;
+    simulation.serialize(archive);
+    return archive.take();
 }
 
 /// Node by node, without what clocks measured.
 std::string state_of(const Simulation& simulation) {
     State state = simulation.state();
-    Keeper k;
-    keep(k, state);
-    return k.take();
+    Archive archive;
+    serialize(archive, state);
+    return archive.take();
 }
 
 void fly(Simulation& simulation, int steps) {
@@ -153,7 +153,7 @@ void fly(Simulation& simulation, int steps) {
     }
 }
 
-/// What has been kept is read to the same bytes, and goes on to the same bits.
+/// Expects a state to be read back to the same bytes, and to go on to the same bits.
 void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout, int steps, int rounds,
                       std::size_t stages = 1) {
     Simulation simulation(scene, layout);
@@ -162,18 +162,18 @@ void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout,
         seen.insert(simulation.outline().stage);
         SCOPED_TRACE(
             fmt::format("step {}, {}", simulation.outline().step, stage_name(simulation.outline().stage)));
-        const std::string bytes = kept(simulation);
+        const std::string bytes = serialized(simulation);
         Simulation other(scene, layout);
-        Keeper k(bytes, "a test");
-        other.keep(k);
-        k.end();
-        ASSERT_EQ(kept(other), bytes);
+        Archive archive(bytes, "a test");
+        other.serialize(archive);
+        archive.end();
+        ASSERT_EQ(serialized(other), bytes);
         fly(simulation, steps);
         fly(other, steps);
         ASSERT_EQ(state_of(other), state_of(simulation));
         ASSERT_EQ(other.step().dt, simulation.step().dt);
     }
-    EXPECT_EQ(seen.size(), stages) << "stages that were kept";
+    EXPECT_EQ(seen.size(), stages) << "stages that were written";
 }
 
 TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {
@@ -228,11 +228,11 @@ TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
     };
     Simulation simulation(scene, indexed(0));
     fly(simulation, 100);
-    const std::string bytes = kept(simulation);
+    const std::string bytes = serialized(simulation);
     const auto why_not = [&](Simulation&& other) {
         try {
-            Keeper k(bytes, "a test");
-            other.keep(k);
+            Archive archive(bytes, "a test");
+            other.serialize(archive);
         } catch (const RecordError& error) {
             return std::string(error.what());
         }

@@ -1,4 +1,4 @@
-// Scenes made by chance from the table of keys, run: every one ends in a named status, and whatever
+// Random scenes made from the table of keys, run: every one ends in a named status, and whatever
 // is reported is a finite number.
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ TEST_F(GeneratedRuns, RomEndsSoundly) {
     for (int i = 0; i < 2000; ++i) {
         const std::string text = scene_of_lines(generator.valid());
         const Scene scene = read_scene_text(text, "generated.toml", directory_.path());
-        if (!rom::rom_fidelity().lacks(scene).empty()) continue;
+        if (!rom::rom_fidelity().unsupported_keys(scene).empty()) continue;
         const RunRecord record = run_rom(scene);
         deployed += scene.parachutes.front().deploy.starts_packed() && record.find_event("snatch") != nullptr;
         ++endings[record.status.code];
@@ -90,7 +90,7 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
             scene.payload.body = {PayloadBody::Shape::cylinder,
                                   {0.5 * scene.parachutes.front().riser_length, 1.0}};
         scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores
-        // Materials by chance may ask for steps of nanoseconds: as far as 20 000 of them go.
+        // Random materials may ask for steps of nanoseconds: as far as 20 000 of them go.
         const double step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
         scene.stop = {Trigger::Kind::time, std::min(5.0, 2e4 * step), 0.0};
         const RunRecord record = run_full(scene);

@@ -45,7 +45,7 @@ TEST_P(EveryPair, HasItsOrderOnASmoothProblem) {
         EXPECT_DOUBLE_EQ(solver.time(), 1.0);
         return std::abs(solver.state()[0] - 0.5);
     };
-    // Of the leading term of the error; the next one is at most h times it, here a fortieth of it.
+    // Order of the leading term of the error; the next one is at most h times it, here a fortieth of it.
     EXPECT_NEAR(order(error, step() / 4), method().order, 0.1) << method().name;
 }
 

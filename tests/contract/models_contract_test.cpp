@@ -124,7 +124,7 @@ FillTime fill_time_of(const FillTimeModel& model) {
 
 constexpr FillTimeInputs snatch{8.5, 60.0, 1.0, 150.0, 155.0, 9.8, 42.0, 2.8};
 
-/// The same snatch in units of length and time that are so many metres and seconds.
+/// A snatch in units of length and time that are so many metres and seconds.
 FillTimeInputs in_units(const FillTimeInputs& in, double length, double time) {
     return {in.nominal_diameter / length,
             in.snatch_speed * time / length,
@@ -137,8 +137,8 @@ FillTimeInputs in_units(const FillTimeInputs& in, double length, double time) {
 }
 
 TEST(FillTimeContract, IsATime) {
-    // The same seconds in whatever unit of length; in units of time twice as large half as many (a given time
-    // is told in the same units).
+    // Seconds do not depend on the unit of length; in units of time twice as large they are half as many (a
+    // given time is told in the same units).
     for (const FillTimeModel& model : fill_time_models()) {
         const FillTime choice = fill_time_of(model);
         const double seconds = choice.seconds(snatch);

@@ -1,4 +1,4 @@
-// What a plan says a scene needs against what its run does: block by block, event by event. Nothing here has
+// Plans against the runs that they announce: block by block, event by event. Nothing here has
 // a number of its own: plan and run are held to each other.
 #include <gtest/gtest.h>
 
@@ -186,7 +186,7 @@ TEST(PlanContract, BlocksAndEventsOfRunsAreThoseOfTheirPlans) {
     every_event_of_a_run_is_in_its_plan();
 }
 
-/// What a simulation holds for a block, and for elements that only some blocks use.
+/// Bytes that a simulation holds for a block, and for elements that only some blocks use.
 std::size_t bytes_for(const Scene& scene, const std::string& name) {
     const fullsim::Simulation simulation(scene);
     for (const PlanArray& array : simulation.arrays())
@@ -221,7 +221,7 @@ double bytes_a_triangle(const Scene& scene) {
     return bytes / triangles;
 }
 
-/// What a run of a medium mesh holds beside its history: wanted are 400 B a triangle. It had been 508 B while
+/// Memory of a run of a medium mesh beside its history: at most 400 B a triangle. It had been 508 B while
 /// the state held forces that gores in lanes have themselves, pressure and cloth drag each had an array, and
 /// so had images of nodes the velocities of half steps; pairs in contact were 17 B. Lanes without a gore
 /// count: eight lanes are the worst case.
@@ -234,7 +234,7 @@ TEST(PlanContract, TheDemoIsHeldInFourHundredBytesATriangle) {
     }
 }
 
-/// The reduced-order run tells the full plan its times, as the verb does.
+/// The reduced-order run tells the full plan its times, as the command does.
 Plan plan_of(const Scene& scene) {
     const RunRecord expected = test::run_rom(scene);
     PlanBasis basis;

@@ -1,4 +1,4 @@
-// What the table of keys promises, over scenes made by chance from that table: whatever is inside it is
+// Promises of the table of keys, over random scenes made from it: whatever is inside it is
 // read, whatever is outside is refused with its place, and a scene that is written reads back the same.
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST_F(GeneratedScenes, ValidOnesAreRead) {
                            key.path == "series.test";  // its columns are named as the metrics are
         EXPECT_TRUE(aside || seen.contains(std::string(key.path))) << key.path << " was never used";
     }
-    // Of these some keys are written, as a list or a table in one line.
+    // Some keys of these are written, as a list or a table in one line.
     for (const char* whole : {"parachute.reefing", "parachute.deploy.when", "parachute.cut"})
         EXPECT_TRUE(seen.contains(whole)) << whole;
     for (const ToleranceMetric& metric : tolerance_metrics())

@@ -63,7 +63,7 @@ void compare_along(const Scene& scene, int steps) {
                 ASSERT_TRUE(sector) << why;
                 const Answer answer = answer_of(*sector, state, constants, structure, loads);
                 expect_same(reference, answer, stiffest, rounding);
-                // Of the payload the velocity: to its last bits, worth more than 1e-11 of the force on so
+                // The velocity of the payload: to its last bits, worth more than 1e-11 of the force on so
                 // heavy a node.
                 const auto speed = [&](const Answer& a) { return a.state.v_half[payload].value[2]; };
                 EXPECT_NEAR(speed(reference), speed(answer), 1e-15 * std::abs(speed(reference)));

@@ -1,4 +1,4 @@
-// What the fuzz targets share: a promise that is broken ends the process, so that libFuzzer keeps the input.
+// Helpers of the fuzz targets: a promise that is broken ends the process, so that libFuzzer keeps the input.
 #pragma once
 
 #include <cstddef>

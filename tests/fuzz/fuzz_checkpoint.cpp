@@ -2,8 +2,8 @@
 // read, or a RecordError with a place. What a checkpoint holds of a run is parts by name, too: any bytes as
 // those.
 #include "lib/math/sha256.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/checkpoint.hpp"
-#include "lib/record/keeper.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace {
@@ -38,32 +38,32 @@ struct Parts {
     };
     std::vector<Row> rows, list;
 
-    void keep(Keeper& k) {
-        k.flag("f", flag);
-        k.whole("w", whole, -3, 300);
-        k.number("n", number);
-        k.number("m", maybe);
-        k.numbers("v", numbers, 100);
-        k.text("t", text);
-        k.small("s", small);
-        k.rows("r", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
-        k.length("l", list, 1000);
+    void serialize(Archive& archive) {
+        archive.flag("f", flag);
+        archive.whole("w", whole, -3, 300);
+        archive.number("n", number);
+        archive.number("m", maybe);
+        archive.numbers("v", numbers, 100);
+        archive.text("t", text);
+        archive.small("s", small);
+        archive.rows("r", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
+        archive.length("l", list, 1000);
         for (Row& row : list)
-            k.number("a", row.a);
+            archive.number("a", row.a);
     }
 };
 
 void read_parts(std::string_view bytes) {
     Parts parts;
     try {
-        Keeper k(bytes, "d/checkpoint.bin");
-        parts.keep(k);
-        k.end();
+        Archive archive(bytes, "d/checkpoint.bin");
+        parts.serialize(archive);
+        archive.end();
     } catch (const RecordError& error) {
         return check_place(error);
     }
-    Keeper again;
-    parts.keep(again);
+    Archive again;
+    parts.serialize(again);
     fuzz::require(again.take() == bytes, "parts are written as they were read");
 }
 

@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         fuzz::require(again.nodes.size() == got.mesh.position.size(), "what is written is read");
         draw_out(got, scene, Vec3::UnitZ(), 1.0, 0.0, false);
     } catch (const SceneError& error) {
-        // What cannot be folded is said of the scene's key.
+        // A mesh that cannot be folded is refused by the scene's key.
         fuzz::require(!error.key().empty() || (!error.place().file.empty() && error.place().line > 0),
                       "an error has a place or a key");
     }

@@ -82,7 +82,7 @@ void report(const RunRecord& record, std::string_view foreign_gap, const ShapeFr
                   "a plot is of the size of a plot");
 }
 
-/// What the bytes say, or nothing when they are refused; whatever is read is written as it was.
+/// Reads the frames; none when the bytes are refused. Whatever is read is written as it was.
 ShapeFrames frames_of(std::string_view bytes) {
     if (bytes.empty()) return {};
     try {

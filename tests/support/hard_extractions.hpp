@@ -1,4 +1,4 @@
-// Parachutes torn out of their pack: scenes by chance, the same ones every time.
+// Parachutes torn out of their pack: random scenes, the same ones every time.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 #include "lib/scene/read_scene.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 
 namespace twinchute::test {
 
@@ -14,9 +14,9 @@ namespace twinchute::test {
 /// to straight down, with 40 to 150 kg, each with noise of its own. Three of sixty strain some cloth by more
 /// than half as they open, which would be another end: they are let to. The same number is the same scene.
 inline Scene hard_extraction(std::size_t k, std::vector<std::string> overrides = {}) {
-    Chance chance(1000 + k);
-    const double force = chance.number_in(1000.0, 12000.0), speed = chance.number_in(20.0, 60.0),
-                 mass = chance.number_in(40.0, 150.0), angle = 90.0 * chance.share();
+    Random random(1000 + k);
+    const double force = random.number_in(1000.0, 12000.0), speed = random.number_in(20.0, 60.0),
+                 mass = random.number_in(40.0, 150.0), angle = 90.0 * random.share();
     std::vector<std::string> all{
         "full.contact='none'",
         "release.height=3000",
@@ -26,7 +26,7 @@ inline Scene hard_extraction(std::size_t k, std::vector<std::string> overrides =
         fmt::format("release.path_angle='{:.0f} deg'", angle),
         "full.strain_limit=1",
         "full.noise.amplitude='0.1 mm'",
-        fmt::format("full.noise.seed={}", 1 + chance.below(1000))};
+        fmt::format("full.noise.seed={}", 1 + random.below(1000))};
     all.insert(all.end(), overrides.begin(), overrides.end());
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml", all);
 }

@@ -11,14 +11,14 @@
 #include <thread>
 #include <vector>
 
-#include "tests/support/chance.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/scratch_dir.hpp"
 
 namespace twinchute::test {
 
-/// What a record's directory holds, by name: every file whole, but a summary without date, clocks, and the
-/// sum that vouches for these.
+/// Files of a record's directory, by name: every file whole, but a summary without date, clocks, and the
+/// checksum that depends on these.
 inline std::map<std::string, std::string> record_files(const std::filesystem::path& directory) {
     std::map<std::string, std::string> files;
     for (const std::string& name : tree_of(directory)) {
@@ -38,15 +38,15 @@ inline std::map<std::string, std::string> record_files(const std::filesystem::pa
 }
 
 /// Runs a program until it has been killed (SIGKILL) `kills` times, each time after a moment of at most
-/// `most` [s] drawn by chance, then once more to its end. Each time with --resume, but for the first unless
+/// `max` [s] drawn at random, then once more to its end. Each time with --resume, but for the first unless
 /// that has it. How often it was really killed: a run that ends before is begun anew no more.
 inline int run_with_kills(std::vector<std::string> words, const std::filesystem::path& directory, int kills,
-                          double most, std::uint64_t seed, Ended* last) {
-    Chance chance(seed);
+                          double max, std::uint64_t seed, Ended* last) {
+    Random random(seed);
     int killed = 0;
     for (; killed < kills; ++killed) {
         Process process(words, directory);
-        std::this_thread::sleep_for(std::chrono::duration<double>(most * chance.share()));
+        std::this_thread::sleep_for(std::chrono::duration<double>(max * random.share()));
         ::kill(process.id(), SIGKILL);
         *last = process.wait();
         if (words.back() != "--resume") words.emplace_back("--resume");

@@ -1,4 +1,4 @@
-// What a layout says of a state, and how near two of them are.
+// Answers of a layout for a state, and how near two of them are.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,8 +17,7 @@ using fullsim::BlockClock, fullsim::EnergyBook, fullsim::ForceModels, fullsim::L
 
 inline constexpr double step_of_answers = 1e-5;  // [s]
 
-/// What a layout says of one state: sums, what a step makes of it, and the forces that one can tell from
-/// that.
+/// Answer of a layout for one state: sums, the state after a step, and the forces that follow from it.
 struct Answer {
     State state;
     Levels levels;  ///< before the step

@@ -12,7 +12,7 @@
 
 namespace twinchute::test {
 
-/// What a Gmsh file says, in the words of its formats. Groups have a tag of their own in any dimension.
+/// Content of a Gmsh file, in the words of its formats. Groups have a tag of their own in any dimension.
 struct MeshSketch {
     struct Node {
         int tag;

@@ -1,4 +1,4 @@
-// Drops by chance that could be flown: materials that bear their loads, masses that give a terminal speed,
+// Random drops that could be flown: materials that bear their loads, masses that give a terminal speed,
 // heights from which a steady descent can be reached. Each by its seed and number alone.
 #pragma once
 
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "lib/math/vec.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 
 namespace twinchute::test {
 
@@ -53,10 +53,10 @@ struct RandomDrop {
 
 /// One drop of the set that `seed` names. `full`: only what the full model has, and its settings; otherwise
 /// what the reduced-order model has.
-class DropGenerator : Chance {
+class DropGenerator : Random {
 public:
     DropGenerator(std::uint64_t seed, int number, bool full)
-        : Chance(seed * 1'000'003 + 2 * static_cast<std::uint64_t>(number) + (full ? 1 : 0)),
+        : Random(seed * 1'000'003 + 2 * static_cast<std::uint64_t>(number) + (full ? 1 : 0)),
           seed_(seed),
           number_(number),
           full_(full) {
@@ -130,13 +130,13 @@ inline void DropGenerator::choose_flight() {
               : r < 0.86 ? "pilot"
                          : "mortar";
     packed_ = by_ != "line-stretch" && by_ != "inflated";
-    fixed_end_ = by_ == "static-line" && chance(0.35);
+    fixed_end_ = by_ == "static-line" && random_bool(0.35);
     const double way = share();
     angle_ = way < 0.25 ? 0.5 * pi : way < 0.45 ? 0.0 : way < 0.8 ? in(0.15, 1.4) : -in(0.15, 1.45);
     speed_ = log_in(2.0, 150.0);
     // Drawn out by the air alone, a parachute needs some.
     if (by_ == "free") speed_ = log_in(15.0, 150.0);
-    if (fixed_end_) speed_ = chance(0.5) ? 0.0 : log_in(2.0, 12.0);
+    if (fixed_end_) speed_ = random_bool(0.5) ? 0.0 : log_in(2.0, 12.0);
     if (by_ == "static-line" && !fixed_end_) angle_ = in(-0.1, 0.1);
     out_.terminal_speed = log_in(2.0, 60.0);
     // An open canopy at many times its speed would not have stayed whole.
@@ -155,7 +155,7 @@ inline void DropGenerator::choose_canopy() {
     riser_ = diameter_ * in(0.05, 0.25);
     n_ = log_in(1.5, 14.0);
     ratio_ = log_in(0.005, 0.15);
-    if (!full_ && by_ != "inflated" && chance(0.2)) count_ = 2 + static_cast<int>(below(3));
+    if (!full_ && by_ != "inflated" && random_bool(0.2)) count_ = 2 + static_cast<int>(below(3));
 }
 
 /// [N] largest drag in an opening that takes n diameters, from the release's speed or the terminal one.
@@ -217,12 +217,12 @@ inline void DropGenerator::put_environment() {
 
 inline void DropGenerator::put_release() {
     line("\n[payload]\nmass = {}", text_of(payload_mass_));
-    if (chance(0.3)) line("drag_area = {}", text_of(in(0.01, 0.06) * drag_area()));
-    if (full_ && chance(0.08)) {
+    if (random_bool(0.3)) line("drag_area = {}", text_of(in(0.01, 0.06) * drag_area()));
+    if (full_ && random_bool(0.08)) {
         // So slim that risers of any number reach over it.
         const double across = std::min(0.5 * riser_, std::cbrt(payload_mass_ / 400.0));
         const double tall = std::clamp(payload_mass_ / (400.0 * across * across), across, 4.0 * across);
-        const bool box = chance(0.5) && risers_ == 4;
+        const bool box = random_bool(0.5) && risers_ == 4;
         out_.kind += box ? ", box" : ", cylinder";
         if (box)
             line("body = {{ shape = \"box\", size = [{}, {}, {}] }}", text_of(across), text_of(across),
@@ -259,19 +259,19 @@ inline void DropGenerator::put_deployment() {
     if (by_ == "extraction") {
         const double parting = log_in(8.0, 70.0);
         key("force", count_ * chute_mass_ * (0.5 * parting * parting / length + 2.0 * g));
-        if (full_ && chance(0.4)) keys += ", load = \"distributed\"";
+        if (full_ && random_bool(0.4)) keys += ", load = \"distributed\"";
     }
     if (by_ == "pilot") key("pilot_drag_area", in(0.005, 0.03) * drag_area());
     if (by_ == "mortar") key("muzzle_speed", in(15.0, 50.0));
-    if (by_ == "free" || by_ == "extraction" || (!full_ && packed_ && by_ != "pilot" && chance(0.5)))
+    if (by_ == "free" || by_ == "extraction" || (!full_ && packed_ && by_ != "pilot" && random_bool(0.5)))
         key("pack_drag_area", in(0.002, 0.02) * drag_area());
     // Cloth is stowed the more firmly the heavier it is: the C-9's 2 N/m, by its weight and size.
     if (full_ && packed_) key("fold_resistance", 2.0 * diameter_ / 8.53 * fabric_ / 0.1);
-    if (full_ && packed_ && chance(0.2)) key("pitch", in(-0.3, 0.3));
+    if (full_ && packed_ && random_bool(0.2)) key("pitch", in(-0.3, 0.3));
     if (drogue_)
-        keys += chance(0.5) ? fmt::format(", when = {{ after = \"drogue.full-open\", delay = {} }}",
-                                          text_of(in(0.5, 5.0)))
-                            : fmt::format(", when = {{ height = {} }}", text_of(in(0.5, 0.9) * height_));
+        keys += random_bool(0.5) ? fmt::format(", when = {{ after = \"drogue.full-open\", delay = {} }}",
+                                               text_of(in(0.5, 5.0)))
+                                 : fmt::format(", when = {{ height = {} }}", text_of(in(0.5, 0.9) * height_));
     line("deploy = {{ by = \"{}\"{} }}", by_, keys);
 }
 
@@ -285,14 +285,14 @@ inline void DropGenerator::put_opening() {
         line("fill_time = {{ model = \"knacke-0.85\", n = {} }}", text_of(n_));
     else
         line("fill_time.n = {}", text_of(n_));
-    if (!given_time_ && chance(0.25)) line("initial_phase = 0");
+    if (!given_time_ && random_bool(0.25)) line("initial_phase = 0");
     const double law = share();
     line("drag_area_law = \"{}\"", law < 0.6    ? "ludtke"
                                    : law < 0.75 ? "power-1"
                                    : law < 0.9  ? "power-2"
                                                 : "power-3");
     line("initial_drag_area_ratio = {}", text_of(ratio_));
-    if (by_ == "inflated" || !chance(0.18)) return;
+    if (by_ == "inflated" || !random_bool(0.18)) return;
     out_.kind += ", reefed";
     double stage = std::max(1.5 * ratio_, log_in(0.03, 0.3)), until = 0.0;
     const double filling = n_ * diameter_ / std::max(speed_, out_.terminal_speed);
@@ -310,10 +310,11 @@ inline void DropGenerator::put_drogue() {
     const double scale = in(0.12, 0.3);
     line("\n[[parachute]]\nname = \"drogue\"");
     put_canopy(scale);
-    const bool late = angle_ < 0.0 && chance(0.6);
+    const bool late = angle_ < 0.0 && random_bool(0.6);
     line("deploy = {{ by = \"line-stretch\"{} }}", late ? ", when = { at = \"apogee\", delay = 1 }" : "");
     line("fill_time.n = {}\ninitial_drag_area_ratio = {}", text_of(log_in(1.5, 8.0)), text_of(ratio_));
-    if (chance(0.7)) line("cut = {{ after = \"main.line-stretch\", delay = {} }}", text_of(in(0.0, 0.5)));
+    if (random_bool(0.7))
+        line("cut = {{ after = \"main.line-stretch\", delay = {} }}", text_of(in(0.0, 0.5)));
 }
 
 inline void DropGenerator::put_aerodynamics() {
@@ -321,10 +322,10 @@ inline void DropGenerator::put_aerodynamics() {
     const double air = share();
     if (air < 0.85)
         line("added_mass = {{ model = \"{}\", momentum = \"{}\" }}",
-             air < 0.6 ? "hemisphere" : "half-ellipsoid", chance(0.2) ? "accreting" : "inertia-only");
+             air < 0.6 ? "hemisphere" : "half-ellipsoid", random_bool(0.2) ? "accreting" : "inertia-only");
     if (!full_) return;
-    if (chance(0.7)) line("line_drag = {{ model = \"cylinder\" }}");
-    if (chance(0.85)) line("breathing_damping = {{ k = {} }}", text_of(log_in(0.2, 2.0)));
+    if (random_bool(0.7)) line("line_drag = {{ model = \"cylinder\" }}");
+    if (random_bool(0.85)) line("breathing_damping = {{ k = {} }}", text_of(log_in(0.2, 2.0)));
 }
 
 /// The coarsest meshes that are still a canopy.
@@ -332,23 +333,23 @@ inline void DropGenerator::put_full() {
     line("\n[full]");
     const auto line_elements = 2 + below(2), rows = 3 + below(2);
     line("mesh = {{ gore_columns = {}, gore_rows = {}, line_elements = {}, riser_elements = 1 }}",
-         chance(0.2) ? 2 : 1, rows, line_elements);
-    const bool noise = packed_ || chance(0.4);
+         random_bool(0.2) ? 2 : 1, rows, line_elements);
+    const bool noise = packed_ || random_bool(0.4);
     if (noise) {
         const auto seed = 1 + below(1000);
         line("noise = {{ amplitude = {}, seed = {} }}", text_of(diameter_ / 8.53 * log_in(1e-5, 3e-4)), seed);
     }
-    if (chance(0.3)) line("alpha = {}", text_of(log_in(0.5, 10.0)));
-    if (packed_ && chance(0.4)) {
+    if (random_bool(0.3)) line("alpha = {}", text_of(log_in(0.5, 10.0)));
+    if (packed_ && random_bool(0.4)) {
         line("structure = \"fe\"");
         out_.kind += ", fe";
     }
     const bool straight = angle_ == 0.5 * pi && wind_.empty() && out_.text.find("body") == std::string::npos;
-    if (!packed_ && !noise && straight && chance(0.4)) {
+    if (!packed_ && !noise && straight && random_bool(0.4)) {
         line("symmetry = \"sector\"");
         out_.kind += ", sector";
     }
-    if (!packed_ && chance(0.5)) {
+    if (!packed_ && random_bool(0.5)) {
         line("contact = \"gores\"");
         out_.kind += ", contact";
     }
@@ -363,7 +364,7 @@ inline RandomDrop DropGenerator::drop() {
         density_ = in(0.4, 1.25);
         air_ = fmt::format("atmosphere = {{ density = {} }}", text_of(density_));
     } else {
-        ground_ = chance(0.3) ? in(100.0, 3000.0) : 0.0;
+        ground_ = random_bool(0.3) ? in(100.0, 3000.0) : 0.0;
         const double offset = air > 0.8 ? in(-25.0, 25.0) : 0.0;
         air_ = offset == 0.0 ? "atmosphere = \"us76\""
                              : fmt::format("atmosphere = {{ temperature_offset = {} }}", text_of(offset));
@@ -389,10 +390,10 @@ inline RandomDrop DropGenerator::drop() {
                   v * (settling + 10.0 * v / g + 65.0);
         if (air >= 0.35) density_ = 1.225 * std::exp(-(ground_ + height_) / 9000.0);
     }
-    out_.too_low = chance(0.06);
+    out_.too_low = random_bool(0.06);
     if (out_.too_low) height_ = length + in(0.03, 0.25) * height_;
 
-    drogue_ = !full_ && chance(0.12) && by_ != "inflated" && by_ != "static-line";
+    drogue_ = !full_ && random_bool(0.12) && by_ != "inflated" && by_ != "static-line";
     out_.kind = by_ + (fixed_end_ ? " fixed" : "") +
                 (angle_ == 0.5 * pi ? " down"
                  : angle_ == 0.0    ? " level"
@@ -410,19 +411,19 @@ inline RandomDrop DropGenerator::drop() {
     put_canopy(1.0);
     if (count_ > 1) {
         line("count = {}", count_);
-        if (by_ != "inflated" && chance(0.4)) {
+        if (by_ != "inflated" && random_bool(0.4)) {
             std::string lags;
             for (int i = 0; i < count_; ++i)
                 lags += fmt::format("{}{}", i ? ", " : "", text_of(i ? in(0.0, 1.0) : 0.0));
             line("lag = [{}]", lags);
         }
-        if (chance(0.5)) line("cluster_drag_ratio = {}", text_of(in(0.85, 1.0)));
+        if (random_bool(0.5)) line("cluster_drag_ratio = {}", text_of(in(0.85, 1.0)));
     }
     put_deployment();
     put_opening();
     put_aerodynamics();
     if (full_) put_full();
-    if (chance(0.1)) line("\n[stop]\nat = \"steady-descent\"\ndelay = {}", text_of(in(0.5, 5.0)));
+    if (random_bool(0.1)) line("\n[stop]\nat = \"steady-descent\"\ndelay = {}", text_of(in(0.5, 5.0)));
     return out_;
 }
 

@@ -1,4 +1,4 @@
-// Scenes by chance, from the table of keys itself: valid ones that use every key somewhere in its range
+// Random scenes, from the table of keys itself: valid ones that use every key somewhere in its range
 // and in some unit, and broken ones that differ from a valid one in a single place.
 #pragma once
 
@@ -16,7 +16,7 @@
 #include "lib/math/vec.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/units.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/scratch_dir.hpp"
 
 namespace twinchute::test {
@@ -57,9 +57,9 @@ inline void write_generated_tables(const ScratchDir& directory) {
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
 
-class SceneGenerator : Chance {
+class SceneGenerator : Random {
 public:
-    explicit SceneGenerator(std::uint64_t seed) : Chance(seed) {}
+    explicit SceneGenerator(std::uint64_t seed) : Random(seed) {}
 
     std::vector<SceneLine> valid();
 
@@ -73,7 +73,7 @@ public:
 private:
     double number_of(const Key& key) {
         const double low = std::max(key.range.low, -1e12), high = std::min(key.range.high, 1e12);
-        if (!key.range.above_low && chance(0.03)) return low;
+        if (!key.range.above_low && random_bool(0.03)) return low;
         return key.range.below_high ? 0.999 * number_in(low, high) : number_in(low, high);
     }
 
@@ -120,13 +120,13 @@ inline std::string SceneGenerator::quantity(double value, std::string_view unit)
         {"N/m", {"N/m", "kN/m", "lbf/ft"}},
     };
     std::string written = fmt::format("{}", value);
-    if (const auto list = units.find(unit); list != units.end() && chance(0.7)) {
+    if (const auto list = units.find(unit); list != units.end() && random_bool(0.7)) {
         const std::string& chosen = one_of(list->second);
         const double number = value / to_si("1 " + chosen, unit);
-        written = fmt::format("\"{}{}{}\"", number, chance(0.8) ? " " : "  ", chosen);
+        written = fmt::format("\"{}{}{}\"", number, random_bool(0.8) ? " " : "  ", chosen);
     }
-    return chance(0.1) ? fmt::format("{{ value = {}, source = \"by chance\", grade = \"C\" }}", written)
-                       : written;
+    return random_bool(0.1) ? fmt::format("{{ value = {}, source = \"random\", grade = \"C\" }}", written)
+                            : written;
 }
 
 inline std::string SceneGenerator::text() {
@@ -134,16 +134,16 @@ inline std::string SceneGenerator::text() {
     std::string out = one_of(words);
     for (std::size_t i = below(4); i > 0; --i)
         out += " " + one_of(words);
-    return "\"" + out + (chance(0.5) ? "\\t.\"" : "\"");
+    return "\"" + out + (random_bool(0.5) ? "\\t.\"" : "\"");
 }
 
-/// What needs no knowledge of other keys, only of the row itself.
+/// Decides on a key from its row alone, without other keys.
 inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::string, std::less<>>& words) {
     const std::string path(key.path);
     if (!key.only_with.empty() && !key.goes_with(words[std::string(selector_of(scene_keys(), key)->path)]))
         return;
     const bool needed = key.need == KeyNeed::required;
-    if (!key.choices && !needed && chance(0.5)) return;
+    if (!key.choices && !needed && random_bool(0.5)) return;
     std::string value;
     switch (key.kind) {
         case KeyKind::quantity:
@@ -155,7 +155,7 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
         case KeyKind::word: {
             const std::string word(one_of(key.choices()));
             words[path] = word;
-            if (word == key.fallback && chance(0.5)) return;
+            if (word == key.fallback && random_bool(0.5)) return;
             value = '"' + word + '"';
             break;
         }
@@ -178,7 +178,7 @@ inline void SceneGenerator::decide(const Key& key, std::map<std::string, std::st
 
 /// A force, or its history.
 inline void SceneGenerator::put_extraction() {
-    if (chance(0.5))
+    if (random_bool(0.5))
         put_number("parachute.deploy.force", number_of(*find_key(scene_keys(), "parachute.deploy.force")));
     else
         put("parachute.deploy.force_table", "\"generated-force.csv\"");
@@ -187,40 +187,41 @@ inline void SceneGenerator::put_extraction() {
 inline void SceneGenerator::put_release(bool may_rest, bool straight_down) {
     const double lowest = -1000.0, highest = 85000.0;
     double ground = 0.0;
-    if (chance(0.5)) put_number("environment.ground", ground = number_in(lowest + 100.0, 20000.0));
+    if (random_bool(0.5)) put_number("environment.ground", ground = number_in(lowest + 100.0, 20000.0));
     const double height = number_in(1.0, highest - ground);
-    if (chance(0.5))
+    if (random_bool(0.5))
         put_number("release.altitude", ground + height);
     else
         put_number("release.height", height);
-    const bool over_ground = chance(0.5);
+    const bool over_ground = random_bool(0.5);
     // A wind of up to 200 m/s may carry an airspeed.
-    const double speed = may_rest && chance(0.3) ? 0.0 : number_in(0.05, over_ground ? 999.0 : 799.0);
+    const double speed = may_rest && random_bool(0.3) ? 0.0 : number_in(0.05, over_ground ? 999.0 : 799.0);
     put_number(over_ground ? "release.speed" : "release.airspeed", speed);
     if (speed > 0.0 && (!over_ground || !has_wind_)) airspeed_ = speed;
     if (speed > 0.0)
         put_number("release.path_angle", straight_down ? 0.5 * pi : number_in(-0.5 * pi, 0.5 * pi));
     const bool stops = std::ranges::any_of(
         lines_, [](const SceneLine& line) { return line.path == "stop.at" || line.path == "stop.time"; });
-    if (stops || chance(0.5)) return;
+    if (stops || random_bool(0.5)) return;
     const double above = height * number_in(0.01, 0.99);
-    if (chance(0.5))
+    if (random_bool(0.5))
         put_number("stop.altitude", ground + above);
     else
         put_number("stop.height", above);
 }
 
 inline void SceneGenerator::put_canopy() {
-    const bool design = chance(0.6);
+    const bool design = random_bool(0.6);
     if (design) put("parachute.design", "\"usaf-c9\"");
-    if (chance(0.3)) put("parachute.type", one_of(std::vector<std::string>{"\"cross\"", "\"ringslot\""}));
-    const auto give = [&] { return !design || chance(0.4); };
+    if (random_bool(0.3))
+        put("parachute.type", one_of(std::vector<std::string>{"\"cross\"", "\"ringslot\""}));
+    const auto give = [&] { return !design || random_bool(0.4); };
     diameter_ = 8.53;
     if (give()) {  // what has to fit together comes together
         put_number("parachute.nominal_diameter", diameter_ = number_in(0.1, 199.0));
         put_number("parachute.vent_diameter", diameter_ * number_in(0.01, 0.9));
         const double area = 0.25 * pi * diameter_ * diameter_, coefficient = number_in(0.01, 3.0);
-        if (chance(0.5))
+        if (random_bool(0.5))
             put_number("parachute.drag_area", std::min(coefficient * area, 9e4));
         else
             put_number("parachute.drag_coefficient", coefficient);
@@ -245,30 +246,31 @@ inline void SceneGenerator::put_canopy() {
 inline void SceneGenerator::put_opening() {
     std::optional<double> filling;  // [s] where the generator knows it
     bool transit = false;           // fits
-    if (chance(0.6)) {
+    if (random_bool(0.6)) {
         const double n = number_in(0.2, 199.0);
         put_number("parachute.fill_time.n", n);
-        const bool corrected = chance(0.3);
+        const bool corrected = random_bool(0.3);
         if (corrected) put_number("parachute.fill_time.density_exponent", number_in(-4.9, 4.9));
         if (!corrected && airspeed_) filling = n * diameter_ / *airspeed_;
         transit = !corrected && n > 0.6;
-        if (chance(0.3)) {
-            const bool cross = chance(0.5);
+        if (random_bool(0.3)) {
+            const bool cross = random_bool(0.5);
             put("parachute.fill_time.model", cross ? "\"knacke-0.9\"" : "\"knacke-0.85\"");
             const double power = cross ? 0.9 : 0.85;
             if (filling) filling = n * (diameter_ / 0.3048) / std::pow(*airspeed_ / 0.3048, power);
             transit = filling && 0.5 * diameter_ / *airspeed_ < 0.9 * *filling;
-        } else if (chance(0.5)) {
+        } else if (random_bool(0.5)) {
             put("parachute.fill_time.model", "\"fill-constant\"");
         }
-    } else if (chance(0.2)) {
-        put("parachute.fill_time.table", chance(0.5) ? "\"generated-froude.csv\"" : "\"generated-mass.csv\"");
-    } else if (chance(0.2)) {  // so small a canopy that the lightest payload lets it fill
+    } else if (random_bool(0.2)) {
+        put("parachute.fill_time.table",
+            random_bool(0.5) ? "\"generated-froude.csv\"" : "\"generated-mass.csv\"");
+    } else if (random_bool(0.2)) {  // so small a canopy that the lightest payload lets it fill
         put_number("parachute.fill_time.volume", number_in(1e-7, 1e-6));
         put_number("parachute.fill_time.mouth_area", number_in(10.0, 20.0));
-        if (chance(0.5)) put_number("parachute.fill_time.permeability", number_in(0.0, 1e-3));
-        if (chance(0.5)) put_number("parachute.fill_time.pressure_coefficient", number_in(0.0, 2.0));
-    } else if (chance(0.3)) {
+        if (random_bool(0.5)) put_number("parachute.fill_time.permeability", number_in(0.0, 1e-3));
+        if (random_bool(0.5)) put_number("parachute.fill_time.pressure_coefficient", number_in(0.0, 2.0));
+    } else if (random_bool(0.3)) {
         const double porosity = number_in(0.001, 0.999);
         put("parachute.fill_time.model", "\"ribbon\"");
         put_number("parachute.fill_time.geometric_porosity", porosity);
@@ -278,14 +280,14 @@ inline void SceneGenerator::put_opening() {
         filling = number_in(0.001, 999.0);
         put_number("parachute.fill_time.time", *filling);
         transit = airspeed_ && 0.5 * diameter_ / *airspeed_ < 0.9 * *filling;
-        if (chance(0.5)) put("parachute.fill_time.model", "\"given\"");
+        if (random_bool(0.5)) put("parachute.fill_time.model", "\"given\"");
     }
-    if (transit && chance(0.7)) {
-        if (chance(0.5)) put("parachute.initial_phase", "\"transit\"");
+    if (transit && random_bool(0.7)) {
+        if (random_bool(0.5)) put("parachute.initial_phase", "\"transit\"");
         return;
     }
     put_number("parachute.initial_phase",
-               filling && chance(0.7) ? std::min(900.0, 0.9 * share() * *filling) : 0.0);
+               filling && random_bool(0.7) ? std::min(900.0, 0.9 * share() * *filling) : 0.0);
 }
 
 /// Stages, and what deployment, cutters and the letting go wait for.
@@ -296,15 +298,17 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
     const auto is_put = [&](std::string_view path) {
         return std::ranges::any_of(lines_, [&](const SceneLine& line) { return line.path == path; });
     };
-    if (chance(0.3)) {
+    if (random_bool(0.3)) {
         put("parachute.count", "2");
-        if (by != "inflated" && chance(0.5)) put("parachute.lag", "[0, \"500 ms\"]");
+        if (by != "inflated" && random_bool(0.5)) put("parachute.lag", "[0, \"500 ms\"]");
     }
-    if (by != "static-line" && chance(0.2)) put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
-    if (chance(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
-    if (!is_put("parachute.initial_drag_area_ratio") && !is_put("parachute.drag_area_law") && chance(0.3))
+    if (by != "static-line" && random_bool(0.2))
+        put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
+    if (random_bool(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
+    if (!is_put("parachute.initial_drag_area_ratio") && !is_put("parachute.drag_area_law") &&
+        random_bool(0.3))
         return put("parachute.drag_area_table", "\"generated-growth.csv\"");
-    if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || chance(0.6)) return;
+    if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || random_bool(0.6)) return;
     std::string stages;
     double ratio = 0.05;
     for (std::size_t i = 1 + below(3); i > 0; --i) {
@@ -318,16 +322,16 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
 /// At least one limit; a descent rate only where the run may come to it.
 inline void SceneGenerator::put_limits(std::string_view stop) {
     const bool early = stop == "peak-force" || stop == "full-open" || stop == "line-stretch";
-    const bool rate = !early && chance(0.6);
+    const bool rate = !early && random_bool(0.6);
     if (rate) put_number("size.max_descent_rate", number_in(1.0, 50.0));
-    if (!rate || chance(0.5)) put_number("size.max_force", number_in(10.0, 1e6));
+    if (!rate || random_bool(0.5)) put_number("size.max_force", number_in(10.0, 1e6));
 }
 
 inline void SceneGenerator::put_tolerances() {
     for (const ToleranceMetric& metric : tolerance_metrics()) {
-        if (!chance(0.1)) continue;
+        if (!random_bool(0.1)) continue;
         const double value = number_in(0.0, 1000.0);
-        const std::string unit = chance(0.5) ? "%" : metric.unit == "1" ? "" : std::string(metric.unit);
+        const std::string unit = random_bool(0.5) ? "%" : metric.unit == "1" ? "" : std::string(metric.unit);
         put("compare.tolerance." + std::string(metric.name), fmt::format("\"{} {}\"", value, unit));
     }
 }
@@ -369,7 +373,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.riser_length"};
     lines_.clear();
     airspeed_.reset();
-    has_wind_ = chance(0.4);
+    has_wind_ = random_bool(0.4);
     put("schema", "1");
     std::map<std::string, std::string, std::less<>> words;
     std::vector<std::string> left_out;  // tables
@@ -389,7 +393,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
             const bool is_wind = key.path == "environment.wind";
             const bool is_in_one =
                 std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); });
-            if (key.need == KeyNeed::optional && (is_in_one || !(is_wind ? has_wind_ : chance(0.5))))
+            if (key.need == KeyNeed::optional && (is_in_one || !(is_wind ? has_wind_ : random_bool(0.5))))
                 left_out.push_back(std::string(key.path) + ".");
             continue;
         }
@@ -404,7 +408,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                 decided = decided && before != taken.end();
                 mine = mine && (before == taken.end() || !before->second);
             }
-            mine = mine && (decided || chance(0.5));
+            mine = mine && (decided || random_bool(0.5));
             taken[key.path] = mine;
             if (!mine) continue;
         }
@@ -417,18 +421,18 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         by == "free" ||
         std::ranges::none_of(left_out, [](const auto& table) { return table == "full.noise."; }) ||
         std::ranges::none_of(left_out, [](const auto& table) { return table == "payload.body."; });
-    const bool sector = !disturbed && chance(0.5);
-    if (sector || chance(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
+    const bool sector = !disturbed && random_bool(0.5);
+    if (sector || random_bool(0.3)) put("full.symmetry", sector ? "\"sector\"" : "\"none\"");
     put_release(by != "line-stretch", sector);
     put_canopy();
     put_opening();
     put_sequence(by);
-    if (words["environment.atmosphere.model"] != "constant" && chance(0.3))
+    if (words["environment.atmosphere.model"] != "constant" && random_bool(0.3))
         put("parachute.drag_area_mach_table", "\"generated-mach.csv\"");
     const auto has = [&](std::string_view table) {
         return std::ranges::none_of(left_out, [&](const auto& out) { return out == table; });
     };
-    if (has("aerodynamics.forebody_wake.") || chance(0.2))
+    if (has("aerodynamics.forebody_wake.") || random_bool(0.2))
         put_number("payload.diameter", number_in(0.1, 50.0));
     if (const std::string& shape = words["payload.body.shape"]; has("payload.body.") && shape != "mesh")
         put("payload.body.size", shape == "box" ? "[\"60 cm\", 0.5, \"2 ft\"]" : "[0.7, \"1 m\"]");
@@ -439,17 +443,19 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     const bool packed = by != "line-stretch" && by != "inflated";
     const bool imported =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.mesh"; });
-    if (chance(0.5)) put("full.contact", imported || packed || chance(0.3) ? "\"none\"" : "\"gores\"");
+    if (random_bool(0.5))
+        put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });
-    if (!is_cut && stop != "ground" && stop != "line-stretch" && chance(0.3)) put("stop.then", "\"rom\"");
+    if (!is_cut && stop != "ground" && stop != "line-stretch" && random_bool(0.3))
+        put("stop.then", "\"rom\"");
     if (has("size.")) put_limits(words["stop.at"]);
-    if (has("size.") && chance(0.3)) {
+    if (has("size.") && random_bool(0.3)) {
         const auto named = std::ranges::find(lines_, "parachute.name", &SceneLine::path);
         if (named != lines_.end()) put("size.parachute", std::string(named->value));
     }
-    if (chance(0.3)) put_tolerances();
+    if (random_bool(0.3)) put_tolerances();
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||
             key.path == "case.set")
@@ -477,7 +483,7 @@ inline std::optional<std::string> SceneGenerator::spoiled(const Key& key, std::s
             break;
         case 2:
             if (!measured && key.kind != KeyKind::integer) break;
-            if (std::isfinite(key.range.low) && chance(0.5))
+            if (std::isfinite(key.range.low) && random_bool(0.5))
                 return fmt::format("{}", key.range.low - 1.0 - std::abs(key.range.low));
             if (std::isfinite(key.range.high))
                 return fmt::format("{}", key.range.high + 1.0 + std::abs(key.range.high));

@@ -1,17 +1,13 @@
 // A directory with a scene whose runs take a moment, and the program in it.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
 namespace twinchute::test {
 
-class ShortScene : public testing::Test {
+class ShortScene : public ProgramTest {
 protected:
     ShortScene() { here_.write("scene.toml", scene("")); }
 
@@ -22,22 +18,15 @@ protected:
                "compare.tolerance.peak_force = \"1000 %\"\ncompare.tolerance.descent_rate = \"1 m/s\"\n"
                "compare.tolerance.filling_time = \"1 s\"\n";
     }
-    Ended run(std::vector<std::string> words) {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        return Process(words, here_.path()).wait();
-    }
-    std::string text(const std::string& file) const { return content_of(here_ / file); }
-    nlohmann::json read(const std::string& file) const { return nlohmann::json::parse(text(file)); }
-
-    /// A file of results as standard output has it: only files vouch for themselves.
+    /// A file of results as standard output has it: only files carry their own checksum.
     nlohmann::json printed(const std::string& file) const {
         nlohmann::json content = read(file);
         EXPECT_EQ(content.erase("sha256"), 1u) << file;
         return content;
     }
-    /// Writes what a test has changed as a version that did not vouch for its files would have: an edited one
-    /// is refused.
-    void write_unsealed(const std::string& file, nlohmann::ordered_json content) const {
+    /// Writes changed content without a checksum, as an earlier version did: an edited file with one is
+    /// refused.
+    void write_without_checksum(const std::string& file, nlohmann::ordered_json content) const {
         content.erase("sha256");
         here_.write(file, content.dump());
     }
@@ -51,8 +40,6 @@ protected:
         }
         return contents;
     }
-
-    ScratchDir here_;
 };
 
 }  // namespace twinchute::test

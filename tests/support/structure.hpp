@@ -19,7 +19,7 @@
 
 namespace twinchute::test {
 
-/// What was found, into the test's output: docs/verification.md quotes it.
+/// Prints a result into the test's output: docs/verification.md quotes it.
 inline void report(const char* what, auto... values) {
     std::string line = what;
     ((line += fmt::format("  {:.6g}", static_cast<double>(values))), ...);
@@ -139,13 +139,13 @@ public:
     /// To static equilibrium under the weight of the real masses and all loads, by the same node
     /// update with masses that make every node equally slow (m_i ~ K_i, time step 1) and the
     /// velocities set to zero whenever the kinetic energy has passed a maximum.
-    Relaxed relax(double tolerance, int most_steps) {
+    Relaxed relax(double tolerance, int max_steps) {
         fullsim::NodeConstants slow = constants_;
         slow.gravity = 0.0;
         stop();
         double kinetic = 0.0, residual = 0.0;
         std::vector<fullsim::NodeVector> before;  // velocities half a step before the last
-        for (int n = 0; n < most_steps; ++n) {
+        for (int n = 0; n < max_steps; ++n) {
             if (n % 200 == 0) weigh_by_stiffness(slow);
             evaluate();
             for (std::size_t i = 0; i < mesh_.mass.size(); ++i)
@@ -165,7 +165,7 @@ public:
             }
             kinetic = now < kinetic ? 0.0 : now;
         }
-        return {most_steps, residual};
+        return {max_steps, residual};
     }
 
     void stop() {

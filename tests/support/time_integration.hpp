@@ -76,7 +76,7 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
     return result;
 }
 
-/// The same by one of ARKODE's pairs, which sees nothing but rates. What is evaluated for `watch` does not
+/// Integrates by one of ARKODE's pairs, which sees nothing but rates. Evaluations for `watch` do not
 /// count.
 inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Leading& leading, double end,
                            const Watch& watch = {}) {

@@ -1,56 +1,33 @@
-// The program as a script sees it. Expected values are the tables of verbs, files and exit codes
+// The program as a script sees it. Expected values are the tables of commands, files and exit codes
 // that the program promises (`twinchute --help`, docs).
-#include <gtest/gtest.h>
+#include "tests/support/program_test.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
-
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
-
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+const std::string scene = shipped_scene("c9-inflation");
 
 /// A full run of a moment: few elements, short flight.
 const Words quick{"--set", "stop.time=0.25",        "--set", "full.mesh.gore_columns=1",
                   "--set", "full.mesh.gore_rows=4", "--set", "full.mesh.line_elements=4"};
 
-class SystemCli : public testing::Test {
+class SystemCli : public ProgramTest {
 protected:
-    Words command(const Words& words) const {
-        Words all{TWINCHUTE_PROGRAM};
-        all.insert(all.end(), words.begin(), words.end());
-        return all;
-    }
-    Ended run(const Words& words) { return Process(command(words), here_.path()).wait(); }
-    Ended run_quick(Words words) {
-        words.insert(words.end(), quick.begin(), quick.end());
-        return run(words);
-    }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
-    bool nothing_written() const { return tree_of(here_.path()).empty(); }
-
-    ScratchDir here_;
+    Ended run_quick(const Words& words) const { return run(words + quick); }
 };
 
-TEST_F(SystemCli, HelpAndVersionSucceedForEveryVerb) {
+TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
     EXPECT_EQ(run({"--help"}).code, 0);
     const Ended version = run({"--version"});
     EXPECT_EQ(version.code, 0);
     for (const char* word : {"twinchute ", "commit ", "compiler "}) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
-    for (const std::string verb :
+    for (const std::string command :
          {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "plan", "list"}) {
-        const Ended help = run({verb, "-h"});
+        const Ended help = run({command, "-h"});
         EXPECT_EQ(help.code, 0);
-        EXPECT_NE(help.out.find("example: twinchute " + verb), std::string::npos) << help.out;
+        EXPECT_NE(help.out.find("example: twinchute " + command), std::string::npos) << help.out;
     }
     EXPECT_TRUE(nothing_written());
 }
@@ -120,7 +97,7 @@ TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
     EXPECT_EQ(read("none/gap.json")["metrics"]["max_force_N"]["verdict"], "exceeded");
 }
 
-const std::string rocket = TWINCHUTE_SOURCE_DIR "/data/scenes/rocket-dual-deploy.toml";
+const std::string rocket = shipped_scene("rocket-dual-deploy");
 
 TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
     const Words never{rocket, "--set", "parachute.main.deploy.when.height=0 ft"};
@@ -140,23 +117,24 @@ TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
 }
 
 TEST_F(SystemCli, ParachutesThatWaitForEachOtherAreRefusedByEveryCommand) {
-    for (const std::string verb : {"rom", "full", "compare", "plan", "size", "ladder"}) {
-        const Ended ended = run({verb, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}",
-                                 "--set", "parachute.drogue.cut={after=\"main.full-open\"}"});
-        EXPECT_EQ(ended.code, 2) << verb;
+    for (const std::string command : {"rom", "full", "compare", "plan", "size", "ladder"}) {
+        const Ended ended =
+            run({command, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}", "--set",
+                 "parachute.drogue.cut={after=\"main.full-open\"}"});
+        EXPECT_EQ(ended.code, 2) << command;
         EXPECT_NE(ended.err.find("parachutes wait for each other (drogue.cut waits for main.full-open"),
                   std::string::npos)
-            << verb << ended.err;
+            << command << ended.err;
     }
     EXPECT_TRUE(nothing_written());
 }
 
 TEST_F(SystemCli, CheckRunsNothing) {
-    for (const std::string verb : {"compare", "rom", "full", "mesh"}) {
-        const Ended ended = run({verb, scene, "--check"});
+    for (const std::string command : {"compare", "rom", "full", "mesh"}) {
+        const Ended ended = run({command, scene, "--check"});
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("valid"), std::string::npos);
-        EXPECT_EQ(run({verb, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
+        EXPECT_EQ(run({command, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
     }
     EXPECT_TRUE(nothing_written());
 }
@@ -202,7 +180,7 @@ TEST_F(SystemCli, ResultsThatCannotBeWrittenAreExitFour) {
     here_.write("file", "not a directory");
     EXPECT_EQ(run({"rom", scene, "--out", "file/out"}).code, 4);
     EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"file"}));
-    EXPECT_EQ(Process(command({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
+    EXPECT_EQ(Process(program({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
 }
 
 TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
@@ -274,4 +252,4 @@ TEST_F(SystemCli, TheSameInputGivesTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

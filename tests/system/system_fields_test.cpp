@@ -1,39 +1,27 @@
 // Fields and meshes as VTK's own reader finds them. Expected values are the history of the same run, the
 // circles that the canopy was cut from, and what the program promises of files and exit codes.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 #include "tests/support/vtk_python.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
 using Names = std::set<std::string>;
 
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+const std::string scene = shipped_scene("c9-inflation");
 
 // The C-9 of data/parachutes/usaf-c9.toml.
 constexpr double nominal_diameter = 8.53, vent_diameter = 0.853;  // [m]
 constexpr double fabric_area =
     0.25 * std::numbers::pi * (nominal_diameter * nominal_diameter - vent_diameter * vent_diameter);
-
-Words operator+(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
 
 /// No cloth is strained or hidden in folds at the start of a uniform mesh of two columns a gore.
 const Words uniform{"--set", "full.mesh.grading=uniform"};
@@ -42,23 +30,20 @@ const Words coarse = uniform + Words{"--set", "full.mesh.gore_columns=2", "--set
                                      "--set", "full.mesh.line_elements=4"};
 const Words quick = coarse + Words{"--set", "stop.time=0.5"};
 
-class SystemFields : public testing::Test {
+class SystemFields : public ProgramTest {
 protected:
-    Ended run(const Words& words) { return Process(Words{TWINCHUTE_PROGRAM} + words, here_.path()).wait(); }
-    /// What VTK reads, or a skipped test where there is no VTK.
+    /// Reads a file with VTK.
     json read(const std::string& file) {
         const Ended ended =
-            test::run_vtk_script("tests/support/read_fields.py", {(here_ / file).string()}, here_.path());
+            run_vtk_script("tests/support/read_fields.py", {(here_ / file).string()}, here_.path());
         EXPECT_EQ(ended.code, 0) << ended.err;
         return json::parse(ended.out);
     }
     Names names(const std::string& directory) const { return tree_of(here_ / directory); }
-
-    ScratchDir here_;
 };
 
 #define NEEDS_VTK() \
-    if (test::vtk_python().empty()) GTEST_SKIP() << "no Python with VTK's modules (Debian: python3-vtk9)"
+    if (vtk_python().empty()) GTEST_SKIP() << "no Python with VTK's modules (Debian: python3-vtk9)"
 
 /// history.csv by time, exactly as printed.
 std::map<double, std::map<std::string, double>> rows_of(const std::string& csv) {
@@ -271,8 +256,7 @@ TEST_F(SystemFields, AFailedRunKeepsThoseUpToThere) {
 TEST_F(SystemFields, AnInterruptedRunKeepsThoseUpToThere) {
     NEEDS_VTK();
     Process process(
-        Words{TWINCHUTE_PROGRAM, "full", scene, "--out", "o", "--fields", "100", "--set", "stop.time=1000"} +
-            coarse,
+        program({"full", scene, "--out", "o", "--fields", "100", "--set", "stop.time=1000"}) + coarse,
         here_.path());
     ASSERT_TRUE(process.wait_until_handled(SIGINT));
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
@@ -291,7 +275,7 @@ TEST_F(SystemFields, PicturesNeedNoDisplay) {
     NEEDS_VTK();
     ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "4"} + quick).code, 0);
     for (const std::string field : {"stress", "strain", "wrinkling"}) {
-        const Ended ended = test::run_vtk_script(
+        const Ended ended = run_vtk_script(
             "docs/pictures/render_fields.py",
             {"o/fields.pvd", field + ".png", "--times", "0", "0.5", "--by", field, "--height", "200"},
             here_.path());
@@ -300,7 +284,7 @@ TEST_F(SystemFields, PicturesNeedNoDisplay) {
     }
 }
 
-// --- the verb mesh ------------------------------------------------------------------------------
+// --- the command mesh ---------------------------------------------------------------------------
 
 TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
     const Ended ended = run({"mesh", scene, "--json"});
@@ -355,7 +339,7 @@ TEST_F(SystemFields, APackedSceneHasItsPackBeside) {
 }
 
 TEST_F(SystemFields, AMeshOfASeriesLiesInTheFolderOfItsCase) {
-    const std::string series = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation-speeds.toml";
+    const std::string series = shipped_scene("c9-inflation-speeds");
     ASSERT_EQ(run({"mesh", series, "--out", "o/c9.vtu", "--quiet"}).out, "");
     const Names found = names("o");
     EXPECT_EQ(std::ranges::count_if(found, [](const auto& name) { return name.ends_with("/c9.vtu"); }), 3);
@@ -378,4 +362,4 @@ TEST_F(SystemFields, AMeshOverwritesNobodyElsesFile) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,14 +1,11 @@
-// The ladder in the page of a comparison: found where both verbs write by default, and only where it is of
+// The ladder in the page of a comparison: found where both commands write by default, and only where it is of
 // the same scene.
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended;
-using Words = std::vector<std::string>;
-
-class SystemLadderPage : public test::ShortScene {
+class SystemLadderPage : public ShortScene {
 protected:
     /// Without --out both write into scene.out.
     SystemLadderPage() { ladder_ = run({"ladder", "scene.toml", "--quick"}); }
@@ -82,4 +79,4 @@ TEST_F(SystemLadderPage, OfAnotherSceneOrEditedIsNotShown) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

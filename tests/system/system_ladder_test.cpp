@@ -1,24 +1,15 @@
 // `twinchute ladder` as a script sees it. Exit codes and files are what the program promises; that errors
 // fall with the tolerance is what a tolerance means.
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
-
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+const std::string scene = shipped_scene("c9-inflation");
 const std::set<std::string> files{"ladder.csv", "ladder.json", "ladder.md", "ladder.svg"};
 
 /// Few elements, and a short flight beyond the peak.
@@ -32,25 +23,14 @@ const Words coarse{"--quick",
                    "--set",
                    "stop.time=2"};
 
-class SystemLadder : public testing::Test {
+class SystemLadder : public ProgramTest {
 protected:
-    Words command(const Words& words) const {
-        Words all{TWINCHUTE_PROGRAM, "ladder"};
-        all.insert(all.end(), words.begin(), words.end());
-        return all;
-    }
-    Ended run(Words words) {
-        words.insert(words.end(), coarse.begin(), coarse.end());
-        return Process(command(words), here_.path()).wait();
-    }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
+    Ended run(const Words& words) const { return ProgramTest::run(Words{"ladder"} + words + coarse); }
     static json rung(const json& ladder, const std::string& name) {
         for (const json& row : ladder["rungs"])
             if (row["name"] == name) return row;
         return {};
     }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemLadder, LeavesTableAndPlot) {
@@ -94,8 +74,8 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
     const auto error_at = [&](int power) {
         return rung(ladder, "rom, rtol 1e-" + std::to_string(power))["error"]["value"].get<double>();
     };
-    // One error may be small by chance: two decades of tolerance are more than that. What a step commits adds
-    // up over some tens of steps.
+    // One error may be small by accident: two decades of tolerance are more than that. What a step commits
+    // adds up over some tens of steps.
     for (int power = 5; power <= 11; power += 2)
         EXPECT_LT(error_at(power), error_at(power - 2)) << power;
     for (int power = 3; power <= 12; ++power)
@@ -150,7 +130,7 @@ TEST_P(SystemLadderSignal, KeepsTheRungsThatWereDone) {
     // Default mesh and an endless flight: the first full rung is long enough, whatever the machine. The
     // ground ends the flights of the other model.
     Process process(
-        command({scene, "--out", "out", "--set", "stop.time=1000", "--set", "release.height=5000"}),
+        program({"ladder", scene, "--out", "out", "--set", "stop.time=1000", "--set", "release.height=5000"}),
         here_.path());
     ASSERT_TRUE(process.wait_until_handled(GetParam()));
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
@@ -167,4 +147,4 @@ TEST_P(SystemLadderSignal, KeepsTheRungsThatWereDone) {
 INSTANTIATE_TEST_SUITE_P(Signals, SystemLadderSignal, testing::Values(SIGINT, SIGTERM));
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,24 +1,18 @@
 // `twinchute list keys`: all of them to search in, or wrapped to read; those of a table; one in full.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "lib/cli/text.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-
-class SystemList : public testing::Test {
+class SystemList : public ProgramTest {
 protected:
-    test::Ended list(const std::string& columns, std::vector<std::string> words) {
-        words.insert(words.begin(), {"/usr/bin/env", "-u", "COLUMNS"});
-        if (!columns.empty()) words.insert(words.begin() + 3, "COLUMNS=" + columns);
-        words.insert(words.begin() + (columns.empty() ? 3 : 4), {TWINCHUTE_PROGRAM, "list", "keys"});
-        return test::Process(words, here_.path()).wait();
+    Ended list(const std::string& columns, const Words& words) const {
+        Words all{"/usr/bin/env", "-u", "COLUMNS"};
+        if (!columns.empty()) all.push_back("COLUMNS=" + columns);
+        return Process(all + program({"list", "keys"}) + words, here_.path()).wait();
     }
     static std::vector<std::string> lines_of(const std::string& text) {
         std::vector<std::string> lines;
@@ -27,8 +21,6 @@ protected:
             lines.push_back(line);
         return lines;
     }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemList, APipeHasALineForEachKey) {
@@ -44,8 +36,7 @@ TEST_F(SystemList, APipeHasALineForEachKey) {
 TEST_F(SystemList, LinesFitTheColumnsTheyAreGiven) {
     for (const std::string columns : {"60", "100"}) {
         for (const std::string path : {"", "parachute", "parachute.deploy.by"}) {
-            const test::Ended ended =
-                list(columns, path.empty() ? std::vector<std::string>{} : std::vector{path});
+            const Ended ended = list(columns, path.empty() ? Words{} : std::vector{path});
             EXPECT_EQ(ended.code, 0) << ended.err;
             for (const std::string& line : lines_of(ended.out))
                 // A single word may be longer than a line.
@@ -85,20 +76,20 @@ TEST_F(SystemList, OneKeyStandsInFull) {
     EXPECT_NE(list("", {"parachute.fill_time.n"})
                   .out.find("only with   parachute.fill_time.model = fill-constant, "),
               std::string::npos);
-    // Of a member of a list as of all of them.
+    // A member of a list has the row of the list.
     EXPECT_EQ(list("", {"parachute.reefing.2.drag_area_ratio"}).out,
               list("", {"parachute.reefing.drag_area_ratio"}).out);
 }
 
 TEST_F(SystemList, WhatIsNoKeyIsRefused) {
-    const test::Ended ended = list("", {"payload.mas"});
+    const Ended ended = list("", {"payload.mas"});
     EXPECT_EQ(ended.code, 2);
     EXPECT_NE(ended.err.find("there is no key 'payload.mas', did you mean 'payload.mass'?"),
               std::string::npos)
         << ended.err;
     EXPECT_EQ(list("", {"payload", "release"}).code, 2);
-    EXPECT_EQ(test::Process({TWINCHUTE_PROGRAM, "list", "laws", "payload"}, here_.path()).wait().code, 2);
+    EXPECT_EQ(run({"list", "laws", "payload"}).code, 2);
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,45 +1,31 @@
 // A mesh of one's own, as its user meets it: exported, run, drawn wrong. Promised: exit code 2 with file,
-// line and tag, and nothing written, from every verb that runs the full model; the reduced-order model needs
-// no mesh.
-#include <gtest/gtest.h>
-
+// line and tag, and nothing written, from every command that runs the full model; the reduced-order model
+// needs no mesh.
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/mesh_sketch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using Words = std::vector<std::string>;
-
-const std::string c9 = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+const std::string c9 = shipped_scene("c9-inflation");
 const Words coarse{"--set", "full.mesh.gore_columns=1",  "--set", "full.mesh.gore_rows=4",
                    "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.3",
                    "--set", "full.contact=none"};
 
-class SystemMesh : public testing::Test {
+class SystemMesh : public ProgramTest {
 protected:
-    Ended run(Words words, const Words& more = {}) const {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        words.insert(words.end(), more.begin(), more.end());
-        return test::Process(words, directory_.path()).wait();
-    }
+    Ended run(const Words& words, const Words& more = {}) const { return ProgramTest::run(words + more); }
     /// The C-9 with a mesh from here.
     std::string own_scene(const std::string& mesh) const {
-        directory_.write("own.toml", "base = \"c9.toml\"\nname = \"own\"\n[[parachute]]\nmesh = \"" + mesh +
-                                         "\"\n[full]\ncontact = \"none\"\n");
+        here_.write("own.toml", "base = \"c9.toml\"\nname = \"own\"\n[[parachute]]\nmesh = \"" + mesh +
+                                    "\"\n[full]\ncontact = \"none\"\n");
         std::ifstream from(c9);
-        directory_.write("c9.toml", {std::istreambuf_iterator<char>(from), {}});
+        here_.write("c9.toml", {std::istreambuf_iterator<char>(from), {}});
         return "own.toml";
     }
-    bool has(const std::string& name) const { return std::filesystem::exists(directory_ / name); }
-
-    ScratchDir directory_;
+    bool has(const std::string& name) const { return std::filesystem::exists(here_ / name); }
 };
 
 TEST_F(SystemMesh, AnExportRunsAsTheGeneratedMesh) {
@@ -48,7 +34,7 @@ TEST_F(SystemMesh, AnExportRunsAsTheGeneratedMesh) {
         const Ended written =
             run({"mesh", c9, "--out", "c9.msh", "--msh-version", version, "--quiet"}, coarse);
         ASSERT_EQ(written.code, 0) << written.err;
-        std::ifstream file(directory_ / "c9.msh");
+        std::ifstream file(here_ / "c9.msh");
         std::string line;
         std::getline(file, line), std::getline(file, line);
         EXPECT_EQ(line, version + " 0 8");
@@ -64,7 +50,7 @@ TEST_F(SystemMesh, AnExportRunsAsTheGeneratedMesh) {
 }
 
 TEST_F(SystemMesh, OnlyOurOwnFilesAreOverwritten) {
-    directory_.write("c9.msh", test::MeshSketch().text());
+    here_.write("c9.msh", MeshSketch().text());
     const Ended refused = run({"mesh", c9, "--out", "c9.msh"}, coarse);
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.err.find("is no mesh of twinchute"), std::string::npos) << refused.err;
@@ -79,10 +65,10 @@ TEST_F(SystemMesh, OnlyOurOwnFilesAreOverwritten) {
 }
 
 TEST_F(SystemMesh, AWrongMeshIsRefusedBeforeAnythingIsWritten) {
-    test::MeshSketch sketch;
+    MeshSketch sketch;
     sketch.element(22).nodes = {2, 4};
     const std::string text = sketch.text();
-    directory_.write("wrong.msh", text);
+    here_.write("wrong.msh", text);
     const std::string scene = own_scene("wrong.msh");
     const auto line =
         1 + std::count(text.begin(), text.begin() + static_cast<long>(text.find("\n22 ")) + 1, '\n');
@@ -103,7 +89,7 @@ TEST_F(SystemMesh, AWrongMeshIsRefusedBeforeAnythingIsWritten) {
 }
 
 TEST_F(SystemMesh, TheShippedExampleRunsOnTheLayoutForAnyMesh) {
-    const std::string window = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-window.toml";
+    const std::string window = shipped_scene("c9-window");
     const Ended ended = run({"full", window, "--json", "--set", "stop.time=0.3"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json record = json::parse(ended.out);
@@ -112,4 +98,4 @@ TEST_F(SystemMesh, TheShippedExampleRunsOnTheLayoutForAnyMesh) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,20 +1,16 @@
 // Paths that name nothing, or what cannot be read, on the command line: refused, with exit code 2, at once.
-#include <gtest/gtest.h>
-
 #include <sys/stat.h>
 
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended;
-
-class SystemPaths : public test::ShortScene {
+class SystemPaths : public ShortScene {
 protected:
-    /// What a shell makes of a line, with the program as $T.
+    /// Runs a line in a shell, with the program as $T.
     Ended shell(const std::string& line) {
-        return test::Process({"/usr/bin/env", "T=" TWINCHUTE_PROGRAM, "/bin/bash", "-c", line}, here_.path())
+        return Process({"/usr/bin/env", "T=" TWINCHUTE_PROGRAM, "/bin/bash", "-c", line}, here_.path())
             .wait();
     }
     /// Refused in usage, naming `what`.
@@ -27,10 +23,10 @@ protected:
 
 TEST_F(SystemPaths, EveryOptionThatTakesAValueRefusesAnEmptyOne) {
     here_.write("rom/history.csv", "years of work");
-    for (const std::string verb : {"rom", "full", "compare", "size", "ladder", "mesh"})
-        expect_refused(run({verb, "scene.toml", "--out", ""}), "--out is given nothing");
-    for (const std::string verb : {"stability", "validate"})
-        expect_refused(run({verb, "--out", ""}), "--out is given nothing");
+    for (const std::string command : {"rom", "full", "compare", "size", "ladder", "mesh"})
+        expect_refused(run({command, "scene.toml", "--out", ""}), "--out is given nothing");
+    for (const std::string command : {"stability", "validate"})
+        expect_refused(run({command, "--out", ""}), "--out is given nothing");
     for (const std::string option : {"--baseline", "--test", "--set", "--tolerance", "--fields"})
         expect_refused(run({"compare", "scene.toml", option, ""}), option + " is given nothing");
     expect_refused(run({"ladder", "scene.toml", "--reference", ""}), "--reference is given nothing");
@@ -43,7 +39,7 @@ TEST_F(SystemPaths, EveryOptionThatTakesAValueRefusesAnEmptyOne) {
 TEST_F(SystemPaths, TheCurrentFolderIsGuardedHoweverItIsCalled) {
     here_.write("rom/history.csv", "years of work");
     for (const std::string& out :
-         std::vector<std::string>{".", "./", "new/..", "rom/..", "../" + here_.path().filename().string()})
+         Words{".", "./", "new/..", "rom/..", "../" + here_.path().filename().string()})
         expect_refused(run({"compare", "scene.toml", "--out", out}), "--out");
     // Results that lie in a folder among other things do not make it a folder of results.
     EXPECT_EQ(run({"rom", "scene.toml", "--quiet", "--out", "scene.out"}).code, 0);
@@ -88,7 +84,7 @@ TEST_F(SystemPaths, ADataDirectoryThatIsNotThereIsAnError) {
 }
 
 TEST_F(SystemPaths, MessagesNameTheOptionThatIsWrong) {
-    const auto says = [&](std::vector<std::string> words, const std::string& what) {
+    const auto says = [&](Words words, const std::string& what) {
         words.insert(words.begin(), {"compare", "scene.toml", "--check"});
         expect_refused(run(words), what);
     };
@@ -109,4 +105,4 @@ TEST_F(SystemPaths, MessagesNameTheOptionThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

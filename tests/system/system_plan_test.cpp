@@ -1,37 +1,21 @@
 // `twinchute plan` as a script sees it: standard output alone, nothing on the disk, exit codes as promised.
-#include <gtest/gtest.h>
+#include "tests/support/program_test.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
-
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
+const std::string demo = shipped_scene("c9-inflation");
+const std::string crane_drop = shipped_scene("paper/crane-drop");
 
-const std::string demo = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
-const std::string crane_drop = TWINCHUTE_SOURCE_DIR "/data/scenes/paper/crane-drop.toml";
-
-class SystemPlan : public testing::Test {
+class SystemPlan : public ProgramTest {
 protected:
-    Ended plan(Words words) {
-        words.insert(words.begin(), {TWINCHUTE_PROGRAM, "plan"});
-        return Process(words, here_.path()).wait();
-    }
+    Ended plan(const Words& words) const { return ProgramTest::run(Words{"plan"} + words); }
     json plan_json(Words words) {
         words.emplace_back("--json");
         const Ended ended = plan(words);
         EXPECT_EQ(ended.code, 0) << ended.err;
         return json::parse(ended.out);
     }
-    bool nothing_written() const { return tree_of(here_.path()).empty(); }
-
-    ScratchDir here_;
 };
 
 bool has(const json& parts, const std::string& name) {
@@ -77,8 +61,7 @@ TEST_F(SystemPlan, StagesAreThoseOfTheRunAndAddUp) {
 }
 
 TEST_F(SystemPlan, AModelThatCannotRunTheSceneSaysSo) {
-    const Words free{TWINCHUTE_SOURCE_DIR "/data/scenes/paper/free-2000m.toml", "--set",
-                     "parachute.deploy.pack_drag_area=0"};
+    const Words free{shipped_scene("paper/free-2000m"), "--set", "parachute.deploy.pack_drag_area=0"};
     const json all = plan_json(free);
     EXPECT_EQ(all["plans"][0]["lacks"], json::array({"parachute.deploy.pack_drag_area"}));
     EXPECT_FALSE(all["plans"][1].contains("wall_s"));
@@ -103,4 +86,4 @@ TEST_F(SystemPlan, BadInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -7,12 +7,10 @@
 #include "tests/support/python.hpp"
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended;
-
-class SystemRecords : public test::ShortScene {
+class SystemRecords : public ShortScene {
 protected:
     static std::size_t lines(const std::string& text) {
         return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -163,13 +161,13 @@ TEST_F(SystemRecords, AnEditedOrTruncatedRecordIsRefusedByName) {
     }
     const std::string summary = text("good/rom/summary.json");
     refused("rom/summary.json", summary.substr(0, summary.size() / 2));
-    // A record of an earlier version vouches for nothing and is read.
+    // A record of an earlier version has no checksum and is read.
     auto old = nlohmann::ordered_json::parse(summary);
     old.erase("files");
-    refused("rom/summary.json", old.dump(2));  // the seal is still there
+    refused("rom/summary.json", old.dump(2));  // the checksum is still there
     std::filesystem::remove_all(here_ / "bad");
     std::filesystem::copy(here_ / "good", here_ / "bad", std::filesystem::copy_options::recursive);
-    write_unsealed("bad/rom/summary.json", old);
+    write_without_checksum("bad/rom/summary.json", old);
     EXPECT_EQ(run({"report", "bad", "--quiet"}).err, "");
 }
 
@@ -199,11 +197,10 @@ TEST_F(SystemRecords, AnEditedSummaryIsRefusedWhereverItIsRead) {
     here_.write("out/full/summary.json",
                 summary.replace(summary.find(mass), mass.size(), "\"value\": 152.5"));
     const auto before = files("out");
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"report", "out"},
-          {"report", "out/full"},
-          {"report", "out", "--out", "new"},
-          {"compare", "scene.toml", "--out", "new", "--baseline", "out"}}) {
+    for (const Words& words : {Words{"report", "out"},
+                               {"report", "out/full"},
+                               {"report", "out", "--out", "new"},
+                               {"compare", "scene.toml", "--out", "new", "--baseline", "out"}}) {
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 2) << testing::PrintToString(words);
         EXPECT_TRUE(ended.err.starts_with(
@@ -214,7 +211,7 @@ TEST_F(SystemRecords, AnEditedSummaryIsRefusedWhereverItIsRead) {
     EXPECT_EQ(files("out"), before);
 }
 
-TEST_F(SystemRecords, PythonChecksASealInThreeLines) {
+TEST_F(SystemRecords, PythonVerifiesAChecksumInThreeLines) {
     run({"compare", "scene.toml", "--quiet", "--out", "out"});
     // As docs/guide/ci.md has them.
     const std::string guide = content_of(TWINCHUTE_SOURCE_DIR "/docs/guide/ci.md");
@@ -225,10 +222,10 @@ TEST_F(SystemRecords, PythonChecksASealInThreeLines) {
     for (const std::string file : {"out/rom/summary.json", "out/full/summary.json", "out/gap.json"}) {
         const auto check = [&](const std::string& content) {
             here_.write("summary.json", content);
-            return test::Process({"/usr/bin/env", "python3", "-c", lines_of_guide}, here_.path()).wait();
+            return Process({"/usr/bin/env", "python3", "-c", lines_of_guide}, here_.path()).wait();
         };
         const Ended good = check(text(file));
-        if (test::lacks_python(good)) GTEST_SKIP() << "no Python";
+        if (lacks_python(good)) GTEST_SKIP() << "no Python";
         EXPECT_EQ(good.code, 0) << good.err;
         std::string edited = text(file);
         EXPECT_EQ(check(edited.replace(edited.find("twinchute"), 1, "T")).code, 1);
@@ -237,7 +234,7 @@ TEST_F(SystemRecords, PythonChecksASealInThreeLines) {
 
 TEST_F(SystemRecords, AreWhatTheSchemasSay) {
     run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=5%"});
-    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const std::string opening = shipped_scene("c9-inflation");
     run({"compare", opening, "--quiet", "--out", "whole", "--set", "full.mesh.gore_columns=1", "--set",
          "full.mesh.gore_rows=4"});
     here_.write("trend.json", run({"compare", "scene.toml", "--json", "--out", "out", "--set",
@@ -245,13 +242,13 @@ TEST_F(SystemRecords, AreWhatTheSchemasSay) {
                                   .out);
     run({"compare", "scene.toml", "--quiet", "--out", "broken", "--set", "full.strain_limit=1e-6"});
     here_.write("printed.json", run({"full", "scene.toml", "--json", "--out", "f"}).out);
-    const auto check = [&](const char* schema, std::vector<std::string> names) {
+    const auto check = [&](const char* schema, Words names) {
         names.insert(names.begin(), std::string(TWINCHUTE_SOURCE_DIR "/docs/schema/") + schema);
-        return test::run_script("tests/support/check_schema.py", names, here_.path());
+        return run_script("tests/support/check_schema.py", names, here_.path());
     };
     const Ended gaps =
         check("gap.schema.json", {"out/gap.json", "whole/gap.json", "broken/gap.json", "trend.json"});
-    if (test::lacks_python(gaps)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+    if (lacks_python(gaps)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
     EXPECT_EQ(gaps.code, 0) << gaps.out << gaps.err;
     const Ended summaries = check("summary.schema.json",
                                   {"out/rom/summary.json", "out/full/summary.json", "whole/rom/summary.json",
@@ -268,24 +265,24 @@ TEST_F(SystemRecords, AreWhatTheSchemasSay) {
     EXPECT_EQ(check("summary.schema.json", {"wrong.json"}).code, 1);
 }
 
-class SystemCi : public test::ShortScene {
+class SystemCi : public ShortScene {
 protected:
     const std::string ci_ = TWINCHUTE_SOURCE_DIR "/docs/guide/ci/";
-    Ended gate(std::vector<std::string> words) {
+    Ended gate(Words words) {
         words.insert(words.begin(),
                      {"/usr/bin/env", "TWINCHUTE=" TWINCHUTE_PROGRAM, "bash", ci_ + "compare-scenes"});
-        return test::Process(words, here_.path()).wait();
+        return Process(words, here_.path()).wait();
     }
 };
 
 TEST_F(SystemCi, ShippedFilesAreWhatTheirServicesAskFor) {
     for (const std::string kind : {"github", "gitlab"}) {
         const auto check = [&](const std::string& file) {
-            return test::run_script("tests/support/check_ci.py", {kind, file}, here_.path());
+            return run_script("tests/support/check_ci.py", {kind, file}, here_.path());
         };
         const std::string good = content_of(ci_ + kind + ".yml");
         const Ended ended = check(ci_ + kind + ".yml");
-        if (test::lacks_python(ended)) GTEST_SKIP() << "no Python with yaml (Debian: python3-yaml)";
+        if (lacks_python(ended)) GTEST_SKIP() << "no Python with yaml (Debian: python3-yaml)";
         EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
         // The check itself finds what is wrong.
         const auto broken = [&](const std::string& from, const std::string& to) {
@@ -326,7 +323,7 @@ TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
     EXPECT_NE(summary.find("tolerance not met"), std::string::npos) << summary;
     EXPECT_NE(summary.find("against a baseline"), std::string::npos) << summary;  // of the one that has one
 
-    // What would replace the baseline that it is held against is refused before anything is deleted.
+    // A comparison that would replace its own baseline is refused before anything is deleted.
     std::filesystem::create_directory_symlink(here_ / "baselines", here_ / "link");
     const auto kept = files("baselines");
     for (const std::string same : {"baselines", "./scenes/../baselines/", "link"}) {
@@ -351,4 +348,4 @@ TEST_F(SystemCi, TheGateRunsEveryScenePublishesAndFailsWithTheGravest) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

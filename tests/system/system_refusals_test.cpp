@@ -1,38 +1,25 @@
 // Results that cannot be written, and writing that is cut short. Promised: exit code 4, nothing
 // half-written under its final name, earlier results untouched; a directory without summary.json
 // is not a record; a signal ends a run with the record so far and exit code 130.
-#include <gtest/gtest.h>
 #include <linux/capability.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 
 #include <chrono>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "lib/cli/output_dir.hpp"
 #include "tests/support/killed_process.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 #include "tests/support/small_disk.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using test::SmallDisk;
-using Words = std::vector<std::string>;
 
-const std::string scene = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
-
-Words operator+(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
+const std::string scene = shipped_scene("c9-inflation");
 
 /// A fast run whose record differs from that of another mass.
 Words rom(const std::string& mass, const fs::path& out) {
@@ -41,9 +28,9 @@ Words rom(const std::string& mass, const fs::path& out) {
 }
 
 /// A run of both fidelities of a moment.
-Words quick(const std::string& verb) {
+Words quick(const std::string& command) {
     return {TWINCHUTE_PROGRAM,
-            verb,
+            command,
             scene,
             "--quiet",
             "--set",
@@ -57,8 +44,8 @@ Words quick(const std::string& verb) {
 }
 
 /// A full run that lasts until somebody ends it.
-Words endless(const std::string& verb) {
-    return {TWINCHUTE_PROGRAM, verb, scene, "--set", "stop.time=1000"};
+Words endless(const std::string& command) {
+    return {TWINCHUTE_PROGRAM, command, scene, "--set", "stop.time=1000"};
 }
 
 Ended run(const Words& words, const fs::path& directory = "/", const std::function<bool()>& prepare = {}) {
@@ -134,15 +121,15 @@ TEST_F(FullDisk, ANewDirectoryDisappearsAgain) {
     EXPECT_TRUE(everything_in(disk_ / "out") == before_);
 }
 
-TEST_F(FullDisk, TheOtherVerbsKeepTheSamePromise) {
-    for (const std::string verb : {"full", "compare"}) {
+TEST_F(FullDisk, TheOtherCommandsKeepTheSamePromise) {
+    for (const std::string command : {"full", "compare"}) {
         disk_.leave(4u << 20);  // a page takes less than 3 MB
-        ASSERT_LT(run(quick(verb) + Words{"--out", disk_ / verb}).code, 2);
-        const auto earlier = everything_in(disk_ / verb);
+        ASSERT_LT(run(quick(command) + Words{"--out", disk_ / command}).code, 2);
+        const auto earlier = everything_in(disk_ / command);
         for (const std::size_t room : {0u, 12u << 10, 24u << 10}) {
             disk_.leave(room);
-            expect_refused(run(quick(verb) + Words{"--out", disk_ / verb, "--set", "payload.mass=90"}));
-            EXPECT_TRUE(everything_in(disk_ / verb) == earlier) << verb << ", room " << room;
+            expect_refused(run(quick(command) + Words{"--out", disk_ / command, "--set", "payload.mass=90"}));
+            EXPECT_TRUE(everything_in(disk_ / command) == earlier) << command << ", room " << room;
         }
         fs::remove(disk_ / "ballast");
     }
@@ -258,7 +245,7 @@ TEST(CurrentDirectory, OneThatIsGoneOrClosedStopsOnlyWhatIsWrittenThere) {
 
 // --- interrupted ----------------------------------------------------------------------------
 
-/// What a reader may rely on after the program was killed: a record is wholly the old or the new one,
+/// Promise to readers after the program was killed: a record is wholly the old or the new one,
 /// and every file under its final name is whole.
 void expect_whole(const fs::path& directory, const std::map<std::string, std::string>& old_files,
                   const std::map<std::string, std::string>& new_files, int step) {
@@ -298,10 +285,9 @@ TEST(Killed, BeforeAnyStepOfWritingLeavesWholeFilesOnly) {
         for (int step = 1;; ++step) {
             fs::remove_all(out);
             if (there_before) fs::copy(here / "old", out);
-            const test::KilledAt where = test::kill_before_change(step, rom("200", out), here.path());
-            if (where == test::KilledAt::untraceable)
-                GTEST_SKIP() << "this machine lets no process trace another";
-            if (where == test::KilledAt::never) break;
+            const KilledAt where = kill_before_change(step, rom("200", out), here.path());
+            if (where == KilledAt::untraceable) GTEST_SKIP() << "this machine lets no process trace another";
+            if (where == KilledAt::never) break;
             ++killed;
             expect_whole(out, old_files, new_files, step);
         }
@@ -310,19 +296,16 @@ TEST(Killed, BeforeAnyStepOfWritingLeavesWholeFilesOnly) {
     }
 }
 
-class Interrupted : public testing::TestWithParam<int> {
+class Interrupted : public ProgramTest, public testing::WithParamInterface<int> {
 protected:
-    /// Runs a verb until it has computed for a while, then sends the signal.
-    Ended interrupt(const std::string& verb) {
-        Process process(endless(verb) + Words{"--out", "out"}, here_.path());
+    /// Runs a command until it has computed for a while, then sends the signal.
+    Ended interrupt(const std::string& command) {
+        Process process(endless(command) + Words{"--out", "out"}, here_.path());
         EXPECT_TRUE(process.wait_until_handled(GetParam()));
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
         ::kill(process.id(), GetParam());
         return process.wait();
     }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
-
-    ScratchDir here_;
 };
 
 TEST_P(Interrupted, AFullRunLeavesTheRecordSoFar) {
@@ -360,4 +343,4 @@ TEST_P(Interrupted, AskingTwiceEndsItAtOnceOrWithAWholeRecord) {
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

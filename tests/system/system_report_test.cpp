@@ -1,19 +1,12 @@
 // `twinchute report`: what compare wrote, again from its records.
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using Words = std::vector<std::string>;
-
-class SystemReport : public test::ShortScene {
+class SystemReport : public ShortScene {
 protected:
     SystemReport() {
         here_.write("scene.toml",
@@ -73,11 +66,11 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
         "not the one in summary.json: it was edited or cut short), run the scene again\n");
     EXPECT_EQ(content_of(here_ / "out/report.html"), before.at("report.html"));  // nothing was written
     std::filesystem::remove(here_ / "out/full/frames.bin");
-    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 2);  // the summary vouches for it
+    EXPECT_EQ(run({"report", "out", "--quiet"}).code, 2);  // its checksum is in the summary
     // A record of a version that had none says nothing of it.
     auto summary = nlohmann::json::parse(before.at("full/summary.json"));
     summary["files"].erase("frames.bin");
-    write_unsealed("out/full/summary.json", summary);
+    write_without_checksum("out/full/summary.json", summary);
     EXPECT_LT(run({"report", "out", "--quiet"}).code, 2);
     const std::string page = content_of(here_ / "out/report.html");
     EXPECT_EQ(page.find("id=\"canopy-section\""), page.npos);
@@ -85,7 +78,7 @@ TEST_F(SystemReport, FramesThatWereCutOrAreGone) {
 }
 
 TEST_F(SystemReport, AWholeOpeningIsRemadeAsItWas) {
-    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const std::string opening = shipped_scene("c9-inflation");
     const Ended compared = run({"compare", opening, "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
                                 "full.mesh.gore_rows=4", "--out", "out"});
     const auto before = files("out");
@@ -159,7 +152,7 @@ TEST_F(SystemReport, SaysWhereEachToleranceIsFrom) {
     all("command line");
     EXPECT_NE(content_of(here_ / "out/junit.xml").find("tolerance 1 % (from the command line)"), junit.npos);
 
-    const std::string demo = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
+    const std::string demo = shipped_scene("c9-inflation");
     run({"compare", demo, "--quiet", "--out", "out", "--set", "full.mesh={gore_columns=1, gore_rows=4}"});
     EXPECT_EQ(from("filling_time_s"), "default");
     EXPECT_EQ(from("peak_force_N"), "scene");  // the demo has one of its own
@@ -211,7 +204,7 @@ TEST_F(SystemReport, BadRecordsAreExitTwoAndChangeNothing) {
         return [this, file, pointer, value] {
             json content = read(file);
             content[json::json_pointer(pointer)] = value;
-            write_unsealed(file, content);
+            write_without_checksum(file, content);
         };
     };
     breaking("'bad' holds no comparison", [&] {
@@ -253,7 +246,7 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
         auto content = nlohmann::ordered_json::parse(content_of(here_ / file));
         content["later"] = {1, 2, 3};
         content["provenance"]["later"] = "words";
-        write_unsealed(file, content);
+        write_without_checksum(file, content);
     }
     const Ended again = run({"report", "out", "--quiet"});
     EXPECT_EQ(again.err, "");
@@ -262,4 +255,4 @@ TEST_F(SystemReport, ARecordOfALaterVersionIsRead) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,7 +1,5 @@
 // Runs that are cut off and go on: killed at any moment, interrupted, with broken or foreign checkpoints. The
 // run that was left alone is the expectation, byte for byte.
-#include <gtest/gtest.h>
-
 #include <csignal>
 
 #include "lib/cli/output_dir.hpp"
@@ -10,14 +8,12 @@
 #include "tests/support/killed_run.hpp"
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended, test::Process, test::record_files, test::run_with_kills;
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
 
-class Resume : public test::ShortScene {
+class Resume : public ShortScene {
 protected:
     /// A run of about a second on a coarse mesh, reefed, with fields; a checkpoint every 20 ms.
     Resume() {
@@ -28,9 +24,10 @@ protected:
                     "compare.tolerance.stage_1_peak_force = \"1000 %\"\n");
     }
 
-    Words words(const std::string& verb, const std::string& out, const std::string& file = "long.toml",
+    Words words(const std::string& command, const std::string& out, const std::string& file = "long.toml",
                 const std::string& stop = "12") const {
-        return {TWINCHUTE_PROGRAM, verb, file, "--out", out, "--set", "stop.time=" + stop, "--fields", "2"};
+        return {TWINCHUTE_PROGRAM,   command,    file, "--out", out, "--set",
+                "stop.time=" + stop, "--fields", "2"};
     }
     Ended start(const Words& words) const { return Process(words, here_.path()).wait(); }
 
@@ -84,10 +81,9 @@ TEST_F(Resume, KilledBeforeAnyChangeOfAFile) {
     int killed = 0;
     for (int step = 1;; step += step < 12 ? 1 : 5) {
         fs::remove_all(here_ / "killed");
-        const test::KilledAt where = test::kill_before_change(step, brief, here_.path());
-        if (where == test::KilledAt::untraceable)
-            GTEST_SKIP() << "this machine lets no process trace another";
-        if (where == test::KilledAt::never) break;
+        const KilledAt where = kill_before_change(step, brief, here_.path());
+        if (where == KilledAt::untraceable) GTEST_SKIP() << "this machine lets no process trace another";
+        if (where == KilledAt::never) break;
         ++killed;
         Words again = brief;
         again.emplace_back("--resume");
@@ -256,4 +252,4 @@ TEST_F(Resume, AnIntervalOfZeroMakesNone) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,21 +1,11 @@
 // Series of cases as a script sees them: a directory for each, one exit code for all.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include "lib/cli/text.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
-
-class SystemSeries : public testing::Test {
+class SystemSeries : public ProgramTest {
 protected:
     SystemSeries() {
         here_.write("series.toml",
@@ -26,13 +16,6 @@ protected:
                     "[[case]]\nname = \"light\"\nset = { \"payload.mass\" = \"80 kg\" }\n"
                     "[[case]]\nname = \"heavy\"\nset = { \"payload.mass\" = \"250 kg\" }\n");
     }
-    Ended run(Words words) {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        return Process(words, here_.path()).wait();
-    }
-    json read(const std::string& file) const { return json::parse(content_of(here_ / file)); }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemSeries, EveryCaseHasItsDirectory) {
@@ -78,8 +61,8 @@ TEST_F(SystemSeries, CompareReportsEachAndEndsWithTheGravest) {
 }
 
 TEST_F(SystemSeries, EndsWithATableOfItsCases) {
-    for (const std::string verb : {"rom", "full"}) {
-        const std::string out = run({verb, "series.toml", "--out", verb}).out;
+    for (const std::string command : {"rom", "full"}) {
+        const std::string out = run({command, "series.toml", "--out", command}).out;
         const auto table = out.rfind("\ncase ");
         ASSERT_NE(table, std::string::npos) << out;
         const std::string rows = out.substr(table);
@@ -88,7 +71,7 @@ TEST_F(SystemSeries, EndsWithATableOfItsCases) {
         EXPECT_NE(rows.find("peak force [N]"), std::string::npos) << rows;
         // As each case says it.
         for (const std::string name : {"light", "heavy"}) {
-            const double force = read(verb + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
+            const double force = read(command + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
             EXPECT_NE(rows.find("  " + readable(force)), std::string::npos) << force << " in " << rows;
         }
     }
@@ -130,4 +113,4 @@ TEST_F(SystemSeries, CheckSpeaksOfEveryCase) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

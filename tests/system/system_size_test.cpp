@@ -1,34 +1,18 @@
 // `twinchute size` as a script sees it: exit codes, the sized scene, what is refused.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
-#include "tests/support/process.hpp"
+#include "tests/support/program_test.hpp"
 #include "tests/support/python.hpp"
-#include "tests/support/scratch_dir.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
+const std::string rocket = shipped_scene("sizing/rocket-main");
+const std::string personnel = shipped_scene("sizing/personnel");
 
-const std::string rocket = TWINCHUTE_SOURCE_DIR "/data/scenes/sizing/rocket-main.toml";
-const std::string personnel = TWINCHUTE_SOURCE_DIR "/data/scenes/sizing/personnel.toml";
-
-class SystemSize : public testing::Test {
+class SystemSize : public ProgramTest {
 protected:
-    Ended run(std::vector<std::string> words) {
-        words.insert(words.begin(), TWINCHUTE_PROGRAM);
-        return Process(words, here_.path()).wait();
-    }
     static bool says(const std::string& text, std::string_view what) {
         return text.find(what) != std::string::npos;
     }
-    bool nothing_written() const { return tree_of(here_.path()).empty(); }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemSize, PrintsAndWritesNothing) {
@@ -76,8 +60,8 @@ TEST_F(SystemSize, SaysWhichLimitCannotBeMetAndByHowMuch) {
 }
 
 TEST_F(SystemSize, RefusesWhatItCannotSize) {
-    const std::string opening = TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml";
-    const auto refused = [&](std::vector<std::string> words, std::string_view why) {
+    const std::string opening = shipped_scene("c9-inflation");
+    const auto refused = [&](Words words, std::string_view why) {
         const Ended ended = run(std::move(words));
         EXPECT_EQ(ended.code, 2) << why;
         EXPECT_TRUE(says(ended.err, why)) << ended.err;
@@ -122,14 +106,13 @@ TEST_F(SystemSize, IsWhatTheSchemaSays) {
     here_.write("missed.json", run({"size", rocket, "--json", "--set", "size.max_force=300 N"}).out);
     const std::string schema = TWINCHUTE_SOURCE_DIR "/docs/schema/size.schema.json";
     const Ended ended =
-        test::run_script("tests/support/check_schema.py", {schema, "met.json", "missed.json"}, here_.path());
-    if (test::lacks_python(ended)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+        run_script("tests/support/check_schema.py", {schema, "met.json", "missed.json"}, here_.path());
+    if (lacks_python(ended)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
     EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
     json wrong = json::parse(content_of(here_ / "met.json"));
     wrong["candidates"][0]["unheard_of"] = 1;
     here_.write("wrong.json", wrong.dump());
-    EXPECT_EQ(test::run_script("tests/support/check_schema.py", {schema, "wrong.json"}, here_.path()).code,
-              1);
+    EXPECT_EQ(run_script("tests/support/check_schema.py", {schema, "wrong.json"}, here_.path()).code, 1);
 }
 
 TEST_F(SystemSize, ListsTheTypes) {
@@ -154,4 +137,4 @@ TEST_F(SystemSize, TheFullModelSaysWhatAMinimalSceneLacks) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

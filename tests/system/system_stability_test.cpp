@@ -1,27 +1,14 @@
 // `twinchute stability` as a script sees it.
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-
-class SystemStability : public testing::Test {
+class SystemStability : public ProgramTest {
 protected:
-    Ended run(std::vector<std::string> words) {
-        words.insert(words.begin(), {TWINCHUTE_PROGRAM, "stability"});
-        return Process(words, here_.path()).wait();
-    }
-
-    ScratchDir here_;
+    Ended run(const Words& words) const { return ProgramTest::run(Words{"stability"} + words); }
 };
 
 TEST_F(SystemStability, WritesItsMatrixAndWritesItAgain) {
@@ -56,4 +43,4 @@ TEST_F(SystemStability, TakesNoOperandAndNobodyElsesDirectory) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -14,10 +14,10 @@
 #include "lib/cli/text.hpp"
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-class SystemTerminal : public test::ShortScene {
+class SystemTerminal : public ShortScene {
 protected:
     /// Containers need not have pseudo-terminals.
     void SetUp() override {
@@ -28,9 +28,8 @@ protected:
         if (master >= 0) ::close(master);
     }
 
-    /// What the program writes to a terminal. The other end is read meanwhile: a terminal holds some kB.
-    std::string on_terminal(const std::vector<std::string>& environment,
-                            const std::vector<std::string>& words, unsigned short columns = 0) {
+    /// Output of the program on a terminal. The other end is read meanwhile: a terminal holds some kB.
+    std::string on_terminal(const Words& environment, const Words& words, unsigned short columns = 0) {
         const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
         if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) return "no terminal";
         const std::string device = ::ptsname(master);
@@ -38,7 +37,7 @@ protected:
             ::open(device.c_str(), O_RDWR | O_NOCTTY);  // so that the end of the program is no hang-up
         const winsize size{50, columns, 0, 0};
         EXPECT_EQ(::ioctl(held, TIOCSWINSZ, &size), 0);
-        std::vector<std::string> all{"/usr/bin/env", "-u", "NO_COLOR", "-u", "COLUMNS", "TERM=xterm"};
+        Words all{"/usr/bin/env", "-u", "NO_COLOR", "-u", "COLUMNS", "TERM=xterm"};
         all.insert(all.end(), environment.begin(), environment.end());
         all.push_back(TWINCHUTE_PROGRAM);
         all.insert(all.end(), words.begin(), words.end());
@@ -51,7 +50,7 @@ protected:
                 text.append(buffer, static_cast<std::size_t>(count));
             }
         });
-        test::Process(all, here_.path(), device).wait();
+        Process(all, here_.path(), device).wait();
         EXPECT_EQ(::write(held, "<end>", 5), 5);
         reader.join();
         ::close(held);
@@ -66,7 +65,7 @@ protected:
 
 TEST_F(SystemTerminal, KeysAreWrappedToItsWidth) {
     if (!why_not_.empty()) GTEST_SKIP() << "no pseudo-terminals here: " << why_not_;
-    const std::vector<std::string> keys{"list", "keys"};
+    const Words keys{"list", "keys"};
     for (const int columns : {60, 120}) {
         std::istringstream text(on_terminal({}, keys, static_cast<unsigned short>(columns)));
         std::size_t widest = 0;
@@ -81,7 +80,7 @@ TEST_F(SystemTerminal, KeysAreWrappedToItsWidth) {
 TEST_F(SystemTerminal, ColourOnlyOnATerminalThatWantsIt) {
     if (!why_not_.empty()) GTEST_SKIP() << "no pseudo-terminals here: " << why_not_;
     run({"compare", "scene.toml", "--quiet", "--out", "out", "--tolerance", "force_history=1%"});
-    const std::vector<std::string> report{"report", "out"};
+    const Words report{"report", "out"};
     const std::string piped = run(report).out, painted = on_terminal({}, report);
     EXPECT_FALSE(has_colour(piped));
     ASSERT_TRUE(has_colour(painted));
@@ -113,4 +112,4 @@ TEST_F(SystemTerminal, ColumnsAreAligned) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,21 +1,18 @@
 // `twinchute compare --baseline`: this run against an earlier one.
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using test::Ended;
-
-class SystemTrend : public test::ShortScene {
+class SystemTrend : public ShortScene {
 protected:
     SystemTrend() { run({"compare", "scene.toml", "--quiet", "--out", "old"}); }
 
     /// The exit code of the comparison alone: a quarter of a second has no descent rate, whose tolerance is
     /// then missing.
     static constexpr int comparison_code = 1;
-    nlohmann::json trend(const std::vector<std::string>& more) {
-        std::vector<std::string> words{"compare", "scene.toml", "--quiet", "--out",
-                                       "new",     "--baseline", "old"};
+    nlohmann::json trend(const Words& more) {
+        Words words{"compare", "scene.toml", "--quiet", "--out", "new", "--baseline", "old"};
         words.insert(words.end(), more.begin(), more.end());
         const Ended ended = run(words);
         EXPECT_EQ(ended.err, "");
@@ -78,10 +75,10 @@ TEST_F(SystemTrend, ATrendAloneMakesTheGateRed) {
                                  "compare.tolerance.peak_force = \"1000 %\"\n"
                                  "compare.tolerance.time_to_peak_force = \"1000 %\"\n");
     EXPECT_EQ(run({"compare", "gate.toml", "--quiet", "--out", "a"}).code, 0);
-    const std::vector<std::string> heavier{"compare", "gate.toml",           "--out",      "b",
-                                           "--set",   "payload.mass=150 kg", "--baseline", "a"};
+    const Words heavier{"compare", "gate.toml",           "--out",      "b",
+                        "--set",   "payload.mass=150 kg", "--baseline", "a"};
     const auto with = [&](const std::string& tolerance) {
-        std::vector<std::string> words = heavier;
+        Words words = heavier;
         for (const std::string& each : {tolerance, std::string("time_to_peak_force=100%")}) {
             words.push_back("--baseline-tolerance");
             words.push_back(each);
@@ -111,7 +108,7 @@ TEST_F(SystemTrend, OfAnotherProgramOnAnotherMachineSaysSo) {
         summary["metrics"].erase("load_factor");
         summary["metrics"]["gone_m"] = 1.0;
         summary["standing"]["gone_m"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     const auto other = trend({});
     EXPECT_EQ(other["model"][0]["what"], "commit");
@@ -131,14 +128,14 @@ TEST_F(SystemTrend, OfAnotherProgramOnAnotherMachineSaysSo) {
         auto summary = nlohmann::ordered_json::parse(text(file));
         summary["metrics"]["descent_rate_m_s"] = 7.0;
         summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     EXPECT_EQ(trend({})["verdict"], "exceeded");
 }
 
 TEST_F(SystemTrend, WhatCannotBeHeldAgainstIsRefusedBeforeAnythingRuns) {
-    const auto refused = [&](std::vector<std::string> more, const std::string& why) {
-        std::vector<std::string> words{"compare", "scene.toml", "--out", "fresh"};
+    const auto refused = [&](Words more, const std::string& why) {
+        Words words{"compare", "scene.toml", "--out", "fresh"};
         words.insert(words.end(), more.begin(), more.end());
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 2) << why;
@@ -174,7 +171,7 @@ TEST_F(SystemTrend, WhatNobodyAskedForAndTheStopComesBeforeIsNotReached) {
         auto summary = nlohmann::ordered_json::parse(text(file));
         summary["metrics"]["descent_rate_m_s"] = 7.0;
         summary["standing"]["descent_rate_m_s"] = {{"input_or_result", "result"}};
-        write_unsealed(file, summary);
+        write_without_checksum(file, summary);
     }
     EXPECT_EQ(run({"compare", "plain.toml", "--quiet", "--out", "q", "--baseline", "p"}).code, 0);
     EXPECT_EQ(read("q/trend.json")["verdict"], "within");
@@ -231,4 +228,4 @@ TEST_F(SystemTrend, OfASeriesIsThatOfEachCase) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,31 +1,19 @@
 // Types of canopy that the full model cannot mesh. Promised: exit code 2, a message that names the key and
 // the command that can run the scene, nothing written.
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-using Words = std::vector<std::string>;
-
-class SystemTypes : public testing::Test {
+class SystemTypes : public ProgramTest {
 protected:
-    Ended run(const std::string& command, const std::string& type, const Words& more = {}) {
-        Words words{TWINCHUTE_PROGRAM, command, TWINCHUTE_SOURCE_DIR "/data/scenes/c9-inflation.toml",
-                    "--set", "parachute.type='" + type + "'"};
-        words.insert(words.end(), more.begin(), more.end());
-        return Process(words, here_.path()).wait();
+    Ended run(const std::string& command, const std::string& type, const Words& more = {}) const {
+        return ProgramTest::run(
+            Words{command, shipped_scene("c9-inflation"), "--set", "parachute.type='" + type + "'"} + more);
     }
-    ScratchDir here_;
 };
 
 TEST_F(SystemTypes, WithSlotsOrArmsAreRefusedByKey) {
@@ -59,4 +47,4 @@ TEST_F(SystemTypes, ASolidOneIsMeshedFlatCircularAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

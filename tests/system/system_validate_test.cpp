@@ -1,25 +1,14 @@
 // `twinchute validate` as a script sees it.
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
-#include "tests/support/scratch_dir.hpp"
+#include "tests/support/program_test.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using test::Process;
-
-class SystemValidate : public testing::Test {
+class SystemValidate : public ProgramTest {
 protected:
-    Ended run(std::vector<std::string> words) {
-        words.insert(words.begin(), {TWINCHUTE_PROGRAM, "validate"});
-        return Process(words, here_.path()).wait();
-    }
+    Ended run(const Words& words) const { return ProgramTest::run(Words{"validate"} + words); }
     /// A suite of one closed form, sqrt(2 L/g) for 24.995 m, and of what cannot be run.
     void write_suite(const std::string& name, const std::string& expected) {
         here_.write(name,
@@ -31,8 +20,6 @@ protected:
                         " }]\n"
                         "[[case]]\nname = \"elsewhere\"\nmissing = [\"mass of the payload\"]\n");
     }
-
-    ScratchDir here_;
 };
 
 TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
@@ -58,7 +45,7 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
     EXPECT_EQ(ended.code, exceeded > 0 ? 1 : 0);
     EXPECT_EQ(result["within"], exceeded == 0);
     EXPECT_GT(judged, 150);
-    // What the equations say holds, whatever tests and papers say.
+    // Closed forms hold, whatever tests and papers say.
     for (const json& suite : result["suites"]) {
         if (suite["evidence"] != "exact") continue;
         for (const json& row : suite["rows"])
@@ -135,4 +122,4 @@ TEST_F(SystemValidate, ABadSuiteWritesNothing) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -1,19 +1,12 @@
 // `twinchute compare --why`: in the files, on the terminal, and back again by `twinchute report`.
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/short_scene.hpp"
 
-namespace twinchute {
+namespace twinchute::test {
 namespace {
 
-using nlohmann::json;
-using test::Ended;
-using Words = std::vector<std::string>;
-
-class SystemWhy : public test::ShortScene {
+class SystemWhy : public ShortScene {
 protected:
     SystemWhy() {
         here_.write("scene.toml",
@@ -97,4 +90,4 @@ TEST_F(SystemWhy, AnEditedGapIsRefusedAndNothingIsChanged) {
 }
 
 }  // namespace
-}  // namespace twinchute
+}  // namespace twinchute::test

@@ -82,7 +82,8 @@ Vec3 own_spin(const RigidBody& body, const BodyState& state) {
     return (turn_of(state).conjugate() * state.momentum).cwiseQuotient(body.moments());
 }
 
-/// Of a free body that begins to turn with `spin` about its own axes, after `time` in steps of `dt` [s].
+/// State of a free body that begins to turn with `spin` about its own axes, after `time` in steps of `dt`
+/// [s].
 BodyState tumbled(const RigidBody& body, const Vec3& spin, double time, double dt,
                   const Eigen::Quaterniond& start = Eigen::Quaterniond::Identity()) {
     State state = still_state();
@@ -120,7 +121,7 @@ TEST(RigidBody, TumblesFreelyAsEulerSays) {
     const Vec3 exact = exact_spin(sorted, start, 10.0);
     const double error = (own_spin(body, tumbled(body, start, 10.0, 5e-5)) - exact).norm();
     EXPECT_LT(error, 1e-6 * start.norm());
-    // Of second order: a step forty times as long errs 1600 times as much, and one of eighty four times that.
+    // Second order: a step forty times as long errs 1600 times as much, and one of eighty four times that.
     const double coarse = (own_spin(body, tumbled(body, start, 10.0, 2e-3)) - exact).norm();
     const double coarser = (own_spin(body, tumbled(body, start, 10.0, 4e-3)) - exact).norm();
     EXPECT_NEAR(coarser / coarse, 4.0, 0.2);

@@ -10,7 +10,7 @@
 namespace twinchute {
 namespace {
 
-Verb made_up_verb() {
+Command synthetic_command() {
     return {"make",
             "make it up",
             "SCENE",
@@ -23,29 +23,29 @@ Verb made_up_verb() {
 
 std::string refusal(const std::vector<std::string>& words) {
     try {
-        parse_arguments(made_up_verb(), words);
+        parse_arguments(synthetic_command(), words);
     } catch (const UsageError& error) {
         return error.what();
     }
     return "not refused";
 }
 
-int run(Verb verb, const std::vector<const char*>& words) {
-    const std::array verbs{std::move(verb)};
+int run(Command command, const std::vector<const char*>& words) {
+    const std::array commands{std::move(command)};
     std::vector<const char*> all{"twinchute"};
     all.insert(all.end(), words.begin(), words.end());
-    return run_program(verbs, static_cast<int>(all.size()), all.data());
+    return run_program(commands, static_cast<int>(all.size()), all.data());
 }
 
 int run_throwing(auto error) {
-    Verb verb = made_up_verb();
-    verb.run = [error](const Arguments&) -> ExitCode { throw error; };
-    return run(verb, {"make", "a.toml"});
+    Command command = synthetic_command();
+    command.run = [error](const Arguments&) -> ExitCode { throw error; };
+    return run(command, {"make", "a.toml"});
 }
 
 TEST(CliArguments, OptionsMayStandAnywhere) {
     const Arguments arguments = parse_arguments(
-        made_up_verb(), {"--set", "a=1", "scene.toml", "--json", "--set=b = 2", "--out", "dir"});
+        synthetic_command(), {"--set", "a=1", "scene.toml", "--json", "--set=b = 2", "--out", "dir"});
     EXPECT_EQ(arguments.operand, "scene.toml");
     EXPECT_EQ(arguments.values("set"), (std::vector<std::string>{"a=1", "b = 2"}));
     EXPECT_EQ(arguments.value("out"), "dir");
@@ -78,13 +78,13 @@ TEST(CliArguments, RefusesWhatItCannotMean) {
 }
 
 TEST(CliProgram, ExitCodesAreTheDocumentedOnes) {
-    EXPECT_EQ(run(made_up_verb(), {"make", "a.toml"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {"make", "--help"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {"--version"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"mke"}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"--jsn"}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"make"}), 2);
+    EXPECT_EQ(run(synthetic_command(), {"make", "a.toml"}), 0);
+    EXPECT_EQ(run(synthetic_command(), {"make", "--help"}), 0);
+    EXPECT_EQ(run(synthetic_command(), {"--version"}), 0);
+    EXPECT_EQ(run(synthetic_command(), {}), 2);
+    EXPECT_EQ(run(synthetic_command(), {"mke"}), 2);
+    EXPECT_EQ(run(synthetic_command(), {"--jsn"}), 2);
+    EXPECT_EQ(run(synthetic_command(), {"make"}), 2);
     EXPECT_EQ(run_throwing(UsageError("no")), 2);
     EXPECT_EQ(run_throwing(WriteError("a", "full")), 4);
     EXPECT_EQ(run_throwing(std::runtime_error("surprise")), 3);
@@ -101,7 +101,7 @@ TEST(CliProgram, StatusesMapToExitCodes) {
 }
 
 TEST(CliProgram, HelpShowsEveryOptionAndTheExample) {
-    const std::string help = verb_help(made_up_verb());
+    const std::string help = command_help(synthetic_command());
     for (const char* text :
          {"--out DIR", "--set KEY=VALUE", "--json", "-h, --help", "twinchute make a.toml"}) {
         EXPECT_NE(help.find(text), std::string::npos) << text;

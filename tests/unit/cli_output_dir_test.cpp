@@ -1,4 +1,4 @@
-// What may be overwritten: our own results and nothing else.
+// Only our own results may be overwritten.
 #include <gtest/gtest.h>
 
 #include <sys/wait.h>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lib/cli/command.hpp"
 #include "lib/cli/output_dir.hpp"
-#include "lib/cli/verb.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/write_error.hpp"
 #include "tests/support/scratch_dir.hpp"

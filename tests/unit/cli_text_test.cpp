@@ -1,4 +1,4 @@
-// What is printed on a terminal.
+// Text on a terminal.
 #include <gtest/gtest.h>
 
 #include <condition_variable>

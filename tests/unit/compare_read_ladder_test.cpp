@@ -7,7 +7,7 @@
 #include "compare/report/html.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "compare/report/read_ladder.hpp"
-#include "lib/record/file_sums.hpp"
+#include "lib/record/checksum.hpp"
 #include "lib/record/record_error.hpp"
 #include "tests/support/compare_records.hpp"
 #include "tests/support/made_up_ladder.hpp"
@@ -61,7 +61,7 @@ bool has(const std::string& text, std::string_view part) {
 
 TEST(CompareReadLadder, SaysWhatWasWritten) {
     const Ladder wrote = ladder_of_everything();
-    const Ladder read = read_ladder(sealed(ladder_json(wrote)), "d/ladder.json", names);
+    const Ladder read = read_ladder(with_checksum(ladder_json(wrote)), "d/ladder.json", names);
     EXPECT_EQ(ladder_svg(read), ladder_svg(wrote));
     EXPECT_EQ(rungs_table(read).header.size(), rungs_table(wrote).header.size() - 1);  // but for the test
     Ladder untested = wrote;
@@ -91,7 +91,7 @@ TEST(CompareReadLadder, WhatIsWrongIsRefusedWithTheKey) {
     EXPECT_TRUE(
         has(complaint_with("/references", ordered_json::object()), "names fewer than two fidelities"));
     EXPECT_TRUE(has(complaint_with("/judged/0", "x"), "judged[0]: 'x' is not a metric"));
-    std::string edited = sealed(ladder_json(made_up_ladder()));
+    std::string edited = with_checksum(ladder_json(made_up_ladder()));
     edited.replace(edited.find("rtol 1e-3"), 9, "rtol 1e-2");
     EXPECT_TRUE(has(complaint(edited), "d/ladder.json: is not the file that was written"))
         << complaint(edited);
@@ -114,7 +114,7 @@ RunRecord record_of(const Ladder& ladder) {
 
 TEST(CompareReadLadder, OnlyOneOfTheSameSceneIsShown) {
     const Ladder ladder = ladder_of_everything();
-    const std::string text = sealed(ladder_json(ladder));
+    const std::string text = with_checksum(ladder_json(ladder));
     RunRecord record = record_of(ladder);
     EXPECT_TRUE(beside(text, record).ladder.has_value());
     // What only a comparison asks for is no other scene.

@@ -14,7 +14,7 @@ namespace {
 StatusCode ending = StatusCode::completed;
 std::vector<bool> asked;  // whether each run was to be laid out as any mesh
 RunRecord say(const Scene& scene, Run& run) {
-    asked.push_back(run.as_any_mesh);
+    asked.push_back(run.force_unstructured);
     RunRecord record = begin_record(scene, "fake");
     record.status = {ending, "because it was told to"};
     record.cost.steps = 7;

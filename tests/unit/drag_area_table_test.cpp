@@ -222,7 +222,7 @@ TEST(DragAreaTable, IsReadWithASceneAndSetsWhereItStarts) {
     ASSERT_TRUE(p.drag_area_table);
     EXPECT_EQ(p.initial_drag_area_ratio, 0.09);
     EXPECT_EQ(p.drag_area_table->end(), 1.5);
-    // What it says already cannot be said again.
+    // Keys that repeat the table are refused.
     for (const char* beside : {"drag_area_law = \"power-2\"", "initial_drag_area_ratio = 0.04"})
         EXPECT_THROW(read(std::string("drag_area_table = \"growth.csv\"\n") + beside), SceneError) << beside;
     EXPECT_THROW(read("drag_area_table = \"none.csv\""), SceneError);

@@ -1,4 +1,4 @@
-// What a Gmsh file says, and every way in which it can be wrong: the line of the file, the tag, the reason.
+// Reading Gmsh files, and every way in which it can be wrong: the line of the file, the tag, the reason.
 #include "fullsim/mesh/import_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ ImportedMesh import(const std::string& text, const Scene& scene = test::c9_scene
     return import_mesh(read_gmsh(text, "own.msh"), scene);
 }
 
-/// Of the only line of a text that begins so.
+/// Number of the only line of a text that begins so.
 int line_of(const std::string& text, const std::string& begin) {
     const std::size_t at = ("\n" + text).find("\n" + begin);
     EXPECT_NE(at, std::string::npos) << begin;

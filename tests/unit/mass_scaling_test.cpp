@@ -69,7 +69,7 @@ TEST(MassScaling, MakesTheStepAsMuchLongerAsItSays) {
                               scaled = bounds(scene, after, Stage::deployment);
     const double least = std::ranges::min(bare);
     EXPECT_NEAR(std::ranges::min(scaled) / least, done.longer, 1e-9);
-    // What was heavy enough for this stage is at most heavier than it needs for another.
+    // Nodes heavy enough for this stage are at most heavier than another needs.
     for (std::size_t i = 0; i < bare.size(); ++i)
         if (bare[i] < done.longer * least) {
             EXPECT_GE(scaled[i], done.longer * least * (1.0 - 1e-9));

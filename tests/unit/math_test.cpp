@@ -97,7 +97,7 @@ struct Signal {
     double integral(double x) const {
         double sum = 0.0;
         for (std::size_t i = 1; i < t.size() && t[i - 1] < x; ++i) {
-            // Of the piece that x cuts the mean of its ends counts, as in the filter.
+            // A piece that x cuts counts by the mean of its ends, as in the filter.
             sum += 0.5 * (value[i - 1] + value[i]) * (std::min(x, t[i]) - t[i - 1]);
         }
         return sum;
@@ -109,15 +109,15 @@ TEST(IntervalPeak, IsTheLargestMeanOverWindowsCutOffAtBothEndsAndNeverAboveTheSa
     // other: whatever stands just before or after an interval does not count in it.
     constexpr double window = 5e-3, half = 0.5 * window;
     std::mt19937 generator(7);
-    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
     fullsim::IntervalPeak filter(window);
     double now = 3.0;
     for (int round = 0; round < 300; ++round) {
-        const double length = window * std::exp(std::log(0.2) + chance(generator) * std::log(100.0));
+        const double length = window * std::exp(std::log(0.2) + uniform(generator) * std::log(100.0));
         Signal signal;
-        for (const double begin = now; now <= begin + length; now += 1e-5 + 4e-4 * chance(generator)) {
+        for (const double begin = now; now <= begin + length; now += 1e-5 + 4e-4 * uniform(generator)) {
             signal.t.push_back(now);
-            signal.value.push_back(chance(generator) < 0.1 ? 1e4 * chance(generator) : chance(generator));
+            signal.value.push_back(uniform(generator) < 0.1 ? 1e4 * uniform(generator) : uniform(generator));
         }
         if (signal.t.size() < 2) continue;
         for (std::size_t i = 0; i < signal.t.size(); ++i)

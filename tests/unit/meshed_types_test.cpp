@@ -30,16 +30,16 @@ TEST(MeshedTypes, EachTypeSaysWhatIsMeshedForIt) {
         const Scene scene = of_type(name);
         const Parachute& chute = scene.parachutes.front();
         EXPECT_FALSE(chute.type->meshed.why.empty()) << name;
-        const Keys lacking = fullsim::full_fidelity().lacks(scene);
+        const Keys lacking = fullsim::full_fidelity().unsupported_keys(scene);
         const bool refused = name != "flat-circular" && !stand_ins.contains(name);
         EXPECT_EQ(lacking, refused ? Keys{"parachute.type"} : Keys{}) << name;
         EXPECT_EQ(stand_in(chute).has_value(), stand_ins.contains(name)) << name;
-        EXPECT_TRUE(rom::rom_fidelity().lacks(scene).empty()) << name;
+        EXPECT_TRUE(rom::rom_fidelity().unsupported_keys(scene).empty()) << name;
     }
 }
 
 TEST(MeshedTypes, ARefusalNamesTheTypeAndItsReason) {
-    EXPECT_EQ(lacking_text(of_type("cross"), {"parachute.type"}),
+    EXPECT_EQ(unsupported_text(of_type("cross"), {"parachute.type"}),
               "it lacks the physics of 'parachute.type' (cross: two crossed strips with lines along their "
               "ends, open between the arms)");
 }
@@ -63,7 +63,7 @@ TEST(MeshedTypes, AMeshOfOnesOwnIsNeitherRefusedNorWarnedOf) {
         const Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-window.toml",
                                        {std::string("parachute.type=") + type});
         ASSERT_TRUE(scene.parachutes.front().mesh);
-        EXPECT_TRUE(fullsim::full_fidelity().lacks(scene).empty()) << type;
+        EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(scene).empty()) << type;
         EXPECT_FALSE(stand_in(scene.parachutes.front())) << type;
     }
 }

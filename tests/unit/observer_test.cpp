@@ -1,4 +1,4 @@
-// What a full run notes of its forces: which of them belong to which interval of the opening.
+// Forces that a full run notes: which of them belong to which interval of the opening.
 #include "fullsim/observer.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ private:
     Mesh mesh_;
     State state_;
     std::mt19937 generator_{3};
-    std::uniform_real_distribution<double> chance_{0.0, 1.0};
+    std::uniform_real_distribution<double> uniform_{0.0, 1.0};
 
 public:
     Observer observer;
@@ -32,8 +32,8 @@ public:
         double largest = 0.0;
         while (state_.time < end) {
             const double begin = state_.time;
-            const double dt = std::min(end - begin, 1e-5 + 3e-4 * chance_(generator_));
-            const int substeps = chance_(generator_) < 0.5 ? 1 : 4;
+            const double dt = std::min(end - begin, 1e-5 + 3e-4 * uniform_(generator_));
+            const int substeps = uniform_(generator_) < 0.5 ? 1 : 4;
             state_.time = begin + dt < end ? begin + dt : end;
             state_.dt = dt;
             state_.line_dt = dt / substeps;
@@ -54,11 +54,11 @@ TEST(Observer, NeverFiltersAPeakAboveTheForcesOfItsInterval) {
     // Three stages at random times. Right before the first and the last one stands a spike ten times as large
     // as anything within them, which the second one has at its end.
     std::mt19937 generator(11);
-    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
     for (int round = 0; round < 40; ++round) {
         GivenForces run;
-        const double begin[] = {0.02 + 0.02 * chance(generator), 0.06 + 0.02 * chance(generator),
-                                0.1 + 0.02 * chance(generator), 0.14 + 0.02 * chance(generator)};
+        const double begin[] = {0.02 + 0.02 * uniform(generator), 0.06 + 0.02 * uniform(generator),
+                                0.1 + 0.02 * uniform(generator), 0.14 + 0.02 * uniform(generator)};
         double spike_at = begin[0];
         const auto force = [&](double t) {
             const double left = spike_at - t;
@@ -70,7 +70,7 @@ TEST(Observer, NeverFiltersAPeakAboveTheForcesOfItsInterval) {
         double largest[3], all = 0.0;
         for (int stage = 0; stage < 3; ++stage) {
             spike_at = stage == 1 ? begin[2] : 0.0;
-            // What the step into the boundary pulled at its very end belongs to both sides.
+            // The force at the very end of the step into the boundary belongs to both sides.
             const double at_begin = force(begin[stage]);
             largest[stage] = std::max(at_begin, run.step_to(begin[stage + 1], force));
             all = std::max(all, largest[stage]);

@@ -1,4 +1,4 @@
-// What a run says of an opening that its inputs do not fit.
+// Warnings of a run about an opening that its inputs do not fit.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -5,15 +5,15 @@
 #include <limits>
 
 #include "lib/math/sha256.hpp"
+#include "lib/record/archive.hpp"
 #include "lib/record/checkpoint.hpp"
-#include "lib/record/keeper.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/scratch_dir.hpp"
 
 namespace twinchute {
 namespace {
 
-/// Parts of every kind, by chance.
+/// Random parts of every kind.
 struct Parts {
     double number = 0.0;
     std::optional<double> maybe;
@@ -27,46 +27,46 @@ struct Parts {
     };
     std::vector<Row> rows;
 
-    void keep(Keeper& k) {
-        k.number("number", number);
-        k.number("maybe", maybe);
-        k.numbers("numbers", numbers);
-        k.whole("whole", whole);
-        k.flag("flag", flag);
-        k.text("text", text);
-        k.small("small", small);
-        k.rows("rows", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
+    void serialize(Archive& archive) {
+        archive.number("number", number);
+        archive.number("maybe", maybe);
+        archive.numbers("numbers", numbers);
+        archive.whole("whole", whole);
+        archive.flag("flag", flag);
+        archive.text("text", text);
+        archive.small("small", small);
+        archive.rows("rows", rows, [](Row& row, auto&& each) { each(row.a), each(row.b); });
     }
 };
 
 /// Any 64 bits: NaNs with a payload, infinities, subnormals, zeros with a sign.
-double any_bits(test::Chance& chance) {
-    return std::bit_cast<double>(chance.bits());
+double any_bits(test::Random& random) {
+    return std::bit_cast<double>(random.bits());
 }
 
-TEST(Keeper, ReadsTheBitsThatItWrote) {
-    test::Chance chance(20261122);
+TEST(Archive, ReadsTheBitsThatItWrote) {
+    test::Random random(20261122);
     for (int round = 0; round < 500; ++round) {
         Parts parts;
-        parts.number = round == 0 ? -0.0 : any_bits(chance);
-        if (chance.bits() & 1) parts.maybe = any_bits(chance);
-        for (std::size_t i = chance.bits() % 20; i > 0; --i) {
-            parts.numbers.push_back(any_bits(chance));
-            parts.text += static_cast<char>(chance.bits());
-            parts.small.push_back(static_cast<std::uint16_t>(chance.bits()));
-            parts.rows.push_back({any_bits(chance), any_bits(chance)});
+        parts.number = round == 0 ? -0.0 : any_bits(random);
+        if (random.bits() & 1) parts.maybe = any_bits(random);
+        for (std::size_t i = random.bits() % 20; i > 0; --i) {
+            parts.numbers.push_back(any_bits(random));
+            parts.text += static_cast<char>(random.bits());
+            parts.small.push_back(static_cast<std::uint16_t>(random.bits()));
+            parts.rows.push_back({any_bits(random), any_bits(random)});
         }
-        parts.whole = static_cast<std::int64_t>(chance.bits());
-        parts.flag = chance.bits() & 1;
-        Keeper writer;
-        parts.keep(writer);
+        parts.whole = static_cast<std::int64_t>(random.bits());
+        parts.flag = random.bits() & 1;
+        Archive writer;
+        parts.serialize(writer);
         const std::string bytes = writer.take();
-        Keeper reader(bytes, "a test");
+        Archive reader(bytes, "a test");
         Parts again;
-        again.keep(reader);
+        again.serialize(reader);
         reader.end();
-        Keeper writer_again;
-        again.keep(writer_again);
+        Archive writer_again;
+        again.serialize(writer_again);
         ASSERT_EQ(writer_again.take(), bytes);
         ASSERT_EQ(std::bit_cast<std::uint64_t>(again.number), std::bit_cast<std::uint64_t>(parts.number));
         ASSERT_EQ(again.maybe.has_value(), parts.maybe.has_value());
@@ -77,16 +77,16 @@ TEST(Keeper, ReadsTheBitsThatItWrote) {
     }
 }
 
-TEST(Keeper, WritesWhatItsCommentSays) {
-    Keeper k;
+TEST(Archive, WritesWhatItsCommentSays) {
+    Archive archive;
     double one = 1.0;
-    k.number("x", one);
+    archive.number("x", one);
     // Kind, length of the name, name, how many (8 bytes, low ones first), and 1.0 as IEEE 754 has it.
-    EXPECT_EQ(k.take(), std::string("d\1x\1\0\0\0\0\0\0\0\0\0\0\0\0\0\xF0\x3F", 19));
+    EXPECT_EQ(archive.take(), std::string("d\1x\1\0\0\0\0\0\0\0\0\0\0\0\0\0\xF0\x3F", 19));
 }
 
-TEST(Keeper, RefusesWhatIsNotAskedFor) {
-    Keeper writer;
+TEST(Archive, RefusesWhatIsNotAskedFor) {
+    Archive writer;
     std::vector<double> three{1.0, 2.0, 3.0};
     int seven = 7;
     writer.numbers("three", three);
@@ -94,20 +94,20 @@ TEST(Keeper, RefusesWhatIsNotAskedFor) {
     const std::string bytes = writer.take();
     const auto refusal = [&](auto&& read, std::string_view of) {
         try {
-            Keeper k(of, "d/checkpoint.bin");
-            read(k);
-            k.end();
+            Archive archive(of, "d/checkpoint.bin");
+            read(archive);
+            archive.end();
         } catch (const RecordError& error) {
             EXPECT_EQ(error.place().file, "d/checkpoint.bin");
             return std::string(error.what());
         }
         return std::string();
     };
-    const auto read_both = [&](Keeper& k) {
+    const auto read_both = [&](Archive& archive) {
         std::vector<double> numbers;
         int whole = 0;
-        k.numbers("three", numbers);
-        k.whole("seven", whole, 0, 10);
+        archive.numbers("three", numbers);
+        archive.whole("seven", whole, 0, 10);
     };
     EXPECT_EQ(refusal(read_both, bytes), "");
     for (std::size_t cut = 0; cut < bytes.size(); ++cut)
@@ -116,45 +116,46 @@ TEST(Keeper, RefusesWhatIsNotAskedFor) {
             << cut;
     EXPECT_NE(refusal(read_both, bytes + "d").find("something is left over"), std::string::npos);
     const auto other = [&](auto&& read) { return refusal(read, bytes); };
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers;
-                  k.numbers("four", numbers);
+                  archive.numbers("four", numbers);
               }).find("'four' should come"),
               std::string::npos);
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers(4);
-                  k.numbers("three", std::span(numbers));
+                  archive.numbers("three", std::span(numbers));
               }).find("'three' is of another length"),
               std::string::npos);
-    EXPECT_NE(other([](Keeper& k) {
+    EXPECT_NE(other([](Archive& archive) {
                   std::vector<double> numbers;
                   int whole = 0;
-                  k.numbers("three", numbers);
-                  k.whole("seven", whole, 0, 6);
+                  archive.numbers("three", numbers);
+                  archive.whole("seven", whole, 0, 6);
               }).find("'seven' is out of range"),
               std::string::npos);
-    EXPECT_NE(
-        other([](Keeper& k) { k.same("three", "x", "is of another mesh"); }).find("'three' should come"),
-        std::string::npos);
+    EXPECT_NE(other([](Archive& archive) {
+                  archive.same("three", "x", "is of another mesh");
+              }).find("'three' should come"),
+              std::string::npos);
     // A number of parts that no file could hold asks for no memory.
     std::string huge("d\5three", 7);
     huge += std::string(8, '\xFF');
     EXPECT_NE(refusal(read_both, huge).find("ends too early"), std::string::npos);
 }
 
-Checkpoint made_up() {
+Checkpoint synthetic_checkpoint() {
     return {{"1.0 (abc), GNU, -O3", "full", "digest"},
             {{0.5, "fields/frame-000000.vtu", ".frame-000000.vtu.1-0.tmp", "sum"}},
             std::string("state\0with a zero", 17)};
 }
 
 TEST(Checkpoint, IsReadAsItWasWritten) {
-    const Checkpoint checkpoint = made_up();
+    const Checkpoint checkpoint = synthetic_checkpoint();
     EXPECT_EQ(read_checkpoint_bytes(checkpoint_bytes(checkpoint), "f"), checkpoint);
 }
 
 TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
-    const std::string bytes = checkpoint_bytes(made_up());
+    const std::string bytes = checkpoint_bytes(synthetic_checkpoint());
     const auto why_not = [](const std::string& text) {
         try {
             read_checkpoint_bytes(text, "f");
@@ -177,7 +178,7 @@ TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
     std::string later = bytes;
     later[later.find('\n') - 1] = '2';
     EXPECT_NE(why_not(later).find("is no checkpoint of this version"), std::string::npos);
-    // What was put together by hand, with a sum that fits, is held to its parts.
+    // A file put together by hand, with a checksum that fits, is still checked part by part.
     const std::string head =
         bytes.substr(0, bytes.find('\n') + 1) + std::string("t\5other\0\0\0\0\0\0\0\0", 15);
     EXPECT_NE(why_not(head + sha256_hex(head)).find("does not hold what this version keeps"),
@@ -185,7 +186,7 @@ TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
 }
 
 TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
-    const CheckpointOf wanted = made_up().of;
+    const CheckpointOf wanted = synthetic_checkpoint().of;
     require_same(wanted, wanted, "f");
     const auto why_not = [&](const CheckpointOf& found) {
         try {
@@ -212,9 +213,9 @@ TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
 TEST(Checkpoint, IsKnownByItsBeginning) {
     const ScratchDir here;
     EXPECT_EQ(read_checkpoint(here.path()), std::nullopt);
-    here.write("checkpoint.bin", checkpoint_bytes(made_up()));
+    here.write("checkpoint.bin", checkpoint_bytes(synthetic_checkpoint()));
     EXPECT_TRUE(is_checkpoint(here / "checkpoint.bin"));
-    EXPECT_EQ(read_checkpoint(here.path()), made_up());
+    EXPECT_EQ(read_checkpoint(here.path()), synthetic_checkpoint());
     here.write("checkpoint.bin", "something else");
     EXPECT_FALSE(is_checkpoint(here / "checkpoint.bin"));
     EXPECT_THROW(read_checkpoint(here.path()), RecordError);

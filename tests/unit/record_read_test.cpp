@@ -54,7 +54,7 @@ const std::vector<double> hard{0.0,
                                5.0e-20,
                                9.5367431640625e-7};
 
-TEST(RecordRead, AMadeUpRecordComesBackToTheLastBit) {
+TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
     RunRecord record = compare::made_up_comparison().reference;
     record.cost.blocks = {{"membrane", 0.1 + 0.2}, {"a \"quoted\", name\n", 0}};
     record.cost.resumed_at = {0.1, 1e-300};
@@ -155,7 +155,7 @@ TEST(RecordRead, TheLocaleChangesNothing) {
     EXPECT_EQ(difference, "");
 }
 
-/// What a reader says of a changed record.
+/// Complaint of a reader about a changed record.
 std::string complaint(const std::string& summary, const std::string& history, const std::string& events) {
     try {
         read_record_text(summary, history, events, "d");
@@ -365,7 +365,7 @@ TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     std::filesystem::remove(scratch / "r/frames.bin");
     EXPECT_TRUE(has(says(), "r/frames.bin: no such file (the record is not whole)"));
 
-    // An earlier version vouched for nothing: its record is read, edited or not.
+    // An earlier version wrote no checksums: its record is read, edited or not.
     whole();
     ordered_json summary = ordered_json::parse(content_of(scratch / "r/summary.json"));
     EXPECT_EQ(summary["files"].size(), 3u);
@@ -374,7 +374,7 @@ TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     scratch.write("r/summary.json", summary.dump());
     scratch.write("r/events.csv", "name,time,altitude,speed\n-,s,m,m/s\n");
     EXPECT_EQ(says(), "");
-    // What it names stays inside: no file of another place is opened, whatever its sum.
+    // Names stay inside the directory: no file of another place is opened, whatever its checksum.
     for (const char* name : {"../r/history.csv", "/etc/hostname", "..", ".hidden", "", "a b", "a\nb"}) {
         summary["files"] = {{name, "0"}};
         scratch.write("r/summary.json", summary.dump());

@@ -1,4 +1,4 @@
-// What a reader of a broken scene sees: the place, the key, the problem and a way out.
+// Messages about a broken scene: the place, the key, the problem and a way out.
 // Lines and columns are counted by hand in good_scene (scene_text.hpp) after the edit.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a scene says of a deployment: every kind read, written and overridden; histories of an extraction
+// Deployments in a scene: every kind read, written and overridden; histories of an extraction
 // force.
 #include <gtest/gtest.h>
 

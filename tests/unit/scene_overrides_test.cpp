@@ -54,7 +54,7 @@ TEST(Overrides, AreInputsThatWereGiven) {
     EXPECT_EQ(find_input(scene, "parachute.mass")->origin, InputOrigin::given);
     EXPECT_EQ(find_input(scene, "rom.rtol")->source, "command line");
     EXPECT_EQ(find_input(scene, "parachute.mass")->source, "command line: scale");
-    // What the scene gives, and what is a default, says nothing of it.
+    // Values of the scene, and defaults, do not name the command line.
     EXPECT_EQ(find_input(scene, "payload.mass")->source.find("command line"), std::string::npos);
     EXPECT_EQ(find_input(scene, "rom.method")->source.find("command line"), std::string::npos);
 }

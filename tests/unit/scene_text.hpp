@@ -46,7 +46,7 @@ inline Scene read_text(const std::string& text, const std::vector<std::string>& 
     return read_scene_text(text, "test.toml", TWINCHUTE_SOURCE_DIR "/data", overrides);
 }
 
-/// What reading complains about; empty when it does not.
+/// Complaint of the reader; empty when there is none.
 inline std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
     try {
         read_text(text, overrides);

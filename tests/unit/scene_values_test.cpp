@@ -1,4 +1,4 @@
-// What a scene becomes: values in SI, defaults from the table of keys, and where each came from.
+// A scene as it is read: values in SI, defaults from the table of keys, and where each came from.
 #include <gtest/gtest.h>
 
 #include <locale>

@@ -152,14 +152,14 @@ TEST(SteadyDescent, IsNotSteadyWhileASwingGrows) {
 TEST(SteadyDescent, MeansOverBeatsAndNoise) {
     // Bounces of 4 % that beat, and noise of 2 %: neither moves the mean.
     const double w_e = 7.7;
-    std::mt19937_64 chance(1);
+    std::mt19937_64 generator(1);
     std::normal_distribution<double> normal(0.0, 0.02);
     const std::function<FallSample(double)> beat = [&](double t) {
         const double w = w_e * (1.0 + 0.02 * std::sin(5.0 * t) + 0.02 * std::sin(5.5 * t));
         return fall_at(t, w);
     };
     const std::function<FallSample(double)> noise = [&](double t) {
-        return fall_at(t, w_e * (1.0 + normal(chance)));
+        return fall_at(t, w_e * (1.0 + normal(generator)));
     };
     for (const auto& fall : {beat, noise}) {
         const auto window = first_steady(fall);
@@ -264,12 +264,12 @@ TEST(SteadyDescent, GoesOnFromACheckpointToTheSameBits) {
         whole.add(fall(k * step));
         before.add(fall(k * step));
     }
-    Keeper out;
-    before.keep(out);
+    Archive out;
+    before.serialize(out);
     const std::string kept = out.take();
     SteadyDescent after(air);
-    Keeper in(kept, "here");
-    after.keep(in);
+    Archive in(kept, "here");
+    after.serialize(in);
     in.end();
     for (int k = 700; k < 900; ++k) {
         whole.add(fall(k * step));

@@ -129,7 +129,7 @@ TEST(Substeps, AreOfSecondOrder) {
 }
 
 TEST(Substeps, AreBetterThanNone) {
-    // What they are for: with the canopy's step as it is, the line's own error falls with its substeps.
+    // Their purpose: with the canopy's step as it is, the line's own error falls with its substeps.
     Chain chain(0.5, 0.05, 4.0, 0.0);
     const double end = 2.3 * 2.0 * pi / chain.slower();
     const Eigen::Vector3d exact = chain.exact(displaced, end);

@@ -1,4 +1,4 @@
-// What `rom.method = "auto"` asks for, held against every single one-step method on ten scenes: evaluations
+// `rom.method = "auto"`, held against every single one-step method on ten scenes: evaluations
 // of the right-hand side at equal error. Evaluations are the same on every machine, seconds are not.
 #include <gtest/gtest.h>
 
@@ -89,12 +89,12 @@ double calls_at(const std::vector<CallsAndError>& curve, double error) {
 
 /// From 1e-3 on, down to where it takes twice the evaluations that are still of interest.
 std::vector<CallsAndError> curve_of(const Scene& scene, std::string_view method, const RunRecord& truth,
-                                    double most_calls) {
+                                    double max_calls) {
     std::vector<CallsAndError> curve;
     for (int digits = 3; digits <= 12; ++digits) {
         const RunRecord record = run(scene, method, std::pow(10.0, -digits));
         curve.push_back({static_cast<double>(record.cost.rhs_calls), error_of(record, truth)});
-        if (curve.back().calls > 2.0 * most_calls) break;
+        if (curve.back().calls > 2.0 * max_calls) break;
     }
     return curve;
 }

@@ -116,7 +116,7 @@ TEST(Tetrahedra, DampAsTheirLawSays) {
     EXPECT_NEAR(state.damping_power, exact, 1e-12 * exact);
 }
 
-/// Of small motion: masses and the tangent, by differences.
+/// Modes of small motion: masses and the tangent, by differences.
 struct Modes {
     Eigen::VectorXd frequency;  // [rad/s] in rising order
     Eigen::MatrixXd shape;
@@ -306,7 +306,7 @@ TEST(DeformableBody, KeepsMomentaAndEnergyWhereItTumbles) {
 }
 
 TEST(DeformableBody, TumblesAsTheRigidOneWhereItIsStiff) {
-    // The same inertia, so the same motion; the strain of spinning is rho w^2 R^2/E = 3e-6, of the attitude
+    // Equal inertia gives equal motion; the strain of spinning is rho w^2 R^2/E = 3e-6, of the attitude
     // as much in each turn.
     Tumbling t(1e8, 1e-5);
     const Vec3 rate(3.0, 0.5, 1.0);

@@ -120,7 +120,7 @@ TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
     }
     EXPECT_GT(folded, 100);
     EXPECT_LT(longest_edge(edges, simulation.state()), 0.0);
-    // What comes next are impacts, which shorten steps further.
+    // Impacts come next, which shorten steps further.
     EXPECT_LE(simulation.step().dt, simulation.step_with(0.0, 0.0).dt);
     for (int k = 0; k < 100; ++k) {
         step();
@@ -163,7 +163,7 @@ TEST(Deployment, AMovingFarEndIsTheSameDropSeenInPassing) {
     EXPECT_NEAR(test::last(a, "altitude"), test::last(b, "altitude"), 2e-3);
     EXPECT_NEAR(test::last(b, "east"), 30.0 * 2.15, 2e-2);
     EXPECT_NEAR(a.energy->gravity_work, b.energy->gravity_work, 1e-3 * a.energy->gravity_work);
-    // What the aircraft gives: the far end's pull is vertical here, across its flight.
+    // Work of the aircraft: the anchor's pull is vertical here, across its flight.
     EXPECT_LT(std::abs(b.energy->external_work), 0.02 * b.energy->gravity_work);
 }
 

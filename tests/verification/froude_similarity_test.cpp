@@ -115,7 +115,7 @@ TEST(FroudeSimilarityOfTheRom, HoldsToTheTolerance) {
 }
 
 TEST(FroudeSimilarityOfAPack, HoldsForHoldAndRamp) {
-    // What a pack does is chaos, and its folds resist fully from 1 m/s on in either: the instants themselves
+    // A pack is chaotic, and its folds resist fully from 1 m/s on in either: the instants themselves
     // agree to a per cent (found: 0.8 %). How long lines have to stay taut before it is a snatch, and how
     // long the ramp takes, are numbers of the model: similar to rounding, in air of one density.
     Scene scene = test::packed_c9(DeployBy::static_line);

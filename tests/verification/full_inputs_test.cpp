@@ -1,5 +1,5 @@
-// What the full model takes from a scene and what it must not: its mesh has the parachute's mass, a type of
-// canopy is meshed or refused, the drag area may go by the Mach number.
+// Inputs that the full model takes from a scene, and those that it must not: its mesh has the parachute's
+// mass, a type of canopy is meshed or refused, the drag area may go by the Mach number.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -162,7 +162,7 @@ TEST(ImportedMesh, FliesAsTheGeneratedOne) {
     }
     EXPECT_LT(std::abs(read.energy->drag_work - made.energy->drag_work),
               1e-6 * std::abs(made.energy->drag_work));
-    // The same file gives the same bits.
+    // One file always gives the same bits.
     const RunRecord again = test::run_full(imported(scene, directory, GmshVersion::v2_2));
     for (const char* metric : {"peak_force_N", "max_line_tension_N", "max_membrane_stress_N_m"})
         EXPECT_EQ(*again.metric(metric), *read.metric(metric)) << metric;

@@ -40,7 +40,7 @@ LargestLoads loads_of(const State& state, const Mesh& mesh) {
     return loads;
 }
 
-/// Of every step, and of each fiftieth, by hand.
+/// Loads of every step, and of each fiftieth, by hand.
 struct ByHand {
     LargestLoads all, sampled;
 };

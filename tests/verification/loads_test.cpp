@@ -1,4 +1,4 @@
-// What both models say of loads: the impulse of an opening, the margins to the materials' strengths.
+// Loads of both models: the impulse of an opening, the margins to the materials' strengths.
 #include <gtest/gtest.h>
 
 #include "tests/support/c9_scene.hpp"

@@ -125,7 +125,7 @@ TEST(PayloadFlight, OfAPointMassHangsStraight) {
     Scene number = scene;
     number.payload.drag_area_table.reset();
     EXPECT_EQ(test::last(test::run_rom(scene), "speed"), test::last(test::run_rom(number), "speed"));
-    // What is set later replaces the table; both in one file say the same thing twice.
+    // A value set later replaces the table; both in one file say the same thing twice.
     const Scene set = read_scene(directory.path() / "scene.toml", {"payload.drag_area=0.4"});
     EXPECT_EQ(set.payload.drag_area, 0.4);
     EXPECT_FALSE(set.payload.drag_area_table);

@@ -46,7 +46,7 @@ TEST(Reefing, BothFidelitiesPullAlikeInEachStage) {
                 0.05 * *rom.metric("stage_2_peak_force_N"));
     EXPECT_EQ(full.find_event("disreef")->time, 4.0);  // exactly, by a step that ends there
     EXPECT_NEAR(*full.metric("stage_1_filling_time_s"), *rom.metric("stage_1_filling_time_s"), 1e-6);
-    // What the line held goes with it and is booked; an unreefed run has 1e-4 at most.
+    // The energy that the line held goes with it and is booked; an unreefed run has 1e-4 at most.
     EXPECT_LT(std::abs(full.energy->residual_fraction), 1e-3);
 }
 

@@ -360,10 +360,11 @@ TEST(RomDeployment, RefusesAnOpeningThatTheSnatchSpeedMakesImpossible) {
 
 TEST(RomDeployment, LacksADragAreaOnlyForAFreePack) {
     const Fidelity& row = rom::rom_fidelity();
-    EXPECT_EQ(row.lacks(free_deployment(0.0)), std::vector<std::string>{"parachute.deploy.pack_drag_area"});
-    EXPECT_TRUE(row.lacks(free_deployment(0.1)).empty());
-    EXPECT_TRUE(row.lacks(crane_drop()).empty());
-    EXPECT_TRUE(row.lacks(extraction({0.0, 1.0}, {9.0, 9.0})).empty());
+    EXPECT_EQ(row.unsupported_keys(free_deployment(0.0)),
+              std::vector<std::string>{"parachute.deploy.pack_drag_area"});
+    EXPECT_TRUE(row.unsupported_keys(free_deployment(0.1)).empty());
+    EXPECT_TRUE(row.unsupported_keys(crane_drop()).empty());
+    EXPECT_TRUE(row.unsupported_keys(extraction({0.0, 1.0}, {9.0, 9.0})).empty());
 }
 
 TEST(RomInflated, FallsAsTanhFromTheRelease) {

@@ -1,4 +1,4 @@
-// What holds for every scene of the reduced-order model, of whatever size: two thousand scenes by chance,
+// Properties of every scene of the reduced-order model, of whatever size: two thousand random scenes,
 // with reefing, clusters, sequences, winds and releases in all directions.
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "lib/solve/opening.hpp"
 #include "tests/support/c9_scene.hpp"
-#include "tests/support/chance.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/runs.hpp"
 
 namespace twinchute {
@@ -16,9 +16,9 @@ using namespace test;
 
 constexpr int scenes = 2000;
 
-class Scenes : public Chance {
+class Scenes : public Random {
 public:
-    using Chance::Chance;
+    using Random::Random;
 
     Parachute parachute(double payload) {
         Parachute p = c9_scene().parachutes.front();
@@ -31,19 +31,19 @@ public:
         p.initial_drag_area_ratio = number_in(0.001, 0.1);
         p.drag_area_law = &drag_area_laws()[below(drag_area_laws().size())];
         p.fill_time.n = number_in(1.0, 14.0);
-        if (chance(0.3)) p.initial_phase = {false, 0.0};
-        if (chance(0.3)) {
+        if (random_bool(0.3)) p.initial_phase = {false, 0.0};
+        if (random_bool(0.3)) {
             p.count = 1 + static_cast<int>(below(3));
             if (p.count > 1)
                 for (int i = 0; i < p.count; ++i)
                     p.lag.push_back(number_in(0.0, 0.5));
         }
         double ratio = p.initial_drag_area_ratio;
-        for (std::size_t stages = chance(0.4) ? 1 + below(2) : 0; stages > 0; --stages) {
+        for (std::size_t stages = random_bool(0.4) ? 1 + below(2) : 0; stages > 0; --stages) {
             ratio += (1.0 - ratio) * number_in(0.05, 0.4);
             Reefing& stage = p.reefing.emplace_back();
             stage.drag_area_ratio = ratio;
-            stage.until = {chance(0.5) ? Trigger::Kind::line_stretch : Trigger::Kind::full_open, 0.0,
+            stage.until = {random_bool(0.5) ? Trigger::Kind::line_stretch : Trigger::Kind::full_open, 0.0,
                            number_in(0.0, 3.0)};
         }
         return p;
@@ -53,18 +53,18 @@ public:
         Scene s = c9_scene();
         s.environment.atmosphere.constant_density = number_in(0.05, 1.5);
         s.payload.mass = number_in(0.1, 5000.0);
-        if (chance(0.5)) s.payload.drag_area = number_in(0.001, 1.0);
+        if (random_bool(0.5)) s.payload.drag_area = number_in(0.001, 1.0);
         s.release = {number_in(2000.0, 5000.0), number_in(5.0, 150.0), number_in(-0.5 * pi, 0.5 * pi),
                      number_in(-pi, pi)};
-        if (chance(0.3))
+        if (random_bool(0.3))
             s.environment.wind = uniform_wind({number_in(-20.0, 20.0), number_in(-20.0, 20.0), 0.0});
-        if (chance(0.3)) s.aerodynamics.added_mass.reset();
+        if (random_bool(0.3)) s.aerodynamics.added_mass.reset();
         s.parachutes = {parachute(s.payload.mass)};
-        if (chance(0.3)) {
+        if (random_bool(0.3)) {
             s.parachutes.push_back(parachute(s.payload.mass));
             s.parachutes[1].name = "second";
             s.parachutes[1].deploy_when = {Trigger::Kind::time, number_in(0.1, 5.0), 0.0};
-            if (chance(0.5)) s.parachutes[0].cut = {Trigger::Kind::full_open, 0.0, 0.0, "second"};
+            if (random_bool(0.5)) s.parachutes[0].cut = {Trigger::Kind::full_open, 0.0, 0.0, "second"};
         }
         s.stop = {Trigger::Kind::time, number_in(1.0, 15.0), 0.0};
         return s;
@@ -146,7 +146,7 @@ TEST(RomProperties, WithoutGravityAFasterReleasePullsHarder) {
 }
 
 TEST(RomProperties, UnitsOfMassLengthAndTimeMeanNothing) {
-    // The same fall told in other units: one of mass, length and time each. The integration's tolerance is
+    // A fall told in other units: one of mass, length and time each. The integration's tolerance is
     // relative to a metre and a metre per second only where things are small.
     Scenes some(4);
     for (int i = 0; i < scenes / 4; ++i) {

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "lib/scene/line_stretch.hpp"
-#include "lib/solve/canopies.hpp"
 #include "lib/solve/opening.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "rom/canopy_force.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/rigid_composite.hpp"
@@ -126,8 +126,8 @@ TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
 }
 
 TEST(RomSequence, StagesTakeTheirPartsOfOneFilling) {
-    // Of stages that follow each other without a wait at one speed the squares of the fillings add up to the
-    // square of the whole: g goes from 0 to 1.
+    // For stages that follow each other without a wait at one speed, the squares of the filling times add up
+    // to the square of the whole: g goes from 0 to 1.
     const Scene scene = read_text(with(R"([[parachute.reefing]]
 drag_area_ratio = 0.2
 until = { time = "9 s" }
@@ -155,7 +155,7 @@ TEST(RomSequence, AParachuteOfNoSizeChangesNothing) {
     none.name = "none";
     none.drag_area = none.mass = 1e-13;
     none.projected_diameter_ratio = 1e-6;
-    // Of 42 m2 and 5 kg the second has 1e-13: what is left is the integration's 1e-8.
+    // The second has 1e-13 of 42 m2 and 5 kg: what is left is the integration's 1e-8.
     expect_same_flight(run_rom(two), run_rom(one), 1e-7);
 }
 
@@ -176,19 +176,19 @@ TEST(RomSequence, AClusterWithoutLagIsOneParachute) {
         EXPECT_NEAR(each[i], all[i] / 3.0, 1e-12 * all[i]);
 }
 
-/// What two canopies, one a second late, pull on the confluence in a flight across the wind of their own
-/// speed, against what the equation of motion says that the payload is pulled with: the same law, summed.
+/// Balance of the pull of two canopies, one a second late, on the confluence in a flight across the wind of
+/// their own speed, with the pull on the payload in the equation of motion: one law, summed.
 template <rom::Air air>
 void expect_balance(const Scene& scene) {
-    const Situation at_snatch{0.0, 300.0, -20.0, 22.0, 1.225};
-    Canopies canopies(scene);
-    canopies.release(at_snatch);
+    const FlightState at_snatch{0.0, 300.0, -20.0, 22.0, 1.225};
+    OpeningSequence openings(scene);
+    openings.release(at_snatch);
     constexpr double t = 1.3;  // [s] the first nearly full, the second in its initial phase
-    while (canopies.next_time() <= t)
-        canopies.advance({canopies.next_time(), 280.0, -20.0, 22.0, 1.225});
+    while (openings.next_time() <= t)
+        openings.advance({openings.next_time(), 280.0, -20.0, 22.0, 1.225});
     rom::RigidComposite<2, air> model;
     model.atmosphere = scene.environment.atmosphere;
-    model.canopies = &canopies;
+    model.canopies = &openings;
     model.gravity = g;
     model.payload_mass = scene.payload.mass;
     model.payload_drag_area = 1.0;
@@ -205,11 +205,11 @@ void expect_balance(const Scene& scene) {
                                    loads.acceleration};
     rom::Vec<2> sum = rom::Vec<2>::Zero(), drag = rom::Vec<2>::Zero(), own = rom::Vec<2>::Zero();
     std::vector<double> each;
-    for (const Canopy& c : canopies.all()) {
-        const rom::Vec<2> pull = rom::canopy_force<2>(c, canopies, shared);
+    for (const Canopy& c : openings.all()) {
+        const rom::Vec<2> pull = rom::canopy_force<2>(c, openings, shared);
         each.push_back(pull.norm());
         sum += c.count * pull;
-        drag += c.count * rom::drag_of<2>(loads.density, Canopies::drag_area_of(c, t), loads.airspeed);
+        drag += c.count * rom::drag_of<2>(loads.density, OpeningSequence::drag_area_of(c, t), loads.airspeed);
         own += c.count * c.chute->mass * (loads.acceleration + g * rom::Vec<2>::UnitY());
     }
     // Forces of 1e4 N out of sums of a few terms of that size: 1e-12 is a hundred roundings.
@@ -246,7 +246,7 @@ TEST(RomSequence, ThePeakOfOneCanopyIsFoundBetweenTheRows) {
 }
 
 TEST(RomSequence, LagEasesThePayloadAndLoadsTheFirstCanopy) {
-    // Of three canopies the one that is alone for a while takes more than a third of the peak that all three
+    // One of three canopies that is alone for a while takes more than a third of the peak that all three
     // together would have had, while the sum of all falls.
     const auto run = [](const char* lag) {
         return run_rom(read_text(with(std::string("count = 3\n") + lag), {"payload.mass=450 kg"}));

@@ -90,7 +90,7 @@ double steady_diameter(double coefficient) {
 }
 
 TEST(Sizing, TheForceOfACanopyIsALimitOfItsOwn) {
-    // Of one canopy it is that of all.
+    // With one canopy it is the force of all.
     const double by_all = sized(level).best()->found->scene.release.speed;
     const Sized of_one = sized(edited(level, "max_force = 10000", "max_canopy_force = 10000"));
     EXPECT_EQ(of_one.best()->found->scene.release.speed, by_all);
@@ -141,7 +141,7 @@ TEST(Sizing, ReleaseSpeedIsTheRootOfPflanzsClosedForm) {
 }
 
 TEST(Sizing, DecelerationIsTheForceOverTheMass) {
-    // The same opening, nothing but drag: F = 2 m g0 at 2 g0.
+    // An opening with drag alone: F = 2 m g0 at 2 g0.
     const Sized by_force = sized(edited(level, "max_force = 10000", "max_force = 1961.33"));
     const Sized by_load = sized(edited(level, "max_force = 10000", "max_deceleration = \"2 g0\""));
     ASSERT_TRUE(by_force.best() != nullptr && by_load.best() != nullptr);
@@ -317,7 +317,7 @@ TEST(SizingTables, HaveTheWordsOfTheKeys) {
         Scene scene = read_text(
             edited(falling, "[stop]",
                    "reefing = [{ drag_area_ratio = 0.1, until = { time = 4, delay = 2 } }]\n[stop]"));
-        EXPECT_EQ(row.lacks(scene), "") << row.name;
+        EXPECT_EQ(row.why_unavailable(scene), "") << row.name;
         const double before = row.get(scene);
         row.set(scene, 1.25 * before);
         EXPECT_NEAR(row.get(scene), 1.25 * before, 1e-12) << row.name;

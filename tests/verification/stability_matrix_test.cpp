@@ -6,7 +6,7 @@
 
 #include "compare/stability.hpp"
 #include "compare/stability/base_scenes.hpp"
-#include "compare/stability_verb.hpp"
+#include "compare/stability_command.hpp"
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -62,7 +62,7 @@ TEST(StabilityMatrix, NoQuickCellFails) {
     }
     EXPECT_GT(count[CellVerdict::stable], 80);
     EXPECT_GT(count[CellVerdict::refused], 10);
-    // What the integrator cannot do comes out under its name, never as an answer.
+    // A failure of the integrator is named, and never given as an answer.
     EXPECT_TRUE(stops.contains("solver_failed"));
     EXPECT_TRUE(stops.contains("step_limit"));
 }
@@ -79,7 +79,7 @@ TEST(StabilityMatrix, RowsHaveNamesOfTheirOwnAndReasons) {
 }
 
 TEST(StabilityMatrix, EveryCaseCanBeWrittenAsASceneThatIsReadAlike) {
-    // What the matrix runs, and refuses, is what a user can ask for: the reader says the same of the text.
+    // The matrix runs, and refuses, scenes that a user can write: the reader agrees on their text.
     // Materials are by name there, so that those of a case keep the shipped numbers.
     for (const StabilityCase& row : stability_cases()) {
         if (!row.asked.empty()) continue;
@@ -96,7 +96,7 @@ TEST(StabilityMatrix, EveryCaseCanBeWrittenAsASceneThatIsReadAlike) {
                 EXPECT_EQ(back.release, scene.release) << row.name;
                 EXPECT_EQ(back.full, scene.full) << row.name;
                 EXPECT_EQ(back.rom, scene.rom) << row.name;
-                if (!fidelity_of(row).lacks(back).empty()) read = "lacks";
+                if (!fidelity_of(row).unsupported_keys(back).empty()) read = "lacks";
             } catch (const SceneError& error) {
                 read = error.what();
             }
@@ -122,9 +122,9 @@ RunRecord too_fast(const Scene& scene, Run& run) {
 RunRecord too_heavy(const Scene& scene, Run& run) {
     return run_wrong(scene, run, [](Scene& s) { s.environment.gravity *= 1.001; });
 }
-const Fidelity wrong[] = {{"rom", "sloppy", &sloppy, rom::rom_fidelity().lacks},
-                          {"rom", "too fast", &too_fast, rom::rom_fidelity().lacks},
-                          {"rom", "too heavy", &too_heavy, rom::rom_fidelity().lacks}};
+const Fidelity wrong[] = {{"rom", "sloppy", &sloppy, rom::rom_fidelity().unsupported_keys},
+                          {"rom", "too fast", &too_fast, rom::rom_fidelity().unsupported_keys},
+                          {"rom", "too heavy", &too_heavy, rom::rom_fidelity().unsupported_keys}};
 
 TEST(StabilityMatrix, EveryAnswerOfTheReducedOrderModelIsSeenWhenItIsWrong) {
     for (const StabilityCase& row : stability_cases()) {
@@ -160,7 +160,7 @@ RunRecord pushed(const Scene& scene, Run& run) {
 }
 
 TEST(StabilityMatrix, EveryAnswerOfTheFullModelIsSeenWhenItIsWrong) {
-    const auto no_keys = fullsim::full_fidelity().lacks;
+    const auto no_keys = fullsim::full_fidelity().unsupported_keys;
     const Fidelity leaks{"full", "leaking", &leaking, no_keys}, rings{"full", "ringing", &ringing, no_keys},
         is_pushed{"full", "pushed", &pushed, no_keys};
     for (const StabilityCase& row : stability_cases()) {
@@ -181,24 +181,24 @@ TEST(StabilityMatrix, EveryAnswerOfTheFullModelIsSeenWhenItIsWrong) {
 /// long; forces that are off by a thousandth.
 RunRecord steps_too_long(const Scene& scene, Run& run) {
     Scene longer = scene;
-    if (run.as_any_mesh) longer.full.time_step_factor *= 1.5;
+    if (run.force_unstructured) longer.full.time_step_factor *= 1.5;
     return fullsim::full_fidelity().run(longer, run);
 }
 RunRecord pulls_too_hard(const Scene& scene, Run& run) {
     RunRecord record = fullsim::full_fidelity().run(scene, run);
-    if (run.as_any_mesh) record.add_metric("peak_force_N", 1.001 * *record.metric("peak_force_N"));
+    if (run.force_unstructured) record.add_metric("peak_force_N", 1.001 * *record.metric("peak_force_N"));
     return record;
 }
 
 TEST(StabilityMatrix, TheIndexedLayoutIsSeenWhenItAloneIsWrong) {
-    const auto lacks = fullsim::full_fidelity().lacks;
-    const Fidelity too_long_steps{"full", "steps too long", &steps_too_long, lacks},
-        too_hard{"full", "pulls too hard", &pulls_too_hard, lacks};
+    const auto no_keys = fullsim::full_fidelity().unsupported_keys;
+    const Fidelity too_long_steps{"full", "steps too long", &steps_too_long, no_keys},
+        too_hard{"full", "pulls too hard", &pulls_too_hard, no_keys};
     int indexed = 0;
     for (const StabilityCase& row : stability_cases()) {
         if (!row.quick || row.fidelity != "full" || !row.check) continue;
         for (const StabilityMethod& method : row.methods) {
-            if (!method.as_any_mesh) continue;
+            if (!method.force_unstructured) continue;
             const auto cell = judge(row, method, fullsim::full_fidelity());
             if (cell->verdict != CellVerdict::stable) continue;
             ++indexed;
@@ -209,9 +209,9 @@ TEST(StabilityMatrix, TheIndexedLayoutIsSeenWhenItAloneIsWrong) {
     EXPECT_GE(indexed, 3);
 }
 
-std::string layout_of(const Scene& scene, bool as_any_mesh) {
+std::string layout_of(const Scene& scene, bool force_unstructured) {
     Run run;
-    run.as_any_mesh = as_any_mesh;
+    run.force_unstructured = force_unstructured;
     return fullsim::full_fidelity().run(scene, run).provenance.instruction_set;
 }
 
@@ -222,9 +222,9 @@ TEST(StabilityMatrix, CasesOfTheFullModelRunIndexedUnlessTheyAreOfOneSector) {
         for (const StabilityMethod& method : row.methods) {
             Scene scene = row.base();
             method.choose(scene);
-            indexed = indexed || method.as_any_mesh;
+            indexed = indexed || method.force_unstructured;
             of_all_gores = of_all_gores || scene.full.symmetry == Symmetry::none;
-            EXPECT_FALSE(method.as_any_mesh && scene.full.symmetry == Symmetry::sector) << row.name;
+            EXPECT_FALSE(method.force_unstructured && scene.full.symmetry == Symmetry::sector) << row.name;
         }
         EXPECT_EQ(indexed, of_all_gores) << row.name;
     }
@@ -241,7 +241,7 @@ TEST(StabilityMatrix, AWrongBuildIsExitCodeOne) {
     const ScratchDir here;
     Arguments arguments;
     arguments.options = {{"quick", {}}, {"quiet", {}}, {"out", {(here / "out").string()}}};
-    EXPECT_EQ(stability_verb(fullsim::full_fidelity(), wrong[1]).run(arguments), ExitCode::verdict);
+    EXPECT_EQ(stability_command(fullsim::full_fidelity(), wrong[1]).run(arguments), ExitCode::verdict);
     EXPECT_TRUE(std::filesystem::is_regular_file(here / "out/stability.md"));
 }
 

@@ -21,7 +21,7 @@ using fullsim::Simulation;
 using fullsim::Stage;
 using fullsim::State;
 
-/// What acts on a parachute in a stage, and the state that it is in.
+/// Force blocks on a parachute in a stage, and its state.
 struct Held {
     const fullsim::NodeConstants& constants;
     fullsim::ForceModels structure, loads;
@@ -164,7 +164,7 @@ struct StateCase {
     bool open;           ///< an open canopy with its air: what most steps of a run are taken in
     double verge = 0.0;  ///< [-] of the ratio, where rounding decides which cloth is taut
 };
-/// Of one state in its own and two other orientations: the ratio must not know of any.
+/// Looks at one state in its own and two other orientations: the ratio must not depend on them.
 void look(Held held, const Vec3& centre, Range& range, const StateCase& row) {
     std::mt19937 generator(7);
     double first = 0.0;
@@ -238,8 +238,9 @@ TEST(StepBound, IsBelowTheTrueLimitInEveryStateAndOrientation) {
     }
     // A bound from below: the limits' own error is all that it may be above them.
     EXPECT_LE(all.most, 1.0 + 1e-3);
-    // Of use: what it gives away of an open canopy is a third (found 0.696 to 0.742, 2026-11-21). Slack cloth
-    // and lines could bear longer steps, until they come taut within one: rows count every cable as taut.
+    // Tight enough to be useful: it gives away a third of an open canopy (found 0.696 to 0.742, 2026-11-21).
+    // Slack cloth and lines could bear longer steps, until they come taut within one: rows count every cable
+    // as taut.
     EXPECT_GE(open.least, 0.65);
 }
 

@@ -110,7 +110,7 @@ TEST(StructuralChain, FallsFasterThanAStone) {
         error[level++] = fall.to_80 / fall_time(0.8) - 1.0;
         EXPECT_NEAR(fall.to_80 / fall_time(0.8), 1.0, 0.015);
         EXPECT_NEAR(fall.to_90 / fall_time(0.9), 1.0, 0.015);
-        // What the support gives and gravity takes is the momentum, at every step and to round-off.
+        // The momentum is the impulse of support and gravity, at every step and to round-off.
         EXPECT_LT(fall.impulse_error, 1e-6);
         // Folding is thousands of changes between slack and taut, each with the error of a step across it.
         EXPECT_LT(fall.energy_error, 0.002);

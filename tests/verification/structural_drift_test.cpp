@@ -88,7 +88,7 @@ TEST(StructuralDrift, ATautNetKeepsItsEnergyOverAMillionSteps) {
 }
 
 TEST(StructuralDrift, IsSeenWhereThereIsDamping) {
-    // The same net with a tenth of the usual bulk viscosity, a hundredth of the steps.
+    // This net with a tenth of the usual bulk viscosity, a hundredth of the steps.
     const Swing net = swing(0.006, 0.5, 10'000);
     EXPECT_LT(net.last, 0.9 * net.first);
 }

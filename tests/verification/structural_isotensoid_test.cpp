@@ -3,7 +3,7 @@
 // Target: data/reference/isotensoid_canopy.csv: infinitely many gores, an inextensible meridian of length
 // D0/2, no vent, lines of length L to the confluence (Taylor 1919), by quadrature.
 //
-// What can be compared. The meshes are those of every full run, from make_gore_mesh, and their gores are
+// Limits of the comparison. The meshes are those of every full run, from make_gore_mesh, and their gores are
 // finite in number. With one column per gore there are no nodes between the seams: the cloth there is
 // cut wider than the seams stand apart, is slack around the canopy, and the tension field carries along
 // the meridian only. That is the canopy without hoop stress, as a polygon instead of a circle. With more

@@ -1,7 +1,7 @@
 // The membrane patch test: an irregular mesh whose border is moved affinely has the same strain everywhere.
 //
-// What a linear triangle must represent exactly; targets are the membrane's own law at the affine strain
-// (tests/unit/force_blocks_test.cpp checks that law), to the round-off of the node positions.
+// Strains that a linear triangle must represent exactly; targets are the membrane's own law at the affine
+// strain (tests/unit/force_blocks_test.cpp checks that law), to the round-off of the node positions.
 #include <gtest/gtest.h>
 
 #include <cmath>

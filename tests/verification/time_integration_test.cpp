@@ -48,7 +48,7 @@ TEST(TimeIntegration, TheStepIsOfSecondOrder) {
         }
         for (std::size_t level = 1; level < place.size(); ++level) {
             EXPECT_NEAR(std::log2(place[level - 1] / place[level]), 2.0, 0.2) << substeps << ' ' << level;
-            // Of substeps the force is the small difference of two errors, without an order of its own.
+            // With subcycles the force is the small difference of two errors, without an order of its own.
             if (substeps == 1) {
                 EXPECT_NEAR(std::log2(force[level - 1] / force[level]), 2.0, 0.1) << level;
             }

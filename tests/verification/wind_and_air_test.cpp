@@ -35,7 +35,7 @@ TEST(Wind, FromTheWestDriftsTheParachuteEast) {
 }
 
 TEST(Wind, UniformWindIsAChangeOfFrame) {
-    // The same motion through the air, seen from a ground that moves: forces and heights are the same,
+    // One motion through the air, seen from a ground that moves: forces and heights are the same,
     // places differ by wind times time. 1e-6: integrators see other numbers, not another problem.
     Scene still = c9_scene();
     still.release.path_angle = 1.0;

@@ -67,7 +67,7 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep) continue;
         Curve curve{fmt::format("order {}", method.order), adaptive, {}};
-        // Of order 2 a tight tolerance asks for millions of evaluations.
+        // A method of order 2 needs millions of evaluations at a tight tolerance.
         for (const double rtol : interval.tolerances)
             if (method.order > 2 || rtol > 1e-5)
                 timed(curve, fmt::format("{:.0e}", rtol),

@@ -1,4 +1,4 @@
-// What studies of whole openings share: the answers they look at, a run that gives them, and what is drawn.
+// Parts shared by studies of whole openings: their answers, a run that gives them, and the pictures.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ Measured run_opening(const Scene& scene);
 std::array<double, 3> errors_of(const Opening& found, const Opening& truth);
 /// Largest less smallest of each.
 Opening range_of(const std::vector<Opening>& all);
-/// Of each.
+/// Median of each answer.
 Opening median_of(std::vector<Opening> all);
 
 /// Its error is that of the peak force, the other one that of its time; see opening_study for the rest.

@@ -24,7 +24,7 @@ constexpr double filled_share = 0.98;
 constexpr const char* own = "explicit midpoint, this toolkit";
 constexpr const char* adaptive = "ARKODE, adaptive";
 
-/// What an integrator makes of the opening, seen by the observer of runs after each of its steps.
+/// Opening as an integrator computes it, seen by the observer of runs after each of its steps.
 struct Seen {
     Measured found;
     std::string failure;

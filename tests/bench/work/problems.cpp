@@ -18,7 +18,7 @@ using Bodies = rom::TwoBodies<1>;
 
 constexpr double printed_modulus = 9.7e10;  // [Pa] of the lines, paper, 5.1
 
-/// What lives as long as its problem, which the right-hand sides refer to.
+/// Models that the right-hand sides refer to; they live as long as their problem.
 struct Models {
     Scene scene = test::packed_c9(DeployBy::static_line, false);
     Composite composite;
@@ -44,7 +44,7 @@ Bodies bodies_of(const Scene& scene) {
     model.stiffness = rom::line_stiffness(chute);
     model.taut_distance = rom::taut_distance(chute);
     model.behind = rom::Vec<1>::Unit(0);
-    static const Canopies none;
+    static const OpeningSequence none;
     model.canopies = &none;
     return model;
 }
@@ -52,7 +52,7 @@ Bodies bodies_of(const Scene& scene) {
 /// y: altitude and its rate.
 Stage flight(const Problem& problem, Composite model, const Scene& scene, const Inflation& inflation,
              Phase phase, double end) {
-    const auto canopies = std::make_shared<Canopies>(scene.parachutes.front(), inflation, phase);
+    const auto canopies = std::make_shared<OpeningSequence>(scene.parachutes.front(), inflation, phase);
     model.canopies = canopies.get();
     return {end, [&problem, model, canopies](double t, const double* y, double* dydt) {
                 ++problem.calls;
@@ -62,8 +62,8 @@ Stage flight(const Problem& problem, Composite model, const Scene& scene, const 
 }
 
 /// y: the payload's altitude and rate, then how far up and how fast away from it the parachute is.
-Stage apart(const Problem& problem, Bodies model, rom::Bond bond, double end) {
-    model.bond = bond;
+Stage apart(const Problem& problem, Bodies model, rom::DeploymentPhase phase, double end) {
+    model.phase = phase;
     return {end, [&problem, model](double t, const double* y, double* dydt) {
                 ++problem.calls;
                 const auto motion = rom::motion_of<1>({y, 4});
@@ -101,8 +101,8 @@ std::unique_ptr<Problem> crane_drop() {
         make_inflation(scene, scene.parachutes.front(), snatch, bodies.gravity * taut, 1.225);
     problem->start = {85.0, 0.0, 0.0, 0.0};
     problem->scale = {85.0, 8.0};
-    problem->stages.push_back(apart(*problem, bodies, rom::Bond::held, taut));
-    problem->stages.push_back(apart(*problem, bodies, rom::Bond::taut, snatch));
+    problem->stages.push_back(apart(*problem, bodies, rom::DeploymentPhase::static_line, taut));
+    problem->stages.push_back(apart(*problem, bodies, rom::DeploymentPhase::taut_lines, snatch));
     for (const Phase phase : {Phase::initial, Phase::filling, Phase::open})
         problem->stages.push_back(flight(*problem, composite, scene, inflation, phase,
                                          phase == Phase::open ? snatch + 8.0 : inflation.end_of(phase)));
@@ -146,7 +146,7 @@ std::unique_ptr<Problem> snatch() {
     const double end = quarter_period(bodies);
     problem->start = {64.0, -parting, bodies.taut_distance, parting};
     problem->scale = {parting * end, parting, parting * end, parting};
-    problem->stages.push_back(apart(*problem, bodies, rom::Bond::taut, end));
+    problem->stages.push_back(apart(*problem, bodies, rom::DeploymentPhase::taut_lines, end));
     return problem;
 }
 

@@ -10,13 +10,13 @@
 
 namespace twinchute::bench {
 
-/// Of a stage: the first step that libraries want to be told, if they do.
+/// First step of a stage, for libraries that ask for one.
 inline constexpr double first_step = 1e-3;
 
 struct Stage {
     double end = 0.0;  ///< [s] from the start of the problem
     std::function<void(double t, const double* y, double* dydt)> rhs;
-    /// What the state becomes at the stage's start; empty: it goes on.
+    /// Changes the state at the stage's start; empty: it goes on.
     std::function<std::vector<double>(const std::vector<double>&)> enter = {};
 };
 

@@ -76,12 +76,12 @@ double error_of(const Problem& problem, const Values& y, const Values& truth) {
     return worst;
 }
 
-constexpr std::int64_t most_evaluations = 300'000;  // beyond which a method of order 2 shows nothing new
+constexpr std::int64_t max_evaluations = 300'000;  // beyond which a method of order 2 shows nothing new
 
 Curve curve_of(const Problem& problem, const char* family, std::string_view method,
-               const Integrate& integrate, const Values& truth, int most_digits) {
+               const Integrate& integrate, const Values& truth, int max_digits) {
     Curve curve{std::string(method), family, {}};
-    for (int digits = 3; digits <= most_digits; ++digits) {
+    for (int digits = 3; digits <= max_digits; ++digits) {
         const double rtol = std::pow(10.0, -digits);
         Sample sample{fmt::format("1e-{}", digits), 0, INFINITY, 0.0};
         Values y;
@@ -99,7 +99,7 @@ Curve curve_of(const Problem& problem, const char* family, std::string_view meth
             continue;
         }
         curve.samples.push_back(std::move(sample));
-        if (problem.calls > most_evaluations) break;
+        if (problem.calls > max_evaluations) break;
     }
     return curve;
 }
@@ -107,7 +107,7 @@ Curve curve_of(const Problem& problem, const char* family, std::string_view meth
 }  // namespace
 
 void study_rom(const std::filesystem::path& directory, bool quick) {
-    const int most_digits = quick ? 5 : 12;
+    const int max_digits = quick ? 5 : 12;
     for (const auto& problem : work_problems()) {
         Study study{problem->name, problem->title, problem->subtitle, problem->error, {}};
         const auto with = [](const OdeMethod& method) {
@@ -127,11 +127,11 @@ void study_rom(const std::filesystem::path& directory, bool quick) {
                                             method.multistep  ? "multistep (CVODE)"
                                             : method.implicit ? "implicit Runge-Kutta (ARKODE)"
                                                               : "explicit Runge-Kutta (ARKODE)",
-                                            method.name, with(method), truth, most_digits));
+                                            method.name, with(method), truth, max_digits));
         study.curves.push_back(
-            curve_of(*problem, "GSL and Boost.odeint", "GSL rkf45", by_gsl, truth, most_digits));
+            curve_of(*problem, "GSL and Boost.odeint", "GSL rkf45", by_gsl, truth, max_digits));
         study.curves.push_back(
-            curve_of(*problem, "GSL and Boost.odeint", "odeint dopri5", by_odeint, truth, most_digits));
+            curve_of(*problem, "GSL and Boost.odeint", "odeint dopri5", by_odeint, truth, max_digits));
         write(study, directory);
         fmt::print("{}\n", problem->name);
     }

@@ -20,7 +20,7 @@ struct Sample {
     std::vector<double> more = {};  ///< further columns of the table
 };
 
-/// What one method makes of it, at looser settings first.
+/// Work and error of one method, at looser settings first.
 struct Curve {
     std::string method, family;
     std::vector<Sample> samples;

@@ -37,7 +37,7 @@ Seeds run_seeds(int count, const std::vector<std::string>& overrides) {
         const RunRecord& r = seeds.records.back();
         EXPECT_EQ(r.status.code, StatusCode::completed) << r.status.detail;
         EXPECT_LT(std::abs(r.energy->residual_fraction), 0.01);
-        // What 60 s on an idle core leave to a loaded one.
+        // 60 s on an idle core, with time for a loaded one.
         EXPECT_LT(r.cost.cpu_s, 120.0);
     }
     for (const char* key : {"line_stretch_time_s", "snatch_speed_m_s", "snatch_force_N", "peak_force_ratio",
@@ -65,7 +65,7 @@ TEST(CraneDropSeeds, OpenAsThePaperSays) {
 TEST(CraneDropSeeds, BothStructuresAgreeWithinTheirScatter) {
     // The ranges over seeds overlap, and the medians differ by less than the wider one; by 5 to 6 %, elements
     // being higher (docs/theory/deployment.md). That is one and a half standard deviations: of seven seeds
-    // the ranges miss each other by chance now and then, of 24 they do not.
+    // the ranges miss each other by accident now and then, of 24 they do not.
     constexpr int count = 24;
     const auto springs = run_seeds(count, {"stop.time=4.8"}).of("peak_force_ratio"),
                elements = run_seeds(count, {"stop.time=4.8", "full.structure='fe'"}).of("peak_force_ratio");

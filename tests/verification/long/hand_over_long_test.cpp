@@ -49,7 +49,7 @@ void say(const char* file, const Falls& falls) {
 void expect_same_time(const Falls& falls) {
     ASSERT_EQ(falls.whole.status.code, StatusCode::completed) << falls.whole.status.detail;
     ASSERT_EQ(falls.handed.status.code, StatusCode::completed) << falls.handed.status.detail;
-    // What a user is promised; what was found stands in docs/guide/long-runs.md.
+    // The promise to users; measured figures stand in docs/guide/long-runs.md.
     const double time = *falls.whole.metric("flight_time_s");
     EXPECT_NEAR(*falls.handed.metric("flight_time_s"), time, 0.005 * time);
 }

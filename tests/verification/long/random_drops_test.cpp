@@ -74,8 +74,8 @@ double energy_residual(const EnergyLedger& e, double kinetic_start) {
            (kinetic_start + std::abs(e.gravity_work) + std::abs(e.drag_work) + std::abs(e.external_work));
 }
 
-/// What to do about an end stands in its own sentence, as a key of the scene, or beside a warning that says
-/// what the run has not come to ("no descent rate", "no snatch").
+/// Whether a run names a remedy for its end: in its own sentence, as a key of the scene, or beside a warning
+/// that says what the run has not come to ("no descent rate", "no snatch").
 bool names_remedy(const RunRecord& record) {
     const std::string& detail = record.status.detail;
     return std::ranges::any_of(
@@ -127,7 +127,7 @@ void look_for_bad_numbers(const RunRecord& record, Verdict& v) {
             v.faults.push_back("event " + event.name + " is not finite");
 }
 
-/// What holds for every run that ended, whether it became steady or not.
+/// Checks that hold for every run that ended, whether it became steady or not.
 void look_at_end(const Scene& scene, const RunRecord& record, Verdict& v) {
     const auto raw = record.metric("peak_force_raw_N"), filtered = record.metric("peak_force_N");
     if (raw && filtered && !(*raw >= *filtered * (1.0 - 1e-12)))
@@ -140,7 +140,7 @@ void look_at_end(const Scene& scene, const RunRecord& record, Verdict& v) {
         v.faults.push_back(fmt::format("energy residual {:.2g}", v.residual));
 }
 
-/// The same run, with nothing different but that it ends later; the truth is its late flight.
+/// Repeats a run that ends later and is otherwise equal; the truth is its late flight.
 void fly_on(const Scene& scene, const RandomDrop& drop, const Fidelity& model, const RunRecord& record,
             Verdict& v) {
     Scene longer = scene;
@@ -224,7 +224,7 @@ protected:
     Drawn draw(const Fidelity& model, int number) const {
         const RandomDrop drop = DropGenerator(seed_, number, model.name == "full").drop();
         const Scene scene = read_scene_text(drop.text, fmt::format("drop {}", number), here_.path());
-        EXPECT_TRUE(model.lacks(scene).empty()) << drop.text;
+        EXPECT_TRUE(model.unsupported_keys(scene).empty()) << drop.text;
         return {drop, scene};
     }
 

@@ -1,0 +1,210 @@
+#include "compare/report_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "compare/gap.hpp"
+#include "compare/record_table.hpp"
+#include "compare/records.hpp"
+#include "compare/report/gap_json.hpp"
+#include "compare/report/terminal.hpp"
+#include "compare/report/write_report.hpp"
+#include "compare/test_option.hpp"
+#include "compare/tolerances.hpp"
+#include "compare/trend.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+#include "lib/record/read_record.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/scene/read_scene.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holds_a_record(const fs::path& directory, const Fidelity& fidelity) {
+    std::error_code ignored;
+    return fs::exists(directory / fidelity.name / "summary.json", ignored);
+}
+
+/// The directory itself, or those of the cases where it is that of a series, by name.
+std::vector<fs::path> comparisons_in(const fs::path& directory, const Fidelity& reference,
+                                     const Fidelity& candidate) {
+    const auto is_comparison = [&](const fs::path& place) {
+        return holds_a_record(place, reference) || holds_a_record(place, candidate);
+    };
+    if (is_comparison(directory)) return {directory};
+    std::vector<fs::path> places;
+    std::error_code error;
+    for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
+        if (!entry->is_symlink(error) && is_comparison(entry->path())) places.push_back(entry->path());
+    if (places.empty())
+        throw UsageError(
+            fmt::format("'{0}' holds no comparison (neither '{0}/{1}' nor '{0}/{2}' is a record), "
+                        "name a directory that `twinchute compare` wrote",
+                        directory.string(), reference.name, candidate.name));
+    std::ranges::sort(places);
+    return places;
+}
+
+/// Two records that are not of the same scene have no gap.
+void require_same_scene(const Comparison& comparison, const fs::path& place) {
+    const auto refuse = [&](const std::string& why) {
+        throw RecordError({place.string()}, "its two records are not of one scene", why,
+                          "run `twinchute compare` again");
+    };
+    if (comparison.reference.scene.sha256 != comparison.candidate.scene.sha256)
+        refuse("the SHA-256 of their scenes differ");
+    for (const Input& input : comparison.reference.inputs) {
+        const Input* other = comparison.candidate.find_input(input.key);
+        if (other != nullptr && !same_value(*other, input)) refuse("they differ in " + input.key);
+    }
+}
+
+Comparison comparison_of(const fs::path& place, const Fidelity& reference, const Fidelity& candidate,
+                         const std::map<std::string, Tolerance>& asked,
+                         const std::optional<TestHistories>& test) {
+    Comparison comparison;
+    comparison.test = test;
+    comparison.reference_title = reference.title;
+    comparison.candidate_title = candidate.title;
+    comparison.candidate = record_of(place, candidate);
+    comparison.reference = record_of(place, reference);
+    comparison.candidate_frames = read_frames(place / candidate.name);
+    comparison.reference_frames = read_frames(place / reference.name);
+    require_same_scene(comparison, place);
+    std::map<std::string, Tolerance> tolerances = asked;  // they win
+    tolerances.merge(recorded_tolerances(comparison.reference, summary_of(place, reference)));
+    auto of_command_line = command_line_tolerances(comparison.reference);
+    for (const auto& [name, tolerance] : asked)
+        of_command_line.insert(name);
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, tolerances, of_command_line);
+    comparison.attribution = attribution_in(place, comparison);
+    return comparison;
+}
+
+/// A directory that an operand leads to, and what lies there.
+struct Place {
+    fs::path directory;
+    bool comparison = true;  ///< otherwise the record of one fidelity
+};
+
+std::vector<Place> places_of(const Arguments& arguments, const Fidelity& reference,
+                             const Fidelity& candidate) {
+    std::vector<Place> places;
+    const auto add = [&](fs::path directory, bool comparison) {
+        if (std::ranges::find(places, directory, &Place::directory) == places.end())
+            places.push_back({std::move(directory), comparison});
+    };
+    for (const std::string& operand : arguments.operands) {
+        std::error_code ignored;
+        if (fs::exists(fs::path(operand) / "summary.json", ignored)) {
+            add(operand, false);
+            continue;
+        }
+        for (fs::path& place : comparisons_in(operand, reference, candidate))
+            add(std::move(place), true);
+    }
+    return places;
+}
+
+/// What is said of all places together.
+struct Told {
+    ExitCode code = ExitCode::done;
+    std::vector<RecordRow> rows;
+    std::vector<std::string> json;
+    std::string verdicts;   ///< a line a comparison
+    std::string last_text;  ///< of the only comparison, where there is one
+};
+
+void tell(Told& told, const Comparison& comparison, const LadderBeside& beside, const fs::path& place,
+          bool alone) {
+    for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
+        told.rows.push_back(record_row(*side, place.string()));
+    told.code = gravest(told.code, exit_code(comparison));
+    told.json.push_back(gap_json(comparison));
+    told.verdicts +=
+        fmt::format("verdict   {}: {}\n", printable(place.string()), printable(verdict_line(comparison)));
+    if (!beside.why_not.empty()) told.verdicts += ladder_line(beside, place);
+    if (alone)
+        told.last_text = terminal_text(comparison, output_style()) + ladder_line(beside, place) +
+                         fmt::format("report    {}\n", printable((place / "report.html").string()));
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+    return fmt::format("[\n{}]\n", fmt::join(texts, ",\n"));
+}
+
+/// The table of all records, in a directory of its own.
+void add_table(FileBatch& batch, const std::vector<RecordRow>& rows, const fs::path& directory) {
+    batch.add(directory / "report.md", records_markdown(rows));
+    batch.add(directory / "records.csv", records_csv(rows));
+    batch.add(directory / "records.json", records_json(rows), FileBatch::Kind::marker);
+}
+
+ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
+    const std::map<std::string, Tolerance> asked = read_tolerances(tolerance_overrides(arguments));
+    const std::optional<TestHistories> test = test_of(arguments);
+    const std::optional<std::string> out = arguments.value("out");
+    if (out) check_output_dir(*out);
+    const std::vector<Place> places = places_of(arguments, reference, candidate);
+    const bool alone = places.size() == 1 && places.front().comparison && !out;
+    const bool one = places.size() == 1 && places.front().directory == arguments.operand;
+    const std::array<std::string_view, 2> fidelities{candidate.name, reference.name};
+    FileBatch batch;  // all of them or none
+    Told told;
+    for (const Place& place : places) {
+        if (!place.comparison) {
+            const RunRecord record = read_record(place.directory);
+            told.rows.push_back(record_row(record, place.directory.string()));
+            told.code = gravest(told.code, twinchute::exit_code(record.status.code));
+            told.json.push_back(summary_json(record));
+            continue;
+        }
+        const Comparison comparison = comparison_of(place.directory, reference, candidate, asked, test);
+        LadderBeside beside;
+        if (!out) {
+            beside = ladder_beside(place.directory, comparison.reference, fidelities);
+            add_gap_files(batch, comparison, place.directory, beside);
+        }
+        tell(told, comparison, beside, place.directory, alone);
+    }
+    if (out) add_table(batch, told.rows, *out);
+    batch.commit();
+    if (arguments.has("json")) {
+        print(one ? told.json.front() : joined(told.json));
+    } else if (!arguments.has("quiet")) {
+        print(alone ? told.last_text : records_terminal(told.rows, output_style()) + "\n" + told.verdicts);
+        if (out) print(fmt::format("report    {}\n", printable((fs::path(*out) / "report.md").string())));
+    }
+    return told.code;
+}
+
+}  // namespace
+
+Command report_command(const Fidelity& reference, const Fidelity& candidate) {
+    Command command;
+    command.name = "report";
+    command.summary = "make the reports of comparisons again, from their records; of many, a table";
+    command.operand = "DIR...";
+    command.example = "twinchute report c9-inflation.out";
+    command.options = {tolerance_option(reference.name),
+                       test_option(),
+                       {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
+                       {"json", "", "print the gap as JSON and nothing else"},
+                       {"quiet", "", "print nothing but errors"}};
+    command.run = [&reference, &candidate](const Arguments& arguments) {
+        return run_report(reference, candidate, arguments);
+    };
+    return command;
+}
+
+}  // namespace twinchute::compare

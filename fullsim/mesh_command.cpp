@@ -1,0 +1,266 @@
+#include "fullsim/mesh_command.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "fullsim/fields.hpp"
+#include "fullsim/mesh/gmsh_write.hpp"
+#include "fullsim/mesh/gore_mesh.hpp"
+#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/mesh/import_mesh.hpp"
+#include "fullsim/mesh/start.hpp"
+#include "fullsim/mesh/summary.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+#include "lib/record/file_batch.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/scene/needs.hpp"
+#include "lib/solve/fidelity.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A mesh of a scene, and where it goes.
+struct View {
+    std::string what;
+    Mesh mesh;
+    fs::path file;  // empty: nowhere
+};
+
+/// Formats of the files that --out may name, by their extension.
+constexpr std::string_view vtk_file = ".vtu", gmsh_file = ".msh";
+
+/// For Gmsh: the parachute as it is made.
+View view_for_gmsh(const Scene& scene, const fs::path& file) {
+    const Parachute& chute = scene.parachutes.front();
+    const double reach = gore_pattern(chute).skirt_radius;
+    if (!chute.mesh && chute.line_length <= reach)
+        throw UsageError(
+            fmt::format("{}: the parachute cannot be laid flat for Gmsh (lines of {:g} m do not reach from "
+                        "the axis to the "
+                        "skirt at {:.4g} m), name a .vtu file",
+                        scene.file.string(), chute.line_length, reach));
+    Mesh mesh = built_mesh(scene);
+    if (scene.payload.body) hang_body(scene, mesh, Hang::as_made);
+    return {"as made", std::move(mesh), file};
+}
+
+/// As it starts, without its load: drawn out, and packed where the scene begins so. Both about the payload.
+std::vector<View> views_of(const Scene& scene, const std::optional<fs::path>& out) {
+    if (out && out->extension() == gmsh_file)
+        return {view_for_gmsh(scene, directory_of(scene, out->parent_path()) / out->filename())};
+    const fs::path file = out ? directory_of(scene, out->parent_path()) / out->filename() : fs::path();
+    std::vector<View> views{{"drawn out", unloaded_mesh(scene), file}};
+    const Deployment& deploy = scene.parachutes.front().deploy;
+    if (deploy.starts_packed()) {
+        Mesh packed = views.front().mesh;
+        pack(packed, deploy.pack_ratio);
+        const fs::path beside =
+            out ? file.parent_path() / (file.stem().string() + "-packed.vtu") : fs::path();
+        views.push_back({"packed", std::move(packed), beside});
+    }
+    return views;
+}
+
+std::string vtu_of(const Mesh& mesh) {
+    VtuGrid grid = mesh_grid(mesh);
+    grid.point_data.push_back({"mass_kg", 1, mesh.mass});
+    add_cell_data(grid, mesh, "area_m2", [](const Triangle& t) { return t.area(); }, {});
+    add_cell_data(grid, mesh, "length_m", {}, [](const Cable& c) { return c.rest_length; });
+    return vtu_text(grid);
+}
+
+std::string text_of(const View& view, const Scene& scene, GmshVersion version) {
+    return view.file.extension() == gmsh_file ? gmsh_text(view.mesh, version, printable(scene.name))
+                                              : vtu_of(view.mesh);
+}
+
+/// Nobody else's file is overwritten: a mesh of ours says so in its note.
+void check_target(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return;
+    std::string head(512, '\0');
+    if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
+        std::ifstream stream(file, std::ios::binary);
+        stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+        for (const char* note : {"<!-- twinchute", "$Comments\ntwinchute"})
+            if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
+    }
+    throw UsageError(fmt::format(
+        "'{}' is no mesh of twinchute (nothing else is overwritten), name another file with --out",
+        file.string()));
+}
+
+std::optional<fs::path> wanted_file(const Arguments& arguments) {
+    const auto text = arguments.value("out");
+    if (!text) return {};
+    fs::path file = *text;
+    if ((file.extension() != vtk_file && file.extension() != gmsh_file) || file.stem().empty())
+        throw UsageError(fmt::format(
+            "'--out {}' is not understood (the name of a .vtu file, for VTK, or of a .msh file, for "
+            "Gmsh, is wanted), e.g. --out c9.vtu",
+            *text));
+    return file;
+}
+
+GmshVersion wanted_version(const Arguments& arguments) {
+    const std::string text = arguments.value("msh-version").value_or("4.1");
+    if (text != "4.1" && text != "2.2")
+        throw UsageError(
+            fmt::format("'--msh-version {}' is not understood (4.1 or 2.2), e.g. --msh-version 2.2", text));
+    return text == "4.1" ? GmshVersion::v4_1 : GmshVersion::v2_2;
+}
+
+/// Areas that the mesh is held against: of the nominal circle and of the vent.
+struct Circles {
+    double nominal, vent;  // [m^2]
+};
+
+Circles circles_of(const Parachute& chute) {
+    const auto area = [](double diameter) { return 0.25 * pi * diameter * diameter; };
+    return {area(chute.nominal_diameter), area(chute.vent_diameter)};
+}
+
+std::string summary_json_of(const Scene& scene, const std::vector<View>& views) {
+    using nlohmann::ordered_json;
+    const MeshSummary s = summarise(views.front().mesh);
+    const Circles circles = circles_of(scene.parachutes.front());
+    ordered_json cables = ordered_json::object(), masses = {{"fabric", s.fabric_mass}};
+    for (std::size_t i = 0; i < cable_kind_count; ++i) {
+        const std::string kind(cable_kind_name(static_cast<CableKind>(i)));
+        cables[kind] = s.cables[i];
+        masses[kind] = s.cable_mass[i];
+    }
+    masses["total"] = s.total_mass;
+    masses["parachute.mass"] = scene.parachutes.front().mass;
+    ordered_json meshes = ordered_json::array();
+    for (const View& view : views) {
+        const Vec3 size = bounding_size(view.mesh);
+        ordered_json mesh{{"mesh", view.what}, {"size_m", {size.x(), size.y(), size.z()}}};
+        if (!view.file.empty()) mesh["file"] = view.file.string();
+        meshes.push_back(std::move(mesh));
+    }
+    ordered_json json{{"generator", "twinchute"},
+                      {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                      {"grading", grading_name(scene.full.mesh.grading)},
+                      {"nodes", s.nodes},
+                      {"triangles", s.triangles},
+                      {"cables", std::move(cables)},
+                      {"mass_kg", std::move(masses)},
+                      {"fabric_area_m2", s.fabric_area},
+                      {"nominal_area_m2", circles.nominal},
+                      {"vent_area_m2", circles.vent},
+                      {"smallest_edge_m", s.smallest_edge},
+                      {"meshes", std::move(meshes)}};
+    if (const auto other = stand_in(scene.parachutes.front())) json["note"] = other->what + ": " + other->why;
+    return json_text(json);
+}
+
+std::string summary_text_of(const Scene& scene, const std::vector<View>& views) {
+    const MeshSummary s = summarise(views.front().mesh);
+    const Parachute& chute = scene.parachutes.front();
+    const Circles circles = circles_of(chute);
+    Table table;
+    table.header = {"", "count", "mass [kg]", ""};
+    table.right = {false, true, true};
+    const auto row = [&](std::string_view what, std::size_t count, double mass) {
+        table.rows.push_back({std::string(what), std::to_string(count), fmt::format("{:.3f}", mass), ""});
+    };
+    table.rows.push_back({"nodes", std::to_string(s.nodes), "", ""});
+    row("fabric triangles", s.triangles, s.fabric_mass);
+    for (std::size_t i = 0; i < cable_kind_count; ++i)
+        row(fmt::format("{} cables", cable_kind_name(static_cast<CableKind>(i))), s.cables[i],
+            s.cable_mass[i]);
+    table.rows.push_back({"parachute", "", fmt::format("{:.3f}", s.total_mass),
+                          fmt::format("parachute.mass says {:.3f} kg, {:+.1f} %", chute.mass,
+                                      100.0 * (s.total_mass / chute.mass - 1.0))});
+    Table sizes;
+    sizes.right = {false, true};
+    sizes.rows = {
+        {"fabric area", readable(s.fabric_area, 6), "m2",
+         fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
+        {"smallest edge", readable(s.smallest_edge), "m",
+         fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(scene.full.mesh.grading))}};
+    for (const View& view : views) {
+        const Vec3 size = bounding_size(view.mesh);
+        sizes.rows.push_back(
+            {view.what,
+             fmt::format("{} x {} x {}", readable(size.x()), readable(size.y()), readable(size.z())), "m",
+             "east, north, up"});
+    }
+    const Style style = output_style();
+    std::string text = style.paint(printable(scene.name), Colour::bold);
+    if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
+    text += "\n\n" + aligned(table, style, 2) + "\n" + aligned(sizes, style, 2);
+    if (const auto other = stand_in(chute))
+        text += fmt::format("\nnote      {}: {}", other->what, other->why);
+    for (const View& view : views)
+        if (!view.file.empty()) text += fmt::format("\nmesh      {}", printable(view.file.string()));
+    return text + (views.front().file.empty() ? "" : "\n");
+}
+
+ExitCode run_mesh(const Arguments& arguments) {
+    const std::optional<fs::path> out = wanted_file(arguments);
+    const GmshVersion version = wanted_version(arguments);
+    const std::vector<Scene> scenes = scenes_of(arguments);
+    for (const Scene& scene : scenes)
+        if (const auto missing = missing_structure(scene.parachutes.front()); !missing.empty())
+            throw UsageError(
+                fmt::format("{}: the parachute has no structure to mesh ({}), give these keys or a design",
+                            scene.file.string(), unsupported_text(scene, missing)));
+    for (const Scene& scene : scenes)
+        if (const std::string why = lacks_canopy(scene.parachutes.front()); !why.empty())
+            throw UsageError(
+                fmt::format("{}: no canopy is meshed for 'parachute.type' ({}), give parachute.mesh, "
+                            "or run the scene with `twinchute rom`",
+                            scene.file.string(), why));
+    if (arguments.has("check")) {
+        say_valid(scenes, arguments);
+        return ExitCode::done;
+    }
+    FileBatch batch;
+    std::vector<std::string> texts;
+    for (const Scene& scene : scenes) {
+        const std::vector<View> views = views_of(scene, out);
+        for (const View& view : views) {
+            if (view.file.empty()) continue;
+            check_target(view.file);
+            batch.add(view.file, text_of(view, scene, version));
+        }
+        texts.push_back(arguments.has("json") ? summary_json_of(scene, views)
+                                              : summary_text_of(scene, views));
+    }
+    batch.commit();
+    if (arguments.has("json")) {
+        print(joined_json(scenes, texts));
+    } else if (!arguments.has("quiet")) {
+        for (const std::string& text : texts)
+            print((&text == &texts.front() ? "" : "\n") + text);
+    }
+    return ExitCode::done;
+}
+
+}  // namespace
+
+Command mesh_command() {
+    Command command;
+    command.name = "mesh";
+    command.summary = "what the full model's mesh weighs and measures, and its shape for VTK";
+    command.operand = "SCENE";
+    command.example = "twinchute mesh data/scenes/c9-inflation.toml --out c9.vtu";
+    command.options = scene_options(
+        "write the mesh there: .vtu, a packed one beside it as <name>-packed.vtu; or .msh for Gmsh, as made");
+    command.options.front().value = "FILE";
+    command.options.insert(command.options.begin() + 1,
+                           {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
+    command.run = &run_mesh;
+    return command;
+}
+
+}  // namespace twinchute::fullsim

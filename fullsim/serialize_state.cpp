@@ -1,0 +1,125 @@
+#include "fullsim/serialize_state.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "lib/math/sha256.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+// Structs are taken apart by name and in full: a member that is added and not kept does not compile.
+
+constexpr auto sums_members = [](NodeSums& sums, auto&& each) {
+    auto& [canopy_position, canopy_velocity, system_position, system_velocity, canopy_area_velocity] = sums;
+    for (Vec3* x :
+         {&canopy_position, &canopy_velocity, &system_position, &system_velocity, &canopy_area_velocity})
+        each(*x);
+};
+
+void serialize_air(Archive& archive, AeroState& air) {
+    auto& [density, viscosity, wind, wind_at_payload, direction, airspeed, dynamic_pressure, drag_area,
+           radial_pressure, projected_area, signed_area, pressure, pressure_capped] = air;
+    archive.numbers("wind", std::span(wind.data(), 3));
+    archive.numbers("wind at the payload", std::span(wind_at_payload.data(), 3));
+    archive.numbers("direction of the air", std::span(direction.data(), 3));
+    for (double* x : {&density, &viscosity, &airspeed, &dynamic_pressure, &drag_area, &radial_pressure,
+                      &projected_area, &signed_area, &pressure})
+        archive.number("air", *x);
+    archive.flag("pressure is capped", pressure_capped);
+}
+
+void serialize_body(Archive& archive, std::optional<BodyState>& body) {
+    bool turns = body.has_value();
+    archive.flag("payload turns", turns);
+    if (!turns) return body.reset();
+    if (!body) body.emplace();
+    auto& [attitude, half_momentum, momentum, torque] = *body;
+    archive.numbers("attitude", std::span(attitude));
+    archive.numbers("momentum of the half step", std::span(half_momentum.data(), 3));
+    archive.numbers("momentum", std::span(momentum.data(), 3));
+    archive.numbers("torque", std::span(torque.data(), 3));
+}
+
+constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
+    auto& [kinetic_start, elastic_start, gravity_work, drag_work, damping, added_mass, gravity_power,
+           drag_power, damping_power, external_work, external_power, ramp, weighs, kinetic, changed_hands] =
+        book;
+    for (double* x :
+         {&kinetic_start, &elastic_start, &gravity_work, &drag_work, &damping, &added_mass, &gravity_power,
+          &drag_power, &damping_power, &external_work, &external_power, &ramp, &changed_hands})
+        each(*x);
+};
+
+/// Records of whole rows of doubles.
+template <class Record>
+std::span<double> doubles(std::vector<Record>& records) {
+    return {reinterpret_cast<double*>(records.data()), records.size() * (sizeof(Record) / sizeof(double))};
+}
+
+}  // namespace
+
+void serialize(Archive& archive, LargestLoads& loads) {
+    archive.row("largest loads", loads, [](LargestLoads& of, auto&& each) {
+        auto& [line_tension, fabric_stress] = of;
+        each(line_tension), each(fabric_stress);
+    });
+}
+
+void serialize(Archive& archive, State& state) {
+    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
+           added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
+           external_power, riser_force, in_substeps, capped_steps, largest] = state;
+    for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
+                      &damping_power, &external_power})
+        archive.number("state", *x);
+    archive.whole("step", step, 0);
+    archive.whole("capped steps", capped_steps, 0);
+    archive.choice("phase", phase, Phase::open);
+    archive.choice("stage", stage, Stage::flight);
+    archive.flag("folded", folded);
+    archive.numbers("nodes", doubles(node));
+    archive.numbers("velocities of half steps", doubles(v_half));
+    archive.numbers("forces", doubles(force.held()));
+    archive.numbers("forces of the air", doubles(aero.held()));
+    serialize_body(archive, body);
+    archive.row("sums", sums, sums_members);
+    serialize_air(archive, air);
+    archive.row("energy", energy, energy_members);
+    archive.numbers("riser force", std::span(riser_force.data(), 3));
+    archive.numbers("risers in substeps", std::span(in_substeps.sum.data(), 3));
+    archive.whole("risers in substeps", in_substeps.count, 0);
+    serialize(archive, largest);
+}
+
+std::string mesh_digest(const Mesh& mesh) {
+    Archive archive;  // for its bytes
+    std::vector<double> numbers;
+    for (const Vec3& x : mesh.position)
+        numbers.insert(numbers.end(), x.begin(), x.end());
+    for (const auto* of_nodes : {&mesh.mass, &mesh.tributary_area})
+        numbers.insert(numbers.end(), of_nodes->begin(), of_nodes->end());
+    for (const Triangle& t : mesh.triangles)
+        numbers.insert(numbers.end(), {1.0 * t.node[0], 1.0 * t.node[1], 1.0 * t.node[2], t.a, t.b, t.c});
+    for (std::size_t c = 0; c < mesh.cables.size(); ++c) {
+        const Cable& cable = mesh.cables[c];
+        const bool is_cut = std::ranges::binary_search(mesh.reefing_line, c);
+        numbers.insert(numbers.end(), {1.0 * cable.node[0], 1.0 * cable.node[1], cable.strands,
+                                       1.0 * static_cast<int>(cable.kind), is_cut ? 0.0 : cable.rest_length});
+    }
+    if (mesh.body) {
+        for (const Vec3& x : mesh.body->solid.node)
+            numbers.insert(numbers.end(), x.begin(), x.end());
+        for (const auto& corner : mesh.body->solid.tetrahedron)
+            numbers.insert(numbers.end(), corner.begin(), corner.end());
+    }
+    const Fabric& fabric = mesh.fabric;
+    numbers.insert(numbers.end(),
+                   {fabric.density, fabric.youngs_modulus, fabric.poisson_ratio, fabric.thickness});
+    for (const Cord& cord : mesh.cords)
+        numbers.insert(numbers.end(), {cord.density, cord.youngs_modulus, cord.diameter});
+    archive.numbers("mesh", numbers);
+    return sha256_hex(archive.take());
+}
+
+}  // namespace twinchute::fullsim

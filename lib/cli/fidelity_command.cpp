@@ -1,0 +1,158 @@
+#include "lib/cli/fidelity_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "lib/cli/interrupt.hpp"
+#include "lib/cli/long_run.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/record_text.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/record/metric_key.hpp"
+#include "lib/record/record_json.hpp"
+#include "lib/record/write_record.hpp"
+
+namespace twinchute {
+namespace {
+
+/// A scene, or one of a series, before it runs.
+struct Case {
+    Case(const Fidelity& fidelity, const Scene& its_scene,
+         const std::optional<std::filesystem::path>& directory, bool resumes)
+        : scene(its_scene), place(directory_of(scene, directory.value_or(""))) {
+        if (!directory) return;
+        if (resumes) finished = finished_record(fidelity, scene, place);
+        if (finished)
+            remove_abandoned(place);  // killed right after its record was written
+        else
+            long_run.emplace(fidelity, scene, place, resumes);
+    }
+
+    const Scene& scene;
+    std::filesystem::path place;
+    std::optional<RunRecord> finished;
+    std::optional<LongRun> long_run;  ///< where it has a directory
+};
+
+/// Outcome of a case, and lines about its files.
+struct CaseReport {
+    RunRecord record;
+    std::string more;
+};
+
+CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& others, Case& one,
+                    const Interrupt& interrupt, int threads, const Arguments& arguments) {
+    std::vector<const Fidelity*> all = others;
+    all.push_back(&fidelity);
+    FileBatch batch;
+    FieldFiles fields(batch, one.place);
+    ShapeFrames frames;
+    Checkpoints checkpoints;
+    if (one.long_run) checkpoints = one.long_run->checkpoints(fields);
+    CaseReport report{run_watched(fidelity, one.scene, interrupt.token(), arguments.has("quiet"), threads,
+                                  one.long_run ? &fields : nullptr, one.long_run ? &frames : nullptr,
+                                  std::move(checkpoints), all),
+                      ""};
+    if (one.long_run && report.record.status.code != StatusCode::refused) {
+        add_record(batch, report.record, one.place, frames);
+        batch.commit();
+    }
+    if (one.long_run) one.long_run->ended(report.record);
+    report.more = fields_text(fields);
+    return report;
+}
+
+/// The cases of a series below each other, in what most of them have.
+Table series_table(const std::vector<std::pair<std::string, RunRecord>>& cases) {
+    Table table;
+    table.header = {"case", "status"};
+    table.right = {false, false};
+    for (const auto& [name, record] : cases)
+        table.rows.push_back({printable(name), std::string(status_name(record.status.code))});
+    for (const char* key : {"snatch_speed_m_s", "filling_time_s", "peak_force_N", "load_factor",
+                            "descent_rate_m_s", "flight_time_s"}) {
+        if (std::ranges::none_of(cases, [&](const auto& one) { return one.second.metric(key).has_value(); }))
+            continue;
+        const auto unit = split_metric_key(key).unit;
+        table.header.push_back(metric_words(key) + (unit.empty() ? "" : fmt::format(" [{}]", unit)));
+        table.right.push_back(true);
+        for (std::size_t i = 0; i < cases.size(); ++i) {
+            const std::optional<double> value = cases[i].second.metric(key);
+            table.rows[i].push_back(value ? readable(*value) : "-");
+        }
+    }
+    return table;
+}
+
+ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
+                    const std::vector<const Fidelity*>& others, const Arguments& arguments) {
+    const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
+    const int threads = threads_of(arguments);
+    for (const Scene& scene : scenes)
+        require_physics(scene, fidelity, others);
+    if (arguments.has("check")) {
+        say_valid(scenes, arguments);
+        return ExitCode::done;
+    }
+    std::optional<std::filesystem::path> directory = arguments.value("out");
+    if (!directory && output == DefaultOutput::directory) directory = default_output_dir(arguments.operand);
+    const bool resumes = arguments.has("resume");
+    std::vector<Case> cases;  // what cannot be gone on with is known before anything runs
+    for (const Scene& scene : scenes)
+        cases.emplace_back(fidelity, scene, directory, resumes);
+    if (directory) check_output_dir(*directory);
+    const Interrupt interrupt;  // until the records are safe
+    ExitCode code = ExitCode::done;
+    std::vector<std::string> summaries;
+    std::vector<std::pair<std::string, RunRecord>> series;  // without their histories
+    for (Case& one : cases) {
+        const CaseReport report =
+            one.finished ? CaseReport{*one.finished, "kept      it had ended before; nothing was run\n"}
+                         : run_case(fidelity, others, one, interrupt, threads, arguments);
+        if (arguments.has("json")) {
+            summaries.push_back(summary_json(report.record));
+        } else if (!arguments.has("quiet")) {
+            print((&one == &cases.front() ? "" : "\n") +
+                  record_text(report.record, fidelity.title, output_style()));
+            print(resumed_text(report.record));
+            if (directory)
+                print(fmt::format("record    {}\n", printable((one.place / "summary.json").string())));
+            print(report.more);
+            if (!one.scene.case_name.empty()) {
+                series.emplace_back(one.scene.case_name, report.record);
+                series.back().second.channels.clear();
+            }
+        }
+        code = gravest(code, exit_code(report.record.status.code));
+        if (code == ExitCode::interrupted) break;
+    }
+    if (arguments.has("json")) print(joined_json(scenes, summaries));
+    if (!series.empty()) print("\n" + aligned(series_table(series), output_style()));
+    return code;
+}
+
+}  // namespace
+
+Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultOutput output,
+                         std::vector<const Fidelity*> others) {
+    Command command;
+    command.name = fidelity.name;
+    command.summary = std::move(summary);
+    command.operand = "SCENE";
+    command.example = fmt::format("twinchute {} data/scenes/c9-inflation.toml", fidelity.name);
+    command.options =
+        scene_options(output == DefaultOutput::none ? "also write the record there"
+                                                    : "write the record there instead of ./<scene file>.out");
+    if (fidelity.gives_fields) command.options.insert(command.options.begin() + 1, fields_option());
+    if (fidelity.keeps_checkpoints) command.options.insert(command.options.begin() + 1, resume_option());
+    if (fidelity.has_threads) command.options.insert(command.options.begin() + 1, threads_option());
+    command.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
+        return run_single(fidelity, output, others, arguments);
+    };
+    return command;
+}
+
+}  // namespace twinchute
