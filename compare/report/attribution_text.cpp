@@ -108,30 +108,29 @@ std::string attribution_sentence(const MetricAttribution& metric, const Comparis
 
 Table attribution_table(const Comparison& comparison) {
     const Attribution& attribution = *comparison.attribution;
-    Table table;
-    table.header = {"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity};
-    table.right = {false};
+    Table table{{{"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity}}, {}};
     const bool scatters = std::ranges::any_of(
         attribution.metrics, [](const MetricAttribution& metric) { return metric.scatter.has_value(); });
-    std::vector<std::string> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
+    std::vector<Cell> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
         together{"+ Interaction"}, scatter{"scatter of " + comparison.reference.fidelity};
     for (const MetricAttribution& metric : attribution.metrics) {
-        const std::string unit = unit_of(metric);
-        table.header.push_back(title_of(metric) + (unit.empty() ? "" : " [" + unit.substr(1) + "]"));
-        table.right.push_back(true);
-        first.push_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
-        last.push_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
-        together.push_back(signed_number(metric.interaction, places(metric)));
-        scatter.push_back(metric.scatter ? fmt::format("{:.{}f}", *metric.scatter, places(metric)) : "-");
+        const MetricRow* row = find_metric_row(metric.metric);
+        table.columns.push_back(
+            {title_of(metric), Align::right, std::string(row == nullptr ? "" : row->unit)});
+        first.emplace_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
+        last.emplace_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
+        together.emplace_back(signed_number(metric.interaction, places(metric)));
+        scatter.emplace_back(metric.scatter ? fmt::format("{:.{}f}", *metric.scatter, places(metric)) : "-");
     }
     table.rows.push_back(std::move(first));
     for (const AttributionTerm& row : rows_of(attribution)) {
-        std::vector<std::string> cells{"+ " + row.title};
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells.emplace_back("+ " + row.title);
         for (const MetricAttribution& metric : attribution.metrics) {
             const auto term = std::ranges::find(metric.terms, row.piece, &AttributionTerm::piece);
-            cells.push_back(term == metric.terms.end() ? "-" : signed_number(term->effect, places(metric)));
+            cells.emplace_back(term == metric.terms.end() ? "-"
+                                                          : signed_number(term->effect, places(metric)));
         }
-        table.rows.push_back(std::move(cells));
     }
     table.rows.push_back(std::move(together));
     table.rows.push_back(std::move(last));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/gap.hpp"
-#include "lib/cli/text.hpp"
+#include "compare/render/table.hpp"
 
 namespace twinchute::compare {
 

@@ -2,23 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "compare/report/escape.hpp"
 #include "lib/record/file_sums.hpp"
-#include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string number(const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
-}
 
 std::optional<double> gap_to(const RungMetric& metric, std::string_view fidelity) {
     for (const LadderGap& gap : metric.gaps)
@@ -89,47 +81,54 @@ Json rung_json(const RungResult& result) {
 }  // namespace
 
 std::string ladder_csv(const Ladder& ladder) {
-    std::string text =
-        "rung,family,fidelity,physics,setting,status,runs,seeds,wall_time,steps,rhs_calls,on_pareto_front,"
-        "metric,unit,input_or_result,value,low,high,reference,error,error_estimate";
-    std::string units = "-,-,-,-,-,-,1,1,s,1,1,-,-,-,-,see unit,see unit,see unit,see unit,1,1";
-    for (const std::string_view fidelity : ladder.fidelities) {
-        text += fmt::format(",gap_to_{}", fidelity);
-        units += ",1";
-    }
-    text += ",effect_of_leaving_out";
-    units += ",1";
-    if (ladder.test) {
-        text += ",distance_to_test";
-        units += ",1";
-    }
-    text += '\n' + units + '\n';
-    const std::size_t empty_fields = 9 + ladder.fidelities.size() + (ladder.test ? 2 : 1);
+    Table table;
+    const auto add = [&](std::initializer_list<std::string> names, const char* unit) {
+        for (const std::string& name : names)
+            table.columns.push_back({name, Align::left, unit});
+    };
+    add({"rung", "family", "fidelity", "physics", "setting", "status"}, "-");
+    add({"runs", "seeds"}, "1");
+    add({"wall_time"}, "s");
+    add({"steps", "rhs_calls"}, "1");
+    add({"on_pareto_front", "metric", "unit", "input_or_result"}, "-");
+    add({"value", "low", "high", "reference"}, "see unit");
+    add({"error", "error_estimate"}, "1");
+    for (const std::string_view fidelity : ladder.fidelities)
+        add({fmt::format("gap_to_{}", fidelity)}, "1");
+    add({"effect_of_leaving_out"}, "1");
+    if (ladder.test) add({"distance_to_test"}, "1");
     for (const RungResult& result : ladder.rungs) {
         const Rung& rung = result.rung;
         const bool run = result.was_run;
-        std::string front =
-            fmt::format("{},{},{},{},{},{}", csv_field(rung.name), csv_field(rung.family), rung.fidelity,
-                        rung.physics == Physics::same ? "same" : "other", csv_field(result.setting),
-                        run ? status_name(result.status.code) : std::string_view("not_run"));
-        front += run ? fmt::format(",{},{},{},{},{}", result.runs, result.seeds, result.wall_s, result.steps,
-                                   result.rhs_calls)
-                     : std::string(",,,,,");
-        front += result.on_front ? ",yes" : ",no";
-        if (result.metrics.empty()) text += front + std::string(empty_fields, ',') + '\n';
+        const auto counted = [&](const auto& value) { return run ? fmt::format("{}", value) : ""; };
+        const std::vector<Cell> front{rung.name,
+                                      rung.family,
+                                      rung.fidelity,
+                                      rung.physics == Physics::same ? "same" : "other",
+                                      result.setting,
+                                      run ? status_name(result.status.code) : "not_run",
+                                      counted(result.runs),
+                                      counted(result.seeds),
+                                      counted(result.wall_s),
+                                      counted(result.steps),
+                                      counted(result.rhs_calls),
+                                      result.on_front ? "yes" : "no"};
+        if (result.metrics.empty()) table.rows.emplace_back(front).resize(table.columns.size());
         for (const RungMetric& metric : result.metrics) {
             const LadderReference* reference = reference_for(ladder, result, metric.row);
-            fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}", front, metric.row->name,
-                           metric.row->unit.empty() ? "1" : csv_field(metric.row->unit),
-                           standing_name(metric.standing), metric.value, metric.low, metric.high,
-                           reference ? number(reference->value) : "", number(metric.error),
-                           number(metric.estimate));
+            std::vector<Cell>& cells = table.rows.emplace_back(front);
+            cells.insert(cells.end(), {metric.row->name, metric.row->unit.empty() ? "1" : metric.row->unit,
+                                       standing_name(metric.standing), fmt::format("{}", metric.value),
+                                       fmt::format("{}", metric.low), fmt::format("{}", metric.high),
+                                       reference ? exact(reference->value) : "", exact(metric.error),
+                                       exact(metric.estimate)});
             for (const std::string_view fidelity : ladder.fidelities)
-                text += ',' + number(gap_to(metric, fidelity));
-            text += ',' + number(metric.effect) + (ladder.test ? ',' + number(metric.to_test) : "") + '\n';
+                cells.emplace_back(exact(gap_to(metric, fidelity)));
+            cells.emplace_back(exact(metric.effect));
+            if (ladder.test) cells.emplace_back(exact(metric.to_test));
         }
     }
-    return text;
+    return csv_table(table);
 }
 
 std::string ladder_json(const Ladder& ladder) {

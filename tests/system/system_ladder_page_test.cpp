@@ -20,7 +20,7 @@ protected:
     }
 
     Ended ladder_;
-    static constexpr std::string_view drawn = "All rungs, and what they are held against";
+    static constexpr std::string_view drawn = "All levels, and what they are held against";
 };
 
 TEST_F(SystemLadderPage, IsThereWhereBothAreOfOneScene) {

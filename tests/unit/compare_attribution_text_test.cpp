@@ -61,11 +61,12 @@ TEST(CompareAttributionText, AnInteractionLargerThanEveryTermForbidsToReadThem) 
 
 TEST(CompareAttributionText, TheTableGoesFromTheCandidateToTheReference) {
     const Table table = attribution_table(explained());
-    const std::vector<std::vector<std::string>> rows{{"rom", "4800.0"},          {"+ Structure", "+20.0"},
-                                                     {"+ Added mass", "+160.0"}, {"+ Line drag", "-10.0"},
-                                                     {"+ Interaction", "+30.0"}, {"full", "5000.0"}};
+    const std::vector<std::vector<Cell>> rows{{"rom", "4800.0"},          {"+ Structure", "+20.0"},
+                                              {"+ Added mass", "+160.0"}, {"+ Line drag", "-10.0"},
+                                              {"+ Interaction", "+30.0"}, {"full", "5000.0"}};
     EXPECT_EQ(table.rows, rows);
-    EXPECT_EQ(table.header[1], "Peak opening force [N]");
+    EXPECT_EQ(table.columns[1].title, "Peak opening force");
+    EXPECT_EQ(table.columns[1].unit, "N");
 }
 
 TEST(CompareAttributionText, ComesBackFromJson) {

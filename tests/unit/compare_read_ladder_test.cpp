@@ -63,10 +63,10 @@ TEST(CompareReadLadder, SaysWhatWasWritten) {
     const Ladder wrote = ladder_of_everything();
     const Ladder read = read_ladder(sealed(ladder_json(wrote)), "d/ladder.json", names);
     EXPECT_EQ(ladder_svg(read), ladder_svg(wrote));
-    EXPECT_EQ(rungs_table(read).header.size(), rungs_table(wrote).header.size() - 1);  // but for the test
+    EXPECT_EQ(levels_table(read).columns.size(), levels_table(wrote).columns.size() - 1);  // but for the test
     Ladder untested = wrote;
     untested.test.reset();
-    EXPECT_EQ(rungs_table(read).rows, rungs_table(untested).rows);
+    EXPECT_EQ(levels_table(read).rows, levels_table(untested).rows);
     EXPECT_EQ(references_table(read, true).rows, references_table(wrote, true).rows);
     EXPECT_EQ(advice(read), advice(wrote));
     EXPECT_EQ(exit_code(read), exit_code(wrote));
@@ -164,7 +164,7 @@ TEST(CompareReadLadder, ThePageShowsItAndEscapesWhatItSays) {
     EXPECT_EQ(scripts(page), scripts(without));
     const std::string refused = report_html(comparison, {{}, "it is of <i>another</i> scene"});
     EXPECT_TRUE(has(refused, "is not shown: it is of &lt;i&gt;another&lt;/i&gt; scene. Run"));
-    EXPECT_FALSE(has(refused, "All rungs"));
+    EXPECT_FALSE(has(refused, "All levels"));
 }
 
 }  // namespace

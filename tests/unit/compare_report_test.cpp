@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/html.hpp"
 #include "compare/report/junit.hpp"
