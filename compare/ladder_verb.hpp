@@ -8,7 +8,7 @@
 
 namespace twinchute::compare {
 
-/// The rungs of these fidelities, the cheapest first. The rows must outlive the verb.
+/// The levels of these fidelities, the cheapest first. The rows must outlive the verb.
 Verb ladder_verb(std::vector<const Fidelity*> fidelities);
 
 }  // namespace twinchute::compare

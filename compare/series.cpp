@@ -16,12 +16,12 @@ namespace twinchute::compare {
 namespace {
 
 /// What a reader of a series looks for, behind the plot's own two.
-constexpr std::array<std::string_view, 10> told{
+constexpr std::array<std::string_view, 10> csv_metrics{
     "snatch_speed",       "mass_ratio",       "froude_number",    "filling_time",
     "time_to_peak_force", "peak_force",       "peak_force_ratio", "opening_shock_coefficient",
     "descent_rate",       "signed_area_ratio"};
-constexpr std::array<std::string_view, 4> brief{"snatch_speed", "filling_time", "peak_force",
-                                                "signed_area_ratio"};
+constexpr std::array<std::string_view, 4> brief_metrics{"snatch_speed", "filling_time", "peak_force",
+                                                        "signed_area_ratio"};
 
 template <class Names>
 std::vector<const MetricRow*> columns_of(const CaseSeries& series, const Names& more) {
@@ -49,7 +49,7 @@ std::string per_cent(const std::optional<double>& share) {
 
 /// Numbers of both fidelities for reading.
 Table brief_table(const CaseSeries& series) {
-    const std::vector<const MetricRow*> columns = columns_of(series, brief);
+    const std::vector<const MetricRow*> columns = columns_of(series, brief_metrics);
     Table table{{{"case"}, {"group"}, {"status"}}, {}};
     const auto both = [&](const std::optional<double>& candidate, const std::optional<double>& reference) {
         const auto cell = [](const std::optional<double>& v) { return v ? readable(*v) : std::string("-"); };
@@ -103,7 +103,7 @@ SeriesCase series_case(const Scene& scene, const Comparison& comparison) {
 }
 
 std::string series_csv(const CaseSeries& series) {
-    const std::vector<const MetricRow*> columns = columns_of(series, told);
+    const std::vector<const MetricRow*> columns = columns_of(series, csv_metrics);
     Table table;
     const auto add = [&](std::string name, std::string_view unit) {
         table.columns.push_back({std::move(name), Align::left, unit.empty() ? "1" : std::string(unit)});

@@ -11,6 +11,7 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/render/svg_canvas.hpp"
+#include "compare/render/ticks.hpp"
 #include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
@@ -133,44 +134,35 @@ std::string shortened(std::string_view text, std::size_t longest) {
     return clean;
 }
 
-void draw_marker(SvgCanvas& canvas, double x, double y, const PlotSeries& series, std::string_view title) {
-    const double r = half_marker;
-    std::string_view fill = series.filled ? std::string_view(series.colour) : sheet;
-    std::string shape;
-    switch (series.marker) {
-        case MarkerShape::none:
-            return;
-        case MarkerShape::dot:
-            shape = fmt::format(R"(circle cx="{:.1f}" cy="{:.1f}" r="2")", x, y);
-            break;
-        case MarkerShape::circle:
-            shape = fmt::format(R"(circle cx="{:.1f}" cy="{:.1f}" r="{:.1f}")", x, y, r);
-            break;
+/// Paths about the marker's place [px].
+std::string_view path_of(MarkerShape shape) {
+    switch (shape) {
         case MarkerShape::square:
-            shape = fmt::format(R"(path d="M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}Z")", x - 0.9 * r, y - 0.9 * r,
-                                1.8 * r, 1.8 * r, -1.8 * r);
-            break;
+            return "M-4 -4h8v8h-8Z";
         case MarkerShape::triangle:
-            shape = fmt::format(R"(path d="M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}Z")", x, y - 1.1 * r, 1.1 * r,
-                                2.0 * r, -2.2 * r);
-            break;
+            return "M0 -5l5 9h-10Z";
         case MarkerShape::diamond:
-            shape =
-                fmt::format(R"(path d="M{0:.1f} {1:.1f}l{2:.1f} {2:.1f}l{3:.1f} {2:.1f}l{3:.1f} {3:.1f}Z")",
-                            x, y - 1.2 * r, 1.2 * r, -1.2 * r);
-            break;
+            return "M0 -5.4l5.4 5.4l-5.4 5.4l-5.4 -5.4Z";
         case MarkerShape::cross:
-            fill = "none";
-            shape = fmt::format(R"(path d="M{:.1f} {:.1f}l{:.1f} {:.1f}m0 {:.1f}l{:.1f} {:.1f}")", x - r,
-                                y - r, 2 * r, 2 * r, -2 * r, -2 * r, 2 * r);
-            break;
+            return "M-4.5 -4.5l9 9m0 -9l-9 9";
+        default:
+            return {};
     }
-    const std::string drawn =
-        fmt::format(R"({} fill="{}" stroke="{}" stroke-width="1.6")", shape, fill, series.colour);
-    if (title.empty())
-        canvas.add("<{}/>", drawn);
-    else
-        canvas.add("<{}><title>{}</title></{}>", drawn, xml_text(title), shape.substr(0, shape.find(' ')));
+}
+
+void draw_marker(SvgCanvas& canvas, double x, double y, const PlotSeries& series, const std::string& title) {
+    if (series.marker == MarkerShape::none) return;
+    const std::string_view path = path_of(series.marker);
+    const std::string shape =
+        path.empty() ? fmt::format(R"(circle cx="{:.1f}" cy="{:.1f}" r="{}")", x, y,
+                                   series.marker == MarkerShape::dot ? 2.0 : half_marker)
+                     : fmt::format(R"x(path d="{}" transform="translate({:.1f} {:.1f})")x", path, x, y);
+    const std::string_view fill = series.marker == MarkerShape::cross ? std::string_view("none")
+                                  : series.filled                     ? std::string_view(series.colour)
+                                                                      : sheet;
+    canvas.add(R"(<{} fill="{}" stroke="{}" stroke-width="1.6">{}</{}>)", shape, fill, series.colour,
+               title.empty() ? "" : "<title>" + xml_text(title) + "</title>",
+               path.empty() ? "circle" : "path");
 }
 
 void draw_axes(SvgCanvas& canvas, const Plot& plot, const Frame& f, const Scale& x, const Scale& y) {
@@ -388,53 +380,6 @@ void draw_data(SvgCanvas& canvas, const Plot& plot, const Frame& f, const Scale&
 }
 
 }  // namespace
-
-Ticks nice_ticks(double low, double high, int wanted) {
-    // A constant still gets an axis; so does what differs by round-off only, whose ticks would be the same
-    // number over and over.
-    const double size = std::max(std::abs(low), std::abs(high));
-    if (!(high - low > std::max(1e-9 * size, 1e-100))) {
-        const double margin = size < 1e-100 ? 1 : 0.1 * size;
-        low -= margin;
-        high += margin;
-    }
-    const double rough = (high - low) / std::max(1, wanted);
-    const int power = static_cast<int>(std::floor(std::log10(rough)));
-    const double unit = std::pow(10.0, power);
-    const double ratio = rough / unit;
-    const double factor = ratio <= 1.0 ? 1 : ratio <= 2.0 ? 2 : ratio <= 5.0 ? 5 : 10;
-    const double step = factor * unit;
-    Ticks ticks;
-    ticks.decimals = std::clamp(factor == 10 ? -power - 1 : -power, 0, 12);
-    const double first = std::floor(low / step + 1e-9), last = std::ceil(high / step - 1e-9);
-    for (double i = first; i <= last; ++i)
-        ticks.values.push_back(i * step);
-    return ticks;
-}
-
-std::vector<Point> thinned(const std::vector<Point>& points, std::size_t buckets) {
-    if (buckets == 0 || points.size() <= 4 * buckets) return points;
-    const double low = points.front().x, span = points.back().x - low;
-    const auto bucket_of = [&](const Point& point) {
-        const double share = span > 0 ? std::clamp((point.x - low) / span, 0.0, 1.0) : 0;
-        return std::min(buckets - 1, static_cast<std::size_t>(share * static_cast<double>(buckets)));
-    };
-    std::vector<Point> kept;
-    for (auto begin = points.begin(); begin != points.end();) {
-        const std::size_t bucket = bucket_of(*begin);
-        const auto end =
-            std::find_if(begin, points.end(), [&](const Point& p) { return bucket_of(p) != bucket; });
-        const auto [lowest, highest] =
-            std::minmax_element(begin, end, [](const Point& a, const Point& b) { return a.y < b.y; });
-        std::array chosen{begin, lowest, highest, std::prev(end)};
-        std::ranges::sort(chosen);
-        for (std::size_t i = 0; i < chosen.size(); ++i) {
-            if (i == 0 || chosen[i] != chosen[i - 1]) kept.push_back(*chosen[i]);
-        }
-        begin = end;
-    }
-    return kept;
-}
 
 std::string svg_plot(const Plot& plot) {
     Range xs, ys;

@@ -1,7 +1,6 @@
 // A plot as a model, and its writer to SVG: small, self-contained, fit for print.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,21 +60,5 @@ struct Plot {
 
 /// The whole file.
 std::string svg_plot(const Plot& plot);
-
-struct Ticks {
-    std::vector<double> values;
-    int decimals = 0;  ///< that tell neighbours apart
-};
-
-/// Multiples of 1, 2 or 5 times a power of ten that enclose [low, high], about `wanted` of them.
-Ticks nice_ticks(double low, double high, int wanted);
-
-struct Point {
-    double x = 0.0, y = 0.0;
-};
-
-/// At most four points for each of `buckets` equal parts of the range of x: first, lowest, highest
-/// and last, so that no extreme is lost. `points` are finite and ordered by x.
-std::vector<Point> thinned(const std::vector<Point>& points, std::size_t buckets);
 
 }  // namespace twinchute::compare

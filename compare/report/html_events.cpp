@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "compare/render/escape.hpp"
-#include "compare/render/plot.hpp"
+#include "compare/render/ticks.hpp"
 #include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 #include "lib/cli/text.hpp"

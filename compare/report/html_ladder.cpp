@@ -17,9 +17,10 @@ Table advice_table(const Ladder& ladder) {
         std::vector<Cell>& row = table.rows.emplace_back();
         row.emplace_back(fmt::format("up to {}", word));
         for (const std::string_view fidelity : ladder.fidelities) {
-            const RungResult* rung = cheapest(ladder, fidelity, wanted);
-            row.emplace_back(
-                rung == nullptr ? "none" : fmt::format("{}: {}", rung->rung.name, time_text(rung->wall_s)));
+            const LevelResult* level = cheapest(ladder, fidelity, wanted);
+            row.emplace_back(level == nullptr
+                                 ? "none"
+                                 : fmt::format("{}: {}", level->level.name, time_text(level->wall_s)));
         }
     }
     return table;
@@ -38,7 +39,7 @@ std::string gap_words(const Ladder& ladder) {
 /// Times belong to the machine that they were taken on.
 std::string made_by(const Ladder& ladder) {
     const Provenance& made = ladder.provenance;
-    return fmt::format("{} levels{}, {}: twinchute {} ({}), {}, {} {}.", ladder.rungs.size(),
+    return fmt::format("{} levels{}, {}: twinchute {} ({}), {}, {} {}.", ladder.levels.size(),
                        ladder.quick ? ", without those dearer than four runs of the scene as it is" : "",
                        xml_text(made.date), xml_text(made.version), xml_text(made.commit),
                        xml_text(made.host_cpu), ladder.threads, ladder.threads == 1 ? "thread" : "threads");

@@ -12,16 +12,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<double> gap_to(const RungMetric& metric, std::string_view fidelity) {
+std::optional<double> gap_to(const LevelMetric& metric, std::string_view fidelity) {
     for (const LadderGap& gap : metric.gaps)
         if (gap.to == fidelity) return gap.value;
     return {};
 }
 
-const LadderReference* reference_for(const Ladder& ladder, const RungResult& result, const MetricRow* row) {
-    if (result.rung.physics == Physics::other) return nullptr;
+const LadderReference* reference_for(const Ladder& ladder, const LevelResult& result, const MetricRow* row) {
+    if (result.level.physics == Physics::other) return nullptr;
     for (const LadderReference& reference : ladder.references)
-        if (reference.fidelity == result.rung.fidelity && reference.row == row) return &reference;
+        if (reference.fidelity == result.level.fidelity && reference.row == row) return &reference;
     return nullptr;
 }
 
@@ -29,7 +29,7 @@ Json worst_json(const Worst& worst) {
     return {{"value", worst.value}, {"metric", worst.metric}};
 }
 
-Json metric_json(const RungMetric& metric) {
+Json metric_json(const LevelMetric& metric) {
     Json json;
     json["value"] = metric.value;
     if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
@@ -44,17 +44,17 @@ Json metric_json(const RungMetric& metric) {
     return json;
 }
 
-Json rung_json(const RungResult& result) {
-    const Rung& rung = result.rung;
+Json level_json(const LevelResult& result) {
+    const Level& level = result.level;
     Json json;
-    json["name"] = rung.name;
-    json["label"] = rung.label;
-    json["family"] = rung.family;
-    json["why"] = rung.why;
-    if (!rung.fidelity.empty()) json["fidelity"] = rung.fidelity;
+    json["name"] = level.name;
+    json["label"] = level.label;
+    json["family"] = level.family;
+    json["why"] = level.why;
+    if (!level.fidelity.empty()) json["fidelity"] = level.fidelity;
     json["setting"] = result.setting;
-    json["as_given"] = rung.given;
-    json["physics"] = rung.physics == Physics::same ? "same" : "other";
+    json["as_given"] = level.given;
+    json["physics"] = level.physics == Physics::same ? "same" : "other";
     json["status"] = result.was_run ? status_json(result.status)
                                     : Json{{"code", "not_run"}, {"detail", result.status.detail}};
     if (result.was_run) {
@@ -73,7 +73,7 @@ Json rung_json(const RungResult& result) {
     json["is_reference"] = result.is_reference;
     json["on_pareto_front"] = result.on_front;
     Json& metrics = json["metrics"] = Json::object();
-    for (const RungMetric& metric : result.metrics)
+    for (const LevelMetric& metric : result.metrics)
         metrics[std::string(metric.row->key)] = metric_json(metric);
     return json;
 }
@@ -97,14 +97,14 @@ std::string ladder_csv(const Ladder& ladder) {
         add({fmt::format("gap_to_{}", fidelity)}, "1");
     add({"effect_of_leaving_out"}, "1");
     if (ladder.test) add({"distance_to_test"}, "1");
-    for (const RungResult& result : ladder.rungs) {
-        const Rung& rung = result.rung;
+    for (const LevelResult& result : ladder.levels) {
+        const Level& level = result.level;
         const bool run = result.was_run;
         const auto counted = [&](const auto& value) { return run ? fmt::format("{}", value) : ""; };
-        const std::vector<Cell> front{rung.name,
-                                      rung.family,
-                                      rung.fidelity,
-                                      rung.physics == Physics::same ? "same" : "other",
+        const std::vector<Cell> front{level.name,
+                                      level.family,
+                                      level.fidelity,
+                                      level.physics == Physics::same ? "same" : "other",
                                       result.setting,
                                       run ? status_name(result.status.code) : "not_run",
                                       counted(result.runs),
@@ -114,7 +114,7 @@ std::string ladder_csv(const Ladder& ladder) {
                                       counted(result.rhs_calls),
                                       result.on_front ? "yes" : "no"};
         if (result.metrics.empty()) table.rows.emplace_back(front).resize(table.columns.size());
-        for (const RungMetric& metric : result.metrics) {
+        for (const LevelMetric& metric : result.metrics) {
             const LadderReference* reference = reference_for(ladder, result, metric.row);
             std::vector<Cell>& cells = table.rows.emplace_back(front);
             cells.insert(cells.end(), {metric.row->name, metric.row->unit.empty() ? "1" : metric.row->unit,
@@ -158,9 +158,9 @@ std::string ladder_json(const Ladder& ladder) {
         for (const TestValue& measured : ladder.test->values)
             test["values"][std::string(measured.row->key)] = measured.value;
     }
-    Json& rungs = json["rungs"] = Json::array();
-    for (const RungResult& result : ladder.rungs)
-        rungs.push_back(rung_json(result));
+    Json& levels = json["rungs"] = Json::array();
+    for (const LevelResult& result : ladder.levels)
+        levels.push_back(level_json(result));
     json["provenance"] = provenance_json(ladder.provenance);
     return json_text(json);
 }

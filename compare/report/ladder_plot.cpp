@@ -30,7 +30,7 @@ constexpr std::array looks{Look{"closed form", ink, MarkerShape::square, false},
 
 /// The first fidelity that a closed form can be held against; an input that is handed through has no gap and
 /// says nothing.
-const std::pair<std::string_view, Worst>* drawn_gap(const RungResult& result) {
+const std::pair<std::string_view, Worst>* drawn_gap(const LevelResult& result) {
     const auto found =
         std::ranges::find_if(result.gaps, [](const auto& gap) { return gap.second.value > 0.0; });
     return found == result.gaps.end() ? nullptr : &*found;
@@ -44,15 +44,15 @@ struct LevelPoint {
     std::string_view why_not = {};
 };
 
-LevelPoint point_of(const RungResult& result) {
+LevelPoint point_of(const LevelResult& result) {
     if (!result.was_run) return {.why_not = "not run"};
     if (!result.ended()) return {.why_not = status_name(result.status.code)};
     const auto at = [&](const Worst& worst, std::string_view what) {
-        return LevelPoint{worst.value, fmt::format("{}: {} {:.2g} ({}), {}", result.rung.name, what,
+        return LevelPoint{worst.value, fmt::format("{}: {} {:.2g} ({}), {}", result.level.name, what,
                                                    worst.value, worst.metric, time_text(result.wall_s))};
     };
     LevelPoint point;
-    if (result.rung.physics == Physics::other) {
+    if (result.level.physics == Physics::other) {
         if (result.effect)
             point = at(*result.effect, "differs from the scene as it is by");
         else if (const auto* gap = drawn_gap(result))
@@ -71,15 +71,15 @@ LevelPoint point_of(const RungResult& result) {
     return point;
 }
 
-void add_point(PlotSeries& series, const RungResult& result, const LevelPoint& point) {
+void add_point(PlotSeries& series, const LevelResult& result, const LevelPoint& point) {
     series.x.push_back(result.wall_s);
     series.y.push_back(point.y);
     // A cloud of two dozen: only those that matter have words, all have a title.
-    const bool named = result.rung.family != "rom, other methods" || result.on_front;
-    series.notes.push_back({point.what, named ? result.rung.label : "",
-                            result.rung.given ? 0
-                            : result.on_front ? 1
-                                              : 2});
+    const bool named = result.level.family != "rom, other methods" || result.on_front;
+    series.notes.push_back({point.what, named ? result.level.label : "",
+                            result.level.given ? 0
+                            : result.on_front  ? 1
+                                               : 2});
 }
 
 }  // namespace
@@ -112,8 +112,8 @@ std::string ladder_svg(const Ladder& ladder) {
                           .line = look.joined ? 1.2 : 0.0,
                           .marker = look.shape};
         PlotSeries references{.colour = look.colour, .line = 0.0, .marker = MarkerShape::cross};
-        for (const RungResult& result : ladder.rungs) {
-            if (result.rung.family != look.family) continue;
+        for (const LevelResult& result : ladder.levels) {
+            if (result.level.family != look.family) continue;
             const LevelPoint point = point_of(result);
             if (point.why_not.empty()) {
                 if (!point.is_reference) series.filled = point.filled;
@@ -121,7 +121,7 @@ std::string ladder_svg(const Ladder& ladder) {
                 continue;
             }
             if (missing++ == 0) plot.notes.insert(plot.notes.end(), {"", "not drawn"});
-            plot.notes.push_back("- " + result.rung.name);
+            plot.notes.push_back("- " + result.level.name);
             plot.notes.push_back(fmt::format("  ({})", point.why_not));
         }
         if (series.x.empty() && references.x.empty()) continue;

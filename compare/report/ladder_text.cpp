@@ -22,18 +22,18 @@ std::string worst_text(const std::optional<Worst>& worst) {
     return worst ? share_text(worst->value) : "-";
 }
 
-std::string status_text(const RungResult& result) {
+std::string status_text(const LevelResult& result) {
     if (!result.was_run) return "not run";
     if (result.is_reference) return "reference";
     const std::string status(status_name(result.status.code));
-    return result.rung.given ? status + ", as given" : status;
+    return result.level.given ? status + ", as given" : status;
 }
 
 std::string with_unit(double value, std::string_view unit) {
     return readable(value, 6) + (unit.empty() ? "" : " ") + std::string(unit);
 }
 
-std::string value_of(const RungMetric* metric) {
+std::string value_of(const LevelMetric* metric) {
     if (metric == nullptr) return "-";
     std::string text = with_unit(metric->value, metric->row->unit);
     if (metric->low != metric->high)
@@ -45,9 +45,9 @@ Table values_table(const Ladder& ladder) {
     Table table{{{"level"}, {"setting"}, {"shows"}}, {}};
     for (const std::string_view name : ladder.judged)
         table.columns.push_back({std::string(find_metric_row(name)->title), right});
-    for (const RungResult& result : ladder.rungs) {
+    for (const LevelResult& result : ladder.levels) {
         std::vector<Cell>& row = table.rows.emplace_back();
-        row = {result.rung.name, result.setting, result.rung.why};
+        row = {result.level.name, result.setting, result.level.why};
         for (const std::string_view name : ladder.judged)
             row.emplace_back(value_of(result.find(name)));
     }
@@ -56,9 +56,9 @@ Table values_table(const Ladder& ladder) {
 
 std::string failures_of(const Ladder& ladder, const char* prefix) {
     std::string text;
-    for (const RungResult& result : ladder.rungs)
+    for (const LevelResult& result : ladder.levels)
         if (!result.ended())
-            text += fmt::format("{}{}: {}{}{}\n", prefix, result.rung.name, status_text(result),
+            text += fmt::format("{}{}: {}{}{}\n", prefix, result.level.name, status_text(result),
                                 result.status.detail.empty() ? "" : ", ", clean_text(result.status.detail));
     return text;
 }
@@ -77,7 +77,7 @@ std::string test_text(const Ladder& ladder) {
 
 std::string seeds_text(const Ladder& ladder) {
     int seeds = 1;
-    for (const RungResult& result : ladder.rungs)
+    for (const LevelResult& result : ladder.levels)
         seeds = std::max(seeds, result.seeds);
     if (seeds == 1) return {};
     return fmt::format("Values of runs with noise are medians over {} seeds, with their range. ", seeds);
@@ -98,10 +98,10 @@ Table levels_table(const Ladder& ladder) {
         table.columns.push_back({fmt::format("gap to {}", fidelity), right});
     if (ladder.test) table.columns.push_back({"to test", right});
     table.columns.insert(table.columns.end(), {{"effect", right}, {"front"}, {"status"}});
-    for (const RungResult& result : ladder.rungs) {
+    for (const LevelResult& result : ladder.levels) {
         const bool counts = result.was_run && result.steps > 0;
         std::vector<Cell>& row = table.rows.emplace_back();
-        row = {result.rung.name,
+        row = {result.level.name,
                result.was_run ? time_text(result.wall_s) : "-",
                counts ? fmt::format("{}", result.steps) : "-",
                counts ? fmt::format("{}", result.rhs_calls) : "-",

@@ -10,7 +10,7 @@
 namespace twinchute {
 namespace {
 
-Verb made_up_verb() {
+Verb synthetic_verb() {
     return {"make",
             "make it up",
             "SCENE",
@@ -23,7 +23,7 @@ Verb made_up_verb() {
 
 std::string refusal(const std::vector<std::string>& words) {
     try {
-        parse_arguments(made_up_verb(), words);
+        parse_arguments(synthetic_verb(), words);
     } catch (const UsageError& error) {
         return error.what();
     }
@@ -38,14 +38,14 @@ int run(Verb verb, const std::vector<const char*>& words) {
 }
 
 int run_throwing(auto error) {
-    Verb verb = made_up_verb();
+    Verb verb = synthetic_verb();
     verb.run = [error](const Arguments&) -> ExitCode { throw error; };
     return run(verb, {"make", "a.toml"});
 }
 
 TEST(CliArguments, OptionsMayStandAnywhere) {
     const Arguments arguments = parse_arguments(
-        made_up_verb(), {"--set", "a=1", "scene.toml", "--json", "--set=b = 2", "--out", "dir"});
+        synthetic_verb(), {"--set", "a=1", "scene.toml", "--json", "--set=b = 2", "--out", "dir"});
     EXPECT_EQ(arguments.operand, "scene.toml");
     EXPECT_EQ(arguments.values("set"), (std::vector<std::string>{"a=1", "b = 2"}));
     EXPECT_EQ(arguments.value("out"), "dir");
@@ -78,13 +78,13 @@ TEST(CliArguments, RefusesWhatItCannotMean) {
 }
 
 TEST(CliProgram, ExitCodesAreTheDocumentedOnes) {
-    EXPECT_EQ(run(made_up_verb(), {"make", "a.toml"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {"make", "--help"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {"--version"}), 0);
-    EXPECT_EQ(run(made_up_verb(), {}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"mke"}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"--jsn"}), 2);
-    EXPECT_EQ(run(made_up_verb(), {"make"}), 2);
+    EXPECT_EQ(run(synthetic_verb(), {"make", "a.toml"}), 0);
+    EXPECT_EQ(run(synthetic_verb(), {"make", "--help"}), 0);
+    EXPECT_EQ(run(synthetic_verb(), {"--version"}), 0);
+    EXPECT_EQ(run(synthetic_verb(), {}), 2);
+    EXPECT_EQ(run(synthetic_verb(), {"mke"}), 2);
+    EXPECT_EQ(run(synthetic_verb(), {"--jsn"}), 2);
+    EXPECT_EQ(run(synthetic_verb(), {"make"}), 2);
     EXPECT_EQ(run_throwing(UsageError("no")), 2);
     EXPECT_EQ(run_throwing(WriteError("a", "full")), 4);
     EXPECT_EQ(run_throwing(std::runtime_error("surprise")), 3);
@@ -101,7 +101,7 @@ TEST(CliProgram, StatusesMapToExitCodes) {
 }
 
 TEST(CliProgram, HelpShowsEveryOptionAndTheExample) {
-    const std::string help = verb_help(made_up_verb());
+    const std::string help = verb_help(synthetic_verb());
     for (const char* text :
          {"--out DIR", "--set KEY=VALUE", "--json", "-h, --help", "twinchute make a.toml"}) {
         EXPECT_NE(help.find(text), std::string::npos) << text;

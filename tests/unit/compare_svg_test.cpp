@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "compare/render/plot.hpp"
+#include "compare/render/ticks.hpp"
 #include "compare/report/plots.hpp"
 #include "tests/support/compare_records.hpp"
 
@@ -89,7 +90,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
-    const std::string svg = force_svg(made_up_comparison());
+    const std::string svg = force_svg(synthetic_comparison());
     EXPECT_EQ(count(svg, "<path "), 2u);
     EXPECT_NE(svg.find("full: peak 5000 N at 1.50 s"), std::string::npos);
     EXPECT_NE(svg.find("rom: peak 4800 N at 1.45 s"), std::string::npos);
@@ -100,7 +101,7 @@ TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
 }
 
 TEST(CompareSvg, LargeForcesAreInKilonewtons) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     for (double& force : comparison.reference.channels[1].values)
         force *= 10;
     EXPECT_NE(force_svg(comparison).find("opening force [kN]"), std::string::npos);
@@ -144,7 +145,7 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
 }
 
 TEST(CompareSvg, WithoutDataItSaysSo) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.channels.clear();
     EXPECT_EQ(count(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
     comparison.candidate.channels.clear();
@@ -152,7 +153,7 @@ TEST(CompareSvg, WithoutDataItSaysSo) {
 }
 
 TEST(CompareSvg, EscapesWhatItIsGiven) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.scene.name = "<script>&\"";
     EXPECT_EQ(speed_svg(comparison).find("<script>"), std::string::npos);
 }

@@ -142,19 +142,19 @@ TEST(Keeper, RefusesWhatIsNotAskedFor) {
     EXPECT_NE(refusal(read_both, huge).find("ends too early"), std::string::npos);
 }
 
-Checkpoint made_up() {
+Checkpoint synthetic() {
     return {{"1.0 (abc), GNU, -O3", "full", "digest"},
             {{0.5, "fields/frame-000000.vtu", ".frame-000000.vtu.1-0.tmp", "sum"}},
             std::string("state\0with a zero", 17)};
 }
 
 TEST(Checkpoint, IsReadAsItWasWritten) {
-    const Checkpoint checkpoint = made_up();
+    const Checkpoint checkpoint = synthetic();
     EXPECT_EQ(read_checkpoint_bytes(checkpoint_bytes(checkpoint), "f"), checkpoint);
 }
 
 TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
-    const std::string bytes = checkpoint_bytes(made_up());
+    const std::string bytes = checkpoint_bytes(synthetic());
     const auto why_not = [](const std::string& text) {
         try {
             read_checkpoint_bytes(text, "f");
@@ -185,7 +185,7 @@ TEST(Checkpoint, IsRefusedWithAnyByteChangedOrCutOff) {
 }
 
 TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
-    const CheckpointOf wanted = made_up().of;
+    const CheckpointOf wanted = synthetic().of;
     require_same(wanted, wanted, "f");
     const auto why_not = [&](const CheckpointOf& found) {
         try {
@@ -212,9 +212,9 @@ TEST(Checkpoint, OfAnotherRunIsRefusedByWhatDiffers) {
 TEST(Checkpoint, IsKnownByItsBeginning) {
     const ScratchDir here;
     EXPECT_EQ(read_checkpoint(here.path()), std::nullopt);
-    here.write("checkpoint.bin", checkpoint_bytes(made_up()));
+    here.write("checkpoint.bin", checkpoint_bytes(synthetic()));
     EXPECT_TRUE(is_checkpoint(here / "checkpoint.bin"));
-    EXPECT_EQ(read_checkpoint(here.path()), made_up());
+    EXPECT_EQ(read_checkpoint(here.path()), synthetic());
     here.write("checkpoint.bin", "something else");
     EXPECT_FALSE(is_checkpoint(here / "checkpoint.bin"));
     EXPECT_THROW(read_checkpoint(here.path()), RecordError);
