@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "compare/histories.hpp"
-#include "compare/pieces.hpp"
+#include "compare/physics_effects.hpp"
 #include "compare/runs_at_once.hpp"
 #include "compare/snatch_state.hpp"
 
@@ -74,27 +74,27 @@ std::optional<double> less(const std::optional<double>& a, const std::optional<d
     return *a - *b;
 }
 
-/// Errands, and where their records will be.
+/// Jobs, and where their records will be.
 class Agenda {
 public:
     /// The number of its record.
     std::size_t add(const Fidelity& fidelity, Scene scene) {
         scene.full.fields_rate.reset();  // nobody looks at them here
-        errands_.push_back({&fidelity, std::move(scene)});
-        return errands_.size() - 1;
+        jobs_.push_back({&fidelity, std::move(scene)});
+        return jobs_.size() - 1;
     }
     void run(const AttributionOptions& options) {
-        records_ = run_errands(errands_, options.threads, options.stop, options.progress);
+        records_ = run_jobs(jobs_, options.threads, options.stop, options.progress);
     }
     const RunRecord& record(std::size_t number) const { return records_[number]; }
 
 private:
-    std::vector<Errand> errands_;
+    std::vector<RunJob> jobs_;
     std::vector<RunRecord> records_;
 };
 
 /// A scene that both models are sent to run.
-struct PairOfErrands {
+struct JobPair {
     std::size_t reference = 0, candidate = 0;
 };
 
@@ -113,12 +113,12 @@ public:
         if (!both_ended()) return std::move(attribution_);
         if (packed_ && !find_snatches()) return std::move(attribution_);
         const Scene flat = packed_ ? from_snatch(scene_, reference_snatch_) : scene_;
-        send_pieces(flat);
+        send_effects(flat);
         if (packed_) send_starts(flat);
         send_seeds();
         agenda_.run(options_);
         if (options_.stop.stop_requested()) {
-            note("the runs with pieces switched were interrupted: no part of the gap is attributed");
+            note("the runs with effects switched were interrupted: no part of the gap is attributed");
             return std::move(attribution_);
         }
         collect();
@@ -129,8 +129,8 @@ public:
 
 private:
     struct Switched {
-        const Piece* piece;
-        PairOfErrands errands;
+        const PhysicsEffect* effect;
+        JobPair jobs;
         Pair pair = {};
     };
 
@@ -150,7 +150,7 @@ private:
         const auto reference = snatch_state(comparison_.reference, scene_.release);
         const auto candidate = snatch_state(comparison_.candidate, scene_.release);
         if (!reference || !candidate) {
-            note(fmt::format("{} never came to snatch: no piece can be switched",
+            note(fmt::format("{} never came to snatch: no effect can be switched",
                              reference ? comparison_.candidate.fidelity : comparison_.reference.fidelity));
             return false;
         }
@@ -159,28 +159,29 @@ private:
         return true;
     }
 
-    PairOfErrands send(const Scene& scene) {
+    JobPair send(const Scene& scene) {
         return {agenda_.add(reference_, scene), agenda_.add(candidate_, scene)};
     }
 
     /// All off, each back alone, and all but the last.
-    void send_pieces(const Scene& flat) {
-        std::vector<const Piece*> there;
-        for (const Piece& piece : pieces())
-            if (piece.switching != Switching::never && piece.present(flat)) there.push_back(&piece);
+    void send_effects(const Scene& flat) {
+        std::vector<const PhysicsEffect*> there;
+        for (const PhysicsEffect& effect : physics_effects())
+            if (effect.switching != Switching::never && effect.present(flat)) there.push_back(&effect);
         const auto without = [&](auto&& leaves_out) {
             Scene scene = flat;
-            for (const Piece* piece : there)
-                if (leaves_out(*piece)) silence(*piece, scene);
+            for (const PhysicsEffect* effect : there)
+                if (leaves_out(*effect)) silence(*effect, scene);
             return scene;
         };
-        off_errands_ = send(without([](const Piece&) { return true; }));
-        for (const Piece* back : there)
+        off_jobs_ = send(without([](const PhysicsEffect&) { return true; }));
+        for (const PhysicsEffect* back : there)
             if (back->switching == Switching::alone)
-                switched_.push_back({back, send(without([&](const Piece& p) { return &p != back; }))});
-        for (const Piece* back : there)
+                switched_.push_back(
+                    {back, send(without([&](const PhysicsEffect& p) { return &p != back; }))});
+        for (const PhysicsEffect* back : there)
             if (back->switching == Switching::last)
-                last_ = {back, send(without([&](const Piece& p) { return &p == back; }))};
+                last_ = {back, send(without([&](const PhysicsEffect& p) { return &p == back; }))};
     }
 
     /// From the candidate's snatch, that with the reference's speed, and the reference's.
@@ -209,13 +210,13 @@ private:
         return {state.time, state.place - Vec3(0.0, 0.0, scene_.release.altitude)};
     }
 
-    Answer answer(std::size_t errand, const SnatchState& start, bool own_shape) const {
-        return {&agenda_.record(errand), before(start), own_shape};
+    Answer answer(std::size_t job, const SnatchState& start, bool own_shape) const {
+        return {&agenda_.record(job), before(start), own_shape};
     }
 
-    Pair pair(const PairOfErrands& errands, bool own_shape) const {
-        return {answer(errands.reference, reference_snatch_, own_shape),
-                answer(errands.candidate, reference_snatch_, own_shape)};
+    Pair pair(const JobPair& jobs, bool own_shape) const {
+        return {answer(jobs.reference, reference_snatch_, own_shape),
+                answer(jobs.candidate, reference_snatch_, own_shape)};
     }
 
     /// Says once which run is of no use, and why.
@@ -229,21 +230,21 @@ private:
     }
 
     void collect() {
-        off_ = pair(off_errands_, false);
-        mention(off_, "with every piece off");
+        off_ = pair(off_jobs_, false);
+        mention(off_, "with every effect off");
         for (Switched& row : switched_) {
-            row.pair = pair(row.errands, false);
-            mention(row.pair, row.piece->title);
+            row.pair = pair(row.jobs, false);
+            mention(row.pair, row.effect->title);
         }
-        if (last_.piece != nullptr) {
-            last_.pair = pair(last_.errands, false);
-            mention(last_.pair, last_.piece->title);
+        if (last_.effect != nullptr) {
+            last_.pair = pair(last_.jobs, false);
+            mention(last_.pair, last_.effect->title);
         }
         whole_ = packed_ ? pair(flat_, true)
                          : Pair{{&comparison_.reference, {}, true}, {&comparison_.candidate, {}, true}};
         if (packed_) mention(whole_, "from line stretch on");
-        std::erase_if(seeds_, [&](std::size_t errand) {
-            const RunRecord& record = agenda_.record(errand);
+        std::erase_if(seeds_, [&](std::size_t job) {
+            const RunRecord& record = agenda_.record(job);
             const bool useless = exit_code(record.status.code) != ExitCode::done;
             if (useless)
                 note(fmt::format("one of the seeds ended as {}: it is not in the scatter",
@@ -261,7 +262,7 @@ private:
         const bool from_line_stretch = gap_of(whole_, row).has_value();
         if (from_line_stretch) {
             if (packed_) add_start(found, row);
-            add_pieces(found, row);
+            add_effects(found, row);
             if (packed_) add_drawing_out(found, row);
         } else if (packed_) {
             found.terms.push_back({"deployment", "Deployment", found.reference - found.candidate,
@@ -278,10 +279,9 @@ private:
         attribution_.metrics.push_back(std::move(found));
     }
 
-    static void add(MetricAttribution& to, std::string_view piece, std::string_view title,
+    static void add(MetricAttribution& to, std::string_view name, std::string_view title,
                     const std::optional<double>& effect, std::string_view detail) {
-        if (effect)
-            to.terms.push_back({std::string(piece), std::string(title), *effect, std::string(detail)});
+        if (effect) to.terms.push_back({std::string(name), std::string(title), *effect, std::string(detail)});
     }
 
     /// What the candidate would say from the snatch of the reference.
@@ -298,16 +298,16 @@ private:
             "altitude, path and time of the snatch");
     }
 
-    void add_pieces(MetricAttribution& to, const MetricRow& row) {
+    void add_effects(MetricAttribution& to, const MetricRow& row) {
         const auto rest = gap_of(off_, row);
         add(to, "structure", "Structure", rest,
-            "what is left with every piece off: cloth and lines in motion, mesh, time step");
+            "what is left with every effect off: fabric and lines in motion, mesh, time step");
         for (const Switched& switched : switched_)
-            add(to, switched.piece->name, switched.piece->title, less(gap_of(switched.pair, row), rest),
-                switched.piece->detail);
-        if (last_.piece != nullptr)
-            add(to, last_.piece->name, last_.piece->title, less(gap_of(whole_, row), gap_of(last_.pair, row)),
-                last_.piece->detail);
+            add(to, switched.effect->name, switched.effect->title, less(gap_of(switched.pair, row), rest),
+                switched.effect->detail);
+        if (last_.effect != nullptr)
+            add(to, last_.effect->name, last_.effect->title,
+                less(gap_of(whole_, row), gap_of(last_.pair, row)), last_.effect->detail);
     }
 
     void add_drawing_out(MetricAttribution& to, const MetricRow& row) {
@@ -318,8 +318,8 @@ private:
     std::optional<double> scatter(const MetricRow& row) const {
         double low = *comparison_.reference.metric(row.key), high = low;
         if (seeds_.empty()) return {};
-        for (const std::size_t errand : seeds_) {
-            const auto value = agenda_.record(errand).metric(row.key);
+        for (const std::size_t job : seeds_) {
+            const auto value = agenda_.record(job).metric(row.key);
             if (!value || !std::isfinite(*value)) continue;
             low = std::min(low, *value);
             high = std::max(high, *value);
@@ -335,7 +335,7 @@ private:
     Attribution attribution_;
     Agenda agenda_;
     SnatchState reference_snatch_, candidate_snatch_;  // packed scenes
-    PairOfErrands off_errands_, flat_;
+    JobPair off_jobs_, flat_;
     std::vector<Switched> switched_;
     Switched last_{};
     std::size_t from_own_ = 0, from_own_at_speed_ = 0;

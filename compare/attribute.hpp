@@ -1,8 +1,8 @@
-// Which piece of physics makes which part of the gap: both models run again with pieces switched.
+// Which physics effect makes which part of the gap: both models run again with effects switched.
 //
-// First every piece is off in both models, and what is left between them is a term of its own. Then each
+// First every effect is off in both models, and what is left between them is a term of its own. Then each
 // comes back alone, in both models, and its effect is what that does to the difference between the two. The
-// canopy's own shape comes last, on top of all others. What no piece does alone is the interaction. A packed
+// canopy's own shape comes last, on top of all others. What no effect does alone is the interaction. A packed
 // scene has two more steps, between its own deployment and a start at line stretch.
 #pragma once
 

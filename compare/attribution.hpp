@@ -1,4 +1,4 @@
-// Which piece of physics makes which part of the gap: what `compare` found, and reports show.
+// Which physics effect makes which part of the gap: what `compare` found, and reports show.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace twinchute::compare {
 
-/// What one piece does to a metric when it alone is brought from the candidate's side to the reference's.
+/// What one effect does to a metric when it alone is brought from the candidate's side to the reference's.
 struct AttributionTerm {
-    std::string piece;   ///< as on the command line, e.g. "added-mass"
+    std::string name;    ///< as on the command line, e.g. "added-mass"
     std::string title;   ///< e.g. "Added mass"
     double effect = 0;   ///< in the metric's unit; positive: it raises the metric
     std::string detail;  ///< what was switched, in words; empty when the title says it
@@ -23,7 +23,7 @@ struct MetricAttribution {
     double candidate = 0;  ///< where the way begins
     double reference = 0;  ///< where it ends
     std::vector<AttributionTerm> terms;
-    double interaction = 0;  ///< what the pieces do only together
+    double interaction = 0;  ///< what the effects do only together
     /// Largest less smallest value of the reference over seeds; absent where the scene has no random numbers.
     /// A gap smaller than this is within the scatter.
     std::optional<double> scatter;

@@ -16,6 +16,7 @@
 
 #include "compare/attribute.hpp"
 #include "compare/baseline.hpp"
+#include "compare/drop_test_option.hpp"
 #include "compare/gap.hpp"
 #include "compare/ladder_beside.hpp"
 #include "compare/records.hpp"
@@ -24,7 +25,6 @@
 #include "compare/report/trend_text.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/series.hpp"
-#include "compare/test_option.hpp"
 #include "compare/tolerances.hpp"
 #include "compare/validate/parallel.hpp"
 #include "lib/cli/interrupt.hpp"
@@ -49,7 +49,7 @@ std::string with_trend(const std::string& gap, const std::optional<Trend>& trend
     return json_text(json);
 }
 
-/// --why, --seeds and --threads: of the runs with pieces switched.
+/// --why, --seeds and --threads: of the runs with effects switched.
 struct Why {
     bool asked = false;
     int seeds = AttributionOptions{}.seeds, threads = 1;
@@ -119,8 +119,8 @@ struct CaseOutcome {
 class Comparing {
 public:
     Comparing(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments,
-              const std::vector<Scene>& scenes, const Baseline& baseline, std::optional<TestHistories> test,
-              const Why& why, std::filesystem::path directory)
+              const std::vector<Scene>& scenes, const Baseline& baseline,
+              std::optional<DropTestHistories> test, const Why& why, std::filesystem::path directory)
         : reference_(reference),
           candidate_(candidate),
           arguments_(arguments),
@@ -169,7 +169,7 @@ public:
     }
 
 private:
-    /// Runs with pieces switched and threads of a run have their own ways to use the processors.
+    /// Runs with effects switched and threads of a run have their own ways to use the processors.
     int cases_at_once() const {
         if (scenes_.size() == 1 || why_.asked || arguments_.has("threads")) return 1;
         return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -273,7 +273,7 @@ private:
     const Arguments& arguments_;
     const std::vector<Scene>& scenes_;
     const Baseline& baseline_;
-    const std::optional<TestHistories> test_;
+    const std::optional<DropTestHistories> test_;
     const Why& why_;
     const std::filesystem::path directory_;
     const int threads_;
@@ -293,7 +293,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
         for (const Fidelity* fidelity : both)
             require_physics(scene, *fidelity, both);
     const Baseline baseline(arguments, scenes, reference, candidate);
-    std::optional<TestHistories> test = test_of(arguments);
+    std::optional<DropTestHistories> test = test_of(arguments);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;
@@ -314,12 +314,11 @@ Command compare_command(const Fidelity& reference, const Fidelity& candidate) {
     command.options = scene_options("write records and report there instead of ./<scene file>.out");
     std::vector<Option> own{
         tolerance_option(reference.name),
-        {"why", "",
-         "run both models again with pieces of physics switched: what makes which part of the gap"},
+        {"why", "", "run both models again with physics effects switched: what makes which part of the gap"},
         {"seeds", "N",
          fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
                      AttributionOptions{}.seeds)}};
-    own.push_back(test_option());
+    own.push_back(drop_test_option());
     const std::vector<Option> of_baseline = baseline_options();
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     command.options.insert(command.options.begin() + 1, own.begin(), own.end());

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "compare/attribution.hpp"
+#include "compare/drop_test_histories.hpp"
 #include "compare/histories.hpp"
 #include "compare/metrics.hpp"
-#include "compare/test_histories.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/frames.hpp"
 #include "lib/record/run_record.hpp"
@@ -79,7 +79,7 @@ struct Comparison {
     std::string reference_title, candidate_title;    ///< e.g. "reduced-order model"
     FidelityGap gap;
     std::optional<Attribution> attribution;  ///< where it was asked for
-    std::optional<TestHistories> test;       ///< where one was given
+    std::optional<DropTestHistories> test;   ///< where one was given
 };
 
 /// `tolerances`: by metric name; they replace the default of a row. A relative one is a share of

@@ -16,7 +16,7 @@ namespace {
 
 /// Runs shorter than this are repeated, since other work on the machine only ever adds to their time.
 constexpr double short_run = 0.2;       // [s]
-constexpr double repeating_time = 0.3;  // [s] of one rung in all
+constexpr double repeating_time = 0.3;  // [s] of one level in all
 constexpr int most_repeats = 20;
 /// A closed form is too quick for the clock: it is timed in batches.
 constexpr int batches = 7, batch_size = 2000;
@@ -27,33 +27,33 @@ double median(std::vector<double> values) {
     return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-std::optional<RungMetric> metric_of(const RunRecord& record, const MetricRow& row, std::string_view key) {
+std::optional<LevelMetric> metric_of(const RunRecord& record, const MetricRow& row, std::string_view key) {
     const Metric* metric = record.find_metric(key);
     if (metric == nullptr || !std::isfinite(metric->value)) return {};
-    RungMetric found;
+    LevelMetric found;
     found.row = &row;
     found.value = found.low = found.high = metric->value;
     found.standing = metric->standing;
     return found;
 }
 
-std::vector<RungMetric> metrics_of(const Rung& rung, const RunRecord& record) {
-    std::vector<RungMetric> metrics;
+std::vector<LevelMetric> metrics_of(const Level& level, const RunRecord& record) {
+    std::vector<LevelMetric> metrics;
     for (const MetricRow& row : metric_rows()) {
-        if (!rung.metric.empty() && rung.metric != row.name) continue;
-        if (auto metric = metric_of(record, row, rung.key.empty() ? row.key : rung.key))
+        if (!level.metric.empty() && level.metric != row.name) continue;
+        if (auto metric = metric_of(record, row, level.key.empty() ? row.key : level.key))
             metrics.push_back(std::move(*metric));
     }
     return metrics;
 }
 
-void answer(RungResult& result) {
-    const MetricRow* row = find_metric_row(result.rung.metric);
+void answer(LevelResult& result) {
+    const MetricRow* row = find_metric_row(result.level.metric);
     double sum = 0.0;
     for (int batch = 0; batch < batches; ++batch) {
         const Stopwatch watch;
         for (int i = 0; i < batch_size; ++i)
-            sum += result.rung.closed_form();
+            sum += result.level.closed_form();
         const double wall = watch.wall() / batch_size;
         result.wall_s = batch == 0 ? wall : std::min(result.wall_s, wall);
     }
@@ -65,13 +65,13 @@ void answer(RungResult& result) {
         result.status = {StatusCode::not_finite, "the closed form has no value here"};
         return;
     }
-    RungMetric metric;
+    LevelMetric metric;
     metric.row = row;
-    metric.value = metric.low = metric.high = result.rung.closed_form();
+    metric.value = metric.low = metric.high = result.level.closed_form();
     result.metrics.push_back(metric);
 }
 
-/// Runs the scene of a rung, again and again while that is quick; the time is the least.
+/// Runs the scene of a level, again and again while that is quick; the time is the least.
 RunRecord run_repeatedly(const Fidelity& fidelity, const Scene& scene, const RunOne& run, int& runs) {
     RunRecord record = run(fidelity, scene);
     ++runs;
@@ -88,42 +88,42 @@ RunRecord run_repeatedly(const Fidelity& fidelity, const Scene& scene, const Run
 }
 
 /// Median and range over the seeds of what every one of them has.
-void take_medians(RungResult& result, const std::vector<std::vector<RungMetric>>& of_seeds) {
-    for (const RungMetric& first : of_seeds.front()) {
+void take_medians(LevelResult& result, const std::vector<std::vector<LevelMetric>>& of_seeds) {
+    for (const LevelMetric& first : of_seeds.front()) {
         std::vector<double> values;
-        for (const std::vector<RungMetric>& metrics : of_seeds) {
-            const auto same = std::ranges::find(metrics, first.row, &RungMetric::row);
+        for (const std::vector<LevelMetric>& metrics : of_seeds) {
+            const auto same = std::ranges::find(metrics, first.row, &LevelMetric::row);
             if (same != metrics.end()) values.push_back(same->value);
         }
         if (values.size() != of_seeds.size()) continue;
-        RungMetric metric = first;
+        LevelMetric metric = first;
         std::tie(metric.low, metric.high) = std::pair(std::ranges::min(values), std::ranges::max(values));
         metric.value = median(std::move(values));
         result.metrics.push_back(std::move(metric));
     }
 }
 
-void run_rung(RungResult& result, const Scene& scene, const Fidelity& fidelity, const LadderOptions& options,
-              const RunOne& run) {
-    const Scene changed = scene_of(result.rung, scene);
+void run_level(LevelResult& result, const Scene& scene, const Fidelity& fidelity,
+               const LadderOptions& options, const RunOne& run) {
+    const Scene changed = scene_of(result.level, scene);
     // The reduced-order model has no noise: one seed says all.
-    const bool scatters = result.rung.fidelity == "full" && changed.full.noise &&
+    const bool scatters = result.level.fidelity == "full" && changed.full.noise &&
                           changed.parachutes.front().deploy.starts_packed();
     result.seeds = scatters ? options.seeds : 1;
     result.was_run = true;
     std::vector<double> walls;
-    std::vector<std::vector<RungMetric>> of_seeds;
+    std::vector<std::vector<LevelMetric>> of_seeds;
     for (int i = 0; i < result.seeds; ++i) {
         const std::optional<std::uint64_t> seed =
             scatters ? std::optional(changed.full.noise->seed + static_cast<std::uint64_t>(i)) : std::nullopt;
         const RunRecord record =
-            run_repeatedly(fidelity, scene_of(result.rung, scene, seed), run, result.runs);
+            run_repeatedly(fidelity, scene_of(result.level, scene, seed), run, result.runs);
         walls.push_back(record.cost.wall_s);
         if (i == 0 || twinchute::exit_code(record.status.code) != ExitCode::done)
             result.status = record.status;
         result.steps = std::max(result.steps, record.cost.steps);
         result.rhs_calls = std::max(result.rhs_calls, record.cost.rhs_calls);
-        of_seeds.push_back(metrics_of(result.rung, record));
+        of_seeds.push_back(metrics_of(result.level, record));
         // What a run that broke off says of a maximum or a time is not that maximum or time.
         if (!result.ended()) break;
     }
@@ -146,21 +146,21 @@ Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, co
         ladder.fidelities.push_back(fidelity->name);
 
     bool interrupted = false;
-    for (Rung& rung : ladder_rungs(scene)) {
-        const auto fidelity = std::ranges::find(fidelities, rung.fidelity, &Fidelity::name);
-        if (!rung.closed_form && fidelity == fidelities.end()) continue;
-        if (options.quick && rung.cost > quick_cost * (1 + 1e-9)) continue;
-        RungResult result;
-        result.setting = setting_of(rung, scene);
-        result.rung = std::move(rung);
+    for (Level& level : ladder_levels(scene)) {
+        const auto fidelity = std::ranges::find(fidelities, level.fidelity, &Fidelity::name);
+        if (!level.closed_form && fidelity == fidelities.end()) continue;
+        if (options.quick && level.cost > quick_cost * (1 + 1e-9)) continue;
+        LevelResult result;
+        result.setting = setting_of(level, scene);
+        result.level = std::move(level);
         if (interrupted)
             result.status = {StatusCode::interrupted, "not run: the ladder was interrupted before"};
-        else if (result.rung.closed_form)
+        else if (result.level.closed_form)
             answer(result);
         else
-            run_rung(result, scene, **fidelity, options, run);
+            run_level(result, scene, **fidelity, options, run);
         interrupted = interrupted || result.status.code == StatusCode::interrupted;
-        ladder.rungs.push_back(std::move(result));
+        ladder.levels.push_back(std::move(result));
     }
     evaluate(ladder, scene);
     return ladder;

@@ -87,7 +87,7 @@ Command ladder_command(std::vector<const Fidelity*> fidelities) {
         {"quick", "",
          fmt::format("leave out what costs more than {:g} runs of the scene as it is", quick_cost)},
         {"reference", "FILE.csv",
-         "what a test measured: how far each rung is from it, beside errors and gaps"},
+         "what a test measured: how far each level is from it, beside errors and gaps"},
         {"seeds", "N", "runs with noise of a packed start: medians over N seeds, 3 unless given"}};
     if (std::ranges::any_of(fidelities, &Fidelity::has_threads)) own.push_back(threads_option());
     command.options.insert(at, own.begin(), own.end());

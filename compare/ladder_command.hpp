@@ -8,7 +8,7 @@
 
 namespace twinchute::compare {
 
-/// The rungs of these fidelities, the cheapest first. The rows must outlive the command.
+/// The levels of these fidelities, the cheapest first. The rows must outlive the command.
 Command ladder_command(std::vector<const Fidelity*> fidelities);
 
 }  // namespace twinchute::compare

@@ -1,4 +1,4 @@
-// What the rungs of a ladder are held against, and how far from it they are.
+// What the levels of a ladder are held against, and how far from it they are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,13 +18,13 @@ std::optional<double> relative(double value, double reference) {
     return distance;
 }
 
-/// The rungs of a sequence that have a metric, coarsest first; no sequence gives nothing.
-std::vector<RungResult*> sequence_of(Ladder& ladder, std::string_view fidelity, std::string_view sequence,
-                                     const MetricRow& row) {
-    std::vector<RungResult*> found;
-    for (RungResult& result : ladder.rungs) {
-        const bool member = !sequence.empty() && result.rung.sequence == sequence;
-        if (member && result.rung.fidelity == fidelity && result.ended() && result.find(row.name) != nullptr)
+/// The levels of a sequence that have a metric, coarsest first; no sequence gives nothing.
+std::vector<LevelResult*> sequence_of(Ladder& ladder, std::string_view fidelity, std::string_view sequence,
+                                      const MetricRow& row) {
+    std::vector<LevelResult*> found;
+    for (LevelResult& result : ladder.levels) {
+        const bool member = !sequence.empty() && result.level.sequence == sequence;
+        if (member && result.level.fidelity == fidelity && result.ended() && result.find(row.name) != nullptr)
             found.push_back(&result);
     }
     return found;
@@ -32,36 +32,36 @@ std::vector<RungResult*> sequence_of(Ladder& ladder, std::string_view fidelity, 
 
 /// The sequence that leads to a fidelity's reference: the one that the scene as it is belongs to.
 std::string_view main_sequence(const Ladder& ladder, std::string_view fidelity) {
-    for (const RungResult& result : ladder.rungs)
-        if (result.rung.fidelity == fidelity && result.rung.given) return result.rung.sequence;
+    for (const LevelResult& result : ladder.levels)
+        if (result.level.fidelity == fidelity && result.level.given) return result.level.sequence;
     return {};
 }
 
 std::optional<LadderReference> reference_of(Ladder& ladder, std::string_view fidelity, const MetricRow& row,
                                             const Scene& scene) {
     const std::string_view sequence = main_sequence(ladder, fidelity);
-    const std::vector<RungResult*> rungs = sequence_of(ladder, fidelity, sequence, row);
-    if (rungs.empty()) return {};
-    const RungResult& finest = *rungs.back();
-    const RungMetric& metric = *finest.find(row.name);
-    LadderReference reference{fidelity,        &row, metric.value, metric.standing, finest.rung.name,
-                              finest.rung.name};
+    const std::vector<LevelResult*> levels = sequence_of(ladder, fidelity, sequence, row);
+    if (levels.empty()) return {};
+    const LevelResult& finest = *levels.back();
+    const LevelMetric& metric = *finest.find(row.name);
+    LadderReference reference{fidelity,         &row, metric.value, metric.standing, finest.level.name,
+                              finest.level.name};
     if (sequence != "mesh") return reference;
-    if (rungs.size() < 3) {
+    if (levels.size() < 3) {
         reference.how += " (fewer than three meshes)";
         return reference;
     }
     std::array<double, 3> size{}, value{};
     std::string names;
     for (std::size_t i = 0; i < 3; ++i) {
-        const RungResult& rung = *rungs[rungs.size() - 3 + i];
-        size[i] = mesh_size(scene_of(rung.rung, scene));
-        value[i] = rung.find(row.name)->value;
-        names += fmt::format("{}{}", i == 0 ? "" : ", ", rung.rung.label);
+        const LevelResult& level = *levels[levels.size() - 3 + i];
+        size[i] = mesh_size(scene_of(level.level, scene));
+        value[i] = level.find(row.name)->value;
+        names += fmt::format("{}{}", i == 0 ? "" : ", ", level.level.label);
     }
     if (const auto exact = richardson(size, value)) {
         reference.value = exact->value;
-        reference.rung.clear();
+        reference.level.clear();
         reference.how =
             fmt::format("Richardson extrapolation of {}, observed order {:.2g}", names, exact->order);
     } else {
@@ -77,28 +77,28 @@ const LadderReference* find_reference(const Ladder& ladder, std::string_view fid
     return found == ladder.references.end() ? nullptr : &*found;
 }
 
-const RungResult* given_rung(const Ladder& ladder, std::string_view fidelity) {
-    const auto found = std::ranges::find_if(ladder.rungs, [&](const RungResult& r) {
-        return r.rung.given && r.rung.fidelity == fidelity && r.ended();
+const LevelResult* given_level(const Ladder& ladder, std::string_view fidelity) {
+    const auto found = std::ranges::find_if(ladder.levels, [&](const LevelResult& r) {
+        return r.level.given && r.level.fidelity == fidelity && r.ended();
     });
-    return found == ladder.rungs.end() ? nullptr : &*found;
+    return found == ladder.levels.end() ? nullptr : &*found;
 }
 
-void add_errors(const Ladder& ladder, RungResult& result) {
-    if (result.rung.physics == Physics::other) return;
-    for (RungMetric& metric : result.metrics) {
-        const LadderReference* reference = find_reference(ladder, result.rung.fidelity, metric.row);
-        if (reference == nullptr || reference->rung == result.rung.name) continue;
+void add_errors(const Ladder& ladder, LevelResult& result) {
+    if (result.level.physics == Physics::other) return;
+    for (LevelMetric& metric : result.metrics) {
+        const LadderReference* reference = find_reference(ladder, result.level.fidelity, metric.row);
+        if (reference == nullptr || reference->level == result.level.name) continue;
         metric.error = relative(metric.value, reference->value);
     }
 }
 
 /// To the references of the other fidelities; a closed form has none of its own.
-void add_gaps(const Ladder& ladder, RungResult& result) {
-    const bool closed = !result.rung.metric.empty();
-    for (RungMetric& metric : result.metrics) {
+void add_gaps(const Ladder& ladder, LevelResult& result) {
+    const bool closed = !result.level.metric.empty();
+    for (LevelMetric& metric : result.metrics) {
         for (const std::string_view fidelity : ladder.fidelities) {
-            if (!closed && fidelity == result.rung.fidelity) continue;
+            if (!closed && fidelity == result.level.fidelity) continue;
             const LadderReference* reference = find_reference(ladder, fidelity, metric.row);
             if (reference == nullptr) continue;
             if (const auto gap = relative(metric.value, reference->value))
@@ -107,19 +107,19 @@ void add_gaps(const Ladder& ladder, RungResult& result) {
     }
 }
 
-void add_effects(const Ladder& ladder, RungResult& result) {
-    if (result.rung.physics == Physics::same || !result.rung.metric.empty()) return;
-    const RungResult* given = given_rung(ladder, result.rung.fidelity);
+void add_effects(const Ladder& ladder, LevelResult& result) {
+    if (result.level.physics == Physics::same || !result.level.metric.empty()) return;
+    const LevelResult* given = given_level(ladder, result.level.fidelity);
     if (given == nullptr) return;
-    for (RungMetric& metric : result.metrics)
-        if (const RungMetric* complete = given->find(metric.row->name))
+    for (LevelMetric& metric : result.metrics)
+        if (const LevelMetric* complete = given->find(metric.row->name))
             metric.effect = relative(metric.value, complete->value);
 }
 
-/// Closed forms and rungs without a piece as well: a test knows of no model.
-void add_distances_to_test(const Ladder& ladder, RungResult& result) {
+/// Closed forms and levels without a physics effect as well: a test knows of no model.
+void add_distances_to_test(const Ladder& ladder, LevelResult& result) {
     if (!ladder.test) return;
-    for (RungMetric& metric : result.metrics) {
+    for (LevelMetric& metric : result.metrics) {
         const auto measured = std::ranges::find(ladder.test->values, metric.row, &TestValue::row);
         if (measured == ladder.test->values.end()) continue;
         metric.to_test = relative(metric.value, measured->value);
@@ -131,18 +131,18 @@ void add_distances_to_test(const Ladder& ladder, RungResult& result) {
 void add_estimates(Ladder& ladder, const MetricRow& row) {
     for (const std::string_view fidelity : ladder.fidelities) {
         for (const std::string_view sequence : {"tolerance", "mesh", "time step"}) {
-            std::vector<RungResult*> rungs = sequence_of(ladder, fidelity, sequence, row);
+            std::vector<LevelResult*> levels = sequence_of(ladder, fidelity, sequence, row);
             // The longest step is that of the scene as it is.
-            if (sequence == "time step" && !rungs.empty())
-                for (RungResult& result : ladder.rungs)
-                    if (result.rung.given && result.rung.fidelity == fidelity &&
+            if (sequence == "time step" && !levels.empty())
+                for (LevelResult& result : ladder.levels)
+                    if (result.level.given && result.level.fidelity == fidelity &&
                         result.find(row.name) != nullptr)
-                        rungs.insert(rungs.begin(), &result);
-            for (std::size_t i = 0; i < rungs.size() && rungs.size() > 1; ++i) {
-                if (rungs[i]->rung.sequence != sequence) continue;
-                const std::size_t other = i + 1 < rungs.size() ? i + 1 : i - 1;
-                RungMetric& metric = *rungs[i]->find(row.name);
-                metric.estimate = relative(metric.value, rungs[other]->find(row.name)->value);
+                        levels.insert(levels.begin(), &result);
+            for (std::size_t i = 0; i < levels.size() && levels.size() > 1; ++i) {
+                if (levels[i]->level.sequence != sequence) continue;
+                const std::size_t other = i + 1 < levels.size() ? i + 1 : i - 1;
+                LevelMetric& metric = *levels[i]->find(row.name);
+                metric.estimate = relative(metric.value, levels[other]->find(row.name)->value);
             }
         }
     }
@@ -152,12 +152,12 @@ void take(std::optional<Worst>& worst, double value, std::string_view metric) {
     if (!worst || value > worst->value) worst = Worst{value, metric};
 }
 
-/// What sums up a rung is its largest distance in what the ladder is judged by; an input of the model has no
+/// What sums up a level is its largest distance in what the ladder is judged by; an input of the model has no
 /// error.
-void sum_up(const Ladder& ladder, RungResult& result) {
-    for (const RungMetric& metric : result.metrics) {
+void sum_up(const Ladder& ladder, LevelResult& result) {
+    for (const LevelMetric& metric : result.metrics) {
         const bool judged = std::ranges::count(ladder.judged, metric.row->name) > 0;
-        if (!judged && result.rung.metric.empty()) continue;
+        if (!judged && result.level.metric.empty()) continue;
         for (const LadderGap& gap : metric.gaps) {
             auto at = std::ranges::find_if(result.gaps, [&](const auto& g) { return g.first == gap.to; });
             if (at == result.gaps.end())
@@ -169,10 +169,10 @@ void sum_up(const Ladder& ladder, RungResult& result) {
         if (metric.standing == Standing::input) continue;
         if (metric.error) take(result.error, *metric.error, metric.row->name);
         if (metric.estimate) take(result.estimate, *metric.estimate, metric.row->name);
-        const LadderReference* reference = find_reference(ladder, result.rung.fidelity, metric.row);
-        if (reference != nullptr && reference->rung == result.rung.name) result.is_reference = true;
+        const LadderReference* reference = find_reference(ladder, result.level.fidelity, metric.row);
+        if (reference != nullptr && reference->level == result.level.name) result.is_reference = true;
     }
-    // An error of some metrics only would flatter the rung that is the reference in the others.
+    // An error of some metrics only would flatter the level that is the reference in the others.
     if (result.is_reference) result.error.reset();
 }
 
@@ -192,16 +192,16 @@ void choose_judged(Ladder& ladder) {
 
 void mark_fronts(Ladder& ladder) {
     for (const std::string_view fidelity : ladder.fidelities) {
-        std::vector<RungResult*> rungs;
+        std::vector<LevelResult*> levels;
         std::vector<CostAndError> points;
-        for (RungResult& result : ladder.rungs) {
-            if (result.rung.fidelity != fidelity || !result.error) continue;
-            rungs.push_back(&result);
+        for (LevelResult& result : ladder.levels) {
+            if (result.level.fidelity != fidelity || !result.error) continue;
+            levels.push_back(&result);
             points.push_back({result.wall_s, result.error->value});
         }
         const std::vector<bool> front = pareto_front(points);
-        for (std::size_t i = 0; i < rungs.size(); ++i)
-            rungs[i]->on_front = front[i];
+        for (std::size_t i = 0; i < levels.size(); ++i)
+            levels[i]->on_front = front[i];
     }
 }
 
@@ -215,7 +215,7 @@ void evaluate(Ladder& ladder, const Scene& scene) {
     choose_judged(ladder);
     for (const MetricRow& row : metric_rows())
         add_estimates(ladder, row);
-    for (RungResult& result : ladder.rungs) {
+    for (LevelResult& result : ladder.levels) {
         add_errors(ladder, result);
         add_gaps(ladder, result);
         add_effects(ladder, result);

@@ -1,4 +1,4 @@
-// What the rungs of a ladder say together; it needs nothing that runs them.
+// What the levels of a ladder say together; it needs nothing that runs them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,32 +8,32 @@
 
 namespace twinchute::compare {
 
-const RungMetric* RungResult::find(std::string_view metric) const {
+const LevelMetric* LevelResult::find(std::string_view metric) const {
     const auto found =
-        std::ranges::find_if(metrics, [&](const RungMetric& m) { return m.row->name == metric; });
+        std::ranges::find_if(metrics, [&](const LevelMetric& m) { return m.row->name == metric; });
     return found == metrics.end() ? nullptr : &*found;
 }
 
-RungMetric* RungResult::find(std::string_view metric) {
+LevelMetric* LevelResult::find(std::string_view metric) {
     const auto found =
-        std::ranges::find_if(metrics, [&](const RungMetric& m) { return m.row->name == metric; });
+        std::ranges::find_if(metrics, [&](const LevelMetric& m) { return m.row->name == metric; });
     return found == metrics.end() ? nullptr : &*found;
 }
 
-std::optional<Worst> RungResult::gap_to(std::string_view fidelity) const {
+std::optional<Worst> LevelResult::gap_to(std::string_view fidelity) const {
     const auto found = std::ranges::find_if(gaps, [&](const auto& gap) { return gap.first == fidelity; });
     if (found == gaps.end()) return {};
     return found->second;
 }
 
-bool RungResult::ended() const {
+bool LevelResult::ended() const {
     return was_run && twinchute::exit_code(status.code) == ExitCode::done;
 }
 
-const RungResult* cheapest(const Ladder& ladder, std::string_view fidelity, double wanted) {
-    const RungResult* best = nullptr;
-    for (const RungResult& result : ladder.rungs) {
-        if (result.rung.fidelity != fidelity || !result.error || result.error->value > wanted) continue;
+const LevelResult* cheapest(const Ladder& ladder, std::string_view fidelity, double wanted) {
+    const LevelResult* best = nullptr;
+    for (const LevelResult& result : ladder.levels) {
+        if (result.level.fidelity != fidelity || !result.error || result.error->value > wanted) continue;
         if (best == nullptr || result.wall_s < best->wall_s) best = &result;
     }
     return best;
@@ -45,10 +45,10 @@ std::string advice(const Ladder& ladder) {
         text += fmt::format(" for {}", word);
         const char* separator = " ";
         for (const std::string_view fidelity : ladder.fidelities) {
-            const RungResult* rung = cheapest(ladder, fidelity, wanted);
+            const LevelResult* level = cheapest(ladder, fidelity, wanted);
             text += separator;
-            text += rung == nullptr ? fmt::format("no rung of {}", fidelity)
-                                    : fmt::format("{} ({})", rung->rung.name, time_text(rung->wall_s));
+            text += level == nullptr ? fmt::format("no level of {}", fidelity)
+                                     : fmt::format("{} ({})", level->level.name, time_text(level->wall_s));
             separator = " or ";
         }
         text += ";";
@@ -60,9 +60,9 @@ std::string advice(const Ladder& ladder) {
 
 ExitCode exit_code(const Ladder& ladder) {
     ExitCode code = ExitCode::done;
-    for (const RungResult& result : ladder.rungs) {
+    for (const LevelResult& result : ladder.levels) {
         if (result.status.code == StatusCode::interrupted) return ExitCode::interrupted;
-        if (result.rung.given && !result.ended()) code = twinchute::exit_code(result.status.code);
+        if (result.level.given && !result.ended()) code = twinchute::exit_code(result.status.code);
     }
     return code;
 }

@@ -10,10 +10,10 @@
 #include <string_view>
 
 #include "compare/metrics.hpp"
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/render/table.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/record/metric_key.hpp"
-#include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -49,35 +49,21 @@ std::string cell_of(const RecordRow& row, const std::string& key) {
     return value ? readable(*value) : "-";
 }
 
-std::string title_of(const std::string& key) {
-    const auto [name, unit] = split_metric_key(key);
-    return metric_words(key) + (unit.empty() ? "" : fmt::format(" [{}]", unit));
-}
-
 Table table_of(const std::vector<RecordRow>& rows, const std::vector<std::string>& keys, bool with_scene) {
-    Table table;
-    table.header = {"record", "fidelity", "status"};
-    if (with_scene) table.header.insert(table.header.begin() + 1, "scene");
-    table.right.assign(table.header.size(), false);
-    for (const std::string& key : keys) {
-        table.header.push_back(title_of(key));
-        table.right.push_back(true);
-    }
-    table.header.emplace_back("time");
-    table.right.push_back(true);
+    Table table{{{"record"}, {"fidelity"}, {"status"}}, {}};
+    if (with_scene) table.columns.insert(table.columns.begin() + 1, {"scene"});
+    for (const std::string& key : keys)
+        table.columns.push_back({metric_words(key), Align::right, std::string(split_metric_key(key).unit)});
+    table.columns.push_back({"time", Align::right});
     for (const RecordRow& row : rows) {
-        std::vector<std::string> cells{row.place, row.fidelity, row.status};
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells = {row.place, row.fidelity, row.status};
         if (with_scene) cells.insert(cells.begin() + 1, row.scene);
         for (const std::string& key : keys)
-            cells.push_back(cell_of(row, key));
-        cells.push_back(time_text(row.wall_s));
-        table.rows.push_back(std::move(cells));
+            cells.emplace_back(cell_of(row, key));
+        cells.emplace_back(time_text(row.wall_s));
     }
     return table;
-}
-
-std::string number_field(std::optional<double> value) {
-    return value ? fmt::format("{}", *value) : std::string();
 }
 
 }  // namespace
@@ -99,48 +85,32 @@ std::string records_terminal(const std::vector<RecordRow>& rows, const Style& st
     for (const std::string_view key : brief)
         if (std::ranges::any_of(rows, [&](const RecordRow& row) { return value_of(row, key).has_value(); }))
             keys.emplace_back(key);
-    Table table = table_of(rows, keys, false);
-    for (auto& cells : table.rows)
-        for (std::string& cell : cells)
-            cell = printable(cell);
-    return aligned(table, style);
+    return terminal_table(table_of(rows, keys, false), style);
 }
 
 std::string records_markdown(const std::vector<RecordRow>& rows) {
-    const Table table = table_of(rows, keys_of(rows), true);
-    const auto line = [](const std::vector<std::string>& cells) {
-        std::string text = "|";
-        for (const std::string& cell : cells)
-            text += " " + markdown_text(cell) + " |";
-        return text + "\n";
-    };
-    std::string text = fmt::format("# {} records\n\n", rows.size()) + line(table.header) + "|";
-    for (const bool right : table.right)
-        text += right ? " ---: |" : " --- |";
-    text += "\n";
-    for (const auto& cells : table.rows)
-        text += line(cells);
-    return text + "\nA metric that a record lacks is '-'.\n";
+    return fmt::format("# {} records\n\n{}\nA metric that a record lacks is '-'.\n", rows.size(),
+                       markdown_table(table_of(rows, keys_of(rows), true)));
 }
 
 std::string records_csv(const std::vector<RecordRow>& rows) {
     const std::vector<std::string> keys = keys_of(rows);
-    std::string names = "record,scene,fidelity,status", units = "-,-,-,-";
+    Table table;
+    for (const char* name : {"record", "scene", "fidelity", "status"})
+        table.columns.push_back({name, Align::left, "-"});
     for (const std::string& key : keys) {
         const auto [name, unit] = split_metric_key(key);
-        names += "," + csv_field(name);
-        units += "," + (unit.empty() ? "1" : csv_field(unit));
+        table.columns.push_back({std::string(name), Align::left, unit.empty() ? "1" : std::string(unit)});
     }
-    std::string text = names + ",wall_time\n" + units + ",s\n";
+    table.columns.push_back({"wall_time", Align::left, "s"});
     for (const RecordRow& row : rows) {
-        for (const std::string* field : {&row.place, &row.scene, &row.fidelity})
-            text += csv_field(clean_text(*field)) + ",";
-        text += row.status;
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells = {clean_text(row.place), clean_text(row.scene), clean_text(row.fidelity), row.status};
         for (const std::string& key : keys)
-            text += "," + number_field(value_of(row, key));
-        text += "," + (std::isfinite(row.wall_s) ? fmt::format("{}", row.wall_s) : "") + "\n";
+            cells.emplace_back(exact(value_of(row, key)));
+        cells.emplace_back(exact(row.wall_s));
     }
-    return text;
+    return csv_table(table);
 }
 
 std::string records_json(const std::vector<RecordRow>& rows) {

@@ -9,13 +9,13 @@
 #include <system_error>
 #include <utility>
 
+#include "compare/drop_test_option.hpp"
 #include "compare/gap.hpp"
 #include "compare/record_table.hpp"
 #include "compare/records.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
-#include "compare/test_option.hpp"
 #include "compare/tolerances.hpp"
 #include "compare/trend.hpp"
 #include "lib/cli/output_dir.hpp"
@@ -71,7 +71,7 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
 
 Comparison comparison_of(const fs::path& place, const Fidelity& reference, const Fidelity& candidate,
                          const std::map<std::string, Tolerance>& asked,
-                         const std::optional<TestHistories>& test) {
+                         const std::optional<DropTestHistories>& test) {
     Comparison comparison;
     comparison.test = test;
     comparison.reference_title = reference.title;
@@ -117,7 +117,7 @@ std::vector<Place> places_of(const Arguments& arguments, const Fidelity& referen
 }
 
 /// What is said of all places together.
-struct Told {
+struct Summary {
     ExitCode code = ExitCode::done;
     std::vector<RecordRow> rows;
     std::vector<std::string> json;
@@ -125,18 +125,18 @@ struct Told {
     std::string last_text;  ///< of the only comparison, where there is one
 };
 
-void tell(Told& told, const Comparison& comparison, const LadderBeside& beside, const fs::path& place,
-          bool alone) {
+void add_to(Summary& summary, const Comparison& comparison, const LadderBeside& beside, const fs::path& place,
+            bool alone) {
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
-        told.rows.push_back(record_row(*side, place.string()));
-    told.code = gravest(told.code, exit_code(comparison));
-    told.json.push_back(gap_json(comparison));
-    told.verdicts +=
+        summary.rows.push_back(record_row(*side, place.string()));
+    summary.code = gravest(summary.code, exit_code(comparison));
+    summary.json.push_back(gap_json(comparison));
+    summary.verdicts +=
         fmt::format("verdict   {}: {}\n", printable(place.string()), printable(verdict_line(comparison)));
-    if (!beside.why_not.empty()) told.verdicts += ladder_line(beside, place);
+    if (!beside.why_not.empty()) summary.verdicts += ladder_line(beside, place);
     if (alone)
-        told.last_text = terminal_text(comparison, output_style()) + ladder_line(beside, place) +
-                         fmt::format("report    {}\n", printable((place / "report.html").string()));
+        summary.last_text = terminal_text(comparison, output_style()) + ladder_line(beside, place) +
+                            fmt::format("report    {}\n", printable((place / "report.html").string()));
 }
 
 std::string joined(const std::vector<std::string>& texts) {
@@ -152,7 +152,7 @@ void add_table(FileBatch& batch, const std::vector<RecordRow>& rows, const fs::p
 
 ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
     const std::map<std::string, Tolerance> asked = read_tolerances(tolerance_overrides(arguments));
-    const std::optional<TestHistories> test = test_of(arguments);
+    const std::optional<DropTestHistories> test = test_of(arguments);
     const std::optional<std::string> out = arguments.value("out");
     if (out) check_output_dir(*out);
     const std::vector<Place> places = places_of(arguments, reference, candidate);
@@ -160,13 +160,13 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
     const bool one = places.size() == 1 && places.front().directory == arguments.operand;
     const std::array<std::string_view, 2> fidelities{candidate.name, reference.name};
     FileBatch batch;  // all of them or none
-    Told told;
+    Summary summary;
     for (const Place& place : places) {
         if (!place.comparison) {
             const RunRecord record = read_record(place.directory);
-            told.rows.push_back(record_row(record, place.directory.string()));
-            told.code = gravest(told.code, twinchute::exit_code(record.status.code));
-            told.json.push_back(summary_json(record));
+            summary.rows.push_back(record_row(record, place.directory.string()));
+            summary.code = gravest(summary.code, twinchute::exit_code(record.status.code));
+            summary.json.push_back(summary_json(record));
             continue;
         }
         const Comparison comparison = comparison_of(place.directory, reference, candidate, asked, test);
@@ -175,17 +175,18 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
             beside = ladder_beside(place.directory, comparison.reference, fidelities);
             add_gap_files(batch, comparison, place.directory, beside);
         }
-        tell(told, comparison, beside, place.directory, alone);
+        add_to(summary, comparison, beside, place.directory, alone);
     }
-    if (out) add_table(batch, told.rows, *out);
+    if (out) add_table(batch, summary.rows, *out);
     batch.commit();
     if (arguments.has("json")) {
-        print(one ? told.json.front() : joined(told.json));
+        print(one ? summary.json.front() : joined(summary.json));
     } else if (!arguments.has("quiet")) {
-        print(alone ? told.last_text : records_terminal(told.rows, output_style()) + "\n" + told.verdicts);
+        print(alone ? summary.last_text
+                    : records_terminal(summary.rows, output_style()) + "\n" + summary.verdicts);
         if (out) print(fmt::format("report    {}\n", printable((fs::path(*out) / "report.md").string())));
     }
-    return told.code;
+    return summary.code;
 }
 
 }  // namespace
@@ -197,7 +198,7 @@ Command report_command(const Fidelity& reference, const Fidelity& candidate) {
     command.operand = "DIR...";
     command.example = "twinchute report c9-inflation.out";
     command.options = {tolerance_option(reference.name),
-                       test_option(),
+                       drop_test_option(),
                        {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
                        {"json", "", "print the gap as JSON and nothing else"},
                        {"quiet", "", "print nothing but errors"}};

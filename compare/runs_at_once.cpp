@@ -42,20 +42,20 @@ private:
 
 }  // namespace
 
-std::vector<RunRecord> run_errands(std::span<const Errand> errands, int threads, const std::stop_token& stop,
-                                   const std::function<void(const Progress&)>& progress) {
-    std::vector<RunRecord> records(errands.size());
-    std::vector<std::exception_ptr> thrown(errands.size());
-    Together together(errands.size(), progress);
+std::vector<RunRecord> run_jobs(std::span<const RunJob> jobs, int threads, const std::stop_token& stop,
+                                const std::function<void(const Progress&)>& progress) {
+    std::vector<RunRecord> records(jobs.size());
+    std::vector<std::exception_ptr> thrown(jobs.size());
+    Together together(jobs.size(), progress);
     std::vector<const Fidelity*> all;  // that may fly the rest of a fall
-    for (const Errand& errand : errands)
-        if (std::ranges::find(all, errand.fidelity) == all.end()) all.push_back(errand.fidelity);
+    for (const RunJob& job : jobs)
+        if (std::ranges::find(all, job.fidelity) == all.end()) all.push_back(job.fidelity);
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-        for (std::size_t i = next++; i < errands.size(); i = next++) {
+        for (std::size_t i = next++; i < jobs.size(); i = next++) {
             try {
                 Run run{stop, together.of(i)};
-                records[i] = run_scene(*errands[i].fidelity, errands[i].scene, run, all);
+                records[i] = run_scene(*jobs[i].fidelity, jobs[i].scene, run, all);
             } catch (...) {
                 thrown[i] = std::current_exception();
             }
@@ -63,8 +63,7 @@ std::vector<RunRecord> run_errands(std::span<const Errand> errands, int threads,
         }
     };
     {
-        const auto count =
-            std::min<std::size_t>(errands.size(), static_cast<std::size_t>(std::max(1, threads)));
+        const auto count = std::min<std::size_t>(jobs.size(), static_cast<std::size_t>(std::max(1, threads)));
         std::vector<std::jthread> others;
         for (std::size_t i = 1; i < count; ++i)
             others.emplace_back(work);

@@ -7,21 +7,21 @@
 #include <cmath>
 
 #include "compare/metrics.hpp"
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/render/table.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
-#include "lib/record/record_csv.hpp"
 
 namespace twinchute::compare {
 namespace {
 
 /// What a reader of a series looks for, behind the plot's own two.
-constexpr std::array<std::string_view, 10> told{
+constexpr std::array<std::string_view, 10> csv_metrics{
     "snatch_speed",       "mass_ratio",       "froude_number",    "filling_time",
     "time_to_peak_force", "peak_force",       "peak_force_ratio", "opening_shock_coefficient",
     "descent_rate",       "signed_area_ratio"};
-constexpr std::array<std::string_view, 4> brief{"snatch_speed", "filling_time", "peak_force",
-                                                "signed_area_ratio"};
+constexpr std::array<std::string_view, 4> brief_metrics{"snatch_speed", "filling_time", "peak_force",
+                                                        "signed_area_ratio"};
 
 template <class Names>
 std::vector<const MetricRow*> columns_of(const CaseSeries& series, const Names& more) {
@@ -43,62 +43,42 @@ SeriesSide side_of(const RunRecord& record) {
     return side;
 }
 
-std::string field(const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
-}
-
 std::string per_cent(const std::optional<double>& share) {
     return share ? fmt::format("{:+.1f} %", 100.0 * *share) : "-";
 }
 
-/// A table of Markdown, cells as they are.
-std::string markdown_table(const std::vector<std::string>& header,
-                           const std::vector<std::vector<std::string>>& rows, std::size_t words) {
-    std::string text = "|", rule = "|";
-    for (std::size_t i = 0; i < header.size(); ++i) {
-        text += " " + header[i] + " |";
-        rule += i < words ? " --- |" : " ---: |";
-    }
-    text += "\n" + rule + "\n";
-    for (const auto& row : rows) {
-        text += "|";
-        for (const std::string& cell : row)
-            text += " " + cell + " |";
-        text += "\n";
-    }
-    return text;
-}
-
-/// Names and groups as they are, numbers of both fidelities for reading.
+/// Numbers of both fidelities for reading.
 Table brief_table(const CaseSeries& series) {
-    const std::vector<const MetricRow*> columns = columns_of(series, brief);
-    Table table;
-    table.header = {"case", "group", "status"};
-    table.right = {false, false, false};
+    const std::vector<const MetricRow*> columns = columns_of(series, brief_metrics);
+    Table table{{{"case"}, {"group"}, {"status"}}, {}};
     const auto both = [&](const std::optional<double>& candidate, const std::optional<double>& reference) {
         const auto cell = [](const std::optional<double>& v) { return v ? readable(*v) : std::string("-"); };
         const std::string a = cell(candidate), b = cell(reference);
         return a == b ? a : a + " / " + b;
     };
     for (const MetricRow* column : columns)
-        table.header.push_back(fmt::format("{}{}", column->title,
-                                           column->unit.empty() ? "" : fmt::format(" [{}]", column->unit)));
-    for (const char* more : {"gap in peak force", "energy left over", "wall [s]"})
-        table.header.emplace_back(more);
-    table.right.resize(table.header.size(), true);
+        table.columns.push_back({std::string(column->title), Align::right, std::string(column->unit)});
+    for (const char* more : {"gap in peak force", "energy left over"})
+        table.columns.push_back({more, Align::right});
+    table.columns.push_back({"wall", Align::right, "s"});
     for (const SeriesCase& one : series.cases) {
         const SeriesSide &a = one.candidate, &b = one.reference;
-        std::vector<std::string> row{
-            one.name, one.group,
-            a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
+        std::vector<Cell>& row = table.rows.emplace_back();
+        row = {one.name, one.group,
+               a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
         for (const MetricRow* column : columns)
-            row.push_back(both(a.value_of(*column), b.value_of(*column)));
-        row.push_back(per_cent(one.gap));
-        row.push_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
-        row.push_back(both(a.row.wall_s, b.row.wall_s));
-        table.rows.push_back(std::move(row));
+            row.emplace_back(both(a.value_of(*column), b.value_of(*column)));
+        row.emplace_back(per_cent(one.gap));
+        row.emplace_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
+        row.emplace_back(both(a.row.wall_s, b.row.wall_s));
     }
     return table;
+}
+
+/// "rom / full": whose numbers stand in a cell of two.
+std::string sides_of(const CaseSeries& series) {
+    if (series.cases.empty()) return "rom / full";
+    return series.cases.front().candidate.row.fidelity + " / " + series.cases.front().reference.row.fidelity;
 }
 
 }  // namespace
@@ -123,69 +103,53 @@ SeriesCase series_case(const Scene& scene, const Comparison& comparison) {
 }
 
 std::string series_csv(const CaseSeries& series) {
-    const std::vector<const MetricRow*> columns = columns_of(series, told);
-    std::string names = "case,group", units = "-,-";
-    const auto head = [&](const std::string& name, std::string_view unit) {
-        names += "," + name;
-        units += fmt::format(",{}", unit.empty() ? "1" : unit);
+    const std::vector<const MetricRow*> columns = columns_of(series, csv_metrics);
+    Table table;
+    const auto add = [&](std::string name, std::string_view unit) {
+        table.columns.push_back({std::move(name), Align::left, unit.empty() ? "1" : std::string(unit)});
     };
-    if (series.cases.empty()) return names + "\n" + units + "\n";
-    const std::array<const SeriesSide*, 2> first{&series.cases.front().reference,
-                                                 &series.cases.front().candidate};
-    for (const SeriesSide* side : first) {
-        const std::string& fidelity = side->row.fidelity;
-        head(fidelity + ".status", "-");
-        for (const MetricRow* column : columns)
-            head(fmt::format("{}.{}", fidelity, column->name), column->unit);
-        head(fidelity + ".energy_residual", "1");
-        head(fidelity + ".wall", "s");
-    }
-    head("peak_force_gap", "1");
-    std::string text = names + "\n" + units + "\n";
-    for (const SeriesCase& one : series.cases) {
-        text += csv_field(one.name) + "," + csv_field(one.group);
-        for (const SeriesSide* side : {&one.reference, &one.candidate}) {
-            text += "," + csv_field(side->row.status);
+    add("case", "-");
+    add("group", "-");
+    if (!series.cases.empty()) {
+        for (const SeriesSide* side : {&series.cases.front().reference, &series.cases.front().candidate}) {
+            const std::string& fidelity = side->row.fidelity;
+            add(fidelity + ".status", "-");
             for (const MetricRow* column : columns)
-                text += "," + field(side->value_of(*column));
-            text += "," + field(side->energy_residual) + "," + field(side->row.wall_s);
+                add(fmt::format("{}.{}", fidelity, column->name), column->unit);
+            add(fidelity + ".energy_residual", "1");
+            add(fidelity + ".wall", "s");
         }
-        text += "," + field(one.gap) + "\n";
+        add("peak_force_gap", "1");
     }
-    return text;
+    for (const SeriesCase& one : series.cases) {
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells = {one.name, one.group};
+        for (const SeriesSide* side : {&one.reference, &one.candidate}) {
+            cells.emplace_back(side->row.status);
+            for (const MetricRow* column : columns)
+                cells.emplace_back(exact(side->value_of(*column)));
+            cells.emplace_back(exact(side->energy_residual));
+            cells.emplace_back(exact(side->row.wall_s));
+        }
+        cells.emplace_back(exact(one.gap));
+    }
+    return csv_table(table);
 }
 
 std::string series_markdown(const CaseSeries& series) {
-    std::string text =
-        fmt::format("# {}\n\n{} cases at both fidelities, {:.3g} s.\n\n![{} against {}](series.svg)\n\n",
-                    markdown_text(series.title), series.cases.size(), series.wall_s,
-                    find_metric_row(series.spec.y)->title, find_metric_row(series.spec.x)->title);
-    Table table = brief_table(series);
-    for (auto& row : table.rows)
-        for (std::size_t i = 0; i < 2; ++i)
-            row[i] = markdown_text(row[i]);
-    text += markdown_table(table.header, table.rows, 3);
-    const std::string& candidate = series.cases.empty() ? "rom" : series.cases.front().candidate.row.fidelity;
-    const std::string& reference =
-        series.cases.empty() ? "full" : series.cases.front().reference.row.fidelity;
-    return text + fmt::format("\nWhere two numbers stand: {} / {}. All metrics: series.csv.\n", candidate,
-                              reference);
+    return fmt::format("# {}\n\n{} cases at both fidelities, {:.3g} s.\n\n![{} against {}](series.svg)\n\n",
+                       markdown_text(series.title), series.cases.size(), series.wall_s,
+                       find_metric_row(series.spec.y)->title, find_metric_row(series.spec.x)->title) +
+           markdown_table(brief_table(series)) +
+           fmt::format("\nWhere two numbers stand: {}. All metrics: series.csv.\n", sides_of(series));
 }
 
 std::string series_terminal(const CaseSeries& series, const Style& style) {
     Table table = brief_table(series);
-    table.header.insert(table.header.begin() + 2, "verdict");
-    table.right.insert(table.right.begin() + 2, false);
-    for (std::size_t i = 0; i < table.rows.size(); ++i) {
-        std::vector<std::string>& row = table.rows[i];
-        row.insert(row.begin() + 2, series.cases[i].verdict);
-        for (std::string& cell : row)
-            cell = printable(cell);
-    }
-    return aligned(table, style) +
-           fmt::format("where two numbers stand: {} / {}\n",
-                       series.cases.empty() ? "" : series.cases.front().candidate.row.fidelity,
-                       series.cases.empty() ? "" : series.cases.front().reference.row.fidelity);
+    table.columns.insert(table.columns.begin() + 2, {"verdict"});
+    for (std::size_t i = 0; i < table.rows.size(); ++i)
+        table.rows[i].insert(table.rows[i].begin() + 2, series.cases[i].verdict);
+    return terminal_table(table, style) + fmt::format("where two numbers stand: {}\n", sides_of(series));
 }
 
 void add_series(FileBatch& batch, const CaseSeries& series, const std::filesystem::path& directory) {

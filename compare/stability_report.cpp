@@ -7,8 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "compare/report/escape.hpp"
-#include "lib/record/record_csv.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/render/table.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -33,26 +33,39 @@ std::string reason_text(const StabilityCell& cell) {
     return fmt::format("{}: {:.1e} of {:.1e}", cell.reason, *cell.error, *cell.limit);
 }
 
-Colour colour_of(CellVerdict verdict) {
-    if (is_failure(verdict)) return Colour::red;
-    return verdict == CellVerdict::stable ? Colour::green : Colour::yellow;
-}
-
 std::string seconds_text(const StabilityCell& cell) {
     return cell.seconds > 0.0 ? fmt::format("{:.2g}", cell.seconds) : "-";
-}
-
-std::string markdown_row(const std::vector<std::string>& words) {
-    std::string line = "|";
-    for (const std::string& word : words)
-        line += " " + markdown_text(word) + " |";
-    return line + "\n";
 }
 
 std::string short_of(std::string text, std::size_t most) {
     if (text.size() <= most) return text;
     text.resize(text.rfind(' ', most));
     return text + " ...";
+}
+
+/// `fidelity`: of one alone, or empty for all, which are then named.
+Table cells_table(const StabilityMatrix& matrix, std::string_view fidelity, std::size_t longest_reason) {
+    constexpr Align right = Align::right;
+    Table table{
+        {{"case"}, {"method"}, {"verdict"}, {"margin", right}, {"steps", right}, {"s", right}, {"reason"}},
+        {}};
+    if (fidelity.empty()) table.columns.insert(table.columns.begin(), Column{});
+    for (const StabilityCell& cell : matrix.cells) {
+        if (!fidelity.empty() && cell.row->fidelity != fidelity) continue;
+        const Tone tone = is_failure(cell.verdict)              ? Tone::bad
+                          : cell.verdict == CellVerdict::stable ? Tone::good
+                                                                : Tone::caution;
+        std::vector<Cell>& row = table.rows.emplace_back();
+        if (fidelity.empty()) row.emplace_back(cell.row->fidelity);
+        row.insert(row.end(), {cell.row->name,
+                               cell.method,
+                               {cell_verdict_name(cell.verdict), tone},
+                               margin_text(cell),
+                               fmt::format("{}", cell.steps),
+                               seconds_text(cell),
+                               short_of(reason_text(cell), longest_reason)});
+    }
+    return table;
 }
 
 constexpr std::string_view how_to_read =
@@ -119,47 +132,32 @@ std::string stability_summary(const StabilityMatrix& matrix) {
 }
 
 std::string stability_terminal(const StabilityMatrix& matrix, const Style& style) {
-    Table table;
-    table.header = {"", "case", "method", "verdict", "margin", "steps", "s", "reason"};
-    table.right = {false, false, false, false, true, true, true};
-    for (const StabilityCell& cell : matrix.cells)
-        table.rows.push_back({std::string(cell.row->fidelity), cell.row->name, cell.method,
-                              std::string(cell_verdict_name(cell.verdict)), margin_text(cell),
-                              fmt::format("{}", cell.steps), seconds_text(cell),
-                              printable(short_of(reason_text(cell), 90))});
-    // Painted afterwards, because colour codes would count as columns.
-    const std::string text = aligned(table, style);
-    std::string painted;
-    std::size_t row = 0;
-    for (std::size_t begin = 0; begin < text.size(); ++row) {
-        const std::size_t end = text.find('\n', begin);
-        std::string line = text.substr(begin, end - begin);
-        if (row > 0 && style.colour) {
-            const CellVerdict verdict = matrix.cells[row - 1].verdict;
-            const std::string name = "  " + std::string(cell_verdict_name(verdict)) + " ";
-            if (const std::size_t at = line.find(name); at != std::string::npos)
-                line.replace(at, name.size(), style.paint(name, colour_of(verdict)));
-        }
-        painted += line + '\n';
-        begin = end + 1;
-    }
-    return painted + "\n" + stability_summary(matrix) + "\n";
+    return terminal_table(cells_table(matrix, "", 90), style) + "\n" + stability_summary(matrix) + "\n";
 }
 
 std::string stability_csv(const StabilityMatrix& matrix) {
-    std::string text =
-        "fidelity,case,method,verdict,margin,error,limit,status,reason,steps,latency,end,wall\n"
-        "-,-,-,-,1,1,1,-,-,1,1,s,s\n";
-    const auto number = [](const std::optional<double>& value) {
-        return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
-    };
+    Table table;
+    for (const auto& [name, unit] : {std::pair{"fidelity", "-"},
+                                     {"case", "-"},
+                                     {"method", "-"},
+                                     {"verdict", "-"},
+                                     {"margin", "1"},
+                                     {"error", "1"},
+                                     {"limit", "1"},
+                                     {"status", "-"},
+                                     {"reason", "-"},
+                                     {"steps", "1"},
+                                     {"latency", "1"},
+                                     {"end", "s"},
+                                     {"wall", "s"}})
+        table.columns.push_back({name, Align::left, unit});
     for (const StabilityCell& cell : matrix.cells)
-        text += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", cell.row->fidelity, csv_field(cell.row->name),
-            csv_field(cell.method), cell_verdict_name(cell.verdict), number(cell.margin), number(cell.error),
-            number(cell.limit), cell.status, csv_field(cell.reason), cell.steps,
-            cell.latency ? fmt::format("{}", *cell.latency) : "", number(cell.end), number(cell.seconds));
-    return text;
+        table.rows.push_back({cell.row->fidelity, cell.row->name, cell.method,
+                              cell_verdict_name(cell.verdict), exact(cell.margin), exact(cell.error),
+                              exact(cell.limit), cell.status, cell.reason, fmt::format("{}", cell.steps),
+                              cell.latency ? fmt::format("{}", *cell.latency) : "", exact(cell.end),
+                              exact(cell.seconds)});
+    return csv_table(table);
 }
 
 std::string stability_markdown(const StabilityMatrix& matrix, const Provenance& provenance,
@@ -171,23 +169,15 @@ std::string stability_markdown(const StabilityMatrix& matrix, const Provenance& 
     text += how_to_read;
     for (const auto& [fidelity, title] :
          {std::pair<std::string_view, const char*>{"rom", "Reduced-order model"}, {"full", "Full model"}}) {
-        if (std::ranges::find(matrix.cells, fidelity, [](const auto& c) { return c.row->fidelity; }) ==
-            matrix.cells.end())
-            continue;
-        text += fmt::format("## {}\n\n", title);
-        text += "| case | method | verdict | margin | steps | s | reason |\n";
-        text += "| --- | --- | --- | ---: | ---: | ---: | --- |\n";
+        const Table table = cells_table(matrix, fidelity, std::string::npos);
+        if (table.rows.empty()) continue;
+        text += fmt::format("## {}\n\n{}", title, markdown_table(table));
         const StabilityCase* before = nullptr;
         std::string hard;
         for (const StabilityCell& cell : matrix.cells) {
-            if (cell.row->fidelity != fidelity) continue;
-            if (cell.row != before)
-                hard +=
-                    fmt::format("- {}: {}\n", markdown_text(cell.row->name), markdown_text(cell.row->why));
+            if (cell.row->fidelity != fidelity || cell.row == before) continue;
+            hard += fmt::format("- {}: {}\n", markdown_text(cell.row->name), markdown_text(cell.row->why));
             before = cell.row;
-            text += markdown_row({cell.row->name, cell.method, std::string(cell_verdict_name(cell.verdict)),
-                                  margin_text(cell), fmt::format("{}", cell.steps), seconds_text(cell),
-                                  reason_text(cell)});
         }
         text += "\nWhat is hard about them:\n\n" + hard + "\n";
     }

@@ -29,7 +29,7 @@ Curve rows_of(const RunRecord& record, std::string_view channel, double zero) {
     return rows;
 }
 
-double opening_end(const Comparison& comparison, const PageClock& clock) {
+double opening_end(const Comparison& comparison, const SharedClock& clock) {
     double last = 0.0;
     const auto sides = page_sides(comparison);
     for (std::size_t s = 0; s < 2; ++s)
@@ -96,7 +96,7 @@ std::vector<double> placed(const Curve& rows, const std::vector<double>& clock) 
 
 AlignedHistories aligned_histories(const Comparison& comparison) {
     AlignedHistories aligned;
-    const PageClock clock = page_clock(comparison);
+    const SharedClock clock = shared_clock(comparison);
     const auto sides = page_sides(comparison);
     std::vector<std::array<Curve, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;

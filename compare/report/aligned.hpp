@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 
 namespace twinchute::compare {
@@ -19,8 +20,8 @@ struct AlignedChannel {
 };
 
 struct AlignedHistories {
-    /// [s] as PageClock says; it does not fall. An instant at which a history jumps stands there twice: what
-    /// was before it, and what follows.
+    /// [s] as SharedClock says; it does not fall. An instant at which a history jumps stands there twice:
+    /// what was before it, and what follows.
     std::vector<double> clock;
     double opening_end = 0.0;              ///< [s] on it: by then the opening is over on both sides
     std::vector<AlignedChannel> channels;  ///< those that at least one side has

@@ -27,7 +27,7 @@ Json metric_json(const MetricAttribution& metric, const MetricRow& row) {
     json["reference"] = metric.reference;
     Json& terms = json["terms"] = Json::array();
     for (const AttributionTerm& term : metric.terms) {
-        Json one{{"piece", term.piece}, {"title", term.title}, {"effect", term.effect}};
+        Json one{{"piece", term.name}, {"title", term.title}, {"effect", term.effect}};
         if (!term.detail.empty()) one["detail"] = term.detail;
         terms.push_back(std::move(one));
     }

@@ -67,7 +67,7 @@ std::vector<AttributionTerm> rows_of(const Attribution& attribution) {
     std::vector<AttributionTerm> rows;
     for (const MetricAttribution& metric : attribution.metrics)
         for (const AttributionTerm& term : metric.terms)
-            if (std::ranges::none_of(rows, [&](const auto& row) { return row.piece == term.piece; }))
+            if (std::ranges::none_of(rows, [&](const auto& row) { return row.name == term.name; }))
                 rows.push_back(term);
     return rows;
 }
@@ -88,7 +88,7 @@ std::string attribution_sentence(const MetricAttribution& metric, const Comparis
     }
     if (metric.scatter && std::abs(gap) <= *metric.scatter)
         return text + fmt::format(
-                          " That is within the scatter of {} over seeds, {:.{}f}{}: no piece can be held "
+                          " That is within the scatter of {} over seeds, {:.{}f}{}: no effect can be held "
                           "responsible.",
                           reference, *metric.scatter, places(metric), unit_of(metric));
     double largest = 0.0;
@@ -98,40 +98,39 @@ std::string attribution_sentence(const MetricAttribution& metric, const Comparis
     if (std::abs(metric.interaction) > largest &&
         std::abs(metric.interaction) > negligible * std::abs(metric.reference))
         return text + fmt::format(
-                          " The pieces act together: their interaction, {}, is larger than any of them "
+                          " The effects act together: their interaction, {}, is larger than any of them "
                           "({}), so that the terms cannot be read on their own.",
                           effect_text(metric.interaction, metric), terms.empty() ? "none counts" : terms);
-    if (terms.empty()) return text + " No piece makes any difference worth naming.";
+    if (terms.empty()) return text + " No effect makes any difference worth naming.";
     return text +
            fmt::format(" Largest terms: {}; interaction {}.", terms, effect_text(metric.interaction, metric));
 }
 
 Table attribution_table(const Comparison& comparison) {
     const Attribution& attribution = *comparison.attribution;
-    Table table;
-    table.header = {"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity};
-    table.right = {false};
+    Table table{{{"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity}}, {}};
     const bool scatters = std::ranges::any_of(
         attribution.metrics, [](const MetricAttribution& metric) { return metric.scatter.has_value(); });
-    std::vector<std::string> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
+    std::vector<Cell> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
         together{"+ Interaction"}, scatter{"scatter of " + comparison.reference.fidelity};
     for (const MetricAttribution& metric : attribution.metrics) {
-        const std::string unit = unit_of(metric);
-        table.header.push_back(title_of(metric) + (unit.empty() ? "" : " [" + unit.substr(1) + "]"));
-        table.right.push_back(true);
-        first.push_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
-        last.push_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
-        together.push_back(signed_number(metric.interaction, places(metric)));
-        scatter.push_back(metric.scatter ? fmt::format("{:.{}f}", *metric.scatter, places(metric)) : "-");
+        const MetricRow* row = find_metric_row(metric.metric);
+        table.columns.push_back(
+            {title_of(metric), Align::right, std::string(row == nullptr ? "" : row->unit)});
+        first.emplace_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
+        last.emplace_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
+        together.emplace_back(signed_number(metric.interaction, places(metric)));
+        scatter.emplace_back(metric.scatter ? fmt::format("{:.{}f}", *metric.scatter, places(metric)) : "-");
     }
     table.rows.push_back(std::move(first));
     for (const AttributionTerm& row : rows_of(attribution)) {
-        std::vector<std::string> cells{"+ " + row.title};
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells.emplace_back("+ " + row.title);
         for (const MetricAttribution& metric : attribution.metrics) {
-            const auto term = std::ranges::find(metric.terms, row.piece, &AttributionTerm::piece);
-            cells.push_back(term == metric.terms.end() ? "-" : signed_number(term->effect, places(metric)));
+            const auto term = std::ranges::find(metric.terms, row.name, &AttributionTerm::name);
+            cells.emplace_back(term == metric.terms.end() ? "-"
+                                                          : signed_number(term->effect, places(metric)));
         }
-        table.rows.push_back(std::move(cells));
     }
     table.rows.push_back(std::move(together));
     table.rows.push_back(std::move(last));
@@ -142,9 +141,10 @@ Table attribution_table(const Comparison& comparison) {
 std::string attribution_legend(const Comparison& comparison) {
     const Attribution& attribution = *comparison.attribution;
     std::string text = fmt::format(
-        "Each piece is switched alone, in both models, with all others off; its term is what that does to {} "
+        "Each effect is switched alone, in both models, with all others off; its term is what that does to "
+        "{} "
         "less "
-        "{}. What no piece does alone is the interaction.",
+        "{}. What no effect does alone is the interaction.",
         comparison.reference.fidelity, comparison.candidate.fidelity);
     if (!attribution.seeds.empty())
         text += fmt::format(" Scatter: largest less smallest over {} seeds.", attribution.seeds.size());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/gap.hpp"
-#include "lib/cli/text.hpp"
+#include "compare/render/table.hpp"
 
 namespace twinchute::compare {
 
@@ -13,13 +13,13 @@ namespace twinchute::compare {
 /// read at all. Not escaped.
 std::string attribution_sentence(const MetricAttribution& metric, const Comparison& comparison);
 
-/// From the candidate's values down to the reference's, a row a piece and a column a metric. Not escaped.
+/// From the candidate's values down to the reference's, a row an effect and a column a metric. Not escaped.
 Table attribution_table(const Comparison& comparison);
 
 /// How the table is to be read, and which seeds its scatter is of.
 std::string attribution_legend(const Comparison& comparison);
 
-/// What a term switches, for pieces whose title does not say it: "Line elasticity: off: ...". Each once.
+/// What a term switches, for effects whose title does not say it: "Line elasticity: off: ...". Each once.
 std::vector<std::string> attribution_details(const Attribution& attribution);
 
 }  // namespace twinchute::compare

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/page_files.hpp"
 

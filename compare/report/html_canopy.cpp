@@ -1,7 +1,8 @@
 // The shape: three-dimensional where the browser can, and a drawing of a few moments everywhere.
 #include <fmt/format.h>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 
 namespace twinchute::compare {
@@ -26,7 +27,7 @@ constexpr std::string_view stage = R"html(<div class="stage" id="stage" hidden>
 
 std::string canopy_section(const Comparison& comparison) {
     const auto sides = page_sides(comparison);
-    const PageClock clock = page_clock(comparison);
+    const SharedClock clock = shared_clock(comparison);
     for (std::size_t s = sides.size(); s-- > 0;) {
         const ShapeFrames& shape = *sides[s].frames;
         if (shape.empty()) continue;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/render/ticks.hpp"
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
-#include "compare/report/svg_plot.hpp"
 #include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
@@ -16,29 +16,6 @@ namespace {
 constexpr double width = 960, left = 70, opening_right = 750, right = 830;  // [px]
 constexpr double row_height = 18, letter = 6.7;                             // [px] of a label
 constexpr std::size_t longest_label = 28, most_labels = 24;
-
-struct Happening {
-    std::string name;
-    std::array<const Event*, 2> event{};                     // by side
-    double first = std::numeric_limits<double>::infinity();  // [s] of the page's clock
-};
-
-/// Each name once, in the order in which it first happens on either side.
-std::vector<Happening> happenings(const Comparison& comparison, const PageClock& clock) {
-    std::vector<Happening> all;
-    const auto sides = page_sides(comparison);
-    for (std::size_t s = 0; s < 2; ++s) {
-        for (const Event& event : sides[s].record->events) {
-            auto found = std::ranges::find(all, event.name, &Happening::name);
-            if (found == all.end()) found = all.insert(all.end(), Happening{event.name, {}});
-            if (found->event[s] != nullptr) continue;
-            found->event[s] = &event;
-            if (std::isfinite(event.time)) found->first = std::min(found->first, event.time - clock.zero[s]);
-        }
-    }
-    std::ranges::stable_sort(all, {}, &Happening::first);
-    return all;
-}
 
 /// As much of a name as there is room for.
 std::string words_of(std::string_view name, double room) {
@@ -63,15 +40,15 @@ struct TimeAxis {
     }
 };
 
-TimeAxis axis_of(const std::vector<Happening>& all, const PageClock& clock) {
+TimeAxis axis_of(const std::vector<EventPair>& all, const SharedClock& clock) {
     TimeAxis axis{0.0, 0.0, 0.0};
-    for (const Happening& what : all) {
+    for (const EventPair& pair : all) {
         for (std::size_t s = 0; s < 2; ++s) {
-            if (what.event[s] == nullptr || !std::isfinite(what.event[s]->time)) continue;
-            const double t = what.event[s]->time - clock.zero[s];
+            if (pair.event[s] == nullptr || !std::isfinite(pair.event[s]->time)) continue;
+            const double t = pair.event[s]->time - clock.zero[s];
             axis.first = std::min(axis.first, t);
             axis.last = std::max(axis.last, t);
-            if (what.name == "full-open" || what.name == "canopy-filled" || what.name == "peak-force")
+            if (pair.name == "full-open" || pair.name == "canopy-filled" || pair.name == "peak-force")
                 axis.opening = std::max(axis.opening, 1.1 * t);
         }
     }
@@ -99,7 +76,7 @@ int stack_labels(std::vector<Label>& labels) {
     return most;
 }
 
-void draw_axis(std::string& svg, const TimeAxis& axis, const PageClock& clock, double y) {
+void draw_axis(std::string& svg, const TimeAxis& axis, const SharedClock& clock, double y) {
     const Ticks ticks = nice_ticks(axis.first, axis.opening, 8);
     for (const double tick : ticks.values) {
         if (tick < axis.first - 1e-9 || tick > axis.opening + 1e-9) continue;
@@ -118,13 +95,14 @@ void draw_axis(std::string& svg, const TimeAxis& axis, const PageClock& clock, d
             0.5 * (opening_right + 30 + right), y + 18);
 }
 
-std::string drawing(const std::vector<Happening>& all, const Comparison& comparison, const PageClock& clock) {
+std::string drawing(const std::vector<EventPair>& all, const Comparison& comparison,
+                    const SharedClock& clock) {
     const auto sides = page_sides(comparison);
     const TimeAxis axis = axis_of(all, clock);
     std::vector<Label> labels;
-    for (const Happening& what : all)
-        if (std::isfinite(what.first) && labels.size() < most_labels)
-            labels.push_back({words_of(what.name, width - axis.at(what.first) - 10), axis.at(what.first)});
+    for (const EventPair& pair : all)
+        if (std::isfinite(pair.first) && labels.size() < most_labels)
+            labels.push_back({words_of(pair.name, width - axis.at(pair.first) - 10), axis.at(pair.first)});
     const double top = row_height * (stack_labels(labels) + 1) + 12;
     const std::array<double, 2> lane{top + 14, top + 52};
     const double axis_y = top + 76, height = axis_y + 44;
@@ -148,11 +126,11 @@ std::string drawing(const std::vector<Happening>& all, const Comparison& compari
                            sides[s].style, left - 14, lane[s] + 4,
                            xml_text(words_of(sides[s].record->fidelity, left - 20)));
     }
-    for (const Happening& what : all) {
+    for (const EventPair& pair : all) {
         std::array<double, 2> x{};
         for (std::size_t s = 0; s < 2; ++s)
-            if (what.event[s] && std::isfinite(what.event[s]->time))
-                x[s] = axis.at(what.event[s]->time - clock.zero[s]);
+            if (pair.event[s] && std::isfinite(pair.event[s]->time))
+                x[s] = axis.at(pair.event[s]->time - clock.zero[s]);
         if (x[0] > 0 && x[1] > 0)
             svg +=
                 fmt::format("<line class=\"join\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>",
@@ -170,50 +148,19 @@ std::string drawing(const std::vector<Happening>& all, const Comparison& compari
     return svg + "</svg>\n";
 }
 
-std::string number(double value, int decimals) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string("\u2013");
-}
-
-std::string table(const std::vector<Happening>& all, const Comparison& comparison, const PageClock& clock) {
-    const auto sides = page_sides(comparison);
-    std::string text =
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"events-caption\">\n<table "
-        "class=\"events\"><caption "
-        "id=\"events-caption\">Times since release; the difference is that of the drawing's clock. Altitude "
-        "and speed are "
-        "the payload's.</caption>\n";
-    std::vector<std::string> head{"event"};
-    for (const char* what : {"time [s]", "altitude [m]", "speed [m/s]"})
-        for (const PageSide& side : sides)
-            head.push_back(fmt::format("{} {}", side.record->fidelity, what));
-    head.insert(head.begin() + 3, "difference [s]");
-    text += table_head(head, "lrrrrrrr") + "<tbody>\n";
-    for (const Happening& what : all) {
-        const auto& [candidate, reference] = what.event;
-        std::vector<std::string> cells{xml_text(what.name)};
-        const auto both = [&](double Event::*value, int decimals) {
-            for (const Event* event : what.event)
-                cells.push_back(event ? number(event->*value, decimals) : "\u2013");
-        };
-        both(&Event::time, 3);
-        cells.push_back(candidate && reference
-                            ? number((candidate->time - clock.zero[0]) - (reference->time - clock.zero[1]), 3)
-                            : "\u2013");
-        both(&Event::altitude, 1);
-        both(&Event::speed, 2);
-        text += table_row(cells);
-    }
-    return text + "</tbody></table></div>\n";
-}
-
 }  // namespace
 
 std::string events_section_html(const Comparison& comparison) {
-    const PageClock clock = page_clock(comparison);
-    const std::vector<Happening> all = happenings(comparison, clock);
+    const SharedClock clock = shared_clock(comparison);
+    const std::vector<EventPair> all = event_pairs(comparison);
     if (all.empty()) return {};
     return "<section id=\"events\"><h2>Events</h2>\n" + drawing(all, comparison, clock) +
-           table(all, comparison, clock) + "</section>\n";
+           html_table(
+               events_table(comparison),
+               "Times since release; the difference is that of the drawing's clock. Altitude and speed "
+               "are the payload's.",
+               "events", "events") +
+           "</section>\n";
 }
 
 }  // namespace twinchute::compare

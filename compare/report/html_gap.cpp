@@ -1,34 +1,16 @@
-// Why the two differ: each judged metric's way from the candidate's value to the reference's, piece by piece.
+// Why the two differ: each judged metric's way from the candidate's value to the reference's, effect by
+// effect.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/html_parts.hpp"
 #include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-/// A step of the way: what it is called, and the values before and after it.
-struct Step {
-    std::string title, detail, style;
-    double from, to;
-};
-
-std::vector<Step> steps_of(const MetricAttribution& metric) {
-    std::vector<Step> steps;
-    double value = metric.candidate;
-    const auto add = [&](const std::string& title, const std::string& detail, double effect) {
-        steps.push_back({title, detail, effect < 0 ? "down" : "up", value, value + effect});
-        value += effect;
-    };
-    for (const AttributionTerm& term : metric.terms)
-        add(term.title, term.detail, term.effect);
-    if (metric.interaction != 0) add("Interaction", "what the pieces do only together", metric.interaction);
-    return steps;
-}
 
 /// As many digits after the point as four of the metric itself have.
 std::string effect_text(double effect, const MetricAttribution& metric, const std::string& unit) {
@@ -38,65 +20,54 @@ std::string effect_text(double effect, const MetricAttribution& metric, const st
     return fmt::format("{:.{}f}{}", std::abs(effect), std::clamp(4 - before, 0, 12), unit);
 }
 
-struct Scale {
-    double low, high;
-    double at(double value) const { return high > low ? 4 + 92 * (value - low) / (high - low) : 50; }
-};
-
-Scale scale_of(const MetricAttribution& metric, const std::vector<Step>& steps) {
-    Scale scale{std::min(metric.candidate, metric.reference), std::max(metric.candidate, metric.reference)};
-    for (const Step& step : steps) {
-        scale.low = std::min(scale.low, step.to);
-        scale.high = std::max(scale.high, step.to);
+Table way_table(const MetricAttribution& metric, const Comparison& comparison, const std::string& unit) {
+    std::vector<AttributionTerm> steps = metric.terms;
+    if (metric.interaction != 0)
+        steps.push_back({"", "Interaction", metric.interaction, "what the effects do only together"});
+    double low = std::min(metric.candidate, metric.reference),
+           high = std::max(metric.candidate, metric.reference), value = metric.candidate;
+    for (const AttributionTerm& step : steps) {
+        value += step.effect;
+        low = std::min(low, value);
+        high = std::max(high, value);
     }
-    return scale;
-}
-
-std::string row(const std::string& title, const std::string& detail, const std::string& value,
-                const std::string& drawing) {
-    const std::string note =
-        detail.empty() ? "" : fmt::format("<span class=\"note\">{}</span>", xml_text(detail));
-    return fmt::format(
-        "<tr><th scope=\"row\">{}{}</th><td class=\"number\">{}</td><td><span class=\"track\" "
-        "aria-hidden=\"true\">{}</span></td></tr>\n",
-        title, note, xml_text(value), drawing);
-}
-
-std::string end_mark(const PageSide& side, double at) {
-    return fmt::format("<span class=\"end {}\" style=\"left:{:.2f}%\"></span>", side.style, at);
+    const auto at = [&](double v) { return high > low ? 4 + 92 * (v - low) / (high - low) : 50; };
+    Table table{{{"physics effect"}, {"size", Align::right}, {"on the way", Align::left, {}, true}}, {}};
+    const auto add_end = [&](const PageSide& side, std::string_view style, double v) {
+        table.rows.push_back(
+            {{side.record->fidelity, side.tone}, readable(v) + unit, Cell(std::vector{Bar{style, at(v)}})});
+    };
+    add_end(page_sides(comparison)[0], "end candidate", metric.candidate);
+    value = metric.candidate;
+    for (const AttributionTerm& step : steps) {
+        const bool down = step.effect < 0;
+        const double next = value + step.effect;
+        const double from = at(std::min(value, next)), width = at(std::max(value, next)) - from;
+        table.rows.push_back({{step.title, Tone::plain, step.detail},
+                              (down ? "\u2212" : "+") + effect_text(step.effect, metric, unit),
+                              Cell(std::vector{Bar{down ? "step down" : "step up", from, width}})});
+        value = next;
+    }
+    add_end(page_sides(comparison)[1], "end reference", metric.reference);
+    return table;
 }
 
 std::string way(const MetricAttribution& metric, const Comparison& comparison) {
     const MetricRow* known = find_metric_row(metric.metric);
     const std::string unit = known == nullptr || known->unit.empty() ? "" : " " + std::string(known->unit);
     const auto sides = page_sides(comparison);
-    const std::vector<Step> steps = steps_of(metric);
-    const Scale scale = scale_of(metric, steps);
     std::string text =
-        fmt::format("<table class=\"bars way\"><caption><strong>{}</strong>, from {} to {}</caption>\n",
-                    xml_text(known == nullptr ? std::string_view(metric.metric) : known->title),
-                    side_name(sides[0]), side_name(sides[1]));
-    text += table_head({"piece", "effect", "on the way"}, "lrl") + "<tbody>\n";
-    text += row(side_name(sides[0]), "", readable(metric.candidate) + unit,
-                end_mark(sides[0], scale.at(metric.candidate)));
-    for (const Step& step : steps) {
-        const double from = scale.at(std::min(step.from, step.to)),
-                     to = scale.at(std::max(step.from, step.to));
-        const std::string effect =
-            (step.to < step.from ? "\u2212" : "+") + effect_text(step.to - step.from, metric, unit);
-        text += row(xml_text(step.title), step.detail, effect,
-                    fmt::format("<span class=\"step {}\" style=\"left:{:.2f}%;width:{:.2f}%\"></span>",
-                                step.style, from, to - from));
-    }
-    text += row(side_name(sides[1]), "", readable(metric.reference) + unit,
-                end_mark(sides[1], scale.at(metric.reference)));
-    text += "</tbody></table>\n";
+        html_table(way_table(metric, comparison, unit),
+                   fmt::format("<strong>{}</strong>, from {} to {}",
+                               xml_text(known == nullptr ? std::string_view(metric.metric) : known->title),
+                               side_name(sides[0]), side_name(sides[1])),
+                   "bars way");
     double largest = 0.0;
     for (const AttributionTerm& term : metric.terms)
         largest = std::max(largest, std::abs(term.effect));
     if (std::abs(metric.interaction) > largest)
         text +=
-            "<p class=\"alert\">The interaction is larger than any single piece: the pieces cannot be read "
+            "<p class=\"alert\">The interaction is larger than any single effect: the effects cannot be read "
             "on their "
             "own.</p>\n";
     if (metric.scatter)
@@ -114,7 +85,7 @@ std::string attribution_section(const Comparison& comparison) {
     if (!comparison.attribution || comparison.attribution->metrics.empty()) return {};
     const auto sides = page_sides(comparison);
     std::string text = fmt::format(
-        "<section id=\"why\"><h2>Why they differ</h2>\n<p>Each bar is what one piece of physics does to the "
+        "<section id=\"why\"><h2>Why they differ</h2>\n<p>Each bar is what one physics effect does to the "
         "metric when it "
         "alone is brought from {} to {}; purple raises it, green lowers it.</p>\n<div class=\"ways\">\n",
         side_name(sides[0]), side_name(sides[1]));

@@ -2,8 +2,8 @@
 // SVG.
 #include <fmt/format.h>
 
+#include "compare/render/escape.hpp"
 #include "compare/report/aligned.hpp"
-#include "compare/report/escape.hpp"
 #include "compare/report/plots.hpp"
 
 namespace twinchute::compare {
@@ -46,9 +46,10 @@ std::string histories_section(const Comparison& comparison) {
         "difference, {0} minus {1}. "
         "{2}</p>\n",
         side_name(sides[0]), side_name(sides[1]),
-        page_clock(comparison).from_snatch ? "Time counts from the snatch (or line stretch) of each, so that "
-                                             "the openings lie above each other."
-                                           : "Time counts from release.");
+        shared_clock(comparison).from_snatch
+            ? "Time counts from the snatch (or line stretch) of each, so that "
+              "the openings lie above each other."
+            : "Time counts from release.");
     if (comparison.test)
         text += fmt::format("<p>Dots: what a test measured, <code>{}</code>.</p>\n",
                             xml_text(comparison.test->file));

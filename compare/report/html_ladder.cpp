@@ -1,7 +1,7 @@
 // Error against run time: the ladder of the same scene, where it was run.
 #include <fmt/format.h>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "lib/cli/record_text.hpp"
@@ -9,47 +9,19 @@
 namespace twinchute::compare {
 namespace {
 
-std::string alignment_of(const LadderTable& table) {
-    std::string letters;
-    for (const bool right : table.right)
-        letters += right ? 'r' : 'l';
-    return letters;
-}
-
-std::string cell(const std::string& text, bool number) {
-    return fmt::format("<td{}>{}</td>", number ? " class=\"number\"" : "",
-                       text == "-" ? "\u2013" : xml_text(text));
-}
-
-std::string table_html(const LadderTable& table, const std::string& name, const std::string& caption) {
-    std::string text = fmt::format(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
-        "aria-label=\"{}\">\n<table><caption>{}</caption>\n",
-        name, caption);
-    text += table_head(table.header, alignment_of(table)) + "<tbody>\n";
-    for (const std::vector<std::string>& row : table.rows) {
-        text += fmt::format("<tr><th scope=\"row\">{}</th>", xml_text(row.front()));
-        for (std::size_t i = 1; i < row.size(); ++i)
-            text += cell(row[i], table.right[i]);
-        text += "</tr>\n";
-    }
-    return text + "</tbody></table></div>\n";
-}
-
-LadderTable advice_table(const Ladder& ladder) {
-    LadderTable table{{"error"}, {false}, {}};
-    for (const std::string_view fidelity : ladder.fidelities) {
-        table.header.emplace_back(fidelity);
-        table.right.push_back(false);
-    }
+Table advice_table(const Ladder& ladder) {
+    Table table{{{"error"}}, {}};
+    for (const std::string_view fidelity : ladder.fidelities)
+        table.columns.push_back({std::string(fidelity)});
     for (const auto& [wanted, word] : wanted_accuracies) {
-        std::vector<std::string> row{fmt::format("up to {}", word)};
+        std::vector<Cell>& row = table.rows.emplace_back();
+        row.emplace_back(fmt::format("up to {}", word));
         for (const std::string_view fidelity : ladder.fidelities) {
-            const RungResult* rung = cheapest(ladder, fidelity, wanted);
-            row.push_back(rung == nullptr ? "no rung"
-                                          : fmt::format("{}: {}", rung->rung.name, time_text(rung->wall_s)));
+            const LevelResult* level = cheapest(ladder, fidelity, wanted);
+            row.emplace_back(level == nullptr
+                                 ? "none"
+                                 : fmt::format("{}: {}", level->level.name, time_text(level->wall_s)));
         }
-        table.rows.push_back(std::move(row));
     }
     return table;
 }
@@ -67,7 +39,7 @@ std::string gap_words(const Ladder& ladder) {
 /// Times belong to the machine that they were taken on.
 std::string made_by(const Ladder& ladder) {
     const Provenance& made = ladder.provenance;
-    return fmt::format("{} rungs{}, {}: twinchute {} ({}), {}, {} {}.", ladder.rungs.size(),
+    return fmt::format("{} levels{}, {}: twinchute {} ({}), {}, {} {}.", ladder.levels.size(),
                        ladder.quick ? ", without those dearer than four runs of the scene as it is" : "",
                        xml_text(made.date), xml_text(made.version), xml_text(made.commit),
                        xml_text(made.host_cpu), ladder.threads, ladder.threads == 1 ? "thread" : "threads");
@@ -86,8 +58,9 @@ std::string ladder_section(const LadderBeside& beside) {
                           "</section>\n",
                           xml_text(beside.why_not));
     const Ladder& ladder = *beside.ladder;
-    text += table_html(advice_table(ladder), "Which rung",
-                       "<strong>Which rung to use</strong>, the cheapest for a wanted accuracy:");
+    text += html_table(advice_table(ladder),
+                       "<strong>Which level to use</strong>, the cheapest for a wanted accuracy:", {},
+                       "ladder-advice");
     text += gap_words(ladder);
     text +=
         "<p>Filled markers are errors of numbers: the largest relative distance, over the judged metrics, "
@@ -98,14 +71,15 @@ std::string ladder_section(const LadderBeside& beside) {
         "aria-label=\"Plot of "
         "error against run time\">{}</div><figcaption>{}</figcaption></figure>\n",
         ladder_svg(ladder), made_by(ladder));
-    text += "<details><summary>All rungs, and what they are held against</summary>\n";
-    text += table_html(
-        rungs_table(ladder), "Rungs",
-        "<strong>Rungs.</strong> <em>Estimate</em>: difference from the next finer rung. "
-        "<em>Effect</em>: what leaving a piece out changes. A star: no cheaper rung of its model is as "
-        "good.");
-    text += table_html(references_table(ladder, false), "References",
-                       "<strong>References</strong> of the judged metrics.");
+    text += "<details><summary>All levels, and what they are held against</summary>\n";
+    text += html_table(levels_table(ladder),
+                       "<strong>Levels.</strong> <em>Estimate</em>: difference from the next finer level. "
+                       "<em>Effect</em>: what leaving a physics effect out changes. A star: no cheaper level "
+                       "of its model is "
+                       "as good.",
+                       {}, "ladder-levels");
+    text += html_table(references_table(ladder, false), "<strong>References</strong> of the judged metrics.",
+                       {}, "ladder-references");
     return text + "</details>\n</section>\n";
 }
 

@@ -1,7 +1,8 @@
 // What has to be known about the numbers: what was left out, warnings, inputs, and where they come from.
 #include <fmt/format.h>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/page_files.hpp"
 #include "lib/cli/record_text.hpp"
@@ -47,22 +48,11 @@ bool any(const Comparison& comparison, auto RunRecord::*list) {
     return !(comparison.candidate.*list).empty() || !(comparison.reference.*list).empty();
 }
 
-std::string inputs_table(const RunRecord& record) {
+std::string inputs(const RunRecord& record) {
     if (record.inputs.empty()) return {};
-    std::string text = fmt::format(
-        "<details><summary>All {} inputs</summary>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
-        "aria-label=\"Inputs\"><table><caption>Effective inputs in SI, with where each is from.</caption>\n",
-        record.inputs.size());
-    text += table_head({"key", "value", "unit", "origin", "source"}, "lrlll") + "<tbody>\n";
-    for (const Input& input : record.inputs) {
-        const auto* number = std::get_if<double>(&input.value);
-        text += fmt::format(
-            "<tr><th scope=\"row\"><code>{}</code></th><td class=\"number\">{}</td>", xml_text(input.key),
-            number ? fmt::format("{:.10g}", *number) : xml_text(std::get<std::string>(input.value)));
-        text += fmt::format("<td>{}</td><td>{}</td><td>{}</td></tr>\n", xml_text(input.unit),
-                            origin_name(input.origin), xml_text(input.source));
-    }
-    return text + "</tbody></table></div></details>\n";
+    return fmt::format(
+        "<details><summary>All {} inputs</summary>\n{}</details>\n", record.inputs.size(),
+        html_table(inputs_table(record), "Effective inputs in SI, with where each is from.", {}, "inputs"));
 }
 
 std::string provenance(const Comparison& comparison) {
@@ -105,7 +95,7 @@ std::string notes_sections(const Comparison& comparison) {
         text += "<section id=\"warnings\"><h2>Warnings</h2>\n" + by_side(comparison, warning_items) +
                 "</section>\n";
     text += "<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance(comparison) +
-            inputs_table(comparison.reference);
+            inputs(comparison.reference);
     text += fmt::format(
         "<details><summary>Licences of what draws in this page</summary>\n<pre>{}</pre></details>\n",
         "\n" + std::string(page_file("NOTICE")));

@@ -10,6 +10,7 @@
 
 #include "compare/gap.hpp"
 #include "compare/ladder_beside.hpp"
+#include "compare/render/table.hpp"
 
 namespace twinchute::compare {
 
@@ -18,22 +19,11 @@ struct PageSide {
     const RunRecord* record;
     const ShapeFrames* frames;
     std::string_view style;  ///< "candidate" or "reference"
+    Tone tone;
 };
 /// Candidate first, as in every table.
 std::array<PageSide, 2> page_sides(const Comparison& comparison);
 
-/// The clock that both sides share: seconds since their snatch, or line stretch; else since release.
-struct PageClock {
-    std::array<double, 2> zero{};  ///< [s] since release, by side
-    bool from_snatch = false;
-    std::string label() const { return from_snatch ? "time since snatch [s]" : "time since release [s]"; }
-};
-PageClock page_clock(const Comparison& comparison);
-
-/// "<tr><th scope=row>...": a row of a table; cells are HTML.
-std::string table_row(const std::vector<std::string>& cells);
-/// The head of a table; every heading is plain text. `numbers`: one letter a column, r for right-aligned.
-std::string table_head(const std::vector<std::string>& cells, std::string_view alignment);
 /// A square as a raised digit.
 std::string unit_for_reading(std::string_view unit);
 /// A name in the colour of its side.

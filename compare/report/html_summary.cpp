@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
@@ -12,32 +13,6 @@
 
 namespace twinchute::compare {
 namespace {
-
-struct Mark {
-    std::string_view style, sign;  // a sign as well: colour alone tells too few
-};
-
-Mark mark_of(Verdict verdict) {
-    switch (verdict) {
-        case Verdict::within:
-            return {"within", "\u2713"};
-        case Verdict::exceeded:
-            return {"exceeded", "\u2717"};
-        case Verdict::missing:
-            return {"exceeded", "?"};
-        case Verdict::not_reached:
-        case Verdict::not_judged:
-            break;
-    }
-    return {"unjudged", "\u2013"};
-}
-
-std::string chip(Verdict verdict) {
-    if (verdict == Verdict::not_judged) return "<span class=\"quiet\">\u2013</span>";
-    const Mark mark = mark_of(verdict);
-    return fmt::format(R"(<span class="chip {}"><span aria-hidden="true">{}</span> {}</span>)", mark.style,
-                       mark.sign, verdict_name(verdict));
-}
 
 /// "rom says 4.9 % more than full": what a difference means.
 std::string difference_words(const MetricGap& metric, const Comparison& comparison) {
@@ -63,7 +38,10 @@ std::string gauge(const MetricGap& metric) {
     return fmt::format(
         "<div class=\"gauge\" aria-hidden=\"true\"><span class=\"band\"></span><span class=\"zero\"></span>"
         "<span class=\"needle {}\" style=\"left:{:.2f}%\"></span></div>",
-        mark_of(metric.verdict).style, at);
+        metric.verdict == Verdict::within     ? "within"
+        : metric.verdict == Verdict::exceeded ? "exceeded"
+                                              : "unjudged",
+        at);
 }
 
 std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
@@ -73,13 +51,13 @@ std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
     for (std::size_t i = 0; i < 2; ++i)
         text += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", side_name(sides[i]),
                             xml_text(value_text(*values[i], metric.row->unit)));
-    text +=
-        fmt::format("</dl>\n{}<p>{}</p><p class=\"judged-by\">{} <span>tolerance {}, {}</span></p></li>\n",
-                    gauge(metric), xml_text(difference_words(metric, comparison)), chip(metric.verdict),
-                    metric.tolerance->value == 0
-                        ? "0: any difference counts"
-                        : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)),
-                    origin_text(metric.origin));
+    text += fmt::format(
+        "</dl>\n{}<p>{}</p><p class=\"judged-by\">{} <span>tolerance {}, {}</span></p></li>\n", gauge(metric),
+        xml_text(difference_words(metric, comparison)), html_cell(verdict_cell(metric.verdict)),
+        metric.tolerance->value == 0
+            ? "0: any difference counts"
+            : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)),
+        origin_text(metric.origin));
     return text;
 }
 
@@ -102,67 +80,20 @@ std::string key_figures(const Comparison& comparison) {
     return text + cost_card(comparison) + "</ul>\n";
 }
 
-/// What has to be known about a row; what both sides say is said once.
-std::string metric_notes(const Comparison& comparison) {
-    const auto sides = page_sides(comparison);
-    std::string text;
-    for (const MetricGap& metric : comparison.gap.metrics) {
-        const std::array notes{metric.candidate ? metric.candidate->note : "",
-                               metric.reference ? metric.reference->note : ""};
-        std::string says = metric.note.empty() ? "" : fmt::format("<dd>{}</dd>\n", xml_text(metric.note));
-        for (std::size_t s = 0; s < 2; ++s) {
-            if (notes[s].empty() || (s == 1 && notes[0] == notes[1])) continue;
-            says += fmt::format("<dd>{}{}</dd>\n", notes[0] == notes[1] ? "" : side_name(sides[s]) + ": ",
-                                xml_text(notes[s]));
-        }
-        if (!says.empty()) text += fmt::format("<dt>{}</dt>{}", xml_text(metric.row->title), says);
-    }
-    if (text.empty()) return {};
-    return "<details><summary>Notes on the metrics: which part is input, how a result is "
-           "taken</summary>\n<dl "
-           "class=\"facts\">\n" +
-           text + "</dl></details>\n";
-}
-
-std::string standing_cell(const std::optional<SideValue>& side) {
-    return side ? standing_text(side) : "\u2013";
-}
-
-bool repeats_inputs(const MetricGap& metric) {
-    return metric.candidate && metric.reference && metric.candidate->standing == Standing::input &&
-           metric.reference->standing == Standing::input;
-}
-
-std::string metrics_table(const Comparison& comparison) {
-    const std::string& candidate = comparison.candidate.fidelity;
-    const std::string& reference = comparison.reference.fidelity;
-    std::string text = fmt::format(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"metrics-caption\">\n"
-        "<table class=\"metrics\"><caption id=\"metrics-caption\"><strong>All metrics.</strong> Differences "
-        "are {0} minus "
-        "{1}, relative ones shares of {1}. An <em>input</em> repeats what the scene says; a <em>result</em> "
-        "comes "
-        "out of the model: only results compare models.</caption>\n",
-        xml_text(candidate), xml_text(reference));
-    text += table_head({"metric", candidate, reference, "difference", "tolerance", "verdict",
-                        candidate + " is", reference + " is"},
-                       "lrrrrlll");
-    text += "<tbody>\n";
-    for (const MetricGap& metric : comparison.gap.metrics) {
-        const std::string_view unit = metric.row->unit;
-        text += fmt::format("<tr{}><th scope=\"row\">{}</th>",
-                            metric.verdict != Verdict::not_judged ? " class=\"judged\""
-                            : repeats_inputs(metric)              ? " class=\"repeated\""
-                                                                  : "",
-                            xml_text(metric.row->title));
-        for (const std::string& cell :
-             {value_text(metric.candidate, unit), value_text(metric.reference, unit), difference_text(metric),
-              metric.tolerance ? tolerance_text(*metric.tolerance, unit) : std::string("-")})
-            text += fmt::format("<td class=\"number\">{}</td>", cell == "-" ? "\u2013" : xml_text(cell));
-        text += fmt::format("<td>{}</td><td>{}</td><td>{}</td></tr>\n", chip(metric.verdict),
-                            standing_cell(metric.candidate), standing_cell(metric.reference));
-    }
-    return text + "</tbody></table></div>\n" + metric_notes(comparison);
+std::string metric_tables(const Comparison& comparison) {
+    const std::string text = html_table(
+        metrics_table(comparison),
+        fmt::format(
+            "<strong>All metrics.</strong> Differences are {0} minus {1}, relative ones shares of {1}. "
+            "An <em>input</em> repeats what the scene says; a <em>result</em> comes out of the model: "
+            "only results compare models.",
+            xml_text(comparison.candidate.fidelity), xml_text(comparison.reference.fidelity)),
+        "metrics", "metrics");
+    const Table notes = metric_notes_table(comparison);
+    if (notes.rows.empty()) return text;
+    return text + "<details><summary>Notes on the metrics</summary>\n" +
+           html_table(notes, "Which part is input, and how a result is taken.", {}, "metric-notes") +
+           "</details>\n";
 }
 
 /// Where the judged metrics are furthest apart, in words.
@@ -242,7 +173,7 @@ std::string summary_section(const Comparison& comparison) {
         text += fmt::format(" Both were told the {}.", xml_text(fill));
     text += "</p></header>\n<section id=\"summary\" tabindex=\"-1\"><h2>Verdict</h2>\n";
     return text + verdict_banner(comparison) + status_lines(comparison) + key_figures(comparison) +
-           metrics_table(comparison) + "</section>\n";
+           metric_tables(comparison) + "</section>\n";
 }
 
 }  // namespace twinchute::compare

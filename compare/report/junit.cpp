@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/trend_text.hpp"
 #include "compare/report/words.hpp"
 #include "lib/record/metric_key.hpp"

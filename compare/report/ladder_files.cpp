@@ -2,13 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "compare/report/escape.hpp"
 #include "lib/record/checksum.hpp"
-#include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {
@@ -16,20 +12,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string number(const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
-}
-
-std::optional<double> gap_to(const RungMetric& metric, std::string_view fidelity) {
+std::optional<double> gap_to(const LevelMetric& metric, std::string_view fidelity) {
     for (const LadderGap& gap : metric.gaps)
         if (gap.to == fidelity) return gap.value;
     return {};
 }
 
-const LadderReference* reference_for(const Ladder& ladder, const RungResult& result, const MetricRow* row) {
-    if (result.rung.physics == Physics::other) return nullptr;
+const LadderReference* reference_for(const Ladder& ladder, const LevelResult& result, const MetricRow* row) {
+    if (result.level.physics == Physics::other) return nullptr;
     for (const LadderReference& reference : ladder.references)
-        if (reference.fidelity == result.rung.fidelity && reference.row == row) return &reference;
+        if (reference.fidelity == result.level.fidelity && reference.row == row) return &reference;
     return nullptr;
 }
 
@@ -37,7 +29,7 @@ Json worst_json(const Worst& worst) {
     return {{"value", worst.value}, {"metric", worst.metric}};
 }
 
-Json metric_json(const RungMetric& metric) {
+Json metric_json(const LevelMetric& metric) {
     Json json;
     json["value"] = metric.value;
     if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
@@ -52,17 +44,17 @@ Json metric_json(const RungMetric& metric) {
     return json;
 }
 
-Json rung_json(const RungResult& result) {
-    const Rung& rung = result.rung;
+Json level_json(const LevelResult& result) {
+    const Level& level = result.level;
     Json json;
-    json["name"] = rung.name;
-    json["label"] = rung.label;
-    json["family"] = rung.family;
-    json["why"] = rung.why;
-    if (!rung.fidelity.empty()) json["fidelity"] = rung.fidelity;
+    json["name"] = level.name;
+    json["label"] = level.label;
+    json["family"] = level.family;
+    json["why"] = level.why;
+    if (!level.fidelity.empty()) json["fidelity"] = level.fidelity;
     json["setting"] = result.setting;
-    json["as_given"] = rung.given;
-    json["physics"] = rung.physics == Physics::same ? "same" : "other";
+    json["as_given"] = level.given;
+    json["physics"] = level.physics == Physics::same ? "same" : "other";
     json["status"] = result.was_run ? status_json(result.status)
                                     : Json{{"code", "not_run"}, {"detail", result.status.detail}};
     if (result.was_run) {
@@ -81,7 +73,7 @@ Json rung_json(const RungResult& result) {
     json["is_reference"] = result.is_reference;
     json["on_pareto_front"] = result.on_front;
     Json& metrics = json["metrics"] = Json::object();
-    for (const RungMetric& metric : result.metrics)
+    for (const LevelMetric& metric : result.metrics)
         metrics[std::string(metric.row->key)] = metric_json(metric);
     return json;
 }
@@ -89,47 +81,54 @@ Json rung_json(const RungResult& result) {
 }  // namespace
 
 std::string ladder_csv(const Ladder& ladder) {
-    std::string text =
-        "rung,family,fidelity,physics,setting,status,runs,seeds,wall_time,steps,rhs_calls,on_pareto_front,"
-        "metric,unit,input_or_result,value,low,high,reference,error,error_estimate";
-    std::string units = "-,-,-,-,-,-,1,1,s,1,1,-,-,-,-,see unit,see unit,see unit,see unit,1,1";
-    for (const std::string_view fidelity : ladder.fidelities) {
-        text += fmt::format(",gap_to_{}", fidelity);
-        units += ",1";
-    }
-    text += ",effect_of_leaving_out";
-    units += ",1";
-    if (ladder.test) {
-        text += ",distance_to_test";
-        units += ",1";
-    }
-    text += '\n' + units + '\n';
-    const std::size_t empty_fields = 9 + ladder.fidelities.size() + (ladder.test ? 2 : 1);
-    for (const RungResult& result : ladder.rungs) {
-        const Rung& rung = result.rung;
+    Table table;
+    const auto add = [&](std::initializer_list<std::string> names, const char* unit) {
+        for (const std::string& name : names)
+            table.columns.push_back({name, Align::left, unit});
+    };
+    add({"rung", "family", "fidelity", "physics", "setting", "status"}, "-");
+    add({"runs", "seeds"}, "1");
+    add({"wall_time"}, "s");
+    add({"steps", "rhs_calls"}, "1");
+    add({"on_pareto_front", "metric", "unit", "input_or_result"}, "-");
+    add({"value", "low", "high", "reference"}, "see unit");
+    add({"error", "error_estimate"}, "1");
+    for (const std::string_view fidelity : ladder.fidelities)
+        add({fmt::format("gap_to_{}", fidelity)}, "1");
+    add({"effect_of_leaving_out"}, "1");
+    if (ladder.test) add({"distance_to_test"}, "1");
+    for (const LevelResult& result : ladder.levels) {
+        const Level& level = result.level;
         const bool run = result.was_run;
-        std::string front =
-            fmt::format("{},{},{},{},{},{}", csv_field(rung.name), csv_field(rung.family), rung.fidelity,
-                        rung.physics == Physics::same ? "same" : "other", csv_field(result.setting),
-                        run ? status_name(result.status.code) : std::string_view("not_run"));
-        front += run ? fmt::format(",{},{},{},{},{}", result.runs, result.seeds, result.wall_s, result.steps,
-                                   result.rhs_calls)
-                     : std::string(",,,,,");
-        front += result.on_front ? ",yes" : ",no";
-        if (result.metrics.empty()) text += front + std::string(empty_fields, ',') + '\n';
-        for (const RungMetric& metric : result.metrics) {
+        const auto counted = [&](const auto& value) { return run ? fmt::format("{}", value) : ""; };
+        const std::vector<Cell> front{level.name,
+                                      level.family,
+                                      level.fidelity,
+                                      level.physics == Physics::same ? "same" : "other",
+                                      result.setting,
+                                      run ? status_name(result.status.code) : "not_run",
+                                      counted(result.runs),
+                                      counted(result.seeds),
+                                      counted(result.wall_s),
+                                      counted(result.steps),
+                                      counted(result.rhs_calls),
+                                      result.on_front ? "yes" : "no"};
+        if (result.metrics.empty()) table.rows.emplace_back(front).resize(table.columns.size());
+        for (const LevelMetric& metric : result.metrics) {
             const LadderReference* reference = reference_for(ladder, result, metric.row);
-            fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}", front, metric.row->name,
-                           metric.row->unit.empty() ? "1" : csv_field(metric.row->unit),
-                           standing_name(metric.standing), metric.value, metric.low, metric.high,
-                           reference ? number(reference->value) : "", number(metric.error),
-                           number(metric.estimate));
+            std::vector<Cell>& cells = table.rows.emplace_back(front);
+            cells.insert(cells.end(), {metric.row->name, metric.row->unit.empty() ? "1" : metric.row->unit,
+                                       standing_name(metric.standing), fmt::format("{}", metric.value),
+                                       fmt::format("{}", metric.low), fmt::format("{}", metric.high),
+                                       reference ? exact(reference->value) : "", exact(metric.error),
+                                       exact(metric.estimate)});
             for (const std::string_view fidelity : ladder.fidelities)
-                text += ',' + number(gap_to(metric, fidelity));
-            text += ',' + number(metric.effect) + (ladder.test ? ',' + number(metric.to_test) : "") + '\n';
+                cells.emplace_back(exact(gap_to(metric, fidelity)));
+            cells.emplace_back(exact(metric.effect));
+            if (ladder.test) cells.emplace_back(exact(metric.to_test));
         }
     }
-    return text;
+    return csv_table(table);
 }
 
 std::string ladder_json(const Ladder& ladder) {
@@ -159,9 +158,9 @@ std::string ladder_json(const Ladder& ladder) {
         for (const TestValue& measured : ladder.test->values)
             test["values"][std::string(measured.row->key)] = measured.value;
     }
-    Json& rungs = json["rungs"] = Json::array();
-    for (const RungResult& result : ladder.rungs)
-        rungs.push_back(rung_json(result));
+    Json& levels = json["rungs"] = Json::array();
+    for (const LevelResult& result : ladder.levels)
+        levels.push_back(level_json(result));
     json["provenance"] = provenance_json(ladder.provenance);
     return json_text(json);
 }

@@ -7,32 +7,26 @@
 #include <vector>
 
 #include "compare/ladder.hpp"
-#include "lib/cli/text.hpp"
+#include "compare/render/table.hpp"
 #include "lib/record/file_batch.hpp"
 
 namespace twinchute::compare {
 
-/// A line for each rung and metric; rungs without any metric have one line.
+/// A line for each level and metric; levels without any metric have one line.
 std::string ladder_csv(const Ladder& ladder);
 std::string ladder_json(const Ladder& ladder);
 std::string ladder_markdown(const Ladder& ladder);
 std::string ladder_svg(const Ladder& ladder);
 
-/// Families of rungs that the picture knows, in its order.
+/// Families of levels that the picture knows, in its order.
 std::vector<std::string_view> drawn_families();
 
-/// Plain text in rows and columns.
-struct LadderTable {
-    std::vector<std::string> header;
-    std::vector<bool> right;  ///< by column: of numbers
-    std::vector<std::vector<std::string>> rows;
-};
-/// A row for each rung: what it cost and how far it is from its reference.
-LadderTable rungs_table(const Ladder& ladder);
+/// A row for each level: what it cost and how far it is from its reference.
+Table levels_table(const Ladder& ladder);
 /// What errors are held against; not `all`: of the judged metrics alone.
-LadderTable references_table(const Ladder& ladder, bool all);
+Table references_table(const Ladder& ladder, bool all);
 
-/// For the terminal: a line for each rung, the references, and the advice as the last line.
+/// For the terminal: a line for each level, the references, and the advice as the last line.
 std::string ladder_text(const Ladder& ladder, const Style& style);
 
 /// ladder.csv, ladder.md, ladder.svg and, as the marker, ladder.json.

@@ -2,15 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
 namespace {
+
+constexpr Align right = Align::right;
 
 std::string share_text(double value) {
     if (value == 0.0) return "0";
@@ -21,35 +22,18 @@ std::string worst_text(const std::optional<Worst>& worst) {
     return worst ? share_text(worst->value) : "-";
 }
 
-std::string status_text(const RungResult& result) {
+std::string status_text(const LevelResult& result) {
     if (!result.was_run) return "not run";
     if (result.is_reference) return "reference";
     const std::string status(status_name(result.status.code));
-    return result.rung.given ? status + ", as given" : status;
-}
-
-std::string markdown_row(const std::vector<std::string>& cells) {
-    std::string line = "|";
-    for (const std::string& cell : cells)
-        line += " " + markdown_text(cell) + " |";
-    return line + "\n";
-}
-
-std::string markdown_table(const LadderTable& cells) {
-    std::string text = markdown_row(cells.header) + "|";
-    for (const bool right : cells.right)
-        text += right ? " ---: |" : " --- |";
-    text += "\n";
-    for (const auto& row : cells.rows)
-        text += markdown_row(row);
-    return text;
+    return result.level.given ? status + ", as given" : status;
 }
 
 std::string with_unit(double value, std::string_view unit) {
     return readable(value, 6) + (unit.empty() ? "" : " ") + std::string(unit);
 }
 
-std::string value_of(const RungMetric* metric) {
+std::string value_of(const LevelMetric* metric) {
     if (metric == nullptr) return "-";
     std::string text = with_unit(metric->value, metric->row->unit);
     if (metric->low != metric->high)
@@ -57,26 +41,24 @@ std::string value_of(const RungMetric* metric) {
     return text;
 }
 
-LadderTable values_of(const Ladder& ladder) {
-    LadderTable cells{{"rung", "setting", "shows"}, {false, false, false}, {}};
-    for (const std::string_view name : ladder.judged) {
-        cells.header.emplace_back(find_metric_row(name)->title);
-        cells.right.push_back(true);
-    }
-    for (const RungResult& result : ladder.rungs) {
-        std::vector<std::string> row{result.rung.name, result.setting, result.rung.why};
+Table values_table(const Ladder& ladder) {
+    Table table{{{"level"}, {"setting"}, {"shows"}}, {}};
+    for (const std::string_view name : ladder.judged)
+        table.columns.push_back({std::string(find_metric_row(name)->title), right});
+    for (const LevelResult& result : ladder.levels) {
+        std::vector<Cell>& row = table.rows.emplace_back();
+        row = {result.level.name, result.setting, result.level.why};
         for (const std::string_view name : ladder.judged)
-            row.push_back(value_of(result.find(name)));
-        cells.rows.push_back(std::move(row));
+            row.emplace_back(value_of(result.find(name)));
     }
-    return cells;
+    return table;
 }
 
 std::string failures_of(const Ladder& ladder, const char* prefix) {
     std::string text;
-    for (const RungResult& result : ladder.rungs)
+    for (const LevelResult& result : ladder.levels)
         if (!result.ended())
-            text += fmt::format("{}{}: {}{}{}\n", prefix, result.rung.name, status_text(result),
+            text += fmt::format("{}{}: {}{}{}\n", prefix, result.level.name, status_text(result),
                                 result.status.detail.empty() ? "" : ", ", clean_text(result.status.detail));
     return text;
 }
@@ -95,7 +77,7 @@ std::string test_text(const Ladder& ladder) {
 
 std::string seeds_text(const Ladder& ladder) {
     int seeds = 1;
-    for (const RungResult& result : ladder.rungs)
+    for (const LevelResult& result : ladder.levels)
         seeds = std::max(seeds, result.seeds);
     if (seeds == 1) return {};
     return fmt::format("Values of runs with noise are medians over {} seeds, with their range. ", seeds);
@@ -103,47 +85,46 @@ std::string seeds_text(const Ladder& ladder) {
 
 }  // namespace
 
-LadderTable rungs_table(const Ladder& ladder) {
-    LadderTable cells;
-    cells.header = {"rung", "time", "steps", "calls", "error", "in", "estimate"};
-    cells.right = {false, true, true, true, true, false, true};
-    for (const std::string_view fidelity : ladder.fidelities) {
-        cells.header.push_back(fmt::format("gap to {}", fidelity));
-        cells.right.push_back(true);
-    }
-    if (ladder.test) {
-        cells.header.emplace_back("to test");
-        cells.right.push_back(true);
-    }
-    cells.header.insert(cells.header.end(), {"effect", "front", "status"});
-    cells.right.insert(cells.right.end(), {true, false, false});
-    for (const RungResult& result : ladder.rungs) {
+Table levels_table(const Ladder& ladder) {
+    Table table{{{"level"},
+                 {"time", right},
+                 {"steps", right},
+                 {"calls", right},
+                 {"error", right},
+                 {"in"},
+                 {"estimate", right}},
+                {}};
+    for (const std::string_view fidelity : ladder.fidelities)
+        table.columns.push_back({fmt::format("gap to {}", fidelity), right});
+    if (ladder.test) table.columns.push_back({"to test", right});
+    table.columns.insert(table.columns.end(), {{"effect", right}, {"front"}, {"status"}});
+    for (const LevelResult& result : ladder.levels) {
         const bool counts = result.was_run && result.steps > 0;
-        std::vector<std::string> row{result.rung.name,
-                                     result.was_run ? time_text(result.wall_s) : "-",
-                                     counts ? fmt::format("{}", result.steps) : "-",
-                                     counts ? fmt::format("{}", result.rhs_calls) : "-",
-                                     worst_text(result.error),
-                                     result.error ? std::string(result.error->metric) : "-",
-                                     worst_text(result.estimate)};
+        std::vector<Cell>& row = table.rows.emplace_back();
+        row = {result.level.name,
+               result.was_run ? time_text(result.wall_s) : "-",
+               counts ? fmt::format("{}", result.steps) : "-",
+               counts ? fmt::format("{}", result.rhs_calls) : "-",
+               worst_text(result.error),
+               result.error ? result.error->metric : "-",
+               worst_text(result.estimate)};
         for (const std::string_view fidelity : ladder.fidelities)
-            row.push_back(worst_text(result.gap_to(fidelity)));
-        if (ladder.test) row.push_back(worst_text(result.to_test));
+            row.emplace_back(worst_text(result.gap_to(fidelity)));
+        if (ladder.test) row.emplace_back(worst_text(result.to_test));
         row.insert(row.end(), {worst_text(result.effect), result.on_front ? "*" : "", status_text(result)});
-        cells.rows.push_back(std::move(row));
     }
-    return cells;
+    return table;
 }
 
-LadderTable references_table(const Ladder& ladder, bool all) {
-    LadderTable cells{{"fidelity", "metric", "value", "reference"}, {false, false, true, false}, {}};
+Table references_table(const Ladder& ladder, bool all) {
+    Table table{{{"fidelity"}, {"metric"}, {"value", right}, {"reference"}}, {}};
     for (const LadderReference& reference : ladder.references) {
         if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
         const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";
-        cells.rows.push_back({std::string(reference.fidelity), std::string(reference.row->title),
+        table.rows.push_back({reference.fidelity, reference.row->title,
                               with_unit(reference.value, reference.row->unit), reference.how + note});
     }
-    return cells;
+    return table;
 }
 
 std::string ladder_markdown(const Ladder& ladder) {
@@ -159,34 +140,25 @@ std::string ladder_markdown(const Ladder& ladder) {
         "*Error* is numerical: the relative distance from the reference of the same physics, the largest "
         "over "
         "the\njudged metrics. *Gap* is the distance from the reference of another model, *effect* that of a "
-        "rung "
-        "without a\npiece from the scene as it is on the same mesh: neither is an error of numbers. "
-        "*Estimate* is "
-        "the difference\nfrom the next finer rung, of the finest from the one before it. Time is wall time, "
-        "the "
-        "least of several\nruns where they are short. A star marks what no cheaper rung of its model "
-        "matches. ";
+        "level without a\nphysics effect from the scene as it is on the same mesh: neither is an error of "
+        "numbers. *Estimate* is the\ndifference from the next finer level, of the finest from the one before "
+        "it. Time is wall time, the least of several\nruns where they are short. A star marks what no "
+        "cheaper "
+        "level of its model matches. ";
     text += seeds_text(ladder) + test_text(ladder) + "\n\n";
-    text += markdown_table(rungs_table(ladder)) + "\n";
+    text += markdown_table(levels_table(ladder)) + "\n";
     if (const std::string failures = failures_of(ladder, "- "); !failures.empty())
         text += "Not answered:\n\n" + failures + "\n";
     text += "## References\n\n" + markdown_table(references_table(ladder, true)) + "\n";
-    text += "## Values\n\n" + markdown_table(values_of(ladder)) + "\n";
-    return text + "## Which rung\n\n" + markdown_text(advice(ladder)) + "\n";
+    text += "## Values\n\n" + markdown_table(values_table(ladder)) + "\n";
+    return text + "## Which level\n\n" + markdown_text(advice(ladder)) + "\n";
 }
 
 std::string ladder_text(const Ladder& ladder, const Style& style) {
-    const auto table = [&](const LadderTable& cells) {
-        Table lines{cells.header, cells.rows, cells.right};
-        for (auto& row : lines.rows)
-            for (std::string& cell : row)
-                cell = printable(cell);
-        return aligned(lines, style);
-    };
     std::string text = style.paint(printable(ladder.scene.name), Colour::bold) + "\n\n";
-    text += table(rungs_table(ladder)) + "\n";
+    text += terminal_table(levels_table(ladder), style) + "\n";
     text += printable(failures_of(ladder, "failed    "), Newlines::keep);
-    text += table(references_table(ladder, false)) + "\n";
+    text += terminal_table(references_table(ladder, false), style) + "\n";
     return text + printable(advice(ladder)) + "\n";
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/render/escape.hpp"
 #include "compare/report/aligned.hpp"
-#include "compare/report/escape.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -42,7 +42,7 @@ std::string clock_numbers(const std::vector<double>& clock) {
     return text + "]";
 }
 
-std::string events_json(const Comparison& comparison, const PageClock& clock) {
+std::string events_json(const Comparison& comparison, const SharedClock& clock) {
     std::string text = "[";
     const auto sides = page_sides(comparison);
     for (std::size_t s = 0; s < 2; ++s)
@@ -62,7 +62,7 @@ ShapeFrames page_frames(const ShapeFrames& shape) {
 
 std::string page_data(const Comparison& comparison) {
     const AlignedHistories aligned = aligned_histories(comparison);
-    const PageClock clock = page_clock(comparison);
+    const SharedClock clock = shared_clock(comparison);
     const auto sides = page_sides(comparison);
     const std::size_t shaped = sides[1].frames->empty() ? 0 : 1;
     std::string text = fmt::format(

@@ -48,7 +48,7 @@ std::optional<Worst> worst_at(const JsonNode& node, const char* key) {
     return read_worst(*found);
 }
 
-void read_run(RungResult& result, const JsonNode& node) {
+void read_run(LevelResult& result, const JsonNode& node) {
     const JsonNode status = node.at("status");
     result.status.detail = status.text_at("detail");
     result.was_run = status.text_at("code") != "not_run";
@@ -62,17 +62,17 @@ void read_run(RungResult& result, const JsonNode& node) {
     result.rhs_calls = node.at("rhs_calls").count();
 }
 
-RungResult read_rung(const JsonNode& node, Words fidelities) {
-    RungResult result;
-    Rung& rung = result.rung;
-    rung.name = node.text_at("name");
-    if (const auto label = node.find("label")) rung.label = label->text();
-    rung.family = word(node.at("family"), drawn_families(), "family of rungs");
-    rung.why = node.text_at("why");
-    if (const auto fidelity = node.find("fidelity")) rung.fidelity = word(*fidelity, fidelities, "fidelity");
-    rung.given = node.at("as_given").truth();
+LevelResult read_level(const JsonNode& node, Words fidelities) {
+    LevelResult result;
+    Level& level = result.level;
+    level.name = node.text_at("name");
+    if (const auto label = node.find("label")) level.label = label->text();
+    level.family = word(node.at("family"), drawn_families(), "family of levels");
+    level.why = node.text_at("why");
+    if (const auto fidelity = node.find("fidelity")) level.fidelity = word(*fidelity, fidelities, "fidelity");
+    level.given = node.at("as_given").truth();
     const std::vector<std::string_view> physics{"same", "other"};
-    rung.physics =
+    level.physics =
         word(node.at("physics"), physics, "kind of physics") == "same" ? Physics::same : Physics::other;
     result.setting = node.text_at("setting");
     read_run(result, node);
@@ -123,7 +123,7 @@ Ladder read_ladder(std::string_view text, const std::string& file, Words fidelit
     if (ladder.gap && ladder.fidelities.size() < 2)
         top.at("references").refuse("names fewer than two fidelities", "there is a gap between two", again);
     top.at("rungs").each_row(
-        [&](const JsonNode& row) { ladder.rungs.push_back(read_rung(row, fidelities)); });
+        [&](const JsonNode& row) { ladder.levels.push_back(read_level(row, fidelities)); });
     if (const auto sum = top.find("sha256")) require_own_checksum(text, sum->text(), file, again);
     return ladder;
 }

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
+#include "compare/report/gap_tables.hpp"
 #include "compare/report/words.hpp"
 #include "lib/record/metric_key.hpp"
 
@@ -32,17 +33,22 @@ std::string change_text(const MetricChange& change, std::string_view unit) {
     return fmt::format("{:+.2g}{}{}", *change.difference, unit.empty() ? "" : " ", unit);
 }
 
-Table table_of(const std::vector<MetricChange>& changes) {
-    Table table;
-    table.header = {"metric", "of", "baseline", "now", "change", "tolerance", "verdict"};
-    table.right = {false, false, true, true, true, true};
+Table table_of(std::span<const MetricChange> changes) {
+    constexpr Align right = Align::right;
+    Table table{{{"metric"},
+                 {"of"},
+                 {"baseline", right},
+                 {"now", right},
+                 {"change", right},
+                 {"tolerance", right},
+                 {"verdict"}},
+                {}};
     for (const MetricChange& change : changes) {
         const auto [name, unit] = split_metric_key(change.key);
-        table.rows.push_back(
-            {std::string(name), change.fidelity, value_or_dash(change.before, unit),
-             value_or_dash(change.now, unit), change_text(change, unit),
-             change.tolerance ? tolerance_text(*change.tolerance, unit) : "-",
-             std::string(change.verdict == Verdict::not_judged ? "-" : verdict_name(change.verdict))});
+        table.rows.push_back({name, change.fidelity, value_or_dash(change.before, unit),
+                              value_or_dash(change.now, unit), change_text(change, unit),
+                              change.tolerance ? tolerance_text(*change.tolerance, unit) : "-",
+                              verdict_cell(change.verdict)});
     }
     return table;
 }
@@ -96,10 +102,8 @@ std::string trend_terminal(const Trend& trend, const std::string& baseline, cons
         for (const OtherChange& change : *group.changes)
             text += fmt::format("{:<9} {}\n", group.title, printable(from_to(change)));
     if (!trend.changes.empty()) {
-        std::vector<MetricChange> shown(
-            trend.changes.begin(), std::next(trend.changes.begin(), static_cast<std::ptrdiff_t>(std::min(
-                                                                        most_lines, trend.changes.size()))));
-        text += "\n" + aligned(table_of(shown), style);
+        const auto shown = std::span(trend.changes).first(std::min(most_lines, trend.changes.size()));
+        text += "\n" + terminal_table(table_of(shown), style);
         if (shown.size() < trend.changes.size())
             text += fmt::format("and {} that moved less; trend.md has them\n",
                                 trend.changes.size() - shown.size());
@@ -118,16 +122,7 @@ std::string trend_markdown(const Trend& trend, const std::string& baseline, cons
         for (const OtherChange& change : *group.changes)
             text += fmt::format("- {}: {}\n", group.title, markdown_text(from_to(change)));
     if (trend.changes.empty()) return text;
-    const Table table = table_of(trend.changes);
-    const auto row = [](const std::vector<std::string>& cells) {
-        std::string line = "|";
-        for (const std::string& cell : cells)
-            line += " " + markdown_text(cell) + " |";
-        return line + "\n";
-    };
-    text += "\n" + row(table.header) + "| --- | --- | ---: | ---: | ---: | ---: | --- |\n";
-    for (const auto& cells : table.rows)
-        text += row(cells);
+    text += "\n" + markdown_table(table_of(trend.changes));
     return text + fmt::format("\nMetrics that moved by more than {:g} of their earlier value, most first.\n",
                               trend_threshold);
 }

@@ -90,14 +90,6 @@ std::vector<TestScore> scores_of_test(const Comparison& comparison) {
     return test_scores(*comparison.test, {&comparison.candidate, &comparison.reference});
 }
 
-std::vector<std::string> test_cells(const TestScore& score) {
-    std::vector<std::string> cells{std::string(score.row->title),
-                                   fmt::format("{} {}", readable(score.largest), score.row->unit)};
-    for (const std::optional<double>& l2 : score.l2)
-        cells.push_back(l2 ? share_text(*l2, false) : "-");
-    return cells;
-}
-
 std::string ratio_text(double ratio) {
     // Two runs of the same input differ by some per cent in time: more digits would be noise.
     if (!(std::isfinite(ratio) && ratio >= 100)) return readable(ratio, 2);

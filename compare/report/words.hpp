@@ -31,8 +31,6 @@ std::string share_text(double share, bool with_sign);
 
 /// Of the test, candidate first as in every table.
 std::vector<TestScore> scores_of_test(const Comparison& comparison);
-/// "Opening force", "4890 N", "3.1 %", "4.0 %": what was measured and how far both are from it.
-std::vector<std::string> test_cells(const TestScore& score);
 
 /// How many times longer, in two digits: wall times have no more.
 std::string ratio_text(double ratio);

@@ -8,9 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "compare/report/escape.hpp"
 #include "compare/validate/report_words.hpp"
-#include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/data_files.hpp"
 
@@ -29,26 +27,10 @@ double strain(const RowResult& row) {
     return std::abs(*error) / *row.tolerance;
 }
 
-Colour colour_of(RowVerdict verdict) {
-    if (verdict == RowVerdict::exceeded) return Colour::red;
-    return verdict == RowVerdict::within ? Colour::green : Colour::yellow;
-}
-
-std::string suite_table(const SuiteResult& suite, const Style& style) {
+std::string suite_text(const SuiteResult& suite, const Style& style) {
     const std::vector<ShownRow> shown = shown_rows(suite);
-    Table table;
-    table.header = {"case",      "where", "",          "quantity", "expected",
-                    "predicted", "error", "tolerance", "within",   "grade"};
-    table.right = {false, false, false, false, true, true, true, true};
-    for (const ShownRow& one : shown) {
-        const RowResult& row = *one.row;
-        if (row.verdict == RowVerdict::not_run || row.verdict == RowVerdict::by_test) continue;
-        table.rows.push_back({printable(row.name), printable(row.where), row.fidelity, quantity_text(one),
-                              expected_text(row), predicted_text(row), error_text(row), tolerance_text(row),
-                              printable(row.grade), style.paint(verdict_text(one), colour_of(row.verdict))});
-    }
-    // Colour codes would count as columns: the verdict is the last one, which is not padded.
-    std::string text = table.rows.empty() ? "" : aligned(table, style, 2);
+    const Table table = suite_table(shown);
+    std::string text = table.rows.empty() ? "" : terminal_table(table, style, 2);
     for (const ShownRow& one : shown) {
         const RowResult& row = *one.row;
         if (row.verdict == RowVerdict::exceeded && !row.why.empty())
@@ -159,30 +141,46 @@ std::string validation_terminal(const Validation& validation, const Style& style
     std::string text;
     for (const SuiteResult& suite : validation.suites)
         text += style.paint(printable(suite.title), Colour::bold) + "  (" + suite.name + ")\n" +
-                suite_table(suite, style) + "  " + suite_summary(suite) + "\n\n";
+                suite_text(suite, style) + "  " + suite_summary(suite) + "\n\n";
     return text + validation_summary(validation) + "\n";
 }
 
 std::string validation_csv(const Validation& validation) {
-    std::string text =
-        "suite,case,line,fidelity,quantity,unit,expected,predicted,low,high,error,tolerance,sigma_measured,"
-        "sigma_inputs,verdict,why,where,grade,source,note,group\n"
-        "-,-,1,-,-,-,of the row,of the row,of the row,of the row,of the row,of the row,of the row,of the row,"
-        "-,-,-,-,-,-,-\n";
-    const auto number = [](const std::optional<double>& value) {
-        return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
+    Table table;
+    const auto add = [&](std::initializer_list<const char*> names, const char* unit) {
+        for (const char* name : names)
+            table.columns.push_back({name, Align::left, unit});
     };
+    add({"suite", "case"}, "-");
+    add({"line"}, "1");
+    add({"fidelity", "quantity", "unit"}, "-");
+    add({"expected", "predicted", "low", "high", "error", "tolerance", "sigma_measured", "sigma_inputs"},
+        "of the row");
+    add({"verdict", "why", "where", "grade", "source", "note", "group"}, "-");
     for (const SuiteResult& suite : validation.suites)
         for (const RowResult& row : suite.rows)
-            text += fmt::format(
-                "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", suite.name,
-                csv_field(row.name), row.line > 0 ? fmt::format("{}", row.line) : "", row.fidelity,
-                csv_field(row.quantity), row.unit, number(row.expected), number(row.predicted),
-                number(row.low), number(row.high), number(row.error()), number(row.tolerance),
-                number(row.sigma_measured), number(row.sigma_inputs), row_verdict_name(row.verdict),
-                csv_field(row.why), csv_field(row.where), csv_field(row.grade), csv_field(row.source),
-                csv_field(row.note), csv_field(row.group));
-    return text;
+            table.rows.push_back({suite.name,
+                                  row.name,
+                                  row.line > 0 ? fmt::format("{}", row.line) : "",
+                                  row.fidelity,
+                                  row.quantity,
+                                  row.unit,
+                                  exact(row.expected),
+                                  exact(row.predicted),
+                                  exact(row.low),
+                                  exact(row.high),
+                                  exact(row.error()),
+                                  exact(row.tolerance),
+                                  exact(row.sigma_measured),
+                                  exact(row.sigma_inputs),
+                                  row_verdict_name(row.verdict),
+                                  row.why,
+                                  row.where,
+                                  row.grade,
+                                  row.source,
+                                  row.note,
+                                  row.group});
+    return csv_table(table);
 }
 
 std::string validation_json(const Validation& validation, const Provenance& provenance) {

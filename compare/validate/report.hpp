@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "compare/render/table.hpp"
 #include "compare/validate/run_suite.hpp"
-#include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
 

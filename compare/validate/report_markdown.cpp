@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/validate/report.hpp"
 #include "compare/validate/report_words.hpp"
 
@@ -27,26 +27,11 @@ constexpr std::string_view how_to_read = R"(How to read it:
 
 )";
 
-std::string row_text(const std::vector<std::string>& words) {
-    std::string line = "|";
-    for (const std::string& word : words)
-        line += " " + markdown_text(word) + " |";
-    return line + "\n";
-}
-
-std::string main_table(const std::vector<ShownRow>& shown) {
+std::string list(std::string_view heading, const std::vector<std::string>& items) {
     std::string text;
-    for (const ShownRow& one : shown) {
-        const RowResult& row = *one.row;
-        if (row.verdict == RowVerdict::not_run || row.verdict == RowVerdict::by_test) continue;
-        text += row_text({row.name, row.where, row.fidelity, quantity_text(one), expected_text(row),
-                          predicted_text(row), error_text(row), tolerance_text(row), row.grade,
-                          verdict_text(one)});
-    }
-    if (text.empty()) return {};
-    return "| case | where | model | quantity | expected | predicted | error | tolerance | grade | within |\n"
-           "| --- | --- | --- | --- | ---: | ---: | ---: | ---: | --- | --- |\n" +
-           text + "\n";
+    for (const std::string& item : items)
+        text += "- " + markdown_text(item) + "\n";
+    return text.empty() ? text : fmt::format("{}:\n\n{}\n", heading, text);
 }
 
 /// What is said beside numbers, each sentence once with the cases that it is said of.
@@ -121,28 +106,19 @@ std::string validation_markdown(const Validation& validation, const Provenance& 
     text += fmt::format("Made by `{}`: twinchute {}, commit {}, {}, {}, {}.\n\n", command, provenance.version,
                         provenance.commit, markdown_text(provenance.compiler),
                         markdown_text(provenance.host_cpu), provenance.date);
-    text += "| suite | expected values are | |\n| --- | --- | --- |\n";
+    Table suites{{{"suite"}, {"expected values are"}, {""}}, {}};
     for (const SuiteResult& suite : validation.suites)
-        text += row_text({suite.title, std::string(evidence_name(suite.evidence)), suite_summary(suite)});
-    text += "\n";
+        suites.rows.push_back({suite.title, evidence_name(suite.evidence), suite_summary(suite)});
+    text += markdown_table(suites) + "\n";
     text += how_to_read;
     for (const SuiteResult& suite : validation.suites) {
         const std::vector<ShownRow> shown = shown_rows(suite);
         text += fmt::format("## {}\n\n", markdown_text(suite.title));
         if (!suite.about.empty()) text += markdown_text(suite.about) + "\n\n";
-        text += suite_summary(suite) + ".\n\n" + main_table(shown) + group_text(suite);
-        if (!suite.offsets.empty()) {
-            text += "Predicted less expected, together:\n\n";
-            for (const std::string& offsets : suite.offsets)
-                text += "- " + markdown_text(offsets) + "\n";
-            text += "\n";
-        }
-        if (!suite.remarks.empty()) {
-            text += "Cases:\n\n";
-            for (const std::string& remark : suite.remarks)
-                text += "- " + markdown_text(remark) + "\n";
-            text += "\n";
-        }
+        text += suite_summary(suite) + ".\n\n";
+        if (const Table table = suite_table(shown); !table.rows.empty()) text += markdown_table(table) + "\n";
+        text += group_text(suite);
+        text += list("Predicted less expected, together", suite.offsets) + list("Cases", suite.remarks);
         text += notes(shown) + left_out(suite, RowVerdict::not_run, "Not run") +
                 left_out(suite, RowVerdict::by_test, "Shown by tests alone") + sources(suite);
     }

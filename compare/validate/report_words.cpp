@@ -80,4 +80,37 @@ std::string quantity_text(const ShownRow& shown) {
     return text;
 }
 
+Table suite_table(const std::vector<ShownRow>& shown) {
+    constexpr Align right = Align::right;
+    Table table{{{"case"},
+                 {"where"},
+                 {"model"},
+                 {"quantity"},
+                 {"expected", right},
+                 {"predicted", right},
+                 {"error", right},
+                 {"tolerance", right},
+                 {"grade"},
+                 {"within"}},
+                {}};
+    for (const ShownRow& one : shown) {
+        const RowResult& row = *one.row;
+        if (row.verdict == RowVerdict::not_run || row.verdict == RowVerdict::by_test) continue;
+        const Tone tone = row.verdict == RowVerdict::exceeded ? Tone::bad
+                          : row.verdict == RowVerdict::within ? Tone::good
+                                                              : Tone::caution;
+        table.rows.push_back({row.name,
+                              row.where,
+                              row.fidelity,
+                              quantity_text(one),
+                              expected_text(row),
+                              predicted_text(row),
+                              error_text(row),
+                              tolerance_text(row),
+                              row.grade,
+                              {verdict_text(one), tone}});
+    }
+    return table;
+}
+
 }  // namespace twinchute::compare

@@ -16,4 +16,7 @@ std::string tolerance_text(const RowResult& row);
 std::string verdict_text(const ShownRow& shown);
 std::string quantity_text(const ShownRow& shown);  ///< with its unit
 
+/// Every row that was run.
+Table suite_table(const std::vector<ShownRow>& shown);
+
 }  // namespace twinchute::compare

@@ -52,8 +52,14 @@ std::string printable(std::string_view text, Newlines newlines) {
 }
 
 std::size_t columns_of(std::string_view text) {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+    std::size_t columns = 0;
+    bool colour = false;  // inside a colour code of Style::paint
+    for (const char c : text) {
+        colour = colour || c == '\033';
+        columns += !colour && (static_cast<unsigned char>(c) & 0xC0) != 0x80 ? 1 : 0;
+        colour = colour && c != 'm';
+    }
+    return columns;
 }
 
 std::string readable(double value, int digits) {

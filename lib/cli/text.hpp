@@ -12,7 +12,7 @@ enum class Newlines { escape, keep };
 /// The text with control characters replaced by '?': a scene's name cannot move the cursor.
 std::string printable(std::string_view text, Newlines newlines = Newlines::escape);
 
-/// Number of columns that UTF-8 text takes, one per code point.
+/// Number of columns that UTF-8 text takes, one per code point; colour codes take none.
 std::size_t columns_of(std::string_view text);
 
 /// A number with `digits` significant digits, without exponent where that reads better, e.g. "4952",

@@ -1,4 +1,4 @@
-// Two made-up records for tests of comparison and report: curves of plausible shape, no solver.
+// Two synthetic records for tests of comparison and report: curves of plausible shape, no solver.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace twinchute::compare {
 
 /// A record whose force is a bump with its peak `peak` [N] at `peak_time` [s].
-inline RunRecord made_up_record(const std::string& fidelity, double peak, double peak_time, double wall) {
+inline RunRecord synthetic_record(const std::string& fidelity, double peak, double peak_time, double wall) {
     RunRecord record;
     record.scene = {"C-9 inflation at 21 m/s", "data/scenes/c9-inflation.toml", std::string(64, 'a')};
     record.fidelity = fidelity;
@@ -46,10 +46,10 @@ inline RunRecord made_up_record(const std::string& fidelity, double peak, double
     return record;
 }
 
-inline Comparison made_up_comparison(const std::map<std::string, Tolerance>& tolerances = {}) {
+inline Comparison synthetic_comparison(const std::map<std::string, Tolerance>& tolerances = {}) {
     Comparison comparison;
-    comparison.reference = made_up_record("full", 5000, 1.50, 12.0);
-    comparison.candidate = made_up_record("rom", 4800, 1.45, 4e-4);
+    comparison.reference = synthetic_record("full", 5000, 1.50, 12.0);
+    comparison.candidate = synthetic_record("rom", 4800, 1.45, 4e-4);
     comparison.candidate.energy->elastic = 0;
     comparison.reference.cost.element_steps = 130'000'000;
     comparison.reference.cost.ns_per_element_step = 88;

@@ -17,7 +17,7 @@ protected:
     }
 
     Ended ladder_;
-    static constexpr std::string_view drawn = "All rungs, and what they are held against";
+    static constexpr std::string_view drawn = "All levels, and what they are held against";
 };
 
 TEST_F(SystemLadderPage, IsThereWhereBothAreOfOneScene) {
@@ -28,9 +28,9 @@ TEST_F(SystemLadderPage, IsThereWhereBothAreOfOneScene) {
     EXPECT_EQ(compared.err, "");
     EXPECT_TRUE(has(compared.out, "ladder    ./scene.out/ladder.json is in the report\n")) << compared.out;
     EXPECT_TRUE(page_has(drawn));
-    for (const auto& rung : read("scene.out/ladder.json")["rungs"])
-        EXPECT_TRUE(page_has("<th scope=\"row\">" + rung["name"].get<std::string>() + "</th>"))
-            << rung["name"];
+    for (const auto& level : read("scene.out/ladder.json")["rungs"])
+        EXPECT_TRUE(page_has("<th scope=\"row\">" + level["name"].get<std::string>() + "</th>"))
+            << level["name"];
     const std::string page = text("scene.out/report.html"), ladder = text("scene.out/ladder.json");
     EXPECT_LT(page.size(), 3'000'000u);
     const Ended again = run({"report", "scene.out"});

@@ -26,7 +26,7 @@ const Words coarse{"--quick",
 class SystemLadder : public ProgramTest {
 protected:
     Ended run(const Words& words) const { return ProgramTest::run(Words{"ladder"} + words + coarse); }
-    static json rung(const json& ladder, const std::string& name) {
+    static json level(const json& ladder, const std::string& name) {
         for (const json& row : ladder["rungs"])
             if (row["name"] == name) return row;
         return {};
@@ -51,8 +51,8 @@ TEST_F(SystemLadder, LeavesTableAndPlot) {
         EXPECT_GT(row["wall_s"], 0.0) << name;
     }
     // Dearer than four runs of the scene as it is.
-    EXPECT_TRUE(rung(ladder, "full, mesh x2").is_null());
-    EXPECT_EQ(rung(ladder, "full, mesh x1.5")["setting"],
+    EXPECT_TRUE(level(ladder, "full, mesh x2").is_null());
+    EXPECT_EQ(level(ladder, "full, mesh x1.5")["setting"],
               "full.mesh.gore_columns=2 full.mesh.gore_rows=6 full.mesh.line_elements=6 "
               "full.mesh.riser_elements=8");
 }
@@ -72,7 +72,7 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json ladder = json::parse(ended.out);
     const auto error_at = [&](int power) {
-        return rung(ladder, "rom, rtol 1e-" + std::to_string(power))["error"]["value"].get<double>();
+        return level(ladder, "rom, rtol 1e-" + std::to_string(power))["error"]["value"].get<double>();
     };
     // One error may be small by accident: two decades of tolerance are more than that. What a step commits
     // adds up over some tens of steps.
@@ -81,7 +81,7 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
     for (int power = 3; power <= 12; ++power)
         EXPECT_LT(error_at(power), 30 * std::pow(10.0, -power)) << power;
     // As the scene is: the numerical error that the model promises.
-    const json given = rung(ladder, "rom, rtol 1e-6");
+    const json given = level(ladder, "rom, rtol 1e-6");
     EXPECT_TRUE(given["as_given"]);
     EXPECT_LT(given["error"]["value"], 1e-5);
     EXPECT_FALSE(given["gap"].contains("rom"));
@@ -114,20 +114,20 @@ TEST_F(SystemLadder, BadScenesAndUsageAreExitTwoAndWriteNothing) {
     EXPECT_TRUE(tree_of(here_.path()).empty());
 }
 
-TEST_F(SystemLadder, RungsThatFailAreRows) {
+TEST_F(SystemLadder, LevelsThatFailAreRows) {
     // No fabric stays below a strain of 1e-6 while it opens: every full run ends, as the scene itself does.
     const Ended ended = run({scene, "--out", "out", "--set", "full.strain_limit=1e-6"});
     EXPECT_EQ(ended.code, 3) << ended.err;
     const json ladder = read("out/ladder.json");
-    EXPECT_EQ(rung(ladder, "full, mesh x1")["status"]["code"], "strain_limit");
-    EXPECT_EQ(rung(ladder, "rom, rtol 1e-8")["status"]["code"], "completed");
+    EXPECT_EQ(level(ladder, "full, mesh x1")["status"]["code"], "strain_limit");
+    EXPECT_EQ(level(ladder, "rom, rtol 1e-8")["status"]["code"], "completed");
     EXPECT_NE(ended.out.find("failed    full, mesh x1: strain_limit"), std::string::npos) << ended.out;
 }
 
 class SystemLadderSignal : public SystemLadder, public testing::WithParamInterface<int> {};
 
-TEST_P(SystemLadderSignal, KeepsTheRungsThatWereDone) {
-    // Default mesh and an endless flight: the first full rung is long enough, whatever the machine. The
+TEST_P(SystemLadderSignal, KeepsTheLevelsThatWereDone) {
+    // Default mesh and an endless flight: the first full level is long enough, whatever the machine. The
     // ground ends the flights of the other model.
     Process process(
         program({"ladder", scene, "--out", "out", "--set", "stop.time=1000", "--set", "release.height=5000"}),

@@ -1,4 +1,4 @@
-// Attribution on made-up models, formulas in place of solvers: every term is known by hand.
+// Attribution on synthetic models, formulas in place of solvers: every term is known by hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "compare/attribute.hpp"
-#include "compare/pieces.hpp"
+#include "compare/physics_effects.hpp"
 #include "compare/runs_at_once.hpp"
 #include "compare/snatch_state.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -59,8 +59,8 @@ RunRecord dear(const Scene& scene, Run& run) {
 std::vector<std::string> all_physics(const Scene&) {
     return {};
 }
-const Fidelity rom_row{"rom", "made-up quick model", &quick, &all_physics};
-const Fidelity full_row{"full", "made-up dear model", &dear, &all_physics};
+const Fidelity rom_row{"rom", "synthetic quick model", &quick, &all_physics};
+const Fidelity full_row{"full", "synthetic dear model", &dear, &all_physics};
 
 Comparison compared(const Scene& scene, const Fidelity& reference = full_row,
                     const Fidelity& candidate = rom_row) {
@@ -83,9 +83,9 @@ const MetricAttribution& of(const Attribution& attribution, const char* metric) 
     return *found;
 }
 
-double effect(const MetricAttribution& metric, const char* piece) {
-    const auto term = std::ranges::find(metric.terms, piece, &AttributionTerm::piece);
-    if (term == metric.terms.end()) throw std::runtime_error(piece);
+double effect(const MetricAttribution& metric, const char* effect) {
+    const auto term = std::ranges::find(metric.terms, effect, &AttributionTerm::name);
+    if (term == metric.terms.end()) throw std::runtime_error(effect);
     return term->effect;
 }
 
@@ -122,7 +122,7 @@ TEST(CompareAttribution, AFillingTimeIsPrescribedUntilTheShapeIsTheCanopysOwn) {
     const Attribution attribution = attributed(test::c9_scene());
     const MetricAttribution& filling = of(attribution, "filling_time");
     for (const AttributionTerm& term : filling.terms)
-        EXPECT_NEAR(term.effect, term.piece == "own-shape" ? -0.1 : 0.0, 1e-12) << term.piece;
+        EXPECT_NEAR(term.effect, term.name == "own-shape" ? -0.1 : 0.0, 1e-12) << term.name;
     EXPECT_NEAR(filling.interaction, 0.0, 1e-12);
 }
 
@@ -133,7 +133,7 @@ TEST(CompareAttribution, WhatTheSceneHasNotGotIsNoTerm) {
     std::set<std::string> found;
     const Attribution attribution = attributed(scene);
     for (const AttributionTerm& term : of(attribution, "peak_force").terms)
-        found.insert(term.piece);
+        found.insert(term.name);
     EXPECT_EQ(found, (std::set<std::string>{"structure", "line-elasticity", "own-shape"}));
 }
 
@@ -223,14 +223,14 @@ TEST(CompareAttribution, WhatARunThrowsIsThrown) {
         "full", "throws",
         [](const Scene&, twinchute::Run&) -> RunRecord { throw std::runtime_error("out of luck"); },
         &all_physics};
-    const std::vector<Errand> errands(3, Errand{&thrower, test::c9_scene()});
-    EXPECT_THROW(run_errands(errands, 2, {}, {}), std::runtime_error);
+    const std::vector<RunJob> jobs(3, RunJob{&thrower, test::c9_scene()});
+    EXPECT_THROW(run_jobs(jobs, 2, {}, {}), std::runtime_error);
 }
 
 TEST(CompareAttribution, ProgressOfAllRunsTogetherEndsAtOne) {
     double last = 0.0;
-    const std::vector<Errand> errands(5, Errand{&rom_row, test::c9_scene()});
-    run_errands(errands, 3, {}, [&](const Progress& progress) {
+    const std::vector<RunJob> jobs(5, RunJob{&rom_row, test::c9_scene()});
+    run_jobs(jobs, 3, {}, [&](const Progress& progress) {
         EXPECT_GE(progress.share, last - 1e-12);
         last = progress.share;
     });
@@ -322,21 +322,21 @@ TEST(CompareAttribution, TheStateAtSnatchIsThatAfterItsJump) {
     EXPECT_NEAR(state->payload_velocity.z(), -32.0, 1e-9);
 }
 
-TEST(CompareAttribution, EverySwitchedPieceChangesTheSceneAndHasAName) {
+TEST(CompareAttribution, EverySwitchedEffectChangesTheSceneAndHasAName) {
     std::set<std::string_view> names;
-    for (const Piece& piece : pieces()) {
-        EXPECT_TRUE(names.insert(piece.name).second) << piece.name;
-        EXPECT_FALSE(piece.title.empty() || piece.why.empty()) << piece.name;
-        EXPECT_EQ(find_piece(piece.name), &piece);
-        EXPECT_TRUE(piece.switching != Switching::never || !piece.rung.empty()) << piece.name;
+    for (const PhysicsEffect& effect : physics_effects()) {
+        EXPECT_TRUE(names.insert(effect.name).second) << effect.name;
+        EXPECT_FALSE(effect.title.empty() || effect.why.empty()) << effect.name;
+        EXPECT_EQ(find_physics_effect(effect.name), &effect);
+        EXPECT_TRUE(effect.switching != Switching::never || !effect.level.empty()) << effect.name;
     }
-    EXPECT_EQ(std::ranges::count(pieces(), Switching::last, &Piece::switching), 1);
+    EXPECT_EQ(std::ranges::count(physics_effects(), Switching::last, &PhysicsEffect::switching), 1);
 }
 
 TEST(CompareAttribution, StillAirKeepsTheReleaseThroughTheAir) {
     Scene scene = test::c9_scene();
     scene.environment.wind = uniform_wind({4.0, -2.0, 0.0});
-    silence(*find_piece("wind"), scene);
+    silence(*find_physics_effect("wind"), scene);
     EXPECT_FALSE(scene.environment.wind);
     // 21 m/s straight down over ground through that wind.
     EXPECT_NEAR(scene.release.speed, std::sqrt(21.0 * 21.0 + 20.0), 1e-12);

@@ -14,9 +14,9 @@
 namespace twinchute::compare {
 namespace {
 
-/// The made-up records have peaks of 4800 and 5000 N.
+/// The synthetic records have peaks of 4800 and 5000 N.
 Comparison explained() {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     MetricAttribution peak{"peak_force", 4800, 5000, {}, 30, {}};
     peak.terms = {{"structure", "Structure", 20, "what is left"},
                   {"added-mass", "Added mass", 160, ""},
@@ -41,7 +41,7 @@ TEST(CompareAttributionText, AGapWithinTheScatterIsCalledSo) {
     EXPECT_EQ(
         sentence(comparison),
         "Peak opening force: full is 200.0 N (4.0 %) above rom. That is within the scatter of full over "
-        "seeds, 200.0 N: no piece can be held responsible.");
+        "seeds, 200.0 N: no effect can be held responsible.");
     comparison.attribution->metrics.front().scatter = 199.0;
     EXPECT_EQ(sentence(comparison).find("scatter"), std::string::npos);
 }
@@ -61,11 +61,12 @@ TEST(CompareAttributionText, AnInteractionLargerThanEveryTermForbidsToReadThem) 
 
 TEST(CompareAttributionText, TheTableGoesFromTheCandidateToTheReference) {
     const Table table = attribution_table(explained());
-    const std::vector<std::vector<std::string>> rows{{"rom", "4800.0"},          {"+ Structure", "+20.0"},
-                                                     {"+ Added mass", "+160.0"}, {"+ Line drag", "-10.0"},
-                                                     {"+ Interaction", "+30.0"}, {"full", "5000.0"}};
+    const std::vector<std::vector<Cell>> rows{{"rom", "4800.0"},          {"+ Structure", "+20.0"},
+                                              {"+ Added mass", "+160.0"}, {"+ Line drag", "-10.0"},
+                                              {"+ Interaction", "+30.0"}, {"full", "5000.0"}};
     EXPECT_EQ(table.rows, rows);
-    EXPECT_EQ(table.header[1], "Peak opening force [N]");
+    EXPECT_EQ(table.columns[1].title, "Peak opening force");
+    EXPECT_EQ(table.columns[1].unit, "N");
 }
 
 TEST(CompareAttributionText, ComesBackFromJson) {
@@ -76,7 +77,7 @@ TEST(CompareAttributionText, ComesBackFromJson) {
     comparison.attribution = read_attribution(text, "gap.json", comparison);
     ASSERT_TRUE(comparison.attribution);
     EXPECT_EQ(gap_json(comparison), text);
-    Comparison none = made_up_comparison();
+    Comparison none = synthetic_comparison();
     EXPECT_FALSE(read_attribution(gap_json(none), "gap.json", none));
 }
 

@@ -1,4 +1,4 @@
-// Orders, extrapolations and fronts of made-up sequences whose limits are known.
+// Orders, extrapolations and fronts of synthetic sequences whose limits are known.
 #include <gtest/gtest.h>
 
 #include <cmath>

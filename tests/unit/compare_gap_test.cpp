@@ -153,20 +153,20 @@ TEST(CompareGap, WithoutToleranceThereIsNoVerdict) {
 }
 
 TEST(CompareGap, TwoInputsAreNotPassedOffAsAgreement) {
-    const Comparison comparison = made_up_comparison();
+    const Comparison comparison = synthetic_comparison();
     EXPECT_NE(find(comparison.gap, "snatch_speed")->note.find("says nothing about the models"),
               std::string::npos);
     EXPECT_TRUE(find(comparison.gap, "peak_force")->note.empty());
 }
 
 TEST(CompareGap, TheCostRatioIsReferenceOverCandidate) {
-    EXPECT_DOUBLE_EQ(*made_up_comparison().gap.cost_ratio, 12.0 / 4e-4);
+    EXPECT_DOUBLE_EQ(*synthetic_comparison().gap.cost_ratio, 12.0 / 4e-4);
     EXPECT_FALSE(measure_gap(with_peak(1), with_peak(1), {}).cost_ratio);  // no wall time, no ratio
 }
 
 /// A comparison whose two sides lack the descent rate, and say why.
 Comparison without_descent(bool rom_excused, bool full_excused, const Tolerances& asked = {}) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     for (RunRecord* side : {&comparison.candidate, &comparison.reference}) {
         std::erase_if(side->metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
         const bool excused = side == &comparison.candidate ? rom_excused : full_excused;
@@ -205,7 +205,7 @@ TEST(CompareGap, WhereNothingIsReachedNothingWasCompared) {
 }
 
 TEST(CompareGap, AParachuteThatNeverOpenedFailsWhateverTheMetricsSay) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.candidate.status = {StatusCode::not_opened, "ground reached; main never opened (x)"};
     EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
     EXPECT_EQ(overall_verdict(comparison), Verdict::exceeded);
@@ -218,7 +218,7 @@ TEST(CompareGap, AParachuteThatNeverOpenedFailsWhateverTheMetricsSay) {
 TEST(CompareGap, WhatIsZeroButForRoundingHasNoShareAndIsWithin) {
     // The histories have metres up to 300: 3e-7 m are nothing there.
     const auto gap_of = [](double reference, double candidate, const Tolerances& asked = {}) {
-        Comparison c = made_up_comparison();
+        Comparison c = synthetic_comparison();
         for (RunRecord* side : {&c.reference, &c.candidate})
             side->channels.push_back({"altitude", "m", {300.0, 200.0}});
         c.reference.add_metric("landing_east_m", reference);
@@ -237,11 +237,11 @@ TEST(CompareGap, WhatIsZeroButForRoundingHasNoShareAndIsWithin) {
 }
 
 TEST(CompareExit, FollowsTheWorstThatHappened) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     EXPECT_EQ(exit_code(comparison), ExitCode::done);
-    comparison = made_up_comparison({{"peak_force", {0.01, true}}});
+    comparison = synthetic_comparison({{"peak_force", {0.01, true}}});
     EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
-    comparison = made_up_comparison({{"impulse", {0.01, true}}});  // neither record has it
+    comparison = synthetic_comparison({{"impulse", {0.01, true}}});  // neither record has it
     EXPECT_EQ(exit_code(comparison), ExitCode::verdict);
     comparison.candidate.status = {StatusCode::solver_failed, "too much work"};
     EXPECT_EQ(exit_code(comparison), ExitCode::numerical);

@@ -168,7 +168,7 @@ TEST(CompareHistories, WithoutTwoUsableCurvesThereIsNoScore) {
 
 TEST(CompareHistories, AToleranceIsHeldAgainstTheWorseOfInflationAndDescent) {
     const auto verdict_of = [](const Tolerance& tolerance) {
-        const Comparison comparison = made_up_comparison({{"force_history", tolerance}});
+        const Comparison comparison = synthetic_comparison({{"force_history", tolerance}});
         return std::pair(comparison.gap.histories.front(), exit_code(comparison));
     };
     const double score = *verdict_of({1, true}).first.score;
@@ -180,13 +180,13 @@ TEST(CompareHistories, AToleranceIsHeldAgainstTheWorseOfInflationAndDescent) {
     for (const PhaseScore& phase : history.phases)  // the one that is at fault
         EXPECT_EQ(phase_verdict(history, phase), phase.l2 == score ? Verdict::exceeded : Verdict::within);
     EXPECT_EQ(code, ExitCode::verdict);
-    EXPECT_NE(verdict_line(made_up_comparison({{"force_history", {0, true}}})).find("(force_history)"),
+    EXPECT_NE(verdict_line(synthetic_comparison({{"force_history", {0, true}}})).find("(force_history)"),
               std::string::npos);
     // Neither has it: what somebody asked for is missing, what nobody asked for is not shown.
-    const FidelityGap gap = made_up_comparison({{"projected_area_history", {0.1, true}}}).gap;
+    const FidelityGap gap = synthetic_comparison({{"projected_area_history", {0.1, true}}}).gap;
     EXPECT_EQ(gap.histories.back().verdict, Verdict::missing);
     EXPECT_EQ(overall_verdict(gap), Verdict::exceeded);
-    for (const HistoryGap& row : made_up_comparison().gap.histories) {
+    for (const HistoryGap& row : synthetic_comparison().gap.histories) {
         EXPECT_EQ(row.verdict, Verdict::not_judged);
         EXPECT_NE(row.row->name, "projected_area_history");
     }

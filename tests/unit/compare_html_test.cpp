@@ -27,7 +27,7 @@ ShapeFrames small_shape() {
 }
 
 Comparison whole_comparison() {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference_frames = small_shape();
     comparison.attribution =
         Attribution{{{"peak_force",
@@ -92,7 +92,7 @@ TEST(CompareHtml, HasAllPartsOnceEachInItsOrder) {
 }
 
 TEST(CompareHtml, LeavesOutWhatIsNotThere) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.warnings.clear();
     comparison.reference.energy.reset();
     comparison.candidate.energy.reset();
@@ -104,16 +104,16 @@ TEST(CompareHtml, LeavesOutWhatIsNotThere) {
 }
 
 TEST(CompareHtml, SaysTheVerdictInWords) {
-    const std::string within = text_of(report_html(made_up_comparison()));
+    const std::string within = text_of(report_html(synthetic_comparison()));
     EXPECT_NE(within.find("<strong>Within tolerance</strong>"), within.npos);
     // 4800 N over 5000 N is 4 % less; filling is 1.55 s over 1.6 s, 3.1 % less.
     EXPECT_NE(
         within.find("The largest gap among them: Peak opening force, where rom says 4.0 % less than full."),
         within.npos);
-    const std::string outside = text_of(report_html(made_up_comparison({{"peak_force", {150, false}}})));
+    const std::string outside = text_of(report_html(synthetic_comparison({{"peak_force", {150, false}}})));
     EXPECT_NE(outside.find("<strong>Outside tolerance</strong>"), outside.npos);
     EXPECT_NE(outside.find("1 exceeded (peak_force)"), outside.npos);
-    Comparison broken = made_up_comparison();
+    Comparison broken = synthetic_comparison();
     broken.reference.status = {StatusCode::not_finite, "node 7"};
     const std::string none = text_of(report_html(broken));
     EXPECT_NE(none.find("<strong>No verdict</strong>"), none.npos);
@@ -122,9 +122,9 @@ TEST(CompareHtml, SaysTheVerdictInWords) {
 
 TEST(CompareHtml, TheWayFromOneSideToTheOtherEndsThere) {
     const std::string text = text_of(report_html(whole_comparison()));
-    for (const char* piece : {"+250 N", "\u221280 N", "+30 N", ">4800 N", ">5000 N", "its own",
-                              "Scatter over seeds: 12 N", "wind: the scene has none"})
-        EXPECT_NE(text.find(piece), text.npos) << piece;
+    for (const char* part : {"+250 N", "\u221280 N", "+30 N", ">4800 N", ">5000 N", "its own",
+                             "Scatter over seeds: 12 N", "wind: the scene has none"})
+        EXPECT_NE(text.find(part), text.npos) << part;
     // From 4800 to 5050, 4970 and 5000 N; the lowest and the highest of these lie at 4 and 96 % of the track.
     for (const char* place :
          {"left:4.00%;width:92.00%", "left:66.56%;width:29.44%", "left:66.56%;width:11.04%",
@@ -161,7 +161,7 @@ TEST(CompareHtml, ForeignTextStaysText) {
             metric.note = hostile;
     }
     MetricAttribution& way = comparison.attribution->metrics[0];
-    way.metric = way.terms[0].piece = way.terms[0].title = way.terms[0].detail = hostile;
+    way.metric = way.terms[0].name = way.terms[0].title = way.terms[0].detail = hostile;
     comparison.attribution->notes = {hostile};
     comparison.gap = measure_gap(comparison.reference, comparison.candidate, {});
     const std::string page = report_html(comparison), harmless = report_html(whole_comparison());
@@ -199,7 +199,7 @@ TEST(CompareHtml, TheSameComparisonIsTheSamePage) {
 }
 
 TEST(CompareHtml, ManyFramesAreThinnedToWhatAMailboxTakes) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     ShapeFrames& shape = comparison.reference_frames;
     shape = {2000, 0, std::vector<std::array<std::uint32_t, 3>>(4000, {0, 1, 2}), {}, {}};
     const std::vector<double> place(6000, 1.0), stress(4000, 1.0);
@@ -214,7 +214,7 @@ TEST(CompareHtml, ManyFramesAreThinnedToWhatAMailboxTakes) {
 
 TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
     // Two ramps, 1 + t and 1 + 2 t from their own snatch on, one of them 0.5 s later than the other.
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
         const bool reference = side == &comparison.reference;
         const double snatch = reference ? 0.5 : 0.0, slope = reference ? 2.0 : 1.0;
@@ -248,7 +248,7 @@ TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
 /// Forces of a lock-up: the lines pull up to 24 kN, and from one row to the next of the same time a tenth of
 /// that, on one side alone.
 Comparison with_a_jump() {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
         side->events = {{"snatch", 0.0, 0, 0}, {"full-open", 1.0, 0, 0}};
         side->channels = {{"time", "s", {}}, {"force", "N", {}}, {"speed", "m/s", {}}};
@@ -298,7 +298,7 @@ TEST(CompareHtml, AJumpIsAStepUpright) {
 
 TEST(CompareHtml, NoPeakIsCut) {
     // A spike of a single row, far narrower than the coarse clock.
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.channels[1].values[5555] = 1e5;
     const json data = data_of(report_html(comparison));
     double most = 0;

@@ -1,5 +1,5 @@
-// A ladder of made-up models whose errors are known exactly: what is an error, what is a gap, and what
-// becomes of rungs that fail.
+// A ladder of synthetic models whose errors are known exactly: what is an error, what is a gap, and what
+// becomes of levels that fail.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,24 +13,24 @@
 #include "compare/ladder.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "lib/scene/scene_error.hpp"
-#include "tests/support/made_up_ladder.hpp"
+#include "tests/support/synthetic_ladder.hpp"
 
 namespace twinchute::compare {
 namespace {
 
-const RungResult& rung(const Ladder& ladder, const std::string& name) {
+const LevelResult& level(const Ladder& ladder, const std::string& name) {
     const auto found =
-        std::ranges::find_if(ladder.rungs, [&](const RungResult& r) { return r.rung.name == name; });
-    if (found == ladder.rungs.end()) throw std::runtime_error("no rung " + name);
+        std::ranges::find_if(ladder.levels, [&](const LevelResult& r) { return r.level.name == name; });
+    if (found == ladder.levels.end()) throw std::runtime_error("no level " + name);
     return *found;
 }
 
-TEST(CompareLadder, RungsHaveNamesOfTheirOwn) {
+TEST(CompareLadder, LevelsHaveNamesOfTheirOwn) {
     for (const bool packed : {false, true}) {
         const Scene scene = packed ? test::packed_c9(DeployBy::static_line) : test::c9_scene();
         std::set<std::string> names;
         int given = 0;
-        for (const Rung& r : ladder_rungs(scene)) {
+        for (const Level& r : ladder_levels(scene)) {
             EXPECT_TRUE(names.insert(r.name).second) << r.name;
             EXPECT_FALSE(r.why.empty()) << r.name;
             EXPECT_EQ(std::ranges::count(drawn_families(), r.family), 1) << r.name;
@@ -42,28 +42,28 @@ TEST(CompareLadder, RungsHaveNamesOfTheirOwn) {
     }
 }
 
-TEST(CompareLadder, OnlyPiecesThatTheSceneHasAreLeftOut) {
-    const auto pieces_of = [](const Scene& scene) {
+TEST(CompareLadder, OnlyEffectsThatTheSceneHasAreLeftOut) {
+    const auto effects_of = [](const Scene& scene) {
         std::set<std::string> names;
-        for (const Rung& r : ladder_rungs(scene))
+        for (const Level& r : ladder_levels(scene))
             if (r.family.ends_with("without a piece")) names.insert(r.name);
         return names;
     };
     Scene scene = test::c9_scene();
-    EXPECT_EQ(pieces_of(scene), (std::set<std::string>{"rom, no added mass", "full, no added mass",
-                                                       "full, no line drag", "full, no breathing damping",
-                                                       "full, no bulk viscosity", "full, one sector"}));
+    EXPECT_EQ(effects_of(scene), (std::set<std::string>{"rom, no added mass", "full, no added mass",
+                                                        "full, no line drag", "full, no breathing damping",
+                                                        "full, no bulk viscosity", "full, one sector"}));
     scene.aerodynamics = {};
     scene.full.bulk_viscosity = 0.0;
     scene.full.noise = Noise{1e-4, 1};  // gores differ: no sector stands for all
-    EXPECT_EQ(pieces_of(scene), (std::set<std::string>{"full, no noise"}));
+    EXPECT_EQ(effects_of(scene), (std::set<std::string>{"full, no noise"}));
 }
 
 TEST(CompareLadder, AnErrorIsHeldAgainstTheSamePhysicsAndNothingElse) {
-    const Ladder ladder = made_up_ladder();
+    const Ladder ladder = synthetic_ladder();
     for (const double rtol : {1e-3, 1e-6, 1e-8}) {
-        const RungResult& r = rung(ladder, fmt::format("rom, rtol 1e{:.0f}", std::log10(rtol)));
-        // Against the rung of 1e-13: of 1 + rtol and 1 + 1e-13.
+        const LevelResult& r = level(ladder, fmt::format("rom, rtol 1e{:.0f}", std::log10(rtol)));
+        // Against the level of 1e-13: of 1 + rtol and 1 + 1e-13.
         EXPECT_NEAR(r.find("peak_force")->error.value(), rtol, 2e-13 + 1e-4 * rtol);
         EXPECT_NEAR(r.error.value().value, rtol, 2e-13 + 1e-4 * rtol);
         EXPECT_NEAR(r.gap_to("full").value().value, 0.25, 1.3 * rtol + 1e-8);  // 5000 over 4000
@@ -72,7 +72,7 @@ TEST(CompareLadder, AnErrorIsHeldAgainstTheSamePhysicsAndNothingElse) {
     // Three meshes of one order give the limit, so that even the finest has an error.
     for (const auto& [name, h] :
          {std::pair{"full, mesh x0.5", 2.0}, {"full, mesh x1", 1.0}, {"full, mesh x2", 0.5}}) {
-        const RungResult& r = rung(ladder, name);
+        const LevelResult& r = level(ladder, name);
         // Rows are whole numbers: 8.5 are 9, and one column is the fewest.
         const double expected = 0.08 * h * h;
         EXPECT_NEAR(r.error.value().value, expected, 0.06 * expected) << name;
@@ -85,7 +85,7 @@ TEST(CompareLadder, AnErrorIsHeldAgainstTheSamePhysicsAndNothingElse) {
 }
 
 TEST(CompareLadder, TheReferenceSaysHowItCameAbout) {
-    const Ladder ladder = made_up_ladder();
+    const Ladder ladder = synthetic_ladder();
     for (const LadderReference& reference : ladder.references) {
         if (reference.row->name != "peak_force") continue;
         if (reference.fidelity == "full") {
@@ -96,42 +96,42 @@ TEST(CompareLadder, TheReferenceSaysHowItCameAbout) {
             EXPECT_EQ(reference.how, "rom, rtol 1e-13");
         }
     }
-    const RungResult& finest = rung(ladder, "rom, rtol 1e-13");
+    const LevelResult& finest = level(ladder, "rom, rtol 1e-13");
     EXPECT_TRUE(finest.is_reference);
     EXPECT_FALSE(finest.error);  // it would be zero by definition
     EXPECT_NEAR(finest.estimate.value().value, 0.9e-12, 1e-14);
 }
 
 TEST(CompareLadder, WhatIsLeftOutIsAnEffectAndNoError) {
-    const Ladder ladder = made_up_ladder();
+    const Ladder ladder = synthetic_ladder();
     for (const char* name : {"rom, no added mass", "full, no added mass"}) {
-        EXPECT_FALSE(rung(ladder, name).error) << name;
-        EXPECT_NEAR(rung(ladder, name).effect.value().value, 0.1, 1e-12) << name;
-        EXPECT_FALSE(rung(ladder, name).on_front) << name;
+        EXPECT_FALSE(level(ladder, name).error) << name;
+        EXPECT_NEAR(level(ladder, name).effect.value().value, 0.1, 1e-12) << name;
+        EXPECT_FALSE(level(ladder, name).on_front) << name;
     }
-    EXPECT_FALSE(rung(ladder, "rom, rtol 1e-8").effect);
+    EXPECT_FALSE(level(ladder, "rom, rtol 1e-8").effect);
 }
 
 TEST(CompareLadder, AClosedFormHasAGapAndNoError) {
     // sqrt(2 m g/(rho C_D S)) of 152.4 + 5.19 kg on 42.56 m^2 in 1.225 kg/m^3 is 7.69965 m/s, by hand.
-    const Ladder ladder = made_up_ladder();
-    const RungResult& balance = rung(ladder, "descent balance");
+    const Ladder ladder = synthetic_ladder();
+    const LevelResult& balance = level(ladder, "descent balance");
     EXPECT_NEAR(balance.find("descent_rate")->value, 7.69965, 1e-5);
     EXPECT_FALSE(balance.error);
     EXPECT_GT(balance.wall_s, 0.0);
     EXPECT_LT(balance.wall_s, 1e-3);
-    const RungResult& filling = rung(ladder, "filling correlation");
+    const LevelResult& filling = level(ladder, "filling correlation");
     EXPECT_NEAR(filling.find("filling_time")->value, 4 * 8.53 / 21, 1e-12);
 }
 
 TEST(CompareLadder, TheFrontAndTheAdviceAreOfNumericalErrors) {
-    const Ladder ladder = made_up_ladder();
+    const Ladder ladder = synthetic_ladder();
     for (const char* name : {"rom, rtol 1e-3", "rom, rtol 1e-8", "full, mesh x0.5", "full, mesh x3"})
-        EXPECT_TRUE(rung(ladder, name).on_front) << name;
-    EXPECT_EQ(cheapest(ladder, "rom", 1e-2)->rung.name, "rom, rtol 1e-3");
-    EXPECT_EQ(cheapest(ladder, "full", 0.1)->rung.name, "full, mesh x1");
+        EXPECT_TRUE(level(ladder, name).on_front) << name;
+    EXPECT_EQ(cheapest(ladder, "rom", 1e-2)->level.name, "rom, rtol 1e-3");
+    EXPECT_EQ(cheapest(ladder, "full", 0.1)->level.name, "full, mesh x1");
     EXPECT_EQ(cheapest(ladder, "full", 1e-6), nullptr);
-    EXPECT_NE(advice(ladder).find("no rung of full"), std::string::npos);
+    EXPECT_NE(advice(ladder).find("no level of full"), std::string::npos);
 }
 
 TEST(CompareLadder, SeedsGiveMedianAndRange) {
@@ -139,50 +139,50 @@ TEST(CompareLadder, SeedsGiveMedianAndRange) {
     scene.full.mesh = test::c9_scene().full.mesh;
     LadderOptions options;
     options.seeds = 3;
-    const Ladder ladder = made_up_ladder(options, scene);
-    const RungResult& full = rung(ladder, "full, mesh x1");
+    const Ladder ladder = synthetic_ladder(options, scene);
+    const LevelResult& full = level(ladder, "full, mesh x1");
     EXPECT_EQ(full.seeds, 3);
-    const RungMetric& peak = *full.find("peak_force");  // 1.08 and 0.001, 0.002, 0.003 of noise
+    const LevelMetric& peak = *full.find("peak_force");  // 1.08 and 0.001, 0.002, 0.003 of noise
     EXPECT_NEAR(peak.low, full_limit * 1.081, 1e-6);
     EXPECT_NEAR(peak.value, full_limit * 1.082, 1e-6);
     EXPECT_NEAR(peak.high, full_limit * 1.083, 1e-6);
-    EXPECT_EQ(rung(ladder, "rom, rtol 1e-8").seeds, 1);
-    EXPECT_EQ(rung(ladder, "full, no noise").seeds, 1);
+    EXPECT_EQ(level(ladder, "rom, rtol 1e-8").seeds, 1);
+    EXPECT_EQ(level(ladder, "full, no noise").seeds, 1);
 }
 
 TEST(CompareLadder, QuickLeavesOutWhatIsDear) {
     LadderOptions options;
     options.quick = true;
-    for (const RungResult& r : made_up_ladder(options).rungs)
-        EXPECT_LE(r.rung.cost, quick_cost) << r.rung.name;
-    EXPECT_LT(made_up_ladder(options).rungs.size(), made_up_ladder().rungs.size());
+    for (const LevelResult& r : synthetic_ladder(options).levels)
+        EXPECT_LE(r.level.cost, quick_cost) << r.level.name;
+    EXPECT_LT(synthetic_ladder(options).levels.size(), synthetic_ladder().levels.size());
 }
 
 /// The dear model breaks on meshes finer than the scene's.
 RunRecord fragile(const Fidelity& fidelity, const Scene& scene) {
-    RunRecord record = made_up(fidelity, scene);
+    RunRecord record = synthetic(fidelity, scene);
     if (fidelity.name == "full" && scene.full.mesh.gore_rows > 17)
         record.status = {StatusCode::energy_grew, "at \"0.5\" s, energy came from nowhere"};
     return record;
 }
 
 TEST(CompareLadder, TheDistanceToATestIsKeptApart) {
-    // 4500 N lies between the made-up limits, 5000 N and 4000 N: 1/9 above and below. Nothing else may move
+    // 4500 N lies between the synthetic limits, 5000 N and 4000 N: 1/9 above and below. Nothing else may move
     // by it.
     LadderOptions options;
     options.test = TestReference{"drop-7.csv", {{find_metric_row("peak_force"), 4500.0}}};
-    const Ladder held = made_up_ladder(options), free = made_up_ladder();
-    EXPECT_NEAR(rung(held, "rom, rtol 1e-13").to_test->value, 500.0 / 4500.0, 1e-12);
-    EXPECT_NEAR(rung(held, "full, mesh x1").to_test->value, 1.0 - 4000.0 * 1.08 / 4500.0, 1e-12);
-    EXPECT_TRUE(rung(held, "full, no added mass").to_test);
-    for (std::size_t i = 0; i < held.rungs.size(); ++i) {
-        EXPECT_FALSE(free.rungs[i].to_test);
-        EXPECT_EQ(held.rungs[i].error.has_value(), free.rungs[i].error.has_value());
-        if (held.rungs[i].error) {
-            EXPECT_EQ(held.rungs[i].error->value, free.rungs[i].error->value);
+    const Ladder held = synthetic_ladder(options), free = synthetic_ladder();
+    EXPECT_NEAR(level(held, "rom, rtol 1e-13").to_test->value, 500.0 / 4500.0, 1e-12);
+    EXPECT_NEAR(level(held, "full, mesh x1").to_test->value, 1.0 - 4000.0 * 1.08 / 4500.0, 1e-12);
+    EXPECT_TRUE(level(held, "full, no added mass").to_test);
+    for (std::size_t i = 0; i < held.levels.size(); ++i) {
+        EXPECT_FALSE(free.levels[i].to_test);
+        EXPECT_EQ(held.levels[i].error.has_value(), free.levels[i].error.has_value());
+        if (held.levels[i].error) {
+            EXPECT_EQ(held.levels[i].error->value, free.levels[i].error->value);
         }
-        for (const auto& [to, gap] : held.rungs[i].gaps)
-            EXPECT_EQ(gap.value, free.rungs[i].gap_to(to)->value);
+        for (const auto& [to, gap] : held.levels[i].gaps)
+            EXPECT_EQ(gap.value, free.levels[i].gap_to(to)->value);
     }
     EXPECT_NE(ladder_csv(held).find(",distance_to_test\n"), std::string::npos);
     EXPECT_EQ(ladder_csv(free).find("distance_to_test"), std::string::npos);
@@ -233,13 +233,13 @@ TEST(TestReferences, SayWhatIsWrongAndWhere) {
 }
 
 TEST(CompareLadder, AFailureIsARowWithoutAnswers) {
-    const Ladder ladder = made_up_ladder({}, test::c9_scene(), fragile);
-    const RungResult& failed = rung(ladder, "full, mesh x2");
+    const Ladder ladder = synthetic_ladder({}, test::c9_scene(), fragile);
+    const LevelResult& failed = level(ladder, "full, mesh x2");
     EXPECT_EQ(failed.status.code, StatusCode::energy_grew);
     EXPECT_TRUE(failed.metrics.empty());
     EXPECT_FALSE(failed.error);
     EXPECT_EQ(exit_code(ladder), ExitCode::done);
-    EXPECT_EQ(rung(ladder, "full, mesh x1").is_reference, true);  // the finest that is left
+    EXPECT_EQ(level(ladder, "full, mesh x1").is_reference, true);  // the finest that is left
     for (const std::string& text : {ladder_csv(ladder), ladder_json(ladder), ladder_markdown(ladder)})
         EXPECT_NE(text.find("energy"), std::string::npos);
     EXPECT_NE(ladder_svg(ladder).find(">- full, mesh x2</text>"), std::string::npos);
@@ -247,17 +247,17 @@ TEST(CompareLadder, AFailureIsARowWithoutAnswers) {
 
 TEST(CompareLadder, TheSceneAsItIsMustNotFail) {
     const auto broken = [](const Fidelity& fidelity, const Scene& scene) {
-        RunRecord record = made_up(fidelity, scene);
+        RunRecord record = synthetic(fidelity, scene);
         if (fidelity.name == "full") record.status = {StatusCode::not_finite, "node 3"};
         return record;
     };
-    EXPECT_EQ(exit_code(made_up_ladder({}, test::c9_scene(), broken)), ExitCode::numerical);
+    EXPECT_EQ(exit_code(synthetic_ladder({}, test::c9_scene(), broken)), ExitCode::numerical);
 }
 
-TEST(CompareLadder, AnInterruptedRungIsTheLastThatIsRun) {
+TEST(CompareLadder, AnInterruptedLevelIsTheLastThatIsRun) {
     int runs_after = -1;
     const auto interrupted = [&](const Fidelity& fidelity, const Scene& scene) {
-        RunRecord record = made_up(fidelity, scene);
+        RunRecord record = synthetic(fidelity, scene);
         if (runs_after >= 0) ++runs_after;
         if (fidelity.name == "full" && scene.full.mesh.gore_rows == 17 && runs_after < 0) {
             record.status = {StatusCode::interrupted, ""};
@@ -265,11 +265,11 @@ TEST(CompareLadder, AnInterruptedRungIsTheLastThatIsRun) {
         }
         return record;
     };
-    const Ladder ladder = made_up_ladder({}, test::c9_scene(), interrupted);
+    const Ladder ladder = synthetic_ladder({}, test::c9_scene(), interrupted);
     EXPECT_EQ(exit_code(ladder), ExitCode::interrupted);
     EXPECT_EQ(runs_after, 0);
-    EXPECT_FALSE(rung(ladder, "full, mesh x2").was_run);
-    EXPECT_TRUE(rung(ladder, "rom, rtol 1e-8").error);  // what was computed is there
+    EXPECT_FALSE(level(ladder, "full, mesh x2").was_run);
+    EXPECT_TRUE(level(ladder, "rom, rtol 1e-8").error);  // what was computed is there
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -301,18 +301,18 @@ void expect_well_formed(const std::string& xml) {
     EXPECT_TRUE(open.empty());
 }
 
-TEST(CompareLadderFiles, ThePlotIsWellFormedAndHasEveryRung) {
+TEST(CompareLadderFiles, ThePlotIsWellFormedAndHasEveryLevel) {
     Scene scene = test::c9_scene();
     scene.name = "<C-9> & \"friends\"";
-    const Ladder ladder = made_up_ladder({}, scene);
+    const Ladder ladder = synthetic_ladder({}, scene);
     const std::string svg = ladder_svg(ladder);
     expect_well_formed(svg);
     EXPECT_EQ(svg.find("<C-9>"), std::string::npos);
-    for (const RungResult& r : ladder.rungs) {
-        const bool drawn = svg.find("<title>" + r.rung.name + ":") != std::string::npos;
-        const bool excused = svg.find(">- " + r.rung.name + "</text>") != std::string::npos;
-        EXPECT_TRUE(drawn != excused) << r.rung.name;
-        EXPECT_TRUE(drawn || !r.error) << r.rung.name;
+    for (const LevelResult& r : ladder.levels) {
+        const bool drawn = svg.find("<title>" + r.level.name + ":") != std::string::npos;
+        const bool excused = svg.find(">- " + r.level.name + "</text>") != std::string::npos;
+        EXPECT_TRUE(drawn != excused) << r.level.name;
+        EXPECT_TRUE(drawn || !r.error) << r.level.name;
     }
     EXPECT_NE(svg.find("run time [s]"), std::string::npos);
     EXPECT_NE(svg.find("gap between rom and full: 25 % (peak_force)"), std::string::npos);
@@ -320,12 +320,12 @@ TEST(CompareLadderFiles, ThePlotIsWellFormedAndHasEveryRung) {
     EXPECT_EQ(svg.find("script"), std::string::npos);
 }
 
-TEST(CompareLadderFiles, TheCsvHasEveryRungAndAsManyFieldsInEveryLine) {
-    const Ladder ladder = made_up_ladder({}, test::c9_scene(), fragile);
+TEST(CompareLadderFiles, TheCsvHasEveryLevelAndAsManyFieldsInEveryLine) {
+    const Ladder ladder = synthetic_ladder({}, test::c9_scene(), fragile);
     std::istringstream lines(ladder_csv(ladder));
     std::string line;
     std::size_t fields = 0;
-    std::set<std::string> rungs;
+    std::set<std::string> levels;
     while (std::getline(lines, line)) {
         std::size_t commas = 0;
         bool quoted = false;
@@ -335,17 +335,17 @@ TEST(CompareLadderFiles, TheCsvHasEveryRungAndAsManyFieldsInEveryLine) {
         }
         if (fields == 0) fields = commas;
         EXPECT_EQ(commas, fields) << line;
-        rungs.insert(line.substr(0, line.starts_with('"') ? line.find('"', 1) + 1 : line.find(',')));
+        levels.insert(line.substr(0, line.starts_with('"') ? line.find('"', 1) + 1 : line.find(',')));
     }
     EXPECT_GE(fields, 20u);
-    for (const RungResult& r : ladder.rungs) {
-        const bool quoted = r.rung.name.find(',') != std::string::npos;
-        EXPECT_TRUE(rungs.contains(quoted ? '"' + r.rung.name + '"' : r.rung.name)) << r.rung.name;
+    for (const LevelResult& r : ladder.levels) {
+        const bool quoted = r.level.name.find(',') != std::string::npos;
+        EXPECT_TRUE(levels.contains(quoted ? '"' + r.level.name + '"' : r.level.name)) << r.level.name;
     }
 }
 
 TEST(CompareLadderFiles, TheLastLineForTheTerminalIsTheAdvice) {
-    const Ladder ladder = made_up_ladder();
+    const Ladder ladder = synthetic_ladder();
     const std::string text = ladder_text(ladder, {});
     EXPECT_TRUE(text.ends_with("\n" + advice(ladder) + "\n"));
     EXPECT_TRUE(advice(ladder).starts_with("to use: for 1 % rom, rtol 1e-3 ("));

@@ -10,8 +10,8 @@
 #include "lib/record/checksum.hpp"
 #include "lib/record/record_error.hpp"
 #include "tests/support/compare_records.hpp"
-#include "tests/support/made_up_ladder.hpp"
 #include "tests/support/scratch_dir.hpp"
+#include "tests/support/synthetic_ladder.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -20,11 +20,11 @@ using nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 2> names{"rom", "full"};
 
-/// With a test, failed rungs, a rung that was not run, and names that mean something to HTML.
+/// With a test, failed levels, a level that was not run, and names that mean something to HTML.
 Ladder ladder_of_everything() {
     int runs = 0;
     const RunOne fragile = [&](const Fidelity& fidelity, const Scene& scene) {
-        RunRecord record = made_up(fidelity, scene);
+        RunRecord record = synthetic(fidelity, scene);
         if (++runs == 7) record.status = {StatusCode::strain_limit, "cloth <b>broke</b>"};
         if (fidelity.name == "full" && scene.full.time_step_factor < 0.3)
             record.status = {StatusCode::interrupted, ""};
@@ -37,7 +37,7 @@ Ladder ladder_of_everything() {
     scene.name = "</script><b>\"C&9\"";
     scene.inputs = {{"payload.mass", 152.4, "kg", InputOrigin::given, ""},
                     {"rom.method", std::string("auto"), "", InputOrigin::fallback, ""}};
-    return made_up_ladder(options, scene, fragile);
+    return synthetic_ladder(options, scene, fragile);
 }
 
 std::string complaint(const std::string& text) {
@@ -50,7 +50,7 @@ std::string complaint(const std::string& text) {
 }
 
 std::string complaint_with(const std::string& pointer, const ordered_json& value) {
-    ordered_json json = ordered_json::parse(ladder_json(made_up_ladder()));
+    ordered_json json = ordered_json::parse(ladder_json(synthetic_ladder()));
     json[ordered_json::json_pointer(pointer)] = value;
     return complaint(json.dump());
 }
@@ -63,10 +63,10 @@ TEST(CompareReadLadder, SaysWhatWasWritten) {
     const Ladder wrote = ladder_of_everything();
     const Ladder read = read_ladder(with_checksum(ladder_json(wrote)), "d/ladder.json", names);
     EXPECT_EQ(ladder_svg(read), ladder_svg(wrote));
-    EXPECT_EQ(rungs_table(read).header.size(), rungs_table(wrote).header.size() - 1);  // but for the test
+    EXPECT_EQ(levels_table(read).columns.size(), levels_table(wrote).columns.size() - 1);  // but for the test
     Ladder untested = wrote;
     untested.test.reset();
-    EXPECT_EQ(rungs_table(read).rows, rungs_table(untested).rows);
+    EXPECT_EQ(levels_table(read).rows, levels_table(untested).rows);
     EXPECT_EQ(references_table(read, true).rows, references_table(wrote, true).rows);
     EXPECT_EQ(advice(read), advice(wrote));
     EXPECT_EQ(exit_code(read), exit_code(wrote));
@@ -81,7 +81,8 @@ TEST(CompareReadLadder, WhatIsWrongIsRefusedWithTheKey) {
     EXPECT_TRUE(has(complaint("[]"), "d/ladder.json"));
     EXPECT_TRUE(has(complaint_with("/schema", 2), "schema: 2 is not known (this version reads 1)"));
     EXPECT_TRUE(has(complaint_with("/generator", "x"), "is not of a ladder of twinchute"));
-    EXPECT_TRUE(has(complaint_with("/rungs/1/family", "x"), "rungs[1].family: 'x' is not a family of rungs"));
+    EXPECT_TRUE(
+        has(complaint_with("/rungs/1/family", "x"), "rungs[1].family: 'x' is not a family of levels"));
     EXPECT_TRUE(has(complaint_with("/rungs/1/fidelity", "x"), "'x' is not a fidelity (known: rom, full)"));
     EXPECT_TRUE(
         has(complaint_with("/rungs/3/error/metric", "x"), "rungs[3].error.metric: 'x' is not a metric"));
@@ -91,7 +92,7 @@ TEST(CompareReadLadder, WhatIsWrongIsRefusedWithTheKey) {
     EXPECT_TRUE(
         has(complaint_with("/references", ordered_json::object()), "names fewer than two fidelities"));
     EXPECT_TRUE(has(complaint_with("/judged/0", "x"), "judged[0]: 'x' is not a metric"));
-    std::string edited = with_checksum(ladder_json(made_up_ladder()));
+    std::string edited = with_checksum(ladder_json(synthetic_ladder()));
     edited.replace(edited.find("rtol 1e-3"), 9, "rtol 1e-2");
     EXPECT_TRUE(has(complaint(edited), "d/ladder.json: is not the file that was written"))
         << complaint(edited);
@@ -121,7 +122,7 @@ TEST(CompareReadLadder, OnlyOneOfTheSameSceneIsShown) {
     record.inputs.push_back({"compare.tolerance.peak_force", std::string("5 %"), "", InputOrigin::given, ""});
     record.inputs.push_back({"full.fields_rate", 50.0, "1/s", InputOrigin::given, ""});
     EXPECT_TRUE(beside(text, record).ladder.has_value());
-    EXPECT_FALSE(beside(text, record).ladder->rungs.empty());
+    EXPECT_FALSE(beside(text, record).ladder->levels.empty());
 
     record.inputs[0].value = 160.0;
     EXPECT_EQ(beside(text, record).why_not,
@@ -143,15 +144,15 @@ TEST(CompareReadLadder, OnlyOneOfTheSameSceneIsShown) {
 }
 
 TEST(CompareReadLadder, ThePageShowsItAndEscapesWhatItSays) {
-    const Comparison comparison = made_up_comparison();
+    const Comparison comparison = synthetic_comparison();
     const std::string without = report_html(comparison);
     EXPECT_FALSE(has(without, "id=\"ladder\""));
     const std::string page = report_html(comparison, {ladder_of_everything(), {}});
     EXPECT_TRUE(has(page, "<section id=\"ladder\"><h2>Error against run time</h2>"));
     EXPECT_TRUE(has(page, "<a href=\"#ladder\">Error against run time</a>"));
-    for (const RungResult& result : ladder_of_everything().rungs)
-        EXPECT_TRUE(has(page, "<th scope=\"row\">" + result.rung.name + "</th>")) << result.rung.name;
-    // The made-up models differ by 5000 to 4000 N at their best.
+    for (const LevelResult& result : ladder_of_everything().levels)
+        EXPECT_TRUE(has(page, "<th scope=\"row\">" + result.level.name + "</th>")) << result.level.name;
+    // The synthetic models differ by 5000 to 4000 N at their best.
     EXPECT_TRUE(has(page, "The gap between rom and full, each at its best, is 25 % (Peak opening force)"));
     EXPECT_TRUE(has(page, "&lt;/script&gt;&lt;b&gt;&quot;C&amp;9&quot;"));
     EXPECT_FALSE(has(page, "</script><b>"));
@@ -164,7 +165,7 @@ TEST(CompareReadLadder, ThePageShowsItAndEscapesWhatItSays) {
     EXPECT_EQ(scripts(page), scripts(without));
     const std::string refused = report_html(comparison, {{}, "it is of <i>another</i> scene"});
     EXPECT_TRUE(has(refused, "is not shown: it is of &lt;i&gt;another&lt;/i&gt; scene. Run"));
-    EXPECT_FALSE(has(refused, "All rungs"));
+    EXPECT_FALSE(has(refused, "All levels"));
 }
 
 }  // namespace

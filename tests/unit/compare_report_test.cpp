@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/html.hpp"
 #include "compare/report/junit.hpp"
@@ -27,7 +27,7 @@ using nlohmann::json;
 constexpr const char* hostile = "]]></x>\"'&|<script>*_`[a](b)\n# \x1b[31m\xff";
 
 Comparison hostile_comparison() {
-    Comparison comparison = made_up_comparison({{"peak_force", {0.01, true}}});
+    Comparison comparison = synthetic_comparison({{"peak_force", {0.01, true}}});
     for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
         side->scene.name = hostile;
         side->scene.file = hostile;
@@ -117,7 +117,7 @@ TEST(CompareEscape, TextIsHarmlessInEachFormat) {
 }
 
 TEST(CompareReport, GapJsonHasTheKeysOfTheContract) {
-    const json gap = json::parse(gap_json(made_up_comparison({{"peak_force", {150, false}}})));
+    const json gap = json::parse(gap_json(synthetic_comparison({{"peak_force", {150, false}}})));
     EXPECT_EQ(gap["generator"], "twinchute");
     EXPECT_EQ(gap["verdict"], "exceeded");
     EXPECT_EQ(gap["exit_code"], 1);
@@ -146,7 +146,7 @@ TEST(CompareReport, GapJsonHasTheKeysOfTheContract) {
 }
 
 TEST(CompareReport, JunitHasACaseForEachRunMetricAndHistory) {
-    const std::string xml = junit_xml(made_up_comparison({{"peak_force", {150, false}}}));
+    const std::string xml = junit_xml(synthetic_comparison({{"peak_force", {150, false}}}));
     EXPECT_TRUE(well_formed(xml)) << xml;
     // Two runs; filling time, peak force and descent rate; snatch speed, time to peak force and the histories
     // of force and speed, for which nobody asked for a tolerance.
@@ -160,18 +160,18 @@ TEST(CompareReport, JunitHasACaseForEachRunMetricAndHistory) {
 }
 
 TEST(CompareReport, JunitIsRedWhenARunFailed) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.status = {StatusCode::energy_grew, "at 1 s"};
     EXPECT_NE(junit_xml(comparison).find("<error type=\"energy_grew\" message=\"at 1 s\">"),
               std::string::npos);
 }
 
 TEST(CompareReport, JunitIsRedWhenABaselineIsNotHeld) {
-    Comparison now = made_up_comparison();
+    Comparison now = synthetic_comparison();
     now.reference.add_metric("peak_force_N", 5100);
     now.candidate.add_metric("descent_rate_m_s", 7.7 * (1 + 1e-5));
     now.gap = measure_gap(now.reference, now.candidate, {});
-    const Trend trend = measure_trend(made_up_comparison(), now, {});
+    const Trend trend = measure_trend(synthetic_comparison(), now, {});
     ASSERT_EQ(overall_verdict(trend), Verdict::exceeded);
     const std::string alone = junit_xml(now), xml = junit_xml(now, &trend);
     EXPECT_NE(alone.find(" failures=\"0\""), std::string::npos) << alone;
@@ -187,7 +187,7 @@ TEST(CompareReport, JunitIsRedWhenABaselineIsNotHeld) {
 }
 
 TEST(CompareReport, JunitTellsWhatWasNotReachedAndWhatNeverOpened) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     std::erase_if(comparison.candidate.metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
     comparison.candidate.missing.push_back({"descent_rate_m_s", "the run stopped before", true});
     comparison.candidate.status = {StatusCode::not_opened, "main never opened"};
@@ -242,14 +242,14 @@ TEST(CompareReport, MarkdownTablesHaveAsManyCellsInEachRow) {
 }
 
 TEST(CompareReport, TheVerdictComesFirst) {
-    const std::string markdown = report_markdown(made_up_comparison());
+    const std::string markdown = report_markdown(synthetic_comparison());
     const auto verdict = markdown.find("**within tolerance: 3 of 3 judged metrics**");
     ASSERT_NE(verdict, std::string::npos) << markdown;
     EXPECT_LT(verdict, markdown.find("## "));
 }
 
 TEST(CompareReport, TheTerminalTableSaysEverythingOfAMetric) {
-    const std::string text = terminal_text(made_up_comparison(), {});
+    const std::string text = terminal_text(synthetic_comparison(), {});
     std::istringstream line(text.substr(text.find("Peak opening force")));
     std::string words, word;
     while (line.peek() != '\n' && line >> word)
@@ -262,7 +262,7 @@ TEST(CompareReport, TheTerminalTableSaysEverythingOfAMetric) {
 
 TEST(CompareReport, WritesTheFilesOfTheContract) {
     const ScratchDir scratch;
-    write_report(made_up_comparison(), scratch / "out");
+    write_report(synthetic_comparison(), scratch / "out");
     std::set<std::string> expected{"force.svg", "speed.svg", "report.html", "report.md",
                                    "junit.xml", "gap.json",  "rom",         "full"};
     for (const std::string side : {"rom", "full"}) {

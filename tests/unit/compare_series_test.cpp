@@ -27,7 +27,7 @@ std::size_t count_of(const std::string& text, std::string_view word) {
 }
 
 /// Three cases in two groups; the force of the full model is 5000 N, 5500 N and 6000 N.
-CaseSeries made_up_series() {
+CaseSeries synthetic_series() {
     CaseSeries series;
     series.title = "A series <of> three";
     series.reference_title = "full model";
@@ -37,7 +37,7 @@ CaseSeries made_up_series() {
         Scene scene;
         scene.case_name = "case-" + std::to_string(i);
         scene.series = SeriesSpec{"snatch_speed", "peak_force", i < 2 ? "low" : "high, dry", "", {}, {}};
-        Comparison comparison = made_up_comparison();
+        Comparison comparison = synthetic_comparison();
         for (RunRecord* record : {&comparison.reference, &comparison.candidate}) {
             record->add_metric("snatch_speed_m_s", 20.0 + i);
             record->add_metric("peak_force_N", *record->metric("peak_force_N") + 500.0 * i);
@@ -49,42 +49,43 @@ CaseSeries made_up_series() {
 }
 
 TEST(SeriesFiles, TheTableHasALineForEachCaseAndBothFidelities) {
-    const std::string csv = series_csv(made_up_series());
+    const std::string csv = series_csv(synthetic_series());
     EXPECT_EQ(csv.find("case,group,full.status,full.snatch_speed,full.peak_force,"), 0u) << csv;
     EXPECT_EQ(count_of(csv, "\n"), 5u);
     EXPECT_NE(csv.find("\n-,-,-,m/s,N,"), std::string::npos) << csv;
     EXPECT_NE(csv.find("\ncase-1,low,completed,21,5500,"), std::string::npos) << csv;
     EXPECT_NE(csv.find("\ncase-2,\"high, dry\",completed,22,6000,"), std::string::npos) << csv;
     EXPECT_NE(csv.find(",rom.status,rom.snatch_speed,rom.peak_force,"), std::string::npos) << csv;
-    // The energy that the made-up full run leaves over, and (4800 - 5000)/5000.
+    // The energy that the synthetic full run leaves over, and (4800 - 5000)/5000.
     EXPECT_NE(csv.find(",0.0012,12,"), std::string::npos) << csv;
     EXPECT_NE(csv.find(",-0.04\n"), std::string::npos) << csv;
 }
 
 TEST(SeriesFiles, TheMarkdownShowsBothAndTheGap) {
-    const std::string markdown = series_markdown(made_up_series());
+    const std::string markdown = series_markdown(synthetic_series());
     EXPECT_NE(markdown.find("| case-0 | low | completed | 20.00 |"), std::string::npos) << markdown;
     EXPECT_NE(markdown.find("| 4800 / 5000 |"), std::string::npos) << markdown;
     EXPECT_NE(markdown.find("| -4.0 % | 1.2e-03 |"), std::string::npos) << markdown;
 }
 
 TEST(SeriesFiles, ThePictureHasAMarkForEveryRunAndASlotForATest) {
-    CaseSeries series = made_up_series();
+    CaseSeries series = synthetic_series();
     std::string svg = series_svg(series);
+    constexpr std::string_view cross = "m0 -9l-9 9";
     // Two marks a case, two in the legend.
     EXPECT_EQ(count_of(svg, "<circle"), 8u);
     EXPECT_NE(svg.find("case-1, rom: 21, 5300"), std::string::npos);
     EXPECT_NE(svg.find("test: none (series.test)"), std::string::npos);
     EXPECT_NE(svg.find("A series &lt;of&gt; three"), std::string::npos);
     EXPECT_NE(svg.find("Peak opening force [N]"), std::string::npos);
-    EXPECT_EQ(count_of(svg, "<path"), 1u);  // a cross, in the legend
+    EXPECT_EQ(count_of(svg, cross), 1u);  // in the legend
     series.spec.test = "drops.csv";
     series.spec.test_x = {20.5, 21.5};
     series.spec.test_y = {5100.0, 7000.0};
     svg = series_svg(series);
     EXPECT_EQ(svg.find("test: none"), std::string::npos);
     EXPECT_NE(svg.find("drops.csv"), std::string::npos);
-    EXPECT_EQ(count_of(svg, "<path"), 3u);
+    EXPECT_EQ(count_of(svg, cross), 3u);
     series.cases.clear();
     series.spec.test_x.clear(), series.spec.test_y.clear();
     EXPECT_NE(series_svg(series).find("no case has both metrics"), std::string::npos);

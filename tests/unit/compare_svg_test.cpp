@@ -1,4 +1,4 @@
-// The line chart.
+// Plots: axes, thinning, lines, markers, labels and what is not drawn.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "compare/render/plot.hpp"
+#include "compare/render/ticks.hpp"
 #include "compare/report/plots.hpp"
-#include "compare/report/svg_plot.hpp"
 #include "tests/support/compare_records.hpp"
 
 namespace twinchute::compare {
@@ -89,7 +90,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
-    const std::string svg = force_svg(made_up_comparison());
+    const std::string svg = force_svg(synthetic_comparison());
     EXPECT_EQ(count(svg, "<path "), 2u);
     EXPECT_NE(svg.find("full: peak 5000 N at 1.50 s"), std::string::npos);
     EXPECT_NE(svg.find("rom: peak 4800 N at 1.45 s"), std::string::npos);
@@ -100,7 +101,7 @@ TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
 }
 
 TEST(CompareSvg, LargeForcesAreInKilonewtons) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     for (double& force : comparison.reference.channels[1].values)
         force *= 10;
     EXPECT_NE(force_svg(comparison).find("opening force [kN]"), std::string::npos);
@@ -108,7 +109,8 @@ TEST(CompareSvg, LargeForcesAreInKilonewtons) {
 
 TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    Plot plot{"t", "s", "x", "y", {{"a", Role::reference, {0, 1, 2, 3, 4}, {0, 1, nan, 1, 2}}}, {}, {}};
+    Plot plot;
+    plot.series = {{.label = "a", .x = {0, 1, 2, 3, 4}, .y = {0, 1, nan, 1, 2}}};
     const std::string svg = svg_plot(plot);
     const auto begin = svg.find(" d=\"") + 4;
     EXPECT_EQ(count(svg.substr(begin, svg.find('"', begin) - begin), "M"), 2u);
@@ -117,7 +119,7 @@ TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
 TEST(CompareSvg, AJumpIsDrawnUpright) {
     // 24 kN and 2 kN at 1 s, among points so many that they are thinned: below and above one another.
     Plot plot;
-    plot.series = {{"rom", Role::reference, {}, {}}};
+    plot.series = {{.label = "rom"}};
     for (int i = 0; i <= 20000; ++i) {
         const double t = 1e-4 * i;
         plot.series[0].x.push_back(t);
@@ -125,7 +127,7 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
         if (i == 10000) plot.series[0].x.push_back(t), plot.series[0].y.push_back(2.0);
     }
     const std::string svg = svg_plot(plot);
-    // The path goes down by 20 kN, most of the frame of 274 px, at one place, 1 s being the middle of 78 and
+    // The path goes down by 22 kN, most of the frame of 270 px, at one place, 1 s being the middle of 78 and
     // 700 px, and nowhere else.
     std::istringstream path(svg.substr(svg.find("<path d=\"M") + 9));
     double x = 0.0, y = 0.0, last_x = 0.0, last_y = 0.0;
@@ -143,7 +145,7 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
 }
 
 TEST(CompareSvg, WithoutDataItSaysSo) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.channels.clear();
     EXPECT_EQ(count(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
     comparison.candidate.channels.clear();
@@ -151,7 +153,7 @@ TEST(CompareSvg, WithoutDataItSaysSo) {
 }
 
 TEST(CompareSvg, EscapesWhatItIsGiven) {
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.scene.name = "<script>&\"";
     EXPECT_EQ(speed_svg(comparison).find("<script>"), std::string::npos);
 }

@@ -14,9 +14,9 @@ namespace {
 
 /// The full model's peak force was 5000 N.
 Trend with_peak(double now, const std::map<std::string, Tolerance>& asked = {}) {
-    Comparison today = made_up_comparison();
+    Comparison today = synthetic_comparison();
     today.reference.add_metric("peak_force_N", now);
-    return measure_trend(made_up_comparison(), today, asked);
+    return measure_trend(synthetic_comparison(), today, asked);
 }
 
 TEST(CompareTrend, NothingMovedIsWithin) {
@@ -49,7 +49,7 @@ TEST(CompareTrend, AJudgedMetricMayMoveByAThousandthUnlessSomebodySaysOtherwise)
 }
 
 TEST(CompareTrend, MostChangedComesFirstAndWhatCameOrWentBeforeAll) {
-    Comparison before = made_up_comparison(), now = made_up_comparison();
+    Comparison before = synthetic_comparison(), now = synthetic_comparison();
     now.candidate.add_metric("peak_force_N", 4800 * 1.01);
     now.reference.add_metric("descent_rate_m_s", 7.7 * 0.5);
     now.reference.add_metric("load_factor", 3);
@@ -69,25 +69,25 @@ TEST(CompareTrend, MostChangedComesFirstAndWhatCameOrWentBeforeAll) {
 }
 
 TEST(CompareTrend, AJudgedMetricThatIsGoneIsMissingAndANewOneHasNoPast) {
-    Comparison before = made_up_comparison();
+    Comparison before = synthetic_comparison();
     before.candidate.add_metric("snatch_force_N", 800);
-    const Trend gone = measure_trend(before, made_up_comparison(), {{"snatch_force", {0.1, true}}});
+    const Trend gone = measure_trend(before, synthetic_comparison(), {{"snatch_force", {0.1, true}}});
     EXPECT_EQ(gone.changes[0].verdict, Verdict::missing);
     EXPECT_EQ(overall_verdict(gone), Verdict::exceeded);
     EXPECT_NE(verdict_line(gone).find("rom snatch_force (gone)"), std::string::npos);
-    const Trend came = measure_trend(made_up_comparison(), before, {{"snatch_force", {0.1, true}}});
+    const Trend came = measure_trend(synthetic_comparison(), before, {{"snatch_force", {0.1, true}}});
     EXPECT_EQ(overall_verdict(came), Verdict::within);
 }
 
 /// An earlier comparison against one whose two sides lack the descent rate.
 Trend without_descent(bool not_reached, const std::map<std::string, Tolerance>& asked = {}) {
-    Comparison now = made_up_comparison();
+    Comparison now = synthetic_comparison();
     for (RunRecord* side : {&now.candidate, &now.reference}) {
         std::erase_if(side->metrics, [](const Metric& m) { return m.key == "descent_rate_m_s"; });
         if (not_reached) side->missing.push_back({"descent_rate_m_s", "the run stopped before", true});
     }
     now.gap = measure_gap(now.reference, now.candidate, {});
-    return measure_trend(made_up_comparison(), now, asked);
+    return measure_trend(synthetic_comparison(), now, asked);
 }
 
 TEST(CompareTrend, ADefaultMetricThatIsGoneFromBothIsMissingUnlessTheStopCameBefore) {
@@ -103,16 +103,17 @@ TEST(CompareTrend, ADefaultMetricThatIsGoneFromBothIsMissingUnlessTheStopCameBef
 }
 
 TEST(CompareTrend, AToleranceOnWhatNoRecordHasFails) {
-    const Trend trend = measure_trend(made_up_comparison(), made_up_comparison(), {{"impulse", {0.1, true}}});
+    const Trend trend =
+        measure_trend(synthetic_comparison(), synthetic_comparison(), {{"impulse", {0.1, true}}});
     EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);
     EXPECT_EQ(trend.changes[0].key, "impulse_N_s");
-    EXPECT_EQ(overall_verdict(measure_trend(made_up_comparison(), made_up_comparison(),
+    EXPECT_EQ(overall_verdict(measure_trend(synthetic_comparison(), synthetic_comparison(),
                                             {{"force_history", {0.1, true}}})),
               Verdict::exceeded);
 }
 
 TEST(CompareTrend, WhatIsZeroButForRoundingHasNotMoved) {
-    Comparison before = made_up_comparison(), now = made_up_comparison();
+    Comparison before = synthetic_comparison(), now = synthetic_comparison();
     for (Comparison* c : {&before, &now})
         c->candidate.channels.push_back({"altitude", "m", {300.0, 200.0}});
     before.candidate.add_metric("landing_east_m", 1e-17);
@@ -124,10 +125,10 @@ TEST(CompareTrend, WhatIsZeroButForRoundingHasNotMoved) {
 }
 
 TEST(CompareTrend, ARunThatBrokeOffIsNotJudged) {
-    Comparison broken = made_up_comparison();
+    Comparison broken = synthetic_comparison();
     broken.reference.status = {StatusCode::energy_grew, "at 1 s"};
     broken.reference.add_metric("peak_force_N", 9000);
-    const Trend trend = measure_trend(broken, made_up_comparison(), {});
+    const Trend trend = measure_trend(broken, synthetic_comparison(), {});
     EXPECT_EQ(trend.judged, 3u);                           // those of the other fidelity
     EXPECT_EQ(overall_verdict(trend), Verdict::exceeded);  // a gate with nothing to hold against is no gate
     EXPECT_EQ(trend.note, "full of the baseline ended as energy_grew");
@@ -135,7 +136,7 @@ TEST(CompareTrend, ARunThatBrokeOffIsNotJudged) {
 }
 
 TEST(CompareTrend, AnInputWithoutANumberHasNotMovedFromItself) {
-    Comparison before = made_up_comparison(), now = made_up_comparison();
+    Comparison before = synthetic_comparison(), now = synthetic_comparison();
     const Input unknown{"parachute.porosity", std::nan(""), "", InputOrigin::given, ""};
     before.reference.inputs.push_back(unknown);
     now.reference.inputs.push_back(unknown);
@@ -145,14 +146,14 @@ TEST(CompareTrend, AnInputWithoutANumberHasNotMovedFromItself) {
 }
 
 TEST(CompareTrend, NamesInputsProgramAndMachineThatDiffer) {
-    Comparison now = made_up_comparison();
+    Comparison now = synthetic_comparison();
     now.reference.inputs[0].value = 160.0;
     now.reference.inputs.push_back(
         {"compare.tolerance.peak_force", std::string("5 %"), "", InputOrigin::given, ""});
     now.reference.inputs.erase(now.reference.inputs.begin() + 2);
     now.reference.provenance.compiler = "GNU 13";
     now.reference.provenance.host_cpu = "B <CPU>";
-    const Trend trend = measure_trend(made_up_comparison(), now, {});
+    const Trend trend = measure_trend(synthetic_comparison(), now, {});
     ASSERT_EQ(trend.inputs.size(), 2u);  // a tolerance is no input of a run
     EXPECT_EQ(trend.inputs[0].what, "payload.mass");
     EXPECT_EQ(trend.inputs[0].before, "152.4 kg");

@@ -1,5 +1,5 @@
 // Cases that are run and judged: expected values from the law of the descent, v = sqrt(2 m g/(rho C_D S)),
-// and from a made-up model.
+// and from a synthetic model.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace twinchute::compare {
 namespace {
 
 /// Its only metric is the seed, or a line of the payload's mass.
-RunRecord made_up_run(const Scene& scene, Run&) {
+RunRecord synthetic_run(const Scene& scene, Run&) {
     RunRecord record;
     const double seed = scene.full.noise ? static_cast<double>(scene.full.noise->seed) : 0.0;
     record.add_metric("peak_force_N", 100.0 + seed * seed);
@@ -26,7 +26,7 @@ RunRecord made_up_run(const Scene& scene, Run&) {
 std::vector<std::string> lacks_nothing(const Scene&) {
     return {};
 }
-const Fidelity made_up{"full", "made-up model", made_up_run, lacks_nothing};
+const Fidelity synthetic{"full", "synthetic model", synthetic_run, lacks_nothing};
 
 class ValidateRun : public testing::Test {
 protected:
@@ -56,7 +56,7 @@ height = "10 m"
     SuiteResult run(const std::string& cases, ValidationOptions options = {}) {
         here_.write("s.toml", "schema = 1\nname = \"s\"\ntitle = \"S\"\nevidence = \"measured\"\n" + cases);
         bool interrupted = false;
-        const std::vector<const Fidelity*> fidelities{&rom::rom_fidelity(), &made_up};
+        const std::vector<const Fidelity*> fidelities{&rom::rom_fidelity(), &synthetic};
         return run_suite(read_suite(here_ / "s.toml"), fidelities, options, interrupted);
     }
     /// One case with these keys and a row.
@@ -71,7 +71,7 @@ height = "10 m"
 };
 
 TEST_F(ValidateRun, SaysOffsetsOfACaseInOneLine) {
-    // 3 x 10 kg and 100 N of the made-up model, against 28 N s and 104 N.
+    // 3 x 10 kg and 100 N of the synthetic model, against 28 N s and 104 N.
     const SuiteResult result =
         run("[[case]]\nname = \"c\"\nsource = \"s\"\nbase = \"fall.toml\"\nfidelities = [\"rom\", \"full\"]\n"
             "offsets = [\"impulse\", \"peak_force\"]\nrow = [\n"

@@ -21,7 +21,7 @@ TEST(RecordChecksum, IsThatOfTheTextWithoutItsDigits) {
 
 /// Complaint of a reader about the summary of a record.
 std::string complaint(const std::string& summary) {
-    const RunRecord record = compare::made_up_record("rom", 4800, 1.45, 4e-4);
+    const RunRecord record = compare::synthetic_record("rom", 4800, 1.45, 4e-4);
     try {
         read_record_text(summary, history_csv(record), events_csv(record), "d");
     } catch (const RecordError& error) {
@@ -32,7 +32,7 @@ std::string complaint(const std::string& summary) {
 
 TEST(RecordChecksum, EveryEditOfASummaryIsNoticed) {
     const std::string whole =
-        with_checksum(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4), {{"x.csv", digits}}));
+        with_checksum(summary_json(compare::synthetic_record("rom", 4800, 1.45, 4e-4), {{"x.csv", digits}}));
     EXPECT_EQ(complaint(whole), "no complaint");
     const auto with = [&](const std::string& from, const std::string& to) {
         std::string text = whole;
@@ -58,13 +58,13 @@ TEST(RecordChecksum, EveryEditOfASummaryIsNoticed) {
 }
 
 TEST(RecordChecksum, WhatIsWrongIsSaidFirst) {
-    std::string text = with_checksum(summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4)));
+    std::string text = with_checksum(summary_json(compare::synthetic_record("rom", 4800, 1.45, 4e-4)));
     const std::size_t at = text.find("\"schema\": 1");
     EXPECT_NE(complaint(text.replace(at, 11, "\"schema\": 9")).find("schema: 9 is not known"), text.npos);
 }
 
 TEST(RecordChecksum, ARecordOfAnEarlierVersionHasNone) {
-    const std::string text = summary_json(compare::made_up_record("rom", 4800, 1.45, 4e-4));
+    const std::string text = summary_json(compare::synthetic_record("rom", 4800, 1.45, 4e-4));
     EXPECT_FALSE(nlohmann::json::parse(text).contains("sha256"));
     EXPECT_EQ(complaint(text), "no complaint");
 }

@@ -32,7 +32,7 @@ RunRecord read_back(const RunRecord& record) {
 }
 
 RunRecord small_record() {
-    RunRecord record = compare::made_up_record("rom", 4800, 1.45, 4e-4);
+    RunRecord record = compare::synthetic_record("rom", 4800, 1.45, 4e-4);
     for (Channel& channel : record.channels)
         channel.values.resize(3);
     return record;
@@ -55,7 +55,7 @@ const std::vector<double> hard{0.0,
                                9.5367431640625e-7};
 
 TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
-    RunRecord record = compare::made_up_comparison().reference;
+    RunRecord record = compare::synthetic_comparison().reference;
     record.cost.blocks = {{"membrane", 0.1 + 0.2}, {"a \"quoted\", name\n", 0}};
     record.cost.resumed_at = {0.1, 1e-300};
     record.missing = {{"descent_rate_m_s", "the run \"stopped\" before", true}, {"x", "", false}};
@@ -145,7 +145,7 @@ TEST(RecordRead, TheLocaleChangesNothing) {
         char do_thousands_sep() const override { return '.'; }
         std::string do_grouping() const override { return "\3"; }
     };
-    const RunRecord record = compare::made_up_record("rom", 4800.5, 1.45, 4e-4);
+    const RunRecord record = compare::synthetic_record("rom", 4800.5, 1.45, 4e-4);
     const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
     for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})  // where there is one
         if (std::setlocale(LC_ALL, name) != nullptr) break;

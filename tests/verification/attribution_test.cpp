@@ -1,4 +1,4 @@
-// Attribution of the demo's gap by the real models: with every piece off they agree, and terms are what runs
+// Attribution of the demo's gap by the real models: with every effect off they agree, and terms are what runs
 // made by hand say. On one sector, which is the whole canopy to 1e-4 (SectorDemo.*) in a fraction of the
 // time.
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "compare/attribute.hpp"
-#include "compare/pieces.hpp"
+#include "compare/physics_effects.hpp"
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "rom/fidelity.hpp"
@@ -57,17 +57,17 @@ const MetricAttribution& of(const char* metric) {
     return *found;
 }
 
-double effect(const char* metric, const char* piece) {
+double effect(const char* metric, const char* effect) {
     const auto& terms = of(metric).terms;
-    const auto found = std::ranges::find(terms, piece, &AttributionTerm::piece);
-    if (found == terms.end()) throw std::runtime_error(piece);
+    const auto found = std::ranges::find(terms, effect, &AttributionTerm::name);
+    if (found == terms.end()) throw std::runtime_error(effect);
     return found->effect;
 }
 
 Scene all_off() {
     Scene scene = demo();
-    for (const compare::Piece& piece : compare::pieces())
-        if (piece.switching != compare::Switching::never && piece.present(scene)) silence(piece, scene);
+    for (const compare::PhysicsEffect& effect : compare::physics_effects())
+        if (effect.switching != compare::Switching::never && effect.present(scene)) silence(effect, scene);
     return scene;
 }
 
@@ -86,7 +86,7 @@ void expect_to_add_up() {
     }
 }
 
-void expect_to_agree_with_every_piece_off() {
+void expect_to_agree_with_every_effect_off() {
     // A rigid body with a prescribed drag area on both sides. What is left is 3 kg of cloth and 1.4 kg of
     // lines in motion, whose deceleration differs from the payload's by some tens of m/s^2 for a moment: 0.1
     // % of the peak was measured, half a per cent is asked.
@@ -116,7 +116,7 @@ void expect_one_term_as_recomputed_by_hand() {
 // One test, since each is a process of its own and the runs are made once.
 TEST(Attribution, OfTheDemoAddsUpAgreesWithAllOffAndIsWhatRunsByHandSay) {
     expect_to_add_up();
-    expect_to_agree_with_every_piece_off();
+    expect_to_agree_with_every_effect_off();
     expect_one_term_as_recomputed_by_hand();
 }
 

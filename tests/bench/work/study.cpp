@@ -8,70 +8,68 @@
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
-#include "compare/report/cost_plot.hpp"
+#include "compare/render/plot.hpp"
 #include "lib/record/record_csv.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute::bench {
 namespace {
 
-using compare::Shape;
+using compare::MarkerShape;
 
 struct Look {
-    std::string_view family, colour;
-    Shape shape;
+    std::string_view family;
+    const char* colour;
+    MarkerShape shape;
 };
-constexpr std::array looks{Look{"explicit Runge-Kutta (ARKODE)", "#0072b2", Shape::circle},
-                           Look{"implicit Runge-Kutta (ARKODE)", "#d55e00", Shape::square},
-                           Look{"multistep (CVODE)", "#009e73", Shape::triangle},
-                           Look{"GSL and Boost.odeint", "#cc79a7", Shape::diamond},
-                           Look{"explicit midpoint, this toolkit", "#222222", Shape::square},
-                           Look{"ARKODE, adaptive", "#0072b2", Shape::circle},
-                           Look{"ARKODE, even steps", "#e69f00", Shape::triangle},
-                           Look{"all gores", "#d55e00", Shape::diamond},
-                           Look{"one sector", "#009e73", Shape::triangle},
-                           Look{"springs, then elements", "#0072b2", Shape::circle},
-                           Look{"elements from the pack on", "#d55e00", Shape::square}};
+constexpr std::array looks{Look{"explicit Runge-Kutta (ARKODE)", compare::blue, MarkerShape::circle},
+                           Look{"implicit Runge-Kutta (ARKODE)", compare::vermillion, MarkerShape::square},
+                           Look{"multistep (CVODE)", compare::green, MarkerShape::triangle},
+                           Look{"GSL and Boost.odeint", compare::purple, MarkerShape::diamond},
+                           Look{"explicit midpoint, this toolkit", compare::ink, MarkerShape::square},
+                           Look{"ARKODE, adaptive", compare::blue, MarkerShape::circle},
+                           Look{"ARKODE, even steps", compare::orange, MarkerShape::triangle},
+                           Look{"all gores", compare::vermillion, MarkerShape::diamond},
+                           Look{"one sector", compare::green, MarkerShape::triangle},
+                           Look{"springs, then elements", compare::blue, MarkerShape::circle},
+                           Look{"elements from the pack on", compare::vermillion, MarkerShape::square}};
 
-/// A line a method, all of a family in its colour; each ends with the method's name.
-compare::CostFamily drawn(const Study& study, const View& view, const Look& look) {
-    compare::CostFamily family;
-    family.name = look.family;
-    family.colour = look.colour;
-    family.shape = look.shape;
-    family.joined = true;
-    for (const Curve& curve : study.curves) {
-        if (curve.family != look.family) continue;
-        for (const Sample& sample : curve.samples) {
-            const bool first = &sample == &curve.samples.front(), last = &sample == &curve.samples.back();
-            compare::CostPoint point;
-            if (last) point.label = curve.method;
-            point.x = view.x(sample);
-            point.y = view.y(sample);
-            point.title = fmt::format("{} at {}: error {:.2g} after {} evaluations", curve.method,
-                                      sample.setting, point.y, sample.evaluations);
-            point.rank = last ? 0 : 2;
-            point.shape = look.shape;
-            point.joined = !first;
-            family.points.push_back(std::move(point));
-        }
+/// A line a method, which ends with the method's name; all of a family look the same.
+compare::PlotSeries drawn(const Curve& curve, const View& view, const Look& look) {
+    compare::PlotSeries series{.colour = look.colour, .line = 1.2, .marker = look.shape};
+    for (const Sample& sample : curve.samples) {
+        const bool last = &sample == &curve.samples.back();
+        series.x.push_back(view.x(sample));
+        series.y.push_back(view.y(sample));
+        series.notes.push_back({fmt::format("{} at {}: error {:.2g} after {} evaluations", curve.method,
+                                            sample.setting, series.y.back(), sample.evaluations),
+                                last ? curve.method : "", last ? 0 : 2});
     }
-    return family;
+    return series;
 }
 
 std::string picture(const Study& study, const View& view) {
-    compare::CostPlot plot;
-    plot.title = study.title;
-    plot.subtitle = study.subtitle;
-    plot.x_label = view.x_label;
-    plot.y_label = view.y_label;
-    for (const Look& look : looks)
-        if (std::ranges::any_of(study.curves, [&](const Curve& c) { return c.family == look.family; }))
-            plot.families.push_back(drawn(study, view, look));
+    compare::Plot plot{.title = study.title,
+                       .subtitle = study.subtitle,
+                       .x = {.label = view.x_label, .logarithmic = true, .margin = 0.1},
+                       .y = {.label = view.y_label, .logarithmic = true, .margin = 0.1},
+                       .series = {},
+                       .width = 960,
+                       .height = 600,
+                       .beside = 260};
+    for (const Look& look : looks) {
+        std::string label(look.family);
+        for (const Curve& curve : study.curves) {
+            if (curve.family != look.family) continue;
+            plot.series.push_back(drawn(curve, view, look));
+            plot.series.back().label = std::exchange(label, "");  // once a family
+        }
+    }
     for (const Level& level : view.levels)
-        plot.levels.push_back({level.label, level.error});
-    return compare::cost_svg(plot);
+        plot.levels.push_back({level.label, compare::dim, level.error});
+    return compare::svg_plot(plot);
 }
 
 View error_against_evaluations(const Study& study) {

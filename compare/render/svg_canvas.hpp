@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 
 namespace twinchute::compare {
 

@@ -1,4 +1,4 @@
-#include "compare/pieces.hpp"
+#include "compare/physics_effects.hpp"
 
 #include <algorithm>
 #include <array>
@@ -42,53 +42,53 @@ void still_air(Scene& scene) {
 
 // clang-format off
 constexpr std::array rows{
-    Piece{"line-elasticity", "Line elasticity", {}, "what the stretch of lines and risers does", false,
+    PhysicsEffect{"line-elasticity", "Line elasticity", {}, "what the stretch of lines and risers does", false,
           [](const Scene&) { return true; },
           [](Scene& s) { s.parachutes.front().line.youngs_modulus *= stiffer; }, 2.0,
           Switching::alone, nullptr, "off: lines and risers ten times as stiff"},
-    Piece{"added-mass", "Added mass", "no added mass", "what the air that moves with the canopy does", true,
+    PhysicsEffect{"added-mass", "Added mass", "no added mass", "what the air that moves with the canopy does", true,
           [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
           [](Scene& s) { s.aerodynamics.added_mass.reset(); }, 1.0, Switching::alone},
-    Piece{"payload-drag", "Payload drag", "no payload drag", "what the payload's own drag does", true,
+    PhysicsEffect{"payload-drag", "Payload drag", "no payload drag", "what the payload's own drag does", true,
           [](const Scene& s) { return s.payload.drag_area.has_value(); },
           [](Scene& s) { s.payload.drag_area.reset(); }, 1.0, Switching::alone},
-    Piece{"line-drag", "Line drag", "no line drag", "what the drag of the suspension lines does", false,
+    PhysicsEffect{"line-drag", "Line drag", "no line drag", "what the drag of the suspension lines does", false,
           [](const Scene& s) { return s.aerodynamics.line_drag.has_value(); },
           [](Scene& s) { s.aerodynamics.line_drag.reset(); }, 1.0, Switching::alone},
-    Piece{"wind", "Wind", {}, "what the wind does", true,
+    PhysicsEffect{"wind", "Wind", {}, "what the wind does", true,
           [](const Scene& s) { return s.environment.wind.has_value(); }, still_air, 1.0,
           Switching::alone, nullptr, "off: still air, the same release through it"},
-    Piece{"initial-phase", "Initial phase", {}, "what the pause between snatch and filling does", true,
+    PhysicsEffect{"initial-phase", "Initial phase", {}, "what the pause between snatch and filling does", true,
           has_initial_phase,
           [](Scene& s) { s.parachutes.front().initial_phase = {false, 0.0}; }, 1.0,
           Switching::alone, nullptr, "off: the drag area grows from the snatch on"},
-    Piece{"breathing", "Breathing", "no breathing damping", "what the air's resistance to fluttering fabric does", false,
+    PhysicsEffect{"breathing", "Breathing", "no breathing damping", "what the air's resistance to fluttering fabric does", false,
           [](const Scene& s) { return s.aerodynamics.breathing_damping.has_value(); },
           [](Scene& s) { s.aerodynamics.breathing_damping.reset(); }, 1.0, Switching::alone,
           [](Scene& s) { s.aerodynamics.breathing_damping = stifled; }, "off: stifled, k_b = 2"},
-    // Never switched in an attribution: what pieces do to cloth that passes through cloth is no part of a gap.
-    Piece{"gore-contact", "Gore contact", "no gore contact", "what it does that gores do not pass through each other", false,
+    // Never switched in an attribution: what effects do to cloth that passes through cloth is no part of a gap.
+    PhysicsEffect{"gore-contact", "Gore contact", "no gore contact", "what it does that gores do not pass through each other", false,
           [](const Scene& s) { return s.full.contact == Contact::gores; },
           [](Scene& s) { s.full.contact = Contact::none; }},
-    Piece{"noise", "Noise", "no noise", "what the disturbance of the canopy at the start does", false,
+    PhysicsEffect{"noise", "Noise", "no noise", "what the disturbance of the canopy at the start does", false,
           [](const Scene& s) { return s.full.noise.has_value(); },
           [](Scene& s) { s.full.noise.reset(); }, 1.0, Switching::alone},
-    Piece{"mass-damping", "Mass damping", "no mass damping", "what alpha does", false,
+    PhysicsEffect{"mass-damping", "Mass damping", "no mass damping", "what alpha does", false,
           [](const Scene& s) { return s.full.alpha > 0.0; },
           [](Scene& s) { s.full.alpha = 0.0; }, 1.0, Switching::alone},
-    Piece{"stiffness-damping", "Stiffness damping", "no stiffness damping", "what beta does", false,
+    PhysicsEffect{"stiffness-damping", "Stiffness damping", "no stiffness damping", "what beta does", false,
           [](const Scene& s) { return s.full.beta > 0.0; },
           [](Scene& s) { s.full.beta = 0.0; }},
-    Piece{"bulk-viscosity", "Bulk viscosity", "no bulk viscosity", "what the damping of waves along cables does", false,
+    PhysicsEffect{"bulk-viscosity", "Bulk viscosity", "no bulk viscosity", "what the damping of waves along cables does", false,
           [](const Scene& s) { return s.full.bulk_viscosity > 0.0; },
           [](Scene& s) { s.full.bulk_viscosity = 0.0; }},
-    Piece{"springs", "Springs", "no springs", "finite elements from the pack on", false,
+    PhysicsEffect{"springs", "Springs", "no springs", "finite elements from the pack on", false,
           [](const Scene& s) { return s.full.structure == Structure::msd_fe && chute(s).deploy.starts_packed(); },
           [](Scene& s) { s.full.structure = Structure::fe; }, 8.0},
-    Piece{"sectors", "Sectors", "one sector", "what it costs and saves that all sectors fold alike", false,
+    PhysicsEffect{"sectors", "Sectors", "one sector", "what it costs and saves that all sectors fold alike", false,
           may_be_a_sector,
           [](Scene& s) { s.full.symmetry = Symmetry::sector; }},
-    Piece{"own-shape", "Own shape", {}, "what the canopy's own shape does", false,
+    PhysicsEffect{"own-shape", "Own shape", {}, "what the canopy's own shape does", false,
           [](const Scene& s) { return chute(s).deploy.by != DeployBy::inflated || s.aerodynamics.added_mass.has_value(); },
           [](Scene& s) { if (s.aerodynamics.added_mass) s.aerodynamics.added_mass->open_radius = AddedMassRadius::drag_area; },
           1.0, Switching::last, nullptr, "off: filling time and open canopy's added mass as prescribed"},
@@ -97,17 +97,17 @@ constexpr std::array rows{
 
 }  // namespace
 
-std::span<const Piece> pieces() {
+std::span<const PhysicsEffect> physics_effects() {
     return rows;
 }
 
-const Piece* find_piece(std::string_view name) {
-    const auto row = std::ranges::find(rows, name, &Piece::name);
+const PhysicsEffect* find_physics_effect(std::string_view name) {
+    const auto row = std::ranges::find(rows, name, &PhysicsEffect::name);
     return row == rows.end() ? nullptr : &*row;
 }
 
-void silence(const Piece& piece, Scene& scene) {
-    (piece.silence ? piece.silence : piece.remove)(scene);
+void silence(const PhysicsEffect& effect, Scene& scene) {
+    (effect.silence ? effect.silence : effect.remove)(scene);
 }
 
 }  // namespace twinchute::compare

@@ -3,14 +3,14 @@
 
 #include <optional>
 
-#include "compare/test_histories.hpp"
+#include "compare/drop_test_histories.hpp"
 #include "lib/cli/command.hpp"
 
 namespace twinchute::compare {
 
-Option test_option();
+Option drop_test_option();
 
 /// The file that it names, read. Throws SceneError.
-std::optional<TestHistories> test_of(const Arguments& arguments);
+std::optional<DropTestHistories> test_of(const Arguments& arguments);
 
 }  // namespace twinchute::compare

@@ -13,7 +13,7 @@
 
 namespace twinchute::compare {
 
-struct TestHistories {
+struct DropTestHistories {
     std::string file;                                  ///< as given
     std::map<std::string, Curve, std::less<>> curves;  ///< by channel of a record; [s] since release, SI
     const Curve* find(std::string_view channel) const;
@@ -21,7 +21,7 @@ struct TestHistories {
 
 /// Reads a CSV file whose first line names the columns and whose second their units: time, since release, and
 /// at least one channel of history_rows(). Throws SceneError, with file and line, for everything else.
-TestHistories read_test_histories(std::string_view text, const std::string& file);
+DropTestHistories read_test_histories(std::string_view text, const std::string& file);
 
 /// "force, speed, ...": the columns that a file may have beside the time.
 std::string test_channels();
@@ -35,6 +35,7 @@ struct TestScore {
 
 /// In the order of history_rows(). A record without the channel, see curve_of(), or without time in common
 /// with the test has no score. `records`: whose clocks begin at release, as the test's.
-std::vector<TestScore> test_scores(const TestHistories& test, const std::array<const RunRecord*, 2>& records);
+std::vector<TestScore> test_scores(const DropTestHistories& test,
+                                   const std::array<const RunRecord*, 2>& records);
 
 }  // namespace twinchute::compare

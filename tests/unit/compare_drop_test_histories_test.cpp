@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "compare/drop_test_histories.hpp"
 #include "compare/report/aligned.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/html.hpp"
 #include "compare/report/plots.hpp"
 #include "compare/report/terminal.hpp"
-#include "compare/test_histories.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/compare_records.hpp"
 
@@ -17,8 +17,8 @@ namespace {
 
 using namespace compare;
 
-TEST(TestHistories, AreReadInTheirUnits) {
-    const TestHistories test =
+TEST(DropTestHistories, AreReadInTheirUnits) {
+    const DropTestHistories test =
         read_test_histories("time,speed,force\ns,ft/s,kN\n0,10,0\n0.5,20,2\n1,15,1\n", "drop.csv");
     ASSERT_NE(test.find("force"), nullptr);
     EXPECT_EQ(test.find("force")->value, (std::vector{0.0, 2000.0, 1000.0}));
@@ -27,7 +27,7 @@ TEST(TestHistories, AreReadInTheirUnits) {
     EXPECT_EQ(test.find("drag_area"), nullptr);
 }
 
-TEST(TestHistories, WhatIsNoHistoryIsRefusedWithItsPlace) {
+TEST(DropTestHistories, WhatIsNoHistoryIsRefusedWithItsPlace) {
     const auto refusal = [](const char* text) -> std::string {
         try {
             read_test_histories(text, "drop.csv");
@@ -46,15 +46,15 @@ TEST(TestHistories, WhatIsNoHistoryIsRefusedWithItsPlace) {
 
 /// A record of one channel that is straight from (0, a) to (4, b).
 RunRecord straight(const char* channel, double a, double b) {
-    RunRecord record = made_up_record("full", 5000, 1.5, 1.0);
+    RunRecord record = synthetic_record("full", 5000, 1.5, 1.0);
     record.channels = {{"time", "s", {0.0, 4.0}}, {channel, "N", {a, b}}};
     return record;
 }
 
-TEST(TestHistories, RunsAreAsFarAwayAsTheirDifferenceIsLarge) {
+TEST(DropTestHistories, RunsAreAsFarAwayAsTheirDifferenceIsLarge) {
     // Measured 10 from 1 s to 6 s; a run of 11 is 1/10 away over the three seconds that both have, one of
     // 10 + t - 2.5 has sqrt(int (t - 2.5)^2 dt / 300) = sqrt(2.25/300). A run without forces has no distance.
-    const TestHistories test{"drop.csv", {{"force", {{1.0, 6.0}, {10.0, 10.0}}}}};
+    const DropTestHistories test{"drop.csv", {{"force", {{1.0, 6.0}, {10.0, 10.0}}}}};
     const RunRecord level = straight("force", 11.0, 11.0), tilted = straight("force", 7.5, 11.5),
                     without = straight("speed", 1.0, 1.0);
     const auto scores = test_scores(test, {&level, &tilted});
@@ -65,15 +65,15 @@ TEST(TestHistories, RunsAreAsFarAwayAsTheirDifferenceIsLarge) {
     EXPECT_NEAR(*scores[0].l2[1], std::sqrt(2.25 / 300.0), 1e-12);
     EXPECT_FALSE(test_scores(test, {&without, &level})[0].l2[0]);
     // No time in common.
-    const TestHistories later{"drop.csv", {{"force", {{5.0, 6.0}, {10.0, 10.0}}}}};
+    const DropTestHistories later{"drop.csv", {{"force", {{5.0, 6.0}, {10.0, 10.0}}}}};
     EXPECT_FALSE(test_scores(later, {&level, &tilted})[0].l2[0]);
 }
 
-TEST(TestHistories, AreDotsAndNumbersOfEveryReport) {
-    Comparison comparison = made_up_comparison();
+TEST(DropTestHistories, AreDotsAndNumbersOfEveryReport) {
+    Comparison comparison = synthetic_comparison();
     EXPECT_EQ(force_svg(comparison).find("<circle"), std::string::npos);
     EXPECT_FALSE(nlohmann::json::parse(gap_json(comparison)).contains("test"));
-    comparison.test = TestHistories{"a&b.csv", {{"force", {{0.25, 1.0, 2.75}, {100.0, 4321.0, 50.0}}}}};
+    comparison.test = DropTestHistories{"a&b.csv", {{"force", {{0.25, 1.0, 2.75}, {100.0, 4321.0, 50.0}}}}};
     const std::string svg = force_svg(comparison);
     EXPECT_NE(svg.find("<circle"), std::string::npos);
     EXPECT_NE(svg.find("a&amp;b.csv"), std::string::npos);
@@ -85,13 +85,13 @@ TEST(TestHistories, AreDotsAndNumbersOfEveryReport) {
     EXPECT_NE(report_html(comparison).find("Dots: what a test measured"), std::string::npos);
 }
 
-TEST(TestHistories, LieOnTheClockOfThePageAsTheReferenceDoes) {
+TEST(DropTestHistories, LieOnTheClockOfThePageAsTheReferenceDoes) {
     // Whose snatch comes 0.5 s after release, so that what was measured at 1.25 s stands at 0.75 s, and at
     // nothing but its own instants; what was measured before the runs and after them stands nowhere.
-    Comparison comparison = made_up_comparison();
+    Comparison comparison = synthetic_comparison();
     comparison.reference.events[0].time = 0.5;
     comparison.test =
-        TestHistories{"drop.csv", {{"speed", {{-3.0, 1.25, 2.5, 99.0}, {20.0, 17.0, 12.0, 7.0}}}}};
+        DropTestHistories{"drop.csv", {{"speed", {{-3.0, 1.25, 2.5, 99.0}, {20.0, 17.0, 12.0, 7.0}}}}};
     const AlignedHistories aligned = aligned_histories(comparison);
     ASSERT_TRUE(aligned.channels[0].test.empty());
     const AlignedChannel& speed = aligned.channels[1];

@@ -1,4 +1,4 @@
-// A ladder of made-up models whose errors are known exactly.
+// A ladder of synthetic models whose errors are known exactly.
 #pragma once
 
 #include <array>
@@ -9,15 +9,15 @@
 
 namespace twinchute::compare {
 
-inline const Fidelity rom_row{"rom", "made-up quick model", nullptr, nullptr};
-inline const Fidelity full_row{"full", "made-up dear model", nullptr, nullptr};
+inline const Fidelity rom_row{"rom", "synthetic quick model", nullptr, nullptr};
+inline const Fidelity full_row{"full", "synthetic dear model", nullptr, nullptr};
 inline const std::array<const Fidelity*, 2> both{&rom_row, &full_row};
 
 inline constexpr double rom_limit = 5000.0, full_limit = 4000.0;
 
 /// The quick model is wrong by its tolerance, the dear one by 0.08 (h/h_0)^2, half of that in time; without
 /// added mass both pull 10 % harder.
-inline RunRecord made_up(const Fidelity& fidelity, const Scene& scene) {
+inline RunRecord synthetic(const Fidelity& fidelity, const Scene& scene) {
     RunRecord record;
     record.fidelity = fidelity.name;
     record.status = {StatusCode::completed, "steady descent"};
@@ -37,8 +37,8 @@ inline RunRecord made_up(const Fidelity& fidelity, const Scene& scene) {
     return record;
 }
 
-inline Ladder made_up_ladder(const LadderOptions& options = {}, const Scene& scene = test::c9_scene(),
-                             const RunOne& run = made_up) {
+inline Ladder synthetic_ladder(const LadderOptions& options = {}, const Scene& scene = test::c9_scene(),
+                               const RunOne& run = synthetic) {
     return climb(scene, both, options, run);
 }
 

@@ -1,4 +1,4 @@
-// The rungs of a ladder: one scene in ever finer settings, and without each piece of physics that it may do
+// The levels of a ladder: one scene in ever finer settings, and without each physics effect that it may do
 // without.
 #pragma once
 
@@ -13,13 +13,13 @@
 
 namespace twinchute::compare {
 
-/// What the distance of a rung from a reference means.
+/// What the distance of a level from a reference means.
 enum class Physics {
     same,   ///< that of its fidelity: the distance from that fidelity's reference is numerical error
-    other,  ///< a piece is left out, or a closed form: a gap, and no error
+    other,  ///< an effect is left out, or a closed form: a gap, and no error
 };
 
-struct Rung {
+struct Level {
     std::string name = {};           ///< unique in a ladder, e.g. "full, mesh x2"
     std::string label = {};          ///< the same beside its family's colour, e.g. "x2"
     std::string family = {};         ///< what is drawn in one colour, e.g. "full": one of drawn_families
@@ -27,7 +27,7 @@ struct Rung {
     std::string_view fidelity = {};  ///< that runs it; empty: `closed_form` answers
     std::function<void(Scene&)> change = {};
     Physics physics = Physics::same;
-    /// Rungs that refine one thing, coarsest first, e.g. "mesh"; empty: on its own.
+    /// Levels that refine one thing, coarsest first, e.g. "mesh"; empty: on its own.
     std::string_view sequence = {};
     double cost = 0.0;             ///< predicted, in runs of the scene as it is by the same fidelity
     bool given = false;            ///< the scene as it is
@@ -36,17 +36,17 @@ struct Rung {
     std::function<double()> closed_form = {};
 };
 
-/// Predicted cost from which on --quick leaves a rung out.
+/// Predicted cost from which on --quick leaves a level out.
 inline constexpr double quick_cost = 4.0;
 
 /// From the cheapest kind of answer to the finest; what the scene has not got is not left out of it either.
-std::vector<Rung> ladder_rungs(const Scene& scene);
+std::vector<Level> ladder_levels(const Scene& scene);
 
-/// The scene that a rung runs, with random numbers from `seed` where it has any.
-Scene scene_of(const Rung& rung, const Scene& scene, std::optional<std::uint64_t> seed = {});
+/// The scene that a level runs, with random numbers from `seed` where it has any.
+Scene scene_of(const Level& level, const Scene& scene, std::optional<std::uint64_t> seed = {});
 
-/// What a rung changes, as one would write it: "rom.rtol=1e-06"; "as given" where it changes nothing.
-std::string setting_of(const Rung& rung, const Scene& scene);
+/// What a level changes, as one would write it: "rom.rtol=1e-06"; "as given" where it changes nothing.
+std::string setting_of(const Level& level, const Scene& scene);
 
 /// Typical size of an element of the canopy, in arbitrary units: for Richardson extrapolation.
 double mesh_size(const Scene& scene);

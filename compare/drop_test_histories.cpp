@@ -1,4 +1,4 @@
-#include "compare/test_histories.hpp"
+#include "compare/drop_test_histories.hpp"
 
 #include <fmt/format.h>
 
@@ -38,14 +38,14 @@ std::string test_channels() {
     return text;
 }
 
-const Curve* TestHistories::find(std::string_view channel) const {
+const Curve* DropTestHistories::find(std::string_view channel) const {
     const auto found = curves.find(channel);
     return found == curves.end() ? nullptr : &found->second;
 }
 
-TestHistories read_test_histories(std::string_view text, const std::string& file) {
+DropTestHistories read_test_histories(std::string_view text, const std::string& file) {
     const CsvTable table = read_csv_table(text, file, columns());
-    TestHistories test{file, {}};
+    DropTestHistories test{file, {}};
     for (const HistoryRow& row : history_rows())
         if (table.has(row.channel))
             test.curves.emplace(row.channel, Curve{table.at("time"), table.at(row.channel)});
@@ -56,7 +56,7 @@ TestHistories read_test_histories(std::string_view text, const std::string& file
     return test;
 }
 
-std::vector<TestScore> test_scores(const TestHistories& test,
+std::vector<TestScore> test_scores(const DropTestHistories& test,
                                    const std::array<const RunRecord*, 2>& records) {
     std::vector<TestScore> scores;
     for (const HistoryRow& row : history_rows()) {

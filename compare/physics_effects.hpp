@@ -1,4 +1,4 @@
-// Pieces of physics that a scene can do without: the ladder leaves out one at a time, the attribution of a
+// Physics effects that a scene can do without: the ladder leaves out one at a time, the attribution of a
 // gap brings them back one at a time.
 #pragma once
 
@@ -9,18 +9,18 @@
 
 namespace twinchute::compare {
 
-/// How an attribution switches a piece.
+/// How an attribution switches an effect.
 enum class Switching {
-    never,  ///< it is no piece of a gap: numerical, or a choice of cost
+    never,  ///< it is no effect of a gap: numerical, or a choice of cost
     alone,  ///< off in both models, then back in both, everything else still off
     last    ///< back on top of everything else: it has no meaning without the rest
 };
 
-struct Piece {
+struct PhysicsEffect {
     std::string_view name;   ///< e.g. "added-mass"
     std::string_view title;  ///< e.g. "Added mass"
-    std::string_view rung;   ///< as the ladder names a run without it; empty: no rung
-    std::string_view why;    ///< what such a rung shows
+    std::string_view level;  ///< as the ladder names a run without it; empty: no level
+    std::string_view why;    ///< what such a level shows
     bool in_rom;             ///< otherwise in the full model alone
     bool (*present)(const Scene&);
     void (*remove)(Scene&);
@@ -32,12 +32,12 @@ struct Piece {
 };
 
 /// In the order of the ladder and of attributions.
-std::span<const Piece> pieces();
+std::span<const PhysicsEffect> physics_effects();
 
 /// The row of a name, or null.
-const Piece* find_piece(std::string_view name);
+const PhysicsEffect* find_physics_effect(std::string_view name);
 
-/// Takes a piece out of a scene that has it, as an attribution understands it.
-void silence(const Piece& piece, Scene& scene);
+/// Takes an effect out of a scene that has it, as an attribution understands it.
+void silence(const PhysicsEffect& effect, Scene& scene);
 
 }  // namespace twinchute::compare

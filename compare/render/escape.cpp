@@ -1,4 +1,4 @@
-#include "compare/report/escape.hpp"
+#include "compare/render/escape.hpp"
 
 #include <cstddef>
 

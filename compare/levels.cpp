@@ -1,4 +1,4 @@
-#include "compare/rungs.hpp"
+#include "compare/levels.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "compare/pieces.hpp"
+#include "compare/physics_effects.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/sundials.hpp"
@@ -62,14 +62,14 @@ double filling_time(const Scene& scene) {
     return chute.fill_time.seconds(fill_inputs(scene, chute, velocity.norm(), density));
 }
 
-void add_closed_forms(std::vector<Rung>& rungs, const Scene& scene) {
+void add_closed_forms(std::vector<Level>& levels, const Scene& scene) {
     const Deployment& deploy = scene.parachutes.front().deploy;
-    const auto add = [&](const char* name, const char* why, const char* metric) -> Rung& {
-        Rung rung{.name = name, .label = name, .family = std::string(closed), .why = why};
-        rung.physics = Physics::other;
-        rung.metric = metric;
-        rungs.push_back(std::move(rung));
-        return rungs.back();
+    const auto add = [&](const char* name, const char* why, const char* metric) -> Level& {
+        Level level{.name = name, .label = name, .family = std::string(closed), .why = why};
+        level.physics = Physics::other;
+        level.metric = metric;
+        levels.push_back(std::move(level));
+        return levels.back();
     };
     add("descent balance", "weight over drag area, air of the release", "descent_rate").closed_form =
         [scene] { return steady_descent(scene); };
@@ -82,11 +82,11 @@ void add_closed_forms(std::vector<Rung>& rungs, const Scene& scene) {
          {std::array{"snatch, mass and spring", "lines without mass: dv sqrt(k m)",
                      "snatch_force_mass_spring_N"},
           std::array{"snatch, first wave", "lines as a wave guide: dv sqrt(EA mu)", "snatch_force_wave_N"}}) {
-        Rung& rung = add(name, why, "snatch_force");
-        rung.fidelity = rom;
-        rung.key = key;
-        rung.cost = 1.0;
-        rung.change = [](Scene& s) { s.stop = {Trigger::Kind::line_stretch, 0.0, 0.0}; };
+        Level& level = add(name, why, "snatch_force");
+        level.fidelity = rom;
+        level.key = key;
+        level.cost = 1.0;
+        level.change = [](Scene& s) { s.stop = {Trigger::Kind::line_stretch, 0.0, 0.0}; };
     }
 }
 
@@ -100,103 +100,104 @@ std::string tolerance_word(double rtol) {
     return fmt::format("{:.3g}e{}", rtol / std::pow(10.0, exponent), exponent);
 }
 
-void add_rom(std::vector<Rung>& rungs, const Scene& scene) {
+void add_rom(std::vector<Level>& levels, const Scene& scene) {
     std::vector<double> all(tolerances.begin(), tolerances.end());
     if (std::ranges::none_of(all, [&](double r) { return same_tolerance(r, scene.rom.rtol); }))
         all.push_back(scene.rom.rtol);
     std::ranges::sort(all, std::greater<>());
     for (const double rtol : all) {
-        Rung rung{.name = "rom, rtol " + tolerance_word(rtol),
-                  .label = tolerance_word(rtol),
-                  .family = std::string(rom)};
-        rung.fidelity = rom;
-        rung.given = same_tolerance(rtol, scene.rom.rtol);
-        rung.why = rung.given ? "the scene as it is" : "tolerance of the integrator";
-        if (!rung.given) rung.change = [rtol](Scene& s) { s.rom.rtol = rtol; };
-        rung.sequence = "tolerance";
-        rung.cost = 1.0;
-        rungs.push_back(std::move(rung));
+        Level level{.name = "rom, rtol " + tolerance_word(rtol),
+                    .label = tolerance_word(rtol),
+                    .family = std::string(rom)};
+        level.fidelity = rom;
+        level.given = same_tolerance(rtol, scene.rom.rtol);
+        level.why = level.given ? "the scene as it is" : "tolerance of the integrator";
+        if (!level.given) level.change = [rtol](Scene& s) { s.rom.rtol = rtol; };
+        level.sequence = "tolerance";
+        level.cost = 1.0;
+        levels.push_back(std::move(level));
     }
     for (const OdeMethod& method : ode_methods()) {
         if (method.name == scene.rom.method) continue;
         for (const double rtol : tolerances_of_methods) {
-            Rung rung{
+            Level level{
                 .name = fmt::format("rom, {}, rtol {}", method.name, tolerance_word(rtol)),
                 .label = fmt::format("{} {}", method.name, tolerance_word(rtol)),
                 .family = std::string(methods),
                 .why = fmt::format("a method of order {}{}", method.multistep ? "up to " : "", method.order)};
-            rung.fidelity = rom;
-            rung.change = [name = std::string(method.name), rtol](Scene& s) { s.rom = {name, rtol}; };
-            rung.cost = 1.0;
-            rungs.push_back(std::move(rung));
+            level.fidelity = rom;
+            level.change = [name = std::string(method.name), rtol](Scene& s) { s.rom = {name, rtol}; };
+            level.cost = 1.0;
+            levels.push_back(std::move(level));
         }
     }
 }
 
-void add_full(std::vector<Rung>& rungs) {
+void add_full(std::vector<Level>& levels) {
     for (const MeshRow& mesh : meshes) {
-        Rung rung{.name = fmt::format("full, mesh x{:g}", mesh.factor),
-                  .label = fmt::format("mesh x{:g}", mesh.factor),
-                  .family = std::string(full)};
-        rung.fidelity = full;
-        rung.given = mesh.factor == 1.0;
-        rung.why = rung.given ? std::string("the scene as it is") : fmt::format("{} mesh", mesh.word);
-        if (!rung.given) rung.change = [factor = mesh.factor](Scene& s) { scale_mesh(s.full.mesh, factor); };
-        rung.sequence = "mesh";
-        rung.cost = std::pow(mesh.factor, 3);
-        rungs.push_back(std::move(rung));
+        Level level{.name = fmt::format("full, mesh x{:g}", mesh.factor),
+                    .label = fmt::format("mesh x{:g}", mesh.factor),
+                    .family = std::string(full)};
+        level.fidelity = full;
+        level.given = mesh.factor == 1.0;
+        level.why = level.given ? std::string("the scene as it is") : fmt::format("{} mesh", mesh.word);
+        if (!level.given)
+            level.change = [factor = mesh.factor](Scene& s) { scale_mesh(s.full.mesh, factor); };
+        level.sequence = "mesh";
+        level.cost = std::pow(mesh.factor, 3);
+        levels.push_back(std::move(level));
     }
     for (const double share : time_steps) {
-        Rung rung{.name = fmt::format("full, time step x{:g}", share),
-                  .label = fmt::format("dt x{:g}", share),
-                  .family = std::string(in_time),
-                  .why = "time step on the mesh of the scene"};
-        rung.fidelity = full;
-        rung.change = [share](Scene& s) { s.full.time_step_factor *= share; };
-        rung.sequence = "time step";
-        rung.cost = 1.0 / share;
-        rungs.push_back(std::move(rung));
+        Level level{.name = fmt::format("full, time step x{:g}", share),
+                    .label = fmt::format("dt x{:g}", share),
+                    .family = std::string(in_time),
+                    .why = "time step on the mesh of the scene"};
+        level.fidelity = full;
+        level.change = [share](Scene& s) { s.full.time_step_factor *= share; };
+        level.sequence = "time step";
+        level.cost = 1.0 / share;
+        levels.push_back(std::move(level));
     }
 }
 
-void add_without(std::vector<Rung>& rungs, const Scene& scene, std::string_view fidelity) {
-    for (const Piece& piece : pieces()) {
-        if (piece.rung.empty() || !piece.present(scene) || (fidelity == rom && !piece.in_rom)) continue;
-        Rung rung{.name = fmt::format("{}, {}", fidelity, piece.rung),
-                  .label = std::string(piece.rung),
-                  .family = std::string(fidelity == rom ? rom_without : full_without),
-                  .why = std::string(piece.why)};
-        rung.fidelity = fidelity;
-        rung.change = piece.remove;
-        rung.physics = Physics::other;
-        rung.cost = piece.cost;
-        rungs.push_back(std::move(rung));
+void add_without(std::vector<Level>& levels, const Scene& scene, std::string_view fidelity) {
+    for (const PhysicsEffect& effect : physics_effects()) {
+        if (effect.level.empty() || !effect.present(scene) || (fidelity == rom && !effect.in_rom)) continue;
+        Level level{.name = fmt::format("{}, {}", fidelity, effect.level),
+                    .label = std::string(effect.level),
+                    .family = std::string(fidelity == rom ? rom_without : full_without),
+                    .why = std::string(effect.why)};
+        level.fidelity = fidelity;
+        level.change = effect.remove;
+        level.physics = Physics::other;
+        level.cost = effect.cost;
+        levels.push_back(std::move(level));
     }
 }
 
 }  // namespace
 
-std::vector<Rung> ladder_rungs(const Scene& scene) {
-    std::vector<Rung> rungs;
-    add_closed_forms(rungs, scene);
-    add_rom(rungs, scene);
-    add_without(rungs, scene, rom);
-    add_full(rungs);
-    add_without(rungs, scene, full);
-    return rungs;
+std::vector<Level> ladder_levels(const Scene& scene) {
+    std::vector<Level> levels;
+    add_closed_forms(levels, scene);
+    add_rom(levels, scene);
+    add_without(levels, scene, rom);
+    add_full(levels);
+    add_without(levels, scene, full);
+    return levels;
 }
 
-Scene scene_of(const Rung& rung, const Scene& scene, std::optional<std::uint64_t> seed) {
+Scene scene_of(const Level& level, const Scene& scene, std::optional<std::uint64_t> seed) {
     Scene changed = scene;
     changed.full.fields_rate.reset();  // nobody looks at them here
-    if (rung.change) rung.change(changed);
+    if (level.change) level.change(changed);
     if (seed && changed.full.noise) changed.full.noise->seed = *seed;
     return changed;
 }
 
-std::string setting_of(const Rung& rung, const Scene& scene) {
-    if (rung.closed_form) return "closed form";
-    const Scene changed = scene_of(rung, scene);
+std::string setting_of(const Level& level, const Scene& scene) {
+    if (level.closed_form) return "closed form";
+    const Scene changed = scene_of(level, scene);
     std::string text;
     const auto say = [&](std::string_view key, const auto& before, const auto& after) {
         if (before == after) return;
@@ -221,7 +222,7 @@ std::string setting_of(const Rung& rung, const Scene& scene) {
     say("full.bulk_viscosity", scene.full.bulk_viscosity, changed.full.bulk_viscosity);
     if (scene.stop.kind != changed.stop.kind) text += "stop.at=line-stretch";
     if (!text.empty()) return text;
-    return rung.given ? "as given" : rung.label;
+    return level.given ? "as given" : level.label;
 }
 
 double mesh_size(const Scene& scene) {

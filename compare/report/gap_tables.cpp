@@ -1,0 +1,285 @@
+#include "compare/report/gap_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compare/report/words.hpp"
+
+namespace twinchute::compare {
+namespace {
+
+constexpr Align right = Align::right;
+
+using Sides = std::array<const RunRecord*, 2>;
+Sides sides_of(const Comparison& comparison) {
+    return {&comparison.candidate, &comparison.reference};
+}
+
+struct LedgerLine {
+    std::string_view name;
+    double EnergyLedger::*term;
+};
+constexpr std::array ledger_lines{
+    LedgerLine{"Work of gravity", &EnergyLedger::gravity_work},
+    LedgerLine{"Work of drag", &EnergyLedger::drag_work},
+    LedgerLine{"External work", &EnergyLedger::external_work},
+    LedgerLine{"Change of structure", &EnergyLedger::ramp},
+    LedgerLine{"Added mass, brought to speed", &EnergyLedger::added_mass},
+    LedgerLine{"Damping", &EnergyLedger::damping},
+    LedgerLine{"Kinetic, change", &EnergyLedger::kinetic},
+    LedgerLine{"Elastic, change", &EnergyLedger::elastic},
+};
+
+double term_of(const RunRecord& record, const LedgerLine& line) {
+    return record.energy ? (*record.energy).*line.term : 0.0;
+}
+
+Cell fixed(double value, int decimals) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+Cell tolerance_cell(const std::optional<Tolerance>& tolerance, const std::string& text,
+                    ToleranceOrigin origin) {
+    return tolerance ? Cell(text, Tone::plain, std::string(origin_name(origin))) : Cell("-");
+}
+
+}  // namespace
+
+Cell verdict_cell(Verdict verdict) {
+    const std::string_view name = verdict_name(verdict);
+    switch (verdict) {
+        case Verdict::within:
+            return {name, Tone::good};
+        case Verdict::exceeded:
+            return {name, Tone::bad};
+        case Verdict::missing:
+            return {name, Tone::missing};
+        case Verdict::not_reached:
+            return {name, Tone::open};
+        case Verdict::not_judged:
+            break;
+    }
+    return "-";
+}
+
+Table metrics_table(const Comparison& comparison) {
+    const std::string reference = comparison.reference.fidelity, candidate = comparison.candidate.fidelity;
+    Table table{{{"metric"},
+                 {candidate, right},
+                 {reference, right},
+                 {"difference", right},
+                 {"tolerance", right},
+                 {"verdict"},
+                 {candidate + " is"},
+                 {reference + " is"}},
+                {}};
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const std::string_view unit = metric.row->unit;
+        const bool repeats_inputs = metric.candidate && metric.reference &&
+                                    metric.candidate->standing == Standing::input &&
+                                    metric.reference->standing == Standing::input;
+        table.rows.push_back(
+            {{metric.row->title, metric.verdict != Verdict::not_judged ? Tone::strong
+                                 : repeats_inputs                      ? Tone::quiet
+                                                                       : Tone::plain},
+             value_text(metric.candidate, unit),
+             value_text(metric.reference, unit),
+             difference_text(metric),
+             tolerance_cell(metric.tolerance, metric.tolerance ? tolerance_text(*metric.tolerance, unit) : "",
+                            metric.origin),
+             verdict_cell(metric.verdict),
+             standing_text(metric.candidate),
+             standing_text(metric.reference)});
+    }
+    return table;
+}
+
+Table metric_notes_table(const Comparison& comparison) {
+    Table table{{{"metric"}, {"of"}, {"note"}}, {}};
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const auto add = [&](const Cell& side, const std::string& note) {
+            if (!note.empty()) table.rows.push_back({metric.row->title, side, note});
+        };
+        const std::string candidate = metric.candidate ? metric.candidate->note : "",
+                          reference = metric.reference ? metric.reference->note : "";
+        add("-", metric.note);
+        if (candidate == reference) {
+            add("both", candidate);
+        } else {
+            add({comparison.candidate.fidelity, Tone::candidate}, candidate);
+            add({comparison.reference.fidelity, Tone::reference}, reference);
+        }
+    }
+    return table;
+}
+
+Table histories_table(const FidelityGap& gap) {
+    constexpr std::array phases{HistoryPhase::deployment, HistoryPhase::inflation, HistoryPhase::descent};
+    Table table{{{"over time"}}, {}};
+    for (const HistoryPhase phase : phases)
+        table.columns.push_back({std::string(phase_name(phase)), right});
+    table.columns.push_back({"tolerance", right});
+    table.columns.push_back({"verdict"});
+    for (const HistoryGap& history : gap.histories) {
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells.emplace_back(history.row->title);
+        for (const HistoryPhase phase : phases) {
+            const auto score = std::ranges::find(history.phases, phase, &PhaseScore::phase);
+            cells.emplace_back(score == history.phases.end() ? "-" : share_text(score->l2, false));
+        }
+        cells.emplace_back(history.tolerance ? share_text(history.tolerance->value, false) : "-");
+        cells.push_back(verdict_cell(history.verdict));
+    }
+    return table;
+}
+
+Table phases_table(const FidelityGap& gap) {
+    Table table{{{"over time"},
+                 {"phase"},
+                 {"since snatch", right, "s"},
+                 {"maximum", right},
+                 {"L2", right},
+                 {"infinity", right},
+                 {"tolerance", right},
+                 {"verdict"}},
+                {}};
+    for (const HistoryGap& history : gap.histories) {
+        const Cell tolerance = tolerance_cell(
+            history.tolerance, history.tolerance ? share_text(history.tolerance->value, false) : "",
+            history.origin);
+        for (const PhaseScore& phase : history.phases)
+            table.rows.push_back({history.row->title, phase_name(phase.phase),
+                                  fmt::format("{:.2f} to {:.2f}", phase.from, phase.to),
+                                  share_text(phase.maximum, true), share_text(phase.l2, false),
+                                  share_text(phase.infinity, false),
+                                  phase.phase == HistoryPhase::deployment ? "-" : tolerance,
+                                  verdict_cell(phase_verdict(history, phase))});
+        if (history.phases.empty())
+            table.rows.push_back(
+                {history.row->title, "-", "-", "-", "-", "-", tolerance, verdict_cell(history.verdict)});
+    }
+    return table;
+}
+
+Table test_table(const Comparison& comparison) {
+    const Sides sides = sides_of(comparison);
+    Table table{{{"over time"}, {"largest", right}, {sides[0]->fidelity, right}, {sides[1]->fidelity, right}},
+                {}};
+    for (const TestScore& score : test_scores(*comparison.test, sides)) {
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        cells = {score.row->title, fmt::format("{} {}", readable(score.largest), score.row->unit)};
+        for (const std::optional<double>& l2 : score.l2)
+            cells.emplace_back(l2 ? share_text(*l2, false) : "-");
+    }
+    return table;
+}
+
+Table energy_table(const Comparison& comparison) {
+    const Sides sides = sides_of(comparison);
+    if (!sides[0]->energy && !sides[1]->energy) return {};
+    double largest = 0.0;
+    for (const LedgerLine& line : ledger_lines)
+        for (const RunRecord* side : sides)
+            if (const double term = term_of(*side, line); std::isfinite(term))
+                largest = std::max(largest, std::abs(term));
+    Table table{{{"energy", Align::left, "kJ"},
+                 {sides[0]->fidelity, right},
+                 {sides[1]->fidelity, right},
+                 {"share", Align::left, {}, true}},
+                {}};
+    for (const LedgerLine& line : ledger_lines) {
+        std::vector<Cell> cells{line.name};
+        std::vector<Bar> bars;
+        bool any = false;
+        for (const RunRecord* side : sides) {
+            const double value = term_of(*side, line);
+            any = any || value != 0.0;  // exactly zero: nothing behind it
+            cells.emplace_back(value != 0.0 ? readable(1e-3 * value) : "-");
+            if (value == 0.0 || !std::isfinite(value)) continue;
+            const double width =
+                50.0 * std::abs(value / largest);  // from the middle, to the right if positive
+            bars.push_back({side == sides[0] ? "bar candidate" : "bar reference",
+                            value < 0.0 ? 50.0 - width : 50.0, width});
+        }
+        cells.emplace_back(std::move(bars));
+        if (any) table.rows.push_back(std::move(cells));
+    }
+    std::vector<Cell> residual{"Not accounted for, of the work of drag"};
+    for (const RunRecord* side : sides)
+        residual.emplace_back(side->energy && std::isfinite(side->energy->residual_fraction)
+                                  ? fmt::format("{:.2g} %", 100 * side->energy->residual_fraction)
+                                  : "-");
+    residual.emplace_back();
+    table.rows.push_back(std::move(residual));
+    return table;
+}
+
+Table events_table(const Comparison& comparison) {
+    const SharedClock clock = shared_clock(comparison);
+    Table table{{{"event"}}, {}};
+    for (const auto& [what, unit] : {std::pair{"time", "s"}, {"altitude", "m"}, {"speed", "m/s"}})
+        for (const RunRecord* side : sides_of(comparison))
+            table.columns.push_back({fmt::format("{} {}", side->fidelity, what), right, unit});
+    table.columns.insert(table.columns.begin() + 3, {"difference", right, "s"});
+    for (const EventPair& pair : event_pairs(comparison)) {
+        std::vector<Cell> cells{pair.name};
+        const auto both = [&](double Event::*value, int decimals) {
+            for (const Event* event : pair.event)
+                cells.push_back(event ? fixed(event->*value, decimals) : "-");
+        };
+        both(&Event::time, 3);
+        const auto& [candidate, reference] = pair.event;
+        cells.push_back(candidate && reference
+                            ? fixed((candidate->time - clock.zero[0]) - (reference->time - clock.zero[1]), 3)
+                            : "-");
+        both(&Event::altitude, 1);
+        both(&Event::speed, 2);
+        table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+Table inputs_table(const RunRecord& record) {
+    Table table{{{"key"}, {"value", right}, {"unit"}, {"origin"}, {"source"}}, {}};
+    for (const Input& input : record.inputs) {
+        const auto* number = std::get_if<double>(&input.value);
+        table.rows.push_back({{input.key, Tone::code},
+                              number ? fmt::format("{:.10g}", *number) : std::get<std::string>(input.value),
+                              input.unit,
+                              origin_name(input.origin),
+                              input.source});
+    }
+    return table;
+}
+
+SharedClock shared_clock(const Comparison& comparison) {
+    for (const char* name : {"snatch", "line-stretch"}) {
+        const Event* candidate = comparison.candidate.find_event(name);
+        const Event* reference = comparison.reference.find_event(name);
+        if (candidate != nullptr && reference != nullptr) return {{candidate->time, reference->time}, true};
+    }
+    return {};
+}
+
+std::vector<EventPair> event_pairs(const Comparison& comparison) {
+    const SharedClock clock = shared_clock(comparison);
+    const Sides sides = sides_of(comparison);
+    std::vector<EventPair> pairs;
+    for (std::size_t s = 0; s < 2; ++s) {
+        for (const Event& event : sides[s]->events) {
+            auto found = std::ranges::find(pairs, event.name, &EventPair::name);
+            if (found == pairs.end())
+                found = pairs.insert(pairs.end(), {event.name, {}, std::numeric_limits<double>::infinity()});
+            if (found->event[s] != nullptr) continue;
+            found->event[s] = &event;
+            if (std::isfinite(event.time)) found->first = std::min(found->first, event.time - clock.zero[s]);
+        }
+    }
+    std::ranges::stable_sort(pairs, {}, &EventPair::first);
+    return pairs;
+}
+
+}  // namespace twinchute::compare
