@@ -74,7 +74,7 @@ HWY_INLINE auto green_strain(const DeformationGradient<T3>& f) {
 ///   N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
 template <class T>
 HWY_INLINE Principals<T> relaxed_stress(const MembraneLaw& law, const PrincipalStrain<T>& p) {
-    const T zero = like(p.mean, 0.0);
+    const T zero = p.mean - p.mean;
     const T second = law.plane_modulus * larger(p.second() + law.poisson * p.first(), zero);
     return {law.tension_modulus * larger(p.first(), zero) + law.poisson * second, second};
 }
@@ -102,7 +102,7 @@ HWY_INLINE T relaxed_energy(const MembraneLaw& law, const PrincipalStrain<T>& p)
 template <class T>
 HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalStrain<T>& p, T trace,
                                         T along) {
-    const T zero = like(p.mean, 0.0);
+    const T zero = p.mean - p.mean;
     const auto taut = p.second() + law.poisson * p.first() > zero;
     return {select(p.first() > zero, select(taut, trace, along), zero), select(taut, trace, zero)};
 }

@@ -218,7 +218,7 @@ class SystemCliSignal : public SystemCli, public testing::WithParamInterface<int
 
 TEST_P(SystemCliSignal, EndsCleanlyWithTheRecordSoFar) {
     // Long enough to be running when the signal comes, whatever the machine.
-    Process process(command({"full", scene, "--out", "out", "--set", "stop.time=10"}), here_.path());
+    Process process(program({"full", scene, "--out", "out", "--set", "stop.time=10"}), here_.path());
     ASSERT_TRUE(process.send_when_handled(GetParam()));
     const Ended ended = process.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
