@@ -284,7 +284,7 @@ private:
         if (effect) to.terms.push_back({std::string(name), std::string(title), *effect, std::string(detail)});
     }
 
-    /// What the candidate would say from the snatch of the reference.
+    /// Answer of the candidate from the snatch of the reference.
     void add_start(MetricAttribution& to, const MetricRow& row) {
         const auto own = value_of(answer(from_own_, candidate_snatch_, true), row);
         const auto at_speed = value_of(answer(from_own_at_speed_, candidate_snatch_, true), row);

@@ -8,7 +8,8 @@
 
 namespace twinchute::compare {
 
-/// What one effect does to a metric when it alone is brought from the candidate's side to the reference's.
+/// Change that one effect makes to a metric when it alone is brought from the candidate's side to the
+/// reference's.
 struct AttributionTerm {
     std::string name;    ///< as on the command line, e.g. "added-mass"
     std::string title;   ///< e.g. "Added mass"

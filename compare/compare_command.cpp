@@ -108,7 +108,7 @@ struct Case {
     std::optional<LongRun> candidate, reference;              ///< otherwise
 };
 
-/// What a case came to.
+/// Result of a case.
 struct CaseOutcome {
     std::string text, gap;  ///< for standard output: for reading, and as JSON
     ExitCode code = ExitCode::done;

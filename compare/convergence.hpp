@@ -1,4 +1,4 @@
-// What a sequence of ever finer answers says about the exact one, and which answers are worth their time.
+// Estimates of the exact answer from a sequence of ever finer ones, and which answers are worth their time.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct CostAndError {
     double cost = 0.0, error = 0.0;
 };
 
-/// Of each point, whether none is as good in one and better in the other. What is not finite is never on the
-/// front.
+/// Tells of each point whether none is as good in one and better in the other. What is not finite is never on
+/// the front.
 std::vector<bool> pareto_front(std::span<const CostAndError> points);
 
 }  // namespace twinchute::compare

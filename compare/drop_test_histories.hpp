@@ -1,5 +1,5 @@
-// What a test recorded over time, beside both models. How far they are from it is neither an error of numbers
-// nor a gap between models, see test_reference.hpp: it is shown and not judged.
+// Histories that a drop test recorded, beside both models. How far they are from it is neither an error of
+// numbers nor a gap between models, see test_reference.hpp: it is shown and not judged.
 #pragma once
 
 #include <array>

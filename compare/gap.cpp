@@ -90,7 +90,7 @@ Verdict held_against(double score, const Tolerance& tolerance) {
 
 using Names = std::set<std::string, std::less<>>;
 
-/// Of one that is asked for.
+/// Origin of a tolerance that is asked for.
 ToleranceOrigin origin_of(std::string_view name, const Names& of_command_line) {
     return of_command_line.contains(name) ? ToleranceOrigin::command_line : ToleranceOrigin::scene;
 }

@@ -89,11 +89,11 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                         const std::map<std::string, Tolerance>& tolerances,
                         const std::set<std::string, std::less<>>& of_command_line = {});
 
-/// Of one phase of a history, by its own L2; deployment is not judged.
+/// Verdict on one phase of a history, by its own L2; deployment is not judged.
 Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase);
 
-/// Of all judged metrics and histories: exceeded if any is exceeded or missing, within if all are, else not
-/// judged.
+/// Verdict on all judged metrics and histories: exceeded if any is exceeded or missing, within if all are,
+/// else not judged.
 Verdict overall_verdict(const FidelityGap& gap);
 /// Verdict of the gap, exceeded where a parachute never opened.
 Verdict overall_verdict(const Comparison& comparison);

@@ -35,7 +35,7 @@ struct LevelMetric {
     /// Relative, against the reference of the same physics. Absent: other physics, no such reference, or the
     /// level is the reference.
     std::optional<double> error;
-    /// What the level's own sequence says without the reference: relative difference from the next finer
+    /// Estimate of the level's own sequence, without the reference: relative difference from the next finer
     /// level, of the finest from the one before it.
     std::optional<double> estimate;
     std::vector<LadderGap> gaps;
@@ -75,7 +75,7 @@ struct LevelResult {
     bool ended() const;
 };
 
-/// What the levels of one fidelity are held against in one metric.
+/// Reference of the levels of one fidelity in one metric.
 struct LadderReference {
     std::string_view fidelity;
     const MetricRow* row = nullptr;

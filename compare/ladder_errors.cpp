@@ -1,4 +1,4 @@
-// What the levels of a ladder are held against, and how far from it they are.
+// References of the levels of a ladder, and how far from them they are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -152,7 +152,7 @@ void take(std::optional<Worst>& worst, double value, std::string_view metric) {
     if (!worst || value > worst->value) worst = Worst{value, metric};
 }
 
-/// What sums up a level is its largest distance in what the ladder is judged by; an input of the model has no
+/// Sums up a level by its largest distance in what the ladder is judged by; an input of the model has no
 /// error.
 void sum_up(const Ladder& ladder, LevelResult& result) {
     for (const LevelMetric& metric : result.metrics) {

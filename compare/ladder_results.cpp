@@ -1,4 +1,4 @@
-// What the levels of a ladder say together; it needs nothing that runs them.
+// Conclusions from all levels of a ladder; it needs nothing that runs them.
 #include <fmt/format.h>
 
 #include <algorithm>

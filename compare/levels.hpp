@@ -13,7 +13,7 @@
 
 namespace twinchute::compare {
 
-/// What the distance of a level from a reference means.
+/// Meaning of the distance of a level from a reference.
 enum class Physics {
     same,   ///< that of its fidelity: the distance from that fidelity's reference is numerical error
     other,  ///< an effect is left out, or a closed form: a gap, and no error
@@ -45,7 +45,8 @@ std::vector<Level> ladder_levels(const Scene& scene);
 /// The scene that a level runs, with random numbers from `seed` where it has any.
 Scene scene_of(const Level& level, const Scene& scene, std::optional<std::uint64_t> seed = {});
 
-/// What a level changes, as one would write it: "rom.rtol=1e-06"; "as given" where it changes nothing.
+/// Setting that a level changes, as one would write it: "rom.rtol=1e-06"; "as given" where it changes
+/// nothing.
 std::string setting_of(const Level& level, const Scene& scene);
 
 /// Typical size of an element of the canopy, in arbitrary units: for Richardson extrapolation.

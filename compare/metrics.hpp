@@ -1,4 +1,4 @@
-// What two records are compared in: one row a metric.
+// Metrics that two records are compared in: one row each.
 #pragma once
 
 #include <optional>

@@ -11,8 +11,9 @@
 namespace twinchute::compare {
 namespace {
 
-/// Of lines that stand for rigid ones. Ten times as stiff they stretch by a thousandth, and a run costs at
-/// most twice as much; thirty times changes the peak of the demo by another 0.04 % (docs/guide/gap.md).
+/// Stiffness of lines that stand for rigid ones. Ten times as stiff they stretch by a thousandth, and a run
+/// costs at most twice as much; thirty times changes the peak of the demo by another 0.04 %
+/// (docs/guide/gap.md).
 constexpr double stiffer = 10.0;
 /// k_b that stands for a canopy that does not breathe. None at all would leave nothing but breathing.
 constexpr double stifled = 2.0;

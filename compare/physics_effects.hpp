@@ -26,7 +26,7 @@ struct PhysicsEffect {
     void (*remove)(Scene&);
     double cost = 1.0;  ///< predicted of a run without it, in runs of the scene as it is
     Switching switching = Switching::never;
-    /// What stands for its absence in an attribution; null: `remove`.
+    /// Stands for its absence in an attribution; null: `remove`.
     void (*silence)(Scene&) = nullptr;
     std::string_view detail = {};  ///< of an attribution: what off means, where the title does not say it
 };

@@ -50,11 +50,13 @@ std::string cell_of(const RecordRow& row, const std::string& key) {
 }
 
 Table table_of(const std::vector<RecordRow>& rows, const std::vector<std::string>& keys, bool with_scene) {
-    Table table{{{"record"}, {"fidelity"}, {"status"}}, {}};
-    if (with_scene) table.columns.insert(table.columns.begin() + 1, {"scene"});
+    Table table;
+    table.add_words({"record"});
+    if (with_scene) table.add_words({"scene"});
+    table.add_words({"fidelity", "status"});
     for (const std::string& key : keys)
-        table.columns.push_back({metric_words(key), Align::right, std::string(split_metric_key(key).unit)});
-    table.columns.push_back({"time", Align::right});
+        table.add_numbers({metric_words(key)}, split_metric_key(key).unit);
+    table.add_numbers({"time"});
     for (const RecordRow& row : rows) {
         std::vector<Cell>& cells = table.rows.emplace_back();
         cells = {row.place, row.fidelity, row.status};
@@ -96,13 +98,12 @@ std::string records_markdown(const std::vector<RecordRow>& rows) {
 std::string records_csv(const std::vector<RecordRow>& rows) {
     const std::vector<std::string> keys = keys_of(rows);
     Table table;
-    for (const char* name : {"record", "scene", "fidelity", "status"})
-        table.columns.push_back({name, Align::left, "-"});
+    table.add_words({"record", "scene", "fidelity", "status"}, "-");
     for (const std::string& key : keys) {
         const auto [name, unit] = split_metric_key(key);
-        table.columns.push_back({std::string(name), Align::left, unit.empty() ? "1" : std::string(unit)});
+        table.add_words({name}, unit.empty() ? "1" : unit);
     }
-    table.columns.push_back({"wall_time", Align::left, "s"});
+    table.add_words({"wall_time"}, "s");
     for (const RecordRow& row : rows) {
         std::vector<Cell>& cells = table.rows.emplace_back();
         cells = {clean_text(row.place), clean_text(row.scene), clean_text(row.fidelity), row.status};

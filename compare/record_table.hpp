@@ -10,7 +10,7 @@
 
 namespace twinchute::compare {
 
-/// What a table keeps of a record: histories of a hundred would fill the memory.
+/// Part of a record that a table keeps: histories of a hundred would fill the memory.
 struct RecordRow {
     std::string place;  ///< its directory, as the reader named it
     std::string scene, fidelity, status;

@@ -17,7 +17,7 @@ std::string summary_of(const std::filesystem::path& place, const Fidelity& fidel
 /// Reads it. Throws RecordError, also where it is a record of another fidelity.
 RunRecord record_of(const std::filesystem::path& place, const Fidelity& fidelity);
 
-/// What an earlier gap.json knows; runs that it took are not made again. Throws RecordError.
+/// Attribution in an earlier gap.json; runs that it took are not made again. Throws RecordError.
 std::optional<Attribution> attribution_in(const std::filesystem::path& place, const Comparison& comparison);
 
 }  // namespace twinchute::compare

@@ -116,7 +116,7 @@ std::vector<Place> places_of(const Arguments& arguments, const Fidelity& referen
     return places;
 }
 
-/// What is said of all places together.
+/// Summary of all places together.
 struct Summary {
     ExitCode code = ExitCode::done;
     std::vector<RecordRow> rows;

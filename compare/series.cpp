@@ -15,7 +15,7 @@
 namespace twinchute::compare {
 namespace {
 
-/// What a reader of a series looks for, behind the plot's own two.
+/// Metrics that a reader of a series looks for, behind the plot's own two.
 constexpr std::array<std::string_view, 10> csv_metrics{
     "snatch_speed",       "mass_ratio",       "froude_number",    "filling_time",
     "time_to_peak_force", "peak_force",       "peak_force_ratio", "opening_shock_coefficient",
@@ -50,17 +50,17 @@ std::string per_cent(const std::optional<double>& share) {
 /// Numbers of both fidelities for reading.
 Table brief_table(const CaseSeries& series) {
     const std::vector<const MetricRow*> columns = columns_of(series, brief_metrics);
-    Table table{{{"case"}, {"group"}, {"status"}}, {}};
+    Table table;
+    table.add_words({"case", "group", "status"});
     const auto both = [&](const std::optional<double>& candidate, const std::optional<double>& reference) {
         const auto cell = [](const std::optional<double>& v) { return v ? readable(*v) : std::string("-"); };
         const std::string a = cell(candidate), b = cell(reference);
         return a == b ? a : a + " / " + b;
     };
     for (const MetricRow* column : columns)
-        table.columns.push_back({std::string(column->title), Align::right, std::string(column->unit)});
-    for (const char* more : {"gap in peak force", "energy left over"})
-        table.columns.push_back({more, Align::right});
-    table.columns.push_back({"wall", Align::right, "s"});
+        table.add_numbers({column->title}, column->unit);
+    table.add_numbers({"gap in peak force", "energy left over"});
+    table.add_numbers({"wall"}, "s");
     for (const SeriesCase& one : series.cases) {
         const SeriesSide &a = one.candidate, &b = one.reference;
         std::vector<Cell>& row = table.rows.emplace_back();
@@ -105,21 +105,18 @@ SeriesCase series_case(const Scene& scene, const Comparison& comparison) {
 std::string series_csv(const CaseSeries& series) {
     const std::vector<const MetricRow*> columns = columns_of(series, csv_metrics);
     Table table;
-    const auto add = [&](std::string name, std::string_view unit) {
-        table.columns.push_back({std::move(name), Align::left, unit.empty() ? "1" : std::string(unit)});
-    };
-    add("case", "-");
-    add("group", "-");
+    table.add_words({"case", "group"}, "-");
     if (!series.cases.empty()) {
         for (const SeriesSide* side : {&series.cases.front().reference, &series.cases.front().candidate}) {
             const std::string& fidelity = side->row.fidelity;
-            add(fidelity + ".status", "-");
+            table.add_words({fidelity + ".status"}, "-");
             for (const MetricRow* column : columns)
-                add(fmt::format("{}.{}", fidelity, column->name), column->unit);
-            add(fidelity + ".energy_residual", "1");
-            add(fidelity + ".wall", "s");
+                table.add_words({fmt::format("{}.{}", fidelity, column->name)},
+                                column->unit.empty() ? "1" : column->unit);
+            table.add_words({fidelity + ".energy_residual"}, "1");
+            table.add_words({fidelity + ".wall"}, "s");
         }
-        add("peak_force_gap", "1");
+        table.add_words({"peak_force_gap"}, "1");
     }
     for (const SeriesCase& one : series.cases) {
         std::vector<Cell>& cells = table.rows.emplace_back();

@@ -44,7 +44,7 @@ SeriesCase series_case(const Scene& scene, const Comparison& comparison);
 /// First line names, second line units; what a run does not have is an empty field.
 std::string series_csv(const CaseSeries& series);
 
-/// The same for reading, of what says most.
+/// Table for reading, of what says most.
 std::string series_markdown(const CaseSeries& series);
 
 /// That table for a terminal, with the verdict of each case.

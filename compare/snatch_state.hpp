@@ -20,7 +20,7 @@ struct SnatchState {
 /// From events, history and metrics of a record; nothing where the parachute never came to snatch.
 std::optional<SnatchState> snatch_state(const RunRecord& record, const Release& release);
 
-/// The same scene from line stretch on, along the payload's path through the air with the airspeed of the
+/// Scene from line stretch on, along the payload's path through the air with the airspeed of the
 /// whole. Without noise: that of a pack says nothing of a canopy drawn out.
 Scene from_snatch(const Scene& packed, const SnatchState& state);
 

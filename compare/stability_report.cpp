@@ -24,7 +24,7 @@ std::string margin_text(const StabilityCell& cell) {
     return readable(*cell.margin, 2);
 }
 
-/// What the margin is of, or why there is no answer.
+/// Names the check that the margin is of, or why there is no answer.
 std::string reason_text(const StabilityCell& cell) {
     if (cell.latency)
         return fmt::format("{}, within {} steps of the first sign: {}", cell.status, *cell.latency,
@@ -43,13 +43,13 @@ std::string short_of(std::string text, std::size_t most) {
     return text + " ...";
 }
 
-/// `fidelity`: of one alone, or empty for all, which are then named.
+/// Cells of one fidelity, or of every one, with its name, where `fidelity` is empty.
 Table cells_table(const StabilityMatrix& matrix, std::string_view fidelity, std::size_t longest_reason) {
-    constexpr Align right = Align::right;
-    Table table{
-        {{"case"}, {"method"}, {"verdict"}, {"margin", right}, {"steps", right}, {"s", right}, {"reason"}},
-        {}};
-    if (fidelity.empty()) table.columns.insert(table.columns.begin(), Column{});
+    Table table;
+    if (fidelity.empty()) table.add_words({""});
+    table.add_words({"case", "method", "verdict"});
+    table.add_numbers({"margin", "steps", "s"});
+    table.add_words({"reason"});
     for (const StabilityCell& cell : matrix.cells) {
         if (!fidelity.empty() && cell.row->fidelity != fidelity) continue;
         const Tone tone = is_failure(cell.verdict)              ? Tone::bad
@@ -137,20 +137,11 @@ std::string stability_terminal(const StabilityMatrix& matrix, const Style& style
 
 std::string stability_csv(const StabilityMatrix& matrix) {
     Table table;
-    for (const auto& [name, unit] : {std::pair{"fidelity", "-"},
-                                     {"case", "-"},
-                                     {"method", "-"},
-                                     {"verdict", "-"},
-                                     {"margin", "1"},
-                                     {"error", "1"},
-                                     {"limit", "1"},
-                                     {"status", "-"},
-                                     {"reason", "-"},
-                                     {"steps", "1"},
-                                     {"latency", "1"},
-                                     {"end", "s"},
-                                     {"wall", "s"}})
-        table.columns.push_back({name, Align::left, unit});
+    table.add_words({"fidelity", "case", "method", "verdict"}, "-");
+    table.add_words({"margin", "error", "limit"}, "1");
+    table.add_words({"status", "reason"}, "-");
+    table.add_words({"steps", "latency"}, "1");
+    table.add_words({"end", "wall"}, "s");
     for (const StabilityCell& cell : matrix.cells)
         table.rows.push_back({cell.row->fidelity, cell.row->name, cell.method,
                               cell_verdict_name(cell.verdict), exact(cell.margin), exact(cell.error),

@@ -1,4 +1,4 @@
-// What a test measured, to hold a ladder against. How far a level is from it is neither an error of numbers
+// Measurements of a test, to hold a ladder against. How far a level is from it is neither an error of numbers
 // nor a gap between models: it has both in it, and the test's own scatter.
 #pragma once
 

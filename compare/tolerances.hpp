@@ -22,7 +22,7 @@ Option tolerance_option(std::string_view reference);
 std::vector<std::string> tolerance_overrides(const Arguments& arguments,
                                              std::string_view option = "tolerance");
 
-/// What was asked for when a record was made, by metric: its inputs hold it. Metrics that this version does
+/// Tolerances asked for when a record was made, by metric: its inputs hold it. Metrics that this version does
 /// not know are left out. `file` stands for the record in messages. Throws RecordError.
 std::map<std::string, Tolerance> recorded_tolerances(const RunRecord& record, const std::string& file);
 

@@ -48,8 +48,8 @@ std::vector<OtherChange> input_changes(const std::vector<Input>& before, const s
 /// [-] A relative change up to this is none: the last digits that a rearranged sum may move.
 inline constexpr double trend_threshold = 1e-6;
 
-/// What a judged metric may move by where nobody says otherwise. The same program gives the same bits on the
-/// same kind of machine, so that this is room for changes that leave the physics alone: another order of
+/// Change that a judged metric may make where nobody says otherwise. The same program gives the same bits on
+/// the same kind of machine, so that this is room for changes that leave the physics alone: another order of
 /// sums, another compiler.
 inline constexpr Tolerance trend_tolerance{1e-3, true};
 

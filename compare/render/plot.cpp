@@ -183,7 +183,7 @@ void draw_axes(SvgCanvas& canvas, const Plot& plot, const Frame& f, const Scale&
     for (const Tick& tick : x.ticks) {
         const bool small = tick.text.empty() && !tick.power;
         const double at = x.at(tick.value);
-        if (x.logarithmic && !small) canvas.line(at, f.top, at, f.bottom, faint);
+        if (plot.beside > 0.0 && !small) canvas.line(at, f.top, at, f.bottom, faint);
         canvas.line(at, f.bottom, at, f.bottom + (small ? 4 : 5), ink);
         if (!small) label(tick, at, f.bottom + 20, "middle");
     }
@@ -279,11 +279,11 @@ private:
         std::string_view anchor;
     };
     static constexpr double gap = half_marker + 3;
-    static constexpr std::array<Spot, 14> spots{{{gap, 3.5, "start"},
+    static constexpr std::array<Spot, 14> spots{{{gap, -6, "start"},
+                                                 {gap, 3.5, "start"},
                                                  {-gap, 3.5, "end"},
                                                  {0, -gap, "middle"},
                                                  {0, gap + 8, "middle"},
-                                                 {gap, -6, "start"},
                                                  {gap, 13, "start"},
                                                  {-gap, -6, "end"},
                                                  {-gap, 13, "end"},

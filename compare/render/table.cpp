@@ -66,6 +66,16 @@ std::string html_row(const std::vector<Cell>& cells, const std::vector<Column>& 
 
 }  // namespace
 
+void Table::add_words(std::initializer_list<std::string_view> titles, std::string_view unit) {
+    for (const std::string_view title : titles)
+        columns.push_back({std::string(title), Align::left, std::string(unit)});
+}
+
+void Table::add_numbers(std::initializer_list<std::string_view> titles, std::string_view unit) {
+    for (const std::string_view title : titles)
+        columns.push_back({std::string(title), Align::right, std::string(unit)});
+}
+
 std::string terminal_table(const Table& table, const Style& style, std::size_t indent) {
     twinchute::Table lines;
     for (const Column& column : table.columns) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,6 +51,10 @@ struct Column {
 struct Table {
     std::vector<Column> columns;
     std::vector<std::vector<Cell>> rows;  ///< a first cell that is strong or quiet makes its whole row so
+
+    /// Columns of words, aligned left, and of numbers, aligned right, all of one unit.
+    void add_words(std::initializer_list<std::string_view> titles, std::string_view unit = {});
+    void add_numbers(std::initializer_list<std::string_view> titles, std::string_view unit = {});
 };
 
 /// Aligned columns for a terminal; see twinchute::aligned.

@@ -81,7 +81,7 @@ Curve measured_rows(const Curve& measured, double zero) {
     return rows;
 }
 
-/// Those rows at their own instants of the clock, nothing in between. What lies before the runs or after them
+/// Rows at their own instants of the clock, nothing in between. What lies before the runs or after them
 /// has none.
 std::vector<double> placed(const Curve& rows, const std::vector<double>& clock) {
     std::vector<double> values(clock.size(), std::numeric_limits<double>::quiet_NaN());

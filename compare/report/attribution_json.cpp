@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* again = "run `twinchute compare --why` again, or remove the file";
 
-/// Of the largest of its numbers: an attribution adds up to round-off.
+/// Share of the largest of its numbers: an attribution adds up to round-off.
 constexpr double round_off = 1e-9;
 
 Json metric_json(const MetricAttribution& metric, const MetricRow& row) {

@@ -13,10 +13,10 @@ namespace twinchute::compare {
 /// The key "attribution" of gap.json.
 nlohmann::ordered_json attribution_json(const Attribution& attribution);
 
-/// What a gap.json says of the two records of `comparison`; nothing where it has no attribution. Metrics that
-/// this version does not know are left out. `file` stands for it in messages. Throws RecordError: no JSON, a
-/// value of the wrong kind, values that are not those of the records, a sum that does not add up, a file that
-/// was edited.
+/// Reads what a gap.json says of the two records of `comparison`; nothing where it has no attribution.
+/// Metrics that this version does not know are left out. `file` stands for it in messages. Throws
+/// RecordError: no JSON, a value of the wrong kind, values that are not those of the records, a sum that does
+/// not add up, a file that was edited.
 std::optional<Attribution> read_attribution(std::string_view gap, const std::string& file,
                                             const Comparison& comparison);
 

@@ -108,15 +108,15 @@ std::string attribution_sentence(const MetricAttribution& metric, const Comparis
 
 Table attribution_table(const Comparison& comparison) {
     const Attribution& attribution = *comparison.attribution;
-    Table table{{{"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity}}, {}};
+    Table table;
+    table.add_words({"from " + comparison.candidate.fidelity + " to " + comparison.reference.fidelity});
     const bool scatters = std::ranges::any_of(
         attribution.metrics, [](const MetricAttribution& metric) { return metric.scatter.has_value(); });
     std::vector<Cell> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
         together{"+ Interaction"}, scatter{"scatter of " + comparison.reference.fidelity};
     for (const MetricAttribution& metric : attribution.metrics) {
         const MetricRow* row = find_metric_row(metric.metric);
-        table.columns.push_back(
-            {title_of(metric), Align::right, std::string(row == nullptr ? "" : row->unit)});
+        table.add_numbers({title_of(metric)}, row == nullptr ? "" : row->unit);
         first.emplace_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
         last.emplace_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
         together.emplace_back(signed_number(metric.interaction, places(metric)));

@@ -19,7 +19,8 @@ Table attribution_table(const Comparison& comparison);
 /// How the table is to be read, and which seeds its scatter is of.
 std::string attribution_legend(const Comparison& comparison);
 
-/// What a term switches, for effects whose title does not say it: "Line elasticity: off: ...". Each once.
+/// Sentences on what a term switches, for effects whose title does not say it: "Line elasticity: off: ...".
+/// Each once.
 std::vector<std::string> attribution_details(const Attribution& attribution);
 
 }  // namespace twinchute::compare

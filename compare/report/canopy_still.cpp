@@ -21,7 +21,7 @@ constexpr double deployment_seen = 0.35;  // before snatch, as a share of the de
 constexpr int shades = 5;
 constexpr std::size_t most_shaded = 6000;  // triangles; a finer mesh is drawn by its tapes and lines
 
-/// What the eye, north of the payload and level with it, sees of a point.
+/// Place of a point as the eye sees it, north of the payload and level with it.
 struct Seen {
     double x = 0.0, y = 0.0, depth = 0.0;  // [m] to the right, up, toward the eye
 };

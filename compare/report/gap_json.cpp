@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int gap_schema = 1;
 
-/// Of values near the ends of what a double holds, difference and quotient are not finite: JSON has no word
+/// Differences and quotients of values near the ends of what a double holds are not finite: JSON has no word
 /// for that.
 void put(Json& object, const char* key, const std::optional<double>& value) {
     if (value && std::isfinite(*value)) object[key] = *value;

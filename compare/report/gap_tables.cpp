@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-constexpr Align right = Align::right;
 
 using Sides = std::array<const RunRecord*, 2>;
 Sides sides_of(const Comparison& comparison) {
@@ -67,15 +66,10 @@ Cell verdict_cell(Verdict verdict) {
 
 Table metrics_table(const Comparison& comparison) {
     const std::string reference = comparison.reference.fidelity, candidate = comparison.candidate.fidelity;
-    Table table{{{"metric"},
-                 {candidate, right},
-                 {reference, right},
-                 {"difference", right},
-                 {"tolerance", right},
-                 {"verdict"},
-                 {candidate + " is"},
-                 {reference + " is"}},
-                {}};
+    Table table;
+    table.add_words({"metric"});
+    table.add_numbers({candidate, reference, "difference", "tolerance"});
+    table.add_words({"verdict", candidate + " is", reference + " is"});
     for (const MetricGap& metric : comparison.gap.metrics) {
         const std::string_view unit = metric.row->unit;
         const bool repeats_inputs = metric.candidate && metric.reference &&
@@ -98,7 +92,8 @@ Table metrics_table(const Comparison& comparison) {
 }
 
 Table metric_notes_table(const Comparison& comparison) {
-    Table table{{{"metric"}, {"of"}, {"note"}}, {}};
+    Table table;
+    table.add_words({"metric", "of", "note"});
     for (const MetricGap& metric : comparison.gap.metrics) {
         const auto add = [&](const Cell& side, const std::string& note) {
             if (!note.empty()) table.rows.push_back({metric.row->title, side, note});
@@ -118,11 +113,12 @@ Table metric_notes_table(const Comparison& comparison) {
 
 Table histories_table(const FidelityGap& gap) {
     constexpr std::array phases{HistoryPhase::deployment, HistoryPhase::inflation, HistoryPhase::descent};
-    Table table{{{"over time"}}, {}};
+    Table table;
+    table.add_words({"over time"});
     for (const HistoryPhase phase : phases)
-        table.columns.push_back({std::string(phase_name(phase)), right});
-    table.columns.push_back({"tolerance", right});
-    table.columns.push_back({"verdict"});
+        table.add_numbers({phase_name(phase)});
+    table.add_numbers({"tolerance"});
+    table.add_words({"verdict"});
     for (const HistoryGap& history : gap.histories) {
         std::vector<Cell>& cells = table.rows.emplace_back();
         cells.emplace_back(history.row->title);
@@ -137,15 +133,11 @@ Table histories_table(const FidelityGap& gap) {
 }
 
 Table phases_table(const FidelityGap& gap) {
-    Table table{{{"over time"},
-                 {"phase"},
-                 {"since snatch", right, "s"},
-                 {"maximum", right},
-                 {"L2", right},
-                 {"infinity", right},
-                 {"tolerance", right},
-                 {"verdict"}},
-                {}};
+    Table table;
+    table.add_words({"over time", "phase"});
+    table.add_numbers({"since snatch"}, "s");
+    table.add_numbers({"maximum", "L2", "infinity", "tolerance"});
+    table.add_words({"verdict"});
     for (const HistoryGap& history : gap.histories) {
         const Cell tolerance = tolerance_cell(
             history.tolerance, history.tolerance ? share_text(history.tolerance->value, false) : "",
@@ -166,8 +158,9 @@ Table phases_table(const FidelityGap& gap) {
 
 Table test_table(const Comparison& comparison) {
     const Sides sides = sides_of(comparison);
-    Table table{{{"over time"}, {"largest", right}, {sides[0]->fidelity, right}, {sides[1]->fidelity, right}},
-                {}};
+    Table table;
+    table.add_words({"over time"});
+    table.add_numbers({"largest", sides[0]->fidelity, sides[1]->fidelity});
     for (const TestScore& score : test_scores(*comparison.test, sides)) {
         std::vector<Cell>& cells = table.rows.emplace_back();
         cells = {score.row->title, fmt::format("{} {}", readable(score.largest), score.row->unit)};
@@ -185,11 +178,10 @@ Table energy_table(const Comparison& comparison) {
         for (const RunRecord* side : sides)
             if (const double term = term_of(*side, line); std::isfinite(term))
                 largest = std::max(largest, std::abs(term));
-    Table table{{{"energy", Align::left, "kJ"},
-                 {sides[0]->fidelity, right},
-                 {sides[1]->fidelity, right},
-                 {"share", Align::left, {}, true}},
-                {}};
+    Table table;
+    table.add_words({"energy"}, "kJ");
+    table.add_numbers({sides[0]->fidelity, sides[1]->fidelity});
+    table.columns.push_back({.title = "share", .drawn = true});
     for (const LedgerLine& line : ledger_lines) {
         std::vector<Cell> cells{line.name};
         std::vector<Bar> bars;
@@ -219,11 +211,13 @@ Table energy_table(const Comparison& comparison) {
 
 Table events_table(const Comparison& comparison) {
     const SharedClock clock = shared_clock(comparison);
-    Table table{{{"event"}}, {}};
-    for (const auto& [what, unit] : {std::pair{"time", "s"}, {"altitude", "m"}, {"speed", "m/s"}})
-        for (const RunRecord* side : sides_of(comparison))
-            table.columns.push_back({fmt::format("{} {}", side->fidelity, what), right, unit});
-    table.columns.insert(table.columns.begin() + 3, {"difference", right, "s"});
+    const std::string& candidate_name = comparison.candidate.fidelity;
+    const std::string& reference_name = comparison.reference.fidelity;
+    Table table;
+    table.add_words({"event"});
+    table.add_numbers({candidate_name + " time", reference_name + " time", "difference"}, "s");
+    table.add_numbers({candidate_name + " altitude", reference_name + " altitude"}, "m");
+    table.add_numbers({candidate_name + " speed", reference_name + " speed"}, "m/s");
     for (const EventPair& pair : event_pairs(comparison)) {
         std::vector<Cell> cells{pair.name};
         const auto both = [&](double Event::*value, int decimals) {
@@ -242,8 +236,29 @@ Table events_table(const Comparison& comparison) {
     return table;
 }
 
+Table left_out_table(const Comparison& comparison) {
+    Table table;
+    table.add_words({"by", "left out", "why"});
+    for (const PageSide& side : page_sides(comparison))
+        for (const LeftOut& row : side.record->left_out)
+            table.rows.push_back({{side.record->fidelity, side.tone}, row.what, row.why});
+    return table;
+}
+
+Table warnings_table(const Comparison& comparison) {
+    Table table;
+    table.add_words({"of", "warning", "why", "what helps"});
+    for (const PageSide& side : page_sides(comparison))
+        for (const Warning& row : side.record->warnings)
+            table.rows.push_back({{side.record->fidelity, side.tone}, row.what, row.why, row.suggestion});
+    return table;
+}
+
 Table inputs_table(const RunRecord& record) {
-    Table table{{{"key"}, {"value", right}, {"unit"}, {"origin"}, {"source"}}, {}};
+    Table table;
+    table.add_words({"key"});
+    table.add_numbers({"value"});
+    table.add_words({"unit", "origin", "source"});
     for (const Input& input : record.inputs) {
         const auto* number = std::get_if<double>(&input.value);
         table.rows.push_back({{input.key, Tone::code},

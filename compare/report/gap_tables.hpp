@@ -29,6 +29,9 @@ Table test_table(const Comparison& comparison);
 Table energy_table(const Comparison& comparison);
 /// A row an event, in the order of EventPair.
 Table events_table(const Comparison& comparison);
+/// Physics that each side left out, and why.
+Table left_out_table(const Comparison& comparison);
+Table warnings_table(const Comparison& comparison);
 Table inputs_table(const RunRecord& record);
 
 /// The clock that both sides share: seconds since their snatch, or line stretch; else since release.

@@ -1,4 +1,4 @@
-// What happened when: a line for each side, the same event joined, and all of it as a table.
+// Events along time: a line for each side, the same event joined, and all of it as a table.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -32,7 +32,10 @@ Table way_table(const MetricAttribution& metric, const Comparison& comparison, c
         high = std::max(high, value);
     }
     const auto at = [&](double v) { return high > low ? 4 + 92 * (v - low) / (high - low) : 50; };
-    Table table{{{"physics effect"}, {"size", Align::right}, {"on the way", Align::left, {}, true}}, {}};
+    Table table;
+    table.add_words({"physics effect"});
+    table.add_numbers({"size"});
+    table.columns.push_back({.title = "on the way", .drawn = true});
     const auto add_end = [&](const PageSide& side, std::string_view style, double v) {
         table.rows.push_back(
             {{side.record->fidelity, side.tone}, readable(v) + unit, Cell(std::vector{Bar{style, at(v)}})});

@@ -10,9 +10,10 @@ namespace twinchute::compare {
 namespace {
 
 Table advice_table(const Ladder& ladder) {
-    Table table{{{"error"}}, {}};
+    Table table;
+    table.add_words({"error"});
     for (const std::string_view fidelity : ladder.fidelities)
-        table.columns.push_back({std::string(fidelity)});
+        table.add_words({fidelity});
     for (const auto& [wanted, word] : wanted_accuracies) {
         std::vector<Cell>& row = table.rows.emplace_back();
         row.emplace_back(fmt::format("up to {}", word));

@@ -1,4 +1,4 @@
-// What has to be known about the numbers: what was left out, warnings, inputs, and where they come from.
+// Background of the numbers: what was left out, warnings, inputs, and where they come from.
 #include <fmt/format.h>
 
 #include "compare/render/escape.hpp"
@@ -10,42 +10,11 @@
 namespace twinchute::compare {
 namespace {
 
-/// One block a side, so that each says its own.
-template <typename Item>
-std::string by_side(const Comparison& comparison, Item&& items_of) {
-    std::string text = "<div class=\"pair\">\n";
-    for (const PageSide& side : page_sides(comparison)) {
-        const std::string items = items_of(*side.record);
-        text += fmt::format(
-            "<div><h3>{}</h3>{}</div>\n", side_name(side),
-            items.empty() ? "<p class=\"quiet\">nothing</p>" : "<ul class=\"plain\">\n" + items + "</ul>");
-    }
-    return text + "</div>\n";
-}
-
-std::string left_out_items(const RunRecord& record) {
-    std::string text;
-    for (const LeftOut& row : record.left_out)
-        text += fmt::format(
-            "<li>{}{}</li>\n", xml_text(row.what),
-            row.why.empty() ? "" : fmt::format(" <span class=\"note\">{}</span>", xml_text(row.why)));
-    return text;
-}
-
-std::string warning_items(const RunRecord& record) {
-    std::string text;
-    for (const Warning& row : record.warnings) {
-        text += fmt::format("<li><strong>{}</strong>", xml_text(row.what));
-        if (!row.why.empty()) text += fmt::format(" <span class=\"note\">{}</span>", xml_text(row.why));
-        if (!row.suggestion.empty())
-            text += fmt::format(" <span class=\"note\">What helps: {}</span>", xml_text(row.suggestion));
-        text += "</li>\n";
-    }
-    return text;
-}
-
-bool any(const Comparison& comparison, auto RunRecord::*list) {
-    return !(comparison.candidate.*list).empty() || !(comparison.reference.*list).empty();
+std::string section(std::string_view id, std::string_view title, const Table& table,
+                    std::string_view caption) {
+    if (table.rows.empty()) return {};
+    return fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, title,
+                       html_table(table, caption, {}, id));
 }
 
 std::string inputs(const RunRecord& record) {
@@ -84,16 +53,9 @@ std::string provenance(const Comparison& comparison) {
 }  // namespace
 
 std::string notes_sections(const Comparison& comparison) {
-    std::string text;
-    if (any(comparison, &RunRecord::left_out))
-        text +=
-            "<section id=\"left-out\"><h2>Left out</h2>\n<p>Physics that the scene does not ask for, or a "
-            "model does not "
-            "have.</p>\n" +
-            by_side(comparison, left_out_items) + "</section>\n";
-    if (any(comparison, &RunRecord::warnings))
-        text += "<section id=\"warnings\"><h2>Warnings</h2>\n" + by_side(comparison, warning_items) +
-                "</section>\n";
+    std::string text = section("left-out", "Left out", left_out_table(comparison),
+                               "Physics that the scene does not ask for, or a model does not have.") +
+                       section("warnings", "Warnings", warnings_table(comparison), "Warnings of both runs.");
     text += "<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance(comparison) +
             inputs(comparison.reference);
     text += fmt::format(

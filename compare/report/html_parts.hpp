@@ -1,5 +1,5 @@
-// What report_html puts together, in the order of the page. Each part is one <section> with a heading, or
-// empty where there is nothing to say. Foreign text in it is escaped.
+// Parts that report_html puts together, in the order of the page. Each part is one <section> with a heading,
+// or empty where there is nothing to say. Foreign text in it is escaped.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ std::string notes_sections(
 /// The shape's frames in three dimensions as they are looked at from the side: an SVG of a few moments.
 std::string canopy_still(const ShapeFrames& shape, const RunRecord& record, double clock_zero);
 
-/// What the page's scripts draw, as JSON that may stand in a <script>.
+/// Data that the page's scripts draw, as JSON that may stand in a <script>.
 std::string page_data(const Comparison& comparison);
 /// The frames that a page has room for.
 ShapeFrames page_frames(const ShapeFrames& shape);

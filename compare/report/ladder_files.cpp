@@ -82,21 +82,17 @@ Json level_json(const LevelResult& result) {
 
 std::string ladder_csv(const Ladder& ladder) {
     Table table;
-    const auto add = [&](std::initializer_list<std::string> names, const char* unit) {
-        for (const std::string& name : names)
-            table.columns.push_back({name, Align::left, unit});
-    };
-    add({"rung", "family", "fidelity", "physics", "setting", "status"}, "-");
-    add({"runs", "seeds"}, "1");
-    add({"wall_time"}, "s");
-    add({"steps", "rhs_calls"}, "1");
-    add({"on_pareto_front", "metric", "unit", "input_or_result"}, "-");
-    add({"value", "low", "high", "reference"}, "see unit");
-    add({"error", "error_estimate"}, "1");
+    table.add_words({"rung", "family", "fidelity", "physics", "setting", "status"}, "-");
+    table.add_words({"runs", "seeds"}, "1");
+    table.add_words({"wall_time"}, "s");
+    table.add_words({"steps", "rhs_calls"}, "1");
+    table.add_words({"on_pareto_front", "metric", "unit", "input_or_result"}, "-");
+    table.add_words({"value", "low", "high", "reference"}, "see unit");
+    table.add_words({"error", "error_estimate"}, "1");
     for (const std::string_view fidelity : ladder.fidelities)
-        add({fmt::format("gap_to_{}", fidelity)}, "1");
-    add({"effect_of_leaving_out"}, "1");
-    if (ladder.test) add({"distance_to_test"}, "1");
+        table.add_words({fmt::format("gap_to_{}", fidelity)}, "1");
+    table.add_words({"effect_of_leaving_out"}, "1");
+    if (ladder.test) table.add_words({"distance_to_test"}, "1");
     for (const LevelResult& result : ladder.levels) {
         const Level& level = result.level;
         const bool run = result.was_run;

@@ -23,7 +23,7 @@ std::vector<std::string_view> drawn_families();
 
 /// A row for each level: what it cost and how far it is from its reference.
 Table levels_table(const Ladder& ladder);
-/// What errors are held against; not `all`: of the judged metrics alone.
+/// References of errors; not `all`: of the judged metrics alone.
 Table references_table(const Ladder& ladder, bool all);
 
 /// For the terminal: a line for each level, the references, and the advice as the last line.

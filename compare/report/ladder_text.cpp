@@ -11,8 +11,6 @@
 namespace twinchute::compare {
 namespace {
 
-constexpr Align right = Align::right;
-
 std::string share_text(double value) {
     if (value == 0.0) return "0";
     return value >= 1e-4 ? fmt::format("{:.2g} %", 100 * value) : fmt::format("{:.1e}", value);
@@ -42,9 +40,10 @@ std::string value_of(const LevelMetric* metric) {
 }
 
 Table values_table(const Ladder& ladder) {
-    Table table{{{"level"}, {"setting"}, {"shows"}}, {}};
+    Table table;
+    table.add_words({"level", "setting", "shows"});
     for (const std::string_view name : ladder.judged)
-        table.columns.push_back({std::string(find_metric_row(name)->title), right});
+        table.add_numbers({find_metric_row(name)->title});
     for (const LevelResult& result : ladder.levels) {
         std::vector<Cell>& row = table.rows.emplace_back();
         row = {result.level.name, result.setting, result.level.why};
@@ -86,18 +85,16 @@ std::string seeds_text(const Ladder& ladder) {
 }  // namespace
 
 Table levels_table(const Ladder& ladder) {
-    Table table{{{"level"},
-                 {"time", right},
-                 {"steps", right},
-                 {"calls", right},
-                 {"error", right},
-                 {"in"},
-                 {"estimate", right}},
-                {}};
+    Table table;
+    table.add_words({"level"});
+    table.add_numbers({"time", "steps", "calls", "error"});
+    table.add_words({"in"});
+    table.add_numbers({"estimate"});
     for (const std::string_view fidelity : ladder.fidelities)
-        table.columns.push_back({fmt::format("gap to {}", fidelity), right});
-    if (ladder.test) table.columns.push_back({"to test", right});
-    table.columns.insert(table.columns.end(), {{"effect", right}, {"front"}, {"status"}});
+        table.add_numbers({fmt::format("gap to {}", fidelity)});
+    if (ladder.test) table.add_numbers({"to test"});
+    table.add_numbers({"effect"});
+    table.add_words({"front", "status"});
     for (const LevelResult& result : ladder.levels) {
         const bool counts = result.was_run && result.steps > 0;
         std::vector<Cell>& row = table.rows.emplace_back();
@@ -117,7 +114,10 @@ Table levels_table(const Ladder& ladder) {
 }
 
 Table references_table(const Ladder& ladder, bool all) {
-    Table table{{{"fidelity"}, {"metric"}, {"value", right}, {"reference"}}, {}};
+    Table table;
+    table.add_words({"fidelity", "metric"});
+    table.add_numbers({"value"});
+    table.add_words({"reference"});
     for (const LadderReference& reference : ladder.references) {
         if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
         const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";

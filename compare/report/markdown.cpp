@@ -89,26 +89,6 @@ std::string cost_section(const Comparison& comparison, const Sides& sides) {
     return text;
 }
 
-std::string notes_section(const Sides& sides) {
-    std::string left_out, warnings;
-    for (const RunRecord* side : sides) {
-        for (const LeftOut& what : side->left_out) {
-            left_out += fmt::format("- {}: {}{}\n", markdown_text(side->fidelity), markdown_text(what.what),
-                                    what.why.empty() ? "" : " (" + markdown_text(what.why) + ")");
-        }
-        for (const Warning& warning : side->warnings) {
-            warnings +=
-                fmt::format("- {}: {}{}{}\n", markdown_text(side->fidelity), markdown_text(warning.what),
-                            warning.why.empty() ? "" : " (" + markdown_text(warning.why) + ")",
-                            warning.suggestion.empty() ? "" : ", " + markdown_text(warning.suggestion));
-        }
-    }
-    std::string text;
-    if (!left_out.empty()) text += "## Left out\n\n" + left_out + "\n";
-    if (!warnings.empty()) text += "## Warnings\n\n" + warnings + "\n";
-    return text;
-}
-
 std::string provenance_section(const RunRecord& record) {
     const Provenance& made = record.provenance;
     std::string text = "## Provenance\n\n";
@@ -144,7 +124,9 @@ std::string report_markdown(const Comparison& comparison) {
     text +=
         histories_section(comparison.gap) + test_section(comparison) + cost_section(comparison, sides) + "\n";
     text += section("Events", events_table(comparison)) + section("Energy", energy_table(comparison));
-    text += notes_section(sides) + section("Inputs", inputs_table(comparison.reference));
+    text += section("Left out", left_out_table(comparison)) +
+            section("Warnings", warnings_table(comparison)) +
+            section("Inputs", inputs_table(comparison.reference));
     return text + provenance_section(comparison.reference);
 }
 

@@ -1,4 +1,4 @@
-// What the scripts of the page draw.
+// Data that the scripts of the page draw.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -9,7 +9,7 @@
 
 namespace twinchute::compare {
 
-/// What a ladder.json says, but for the metrics of each level and the test it was held against: enough for
+/// Reads a ladder.json, but for the metrics of each level and the test it was held against: enough for
 /// the plot, the tables of levels and references, and the advice. `fidelities`: those that are known; the
 /// ladder refers to their names. `file` stands for it in messages. Throws RecordError: no JSON, a value of
 /// the wrong kind, a fidelity, a judged metric or a family of levels that this version does not know, a file

@@ -34,15 +34,10 @@ std::string change_text(const MetricChange& change, std::string_view unit) {
 }
 
 Table table_of(std::span<const MetricChange> changes) {
-    constexpr Align right = Align::right;
-    Table table{{{"metric"},
-                 {"of"},
-                 {"baseline", right},
-                 {"now", right},
-                 {"change", right},
-                 {"tolerance", right},
-                 {"verdict"}},
-                {}};
+    Table table;
+    table.add_words({"metric", "of"});
+    table.add_numbers({"baseline", "now", "change", "tolerance"});
+    table.add_words({"verdict"});
     for (const MetricChange& change : changes) {
         const auto [name, unit] = split_metric_key(change.key);
         table.rows.push_back({name, change.fidelity, value_or_dash(change.before, unit),

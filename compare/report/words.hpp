@@ -29,7 +29,7 @@ std::string failure_text(const HistoryGap& history);
 /// "+1.2 %" of a share, or "3.4 %" without sign.
 std::string share_text(double share, bool with_sign);
 
-/// Of the test, candidate first as in every table.
+/// Scores against the test, candidate first as in every table.
 std::vector<TestScore> scores_of_test(const Comparison& comparison);
 
 /// How many times longer, in two digits: wall times have no more.

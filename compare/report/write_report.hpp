@@ -20,7 +20,7 @@ void write_report(const Comparison& comparison, const std::filesystem::path& dir
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
                 const LadderBeside& beside = {}, const Trend* trend = nullptr);
 
-/// The same without the records: what can be made again from them.
+/// Adds all but the records: what can be made again from them.
 void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
                    const LadderBeside& beside = {}, const Trend* trend = nullptr);
 

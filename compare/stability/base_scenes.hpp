@@ -8,10 +8,10 @@ namespace twinchute::compare {
 /// A C-9 at line stretch, straight down at 21 m/s in uniform air of sea-level density.
 Scene c9_at_line_stretch();
 
-/// The same without added mass and initial phase: what closed forms assume.
+/// Inflation without added mass and initial phase: what closed forms assume.
 Scene c9_of_closed_forms();
 
-/// The same with neither air nor weight to speak of, on a static line from a far end that stands still.
+/// Snatch with neither air nor weight to speak of, on a static line from a far end that stands still.
 Scene c9_snatch_in_empty_space();
 
 /// Open from the start, at rest.

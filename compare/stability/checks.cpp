@@ -200,13 +200,13 @@ std::vector<Finding> of_energy_ledger(const Trial& trial) {
     return {{"energy that does not add up", std::abs(residual) / scale, largest_residual}};
 }
 
-/// Of the peak force: a force that is further from the sound one than this is the first sign of a step that
-/// is too long.
+/// Share of the peak force: a force that is further from the sound one than this is the first sign of a step
+/// that is too long.
 constexpr double first_sign = 0.01;
 /// A run looks for faults every so many steps, and its record ends at the last look that found none.
 constexpr std::int64_t steps_between_looks = 50;
 
-/// What tests of the time step hold forces to.
+/// Limit that tests of the time step hold forces to.
 constexpr double same_force = 0.005;
 
 /// Between layouts, whose sums differ in their order: found are 1e-8 and, where lines are all but slack,

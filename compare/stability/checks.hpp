@@ -1,4 +1,4 @@
-// What answers of stiff and extreme cases are held against: closed forms, invariants, and runs by other
+// Checks of answers of stiff and extreme cases: closed forms, invariants, and runs by other
 // means. Errors and limits are shares of the value, so that margins can be compared.
 #pragma once
 
@@ -36,16 +36,16 @@ Check has_event(std::string name);
 
 // Full model.
 
-/// What does not add up over the energy that changed hands, below the 0.2 % at which a run stops.
+/// Share that does not add up over the energy that changed hands, below the 0.2 % at which a run stops.
 Check energy_closes();
 /// Peak force and largest deceleration of the same scene in steps half as long, within 0.5 %, and no larger
 /// line tension: what is above the limit of stability or at its edge hangs on the step more than that.
 Check same_in_half_the_step();
-/// The same forces where the run is laid out as its mesh asks for, unless that one stops: arithmetic is the
+/// Equal forces where the run is laid out as its mesh asks for, unless that one stops: arithmetic is the
 /// same, so that what differs is rounding and what becomes of it.
 Check same_in_the_layout_of_its_mesh();
-/// The same within the scatter of the scene itself, where that is larger: the range of the peak over starts
-/// that differ by a micrometre. For lines that slap taut on next to no mass.
+/// Equal forces within the scatter of the scene itself, where that is larger: the range of the peak over
+/// starts that differ by a micrometre. For lines that slap taut on next to no mass.
 Check same_within_its_scatter();
 /// Steps from the first sign that a step is too long, an opening force more than 1 % of the peak away from
 /// that of a run with `sound_factor`, to the stop; at most that many. Nothing where there is no such run.

@@ -57,11 +57,11 @@ void stop_after(Scene& scene, double seconds) {
     scene.stop = {Trigger::Kind::time, seconds, 0.0};
 }
 
-/// What is held of every opening: energy, and forces that do not hang on the step.
+/// Checks of every opening: energy, and forces that do not hang on the step.
 Check sound_opening() {
     return all_of({energy_closes(), same_in_half_the_step()});
 }
-/// The same and the payload's own balance, where all of it is vertical.
+/// Checks of every opening and the payload's own balance, where all of it is vertical.
 Check sound_drop() {
     return all_of({energy_closes(), same_in_half_the_step(), payload_momentum()});
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* types_file = "reference/parachute_types.csv";
 
-/// What an error says after its place.
+/// Text of an error after its place.
 std::string complaint(const SceneError& error) {
     const SourcePlace& at = error.place();
     const std::string text = error.what();

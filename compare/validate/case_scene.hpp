@@ -26,10 +26,11 @@ public:
     /// The scene for a line, with "key=value" over it.
     Scene scene(std::optional<std::size_t> line, const std::vector<std::string>& more = {}) const;
 
-    /// Those of a series, with "key=value" over each.
+    /// Scenes of a series, with "key=value" over each.
     std::vector<Scene> series(const std::vector<std::string>& more = {}) const;
 
-    /// What a row expects; nothing where its table has an empty cell or its recording does not reach so far.
+    /// Value that a row expects; nothing where its table has an empty cell or its recording does not reach so
+    /// far.
     std::optional<double> expected(const ExpectedRow& row, std::optional<std::size_t> line) const;
 
 private:

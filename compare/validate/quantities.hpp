@@ -11,7 +11,7 @@
 
 namespace twinchute::compare {
 
-/// What some quantities depend on beside the history.
+/// Inputs that some quantities depend on beside the history.
 struct QuantityArguments {
     double window = 0.1;  ///< [s] of the moving mean
     double height = 0.0;  ///< [m] above the ground of the scene

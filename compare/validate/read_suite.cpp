@@ -37,7 +37,7 @@ std::string toml_text(const toml::node& node) {
     return found;
 }
 
-/// What the scene is made from: its own text, or the file it starts from.
+/// Source of the scene: its own text, or the file it starts from.
 std::string scene_text(SuiteTable& reader) {
     const std::string base = reader.text("base");
     const toml::table* inlined = reader.table("scene");
@@ -97,7 +97,7 @@ TrendAsked read_trend(SuiteTable& reader) {
     return asked;
 }
 
-/// What a row compares: a quantity of one run, or a trend of a series. Returns its unit.
+/// Reads what a row compares: a quantity of one run, or a trend of a series. Returns its unit.
 std::string_view read_quantity(SuiteTable& reader, ExpectedRow& row) {
     row.quantity = reader.needed_text("quantity", "what is compared");
     const std::string_view unit = quantity_unit(row.quantity);

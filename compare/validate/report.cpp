@@ -147,16 +147,13 @@ std::string validation_terminal(const Validation& validation, const Style& style
 
 std::string validation_csv(const Validation& validation) {
     Table table;
-    const auto add = [&](std::initializer_list<const char*> names, const char* unit) {
-        for (const char* name : names)
-            table.columns.push_back({name, Align::left, unit});
-    };
-    add({"suite", "case"}, "-");
-    add({"line"}, "1");
-    add({"fidelity", "quantity", "unit"}, "-");
-    add({"expected", "predicted", "low", "high", "error", "tolerance", "sigma_measured", "sigma_inputs"},
+    table.add_words({"suite", "case"}, "-");
+    table.add_words({"line"}, "1");
+    table.add_words({"fidelity", "quantity", "unit"}, "-");
+    table.add_words(
+        {"expected", "predicted", "low", "high", "error", "tolerance", "sigma_measured", "sigma_inputs"},
         "of the row");
-    add({"verdict", "why", "where", "grade", "source", "note", "group"}, "-");
+    table.add_words({"verdict", "why", "where", "grade", "source", "note", "group"}, "-");
     for (const SuiteResult& suite : validation.suites)
         for (const RowResult& row : suite.rows)
             table.rows.push_back({suite.name,

@@ -34,7 +34,7 @@ std::string list(std::string_view heading, const std::vector<std::string>& items
     return text.empty() ? text : fmt::format("{}:\n\n{}\n", heading, text);
 }
 
-/// What is said beside numbers, each sentence once with the cases that it is said of.
+/// Remarks beside numbers, each sentence once with the cases that it is said of.
 std::string notes(const std::vector<ShownRow>& shown) {
     std::vector<std::pair<std::string, std::vector<std::string>>> said;
     for (const ShownRow& one : shown) {
@@ -106,7 +106,8 @@ std::string validation_markdown(const Validation& validation, const Provenance& 
     text += fmt::format("Made by `{}`: twinchute {}, commit {}, {}, {}, {}.\n\n", command, provenance.version,
                         provenance.commit, markdown_text(provenance.compiler),
                         markdown_text(provenance.host_cpu), provenance.date);
-    Table suites{{{"suite"}, {"expected values are"}, {""}}, {}};
+    Table suites;
+    suites.add_words({"suite", "expected values are", ""});
     for (const SuiteResult& suite : validation.suites)
         suites.rows.push_back({suite.title, evidence_name(suite.evidence), suite_summary(suite)});
     text += markdown_table(suites) + "\n";

@@ -81,18 +81,10 @@ std::string quantity_text(const ShownRow& shown) {
 }
 
 Table suite_table(const std::vector<ShownRow>& shown) {
-    constexpr Align right = Align::right;
-    Table table{{{"case"},
-                 {"where"},
-                 {"model"},
-                 {"quantity"},
-                 {"expected", right},
-                 {"predicted", right},
-                 {"error", right},
-                 {"tolerance", right},
-                 {"grade"},
-                 {"within"}},
-                {}};
+    Table table;
+    table.add_words({"case", "where", "model", "quantity"});
+    table.add_numbers({"expected", "predicted", "error", "tolerance"});
+    table.add_words({"grade", "within"});
     for (const ShownRow& one : shown) {
         const RowResult& row = *one.row;
         if (row.verdict == RowVerdict::not_run || row.verdict == RowVerdict::by_test) continue;

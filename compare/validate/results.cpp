@@ -1,4 +1,4 @@
-// What the rows of a suite amount to.
+// Summary of the rows of a suite.
 #include <algorithm>
 #include <cmath>
 

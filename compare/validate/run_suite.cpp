@@ -18,7 +18,7 @@
 namespace twinchute::compare {
 namespace {
 
-/// What a run gave for the rows of its case.
+/// Answer of a run to the rows of its case.
 struct Prediction {
     std::vector<std::optional<double>> values;  ///< by row
     std::string failure;                        ///< of the run; empty: it ended well

@@ -24,7 +24,7 @@ bool is_drawable(const RowResult& row) {
     return good(row.expected) && good(row.predicted);
 }
 
-/// Of both axes, with room beyond the outermost points.
+/// Range of both axes, with room beyond the outermost points.
 Span span_of(const std::vector<const RowResult*>& rows) {
     Span span{INFINITY, 0.0};
     for (const RowResult* row : rows)

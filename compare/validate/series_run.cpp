@@ -29,7 +29,7 @@ CaseOutcome outcome_of(const RunRecord& record) {
     return outcome;
 }
 
-/// Of one case over its seeds: metrics that every run has.
+/// Medians of one case over its seeds: metrics that every run has.
 std::map<std::string, double> medians(std::span<const CaseOutcome> outcomes) {
     std::map<std::string, double> middle;
     for (const auto& [name, value] : outcomes.front().metrics) {

@@ -1,4 +1,4 @@
-// What suites are called, and where they lie.
+// Names of suites, and where they lie.
 #include "compare/validate/suite.hpp"
 
 #include <fmt/format.h>

@@ -15,7 +15,7 @@
 
 namespace twinchute::compare {
 
-/// What the expected values of a suite are. Only test data can validate a model.
+/// Kind of the expected values of a suite. Only test data can validate a model.
 enum class Evidence {
     exact,     ///< closed forms and independent integrations of the same equations
     printed,   ///< results of the method that a paper prints

@@ -27,7 +27,7 @@ struct ReferenceTable {
 /// Throws SceneError with file and line.
 ReferenceTable read_reference_table(std::string_view text, const std::string& file);
 
-/// What the table of canopy types says of one, as "key=value" for a scene: fill constant, drag coefficient
+/// Row of the table of canopy types for one type, as "key=value" for a scene: fill constant, drag coefficient
 /// and projected diameter (the middle of their ranges), and the exponent of the drag-area law. Nothing where
 /// the type, or its fill constant or drag coefficient, is not in it.
 std::optional<std::vector<std::string>> canopy_type_keys(const ReferenceTable& types, std::string_view type);

@@ -16,7 +16,7 @@ struct SeriesPoint {
     std::map<std::string, double> metrics;  ///< by name without unit
 };
 
-/// What is asked of the cases.
+/// Question about the cases.
 struct TrendAsked {
     enum class Kind {
         rises,  ///< share of steps from one case to the next by x in which y rises [-]

@@ -39,7 +39,7 @@ std::vector<ValidationSuite> suites_of(const Arguments& arguments) {
     return suites;
 }
 
-/// What made it, as it can be typed again; files of one's own are not part of a published command.
+/// Command as it can be typed again; files of one's own are not part of a published command.
 std::string command_of(const Arguments& arguments) {
     std::string command = "twinchute validate";
     for (const std::string& name : arguments.values("suite"))

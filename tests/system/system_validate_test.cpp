@@ -85,7 +85,7 @@ TEST_F(SystemValidate, TheAnswerIsTheSameOnAnyNumberOfThreads) {
     here_.write("s.toml", R"(schema = 1
 name = "seeds"
 title = "Seeds"
-evidence = "synthetic"
+evidence = "made-up"
 [[case]]
 name = "coarse"
 base = "c9-inflation.toml"

@@ -57,10 +57,10 @@ const MetricAttribution& of(const char* metric) {
     return *found;
 }
 
-double effect(const char* metric, const char* effect) {
+double effect(const char* metric, const char* name) {
     const auto& terms = of(metric).terms;
-    const auto found = std::ranges::find(terms, effect, &AttributionTerm::name);
-    if (found == terms.end()) throw std::runtime_error(effect);
+    const auto found = std::ranges::find(terms, name, &AttributionTerm::name);
+    if (found == terms.end()) throw std::runtime_error(name);
     return found->effect;
 }
 
