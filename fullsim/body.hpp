@@ -31,8 +31,8 @@ public:
     virtual double inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const = 0;
 
     /// [s] bound on the step where risers of that stiffness [N/m] hold its places.
-    virtual double stable_step(const State& state, const ForceModels& structure, NodeIndex first_place,
-                               double riser) const = 0;
+    virtual double critical_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+                                 double riser) const = 0;
 };
 
 /// Of the scene's payload; null where it is a point mass. Throws SceneError where it is deformable and its

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "fullsim/mesh/hang_body.hpp"
-#include "fullsim/step/stable_step.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
+#include "fullsim/time/critical_step.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -37,7 +37,7 @@ void DeformableBody::weigh_rows(const BodyMesh& body, const SolidLaw& law) {
     const auto tetrahedra = make_tetrahedra(body.solid, law, 0);
     weight_.assign(rest_.size(), 1.0);
     for (int k = 0; k < weight_iterations; ++k) {
-        RowSums sums = no_rows(still, weight_);
+        GershgorinSums sums = no_rows(still, weight_);
         tetrahedra->add_row_sums(still, sums);
         for (std::size_t i = 0; i < weight_.size(); ++i)
             weight_[i] *= sums.stiffness[i] / node_mass_[i];
@@ -108,12 +108,12 @@ double DeformableBody::inner_energy(const State& state, NodeIndex payload, NodeI
     return 0.5 * twice;
 }
 
-double DeformableBody::stable_step(const State& state, const ForceModels& structure, NodeIndex first_place,
-                                   double riser) const {
+double DeformableBody::critical_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+                                     double riser) const {
     const auto first = static_cast<std::size_t>(first_place);
     std::vector<double> weights(state.node.size(), 1.0);
     std::ranges::copy(weight_, weights.begin() + first_place);
-    RowSums sums = no_rows(state, weights);
+    GershgorinSums sums = no_rows(state, weights);
     for (const auto& model : structure)
         if (model->name() == "payload tetrahedra") model->add_row_sums(state, sums);
     // K (a - b)^2 <= 2 K a^2 + 2 K b^2 parts body and riser, whose other node has the same in its own row.
@@ -122,7 +122,7 @@ double DeformableBody::stable_step(const State& state, const ForceModels& struct
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < node_mass_.size(); ++k)
         least = std::min(least,
-                         stable_step_of(sums.stiffness[first + k], sums.damping[first + k], node_mass_[k]));
+                         critical_step_of(sums.stiffness[first + k], sums.damping[first + k], node_mass_[k]));
     return least;
 }
 

@@ -22,9 +22,10 @@ public:
                  double dt) const override;
     /// [J] of the nodes, about their centre of mass.
     double inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const override;
-    /// From row sums of tetrahedra and risers, with weights as RowWeights has them, of the unstrained body.
-    double stable_step(const State& state, const ForceModels& structure, NodeIndex first_place,
-                       double riser) const override;
+    /// From row sums of tetrahedra and risers, with weights as PerronScaling has them, of the unstrained
+    /// body.
+    double critical_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+                         double riser) const override;
 
 private:
     void turn(State& state, NodeIndex payload, NodeIndex first_place) const;

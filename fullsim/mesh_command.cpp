@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "fullsim/fields.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
-#include "fullsim/mesh/hang_body.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
@@ -47,7 +47,7 @@ View view_for_gmsh(const Scene& scene, const fs::path& file) {
                         "skirt at {:.4g} m), name a .vtu file",
                         scene.file.string(), chute.line_length, reach));
     Mesh mesh = built_mesh(scene);
-    if (scene.payload.body) hang_body(scene, mesh, Hang::as_made);
+    if (scene.payload.body) attach_payload(scene, mesh, Hang::as_made);
     return {"as made", std::move(mesh), file};
 }
 

@@ -66,7 +66,7 @@ public:
     /// column is filtered across all ends.
     const Peak& peak() const { return extremes_.peak; }
     const std::vector<Peak>& earlier_peaks() const { return extremes_.earlier; }  ///< of the stages before
-    /// Peak of the raw force [N]: that at the end of a step, or its mean over the substeps of one, see
+    /// Peak of the raw force [N]: that at the end of a step, or its mean over the subcycles of one, see
     /// MeanForce.
     const Peak& raw_peak() const { return extremes_.raw_peak; }
     const Peak& snatch_peak() const { return extremes_.snatch_peak; }  ///< raw, before the peak counts [N]

@@ -13,7 +13,7 @@
 #include "fullsim/observer.hpp"
 #include "fullsim/parts.hpp"
 #include "fullsim/simulation.hpp"
-#include "fullsim/step/choose_step.hpp"
+#include "fullsim/time/choose_step.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -142,10 +142,10 @@ public:
         const Stopwatch check;
         simulation_.find_fault();
         seconds_ = (*middle + time_of(check) / Simulation::steps_between_checks) /
-                   cost_of(simulation_.step().substeps);
+                   cost_of(simulation_.step().subcycles);
     }
 
-    double seconds() const { return seconds_; }      ///< [s] of wall time of a step without substeps
+    double seconds() const { return seconds_; }      ///< [s] of wall time of a step without subcycles
     double mean_step() const { return mean_step_; }  ///< [s]
     std::int64_t steps() const { return steps_; }    ///< that were tried
 
@@ -184,7 +184,7 @@ public:
             const double drawn_out = folded_share * begin;
             add(probe, "deployment", 0.0, begin, [&](double time) {
                 if (time > drawn_out) return probe.simulation().step_with(0.0, 0.0);
-                return ChosenStep{probe.mean_step(), probe.simulation().step().substeps};
+                return ChosenStep{probe.mean_step(), probe.simulation().step().subcycles};
             });
         }
         if (opens && stages.size() > 2) begin = add_springs(begin);
@@ -234,14 +234,14 @@ private:
             const ChosenStep step = step_at(begin);
             stage.end = begin + step.dt;
             stage.steps = 1.0;
-            stage.seconds = probe.seconds() * cost_of(step.substeps);
+            stage.seconds = probe.seconds() * cost_of(step.subcycles);
         } else if (end > begin) {
             const double length = (end - begin) / parts_of_stage;
             for (int k = 0; k < parts_of_stage; ++k) {
                 const ChosenStep step = step_at(begin + (k + 0.5) * length);
                 const double steps = length / step.dt;
                 stage.steps += steps;
-                stage.seconds += steps * probe.seconds() * cost_of(step.substeps);
+                stage.seconds += steps * probe.seconds() * cost_of(step.subcycles);
             }
         }
         plan_.stages.push_back(std::move(stage));
@@ -318,7 +318,7 @@ private:
                     basis_.threads);
         run(probe);
         add(probe, "open canopy", begin, course_.end, [&](double) {
-            return ChosenStep{probe.mean_step(), probe.simulation().step().substeps};
+            return ChosenStep{probe.mean_step(), probe.simulation().step().subcycles};
         });
     }
 

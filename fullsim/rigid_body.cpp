@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -85,7 +85,7 @@ double RigidBody::turning_energy(const BodyState& body) const {
     return 0.5 * own.dot(own.cwiseQuotient(moments_));
 }
 
-double RigidBody::stable_step(double riser) const {
+double RigidBody::critical_step(double riser) const {
     double arm = 0.0;
     for (const Vec3& p : places_)
         arm = std::max(arm, p.norm());

@@ -43,11 +43,11 @@ public:
     }
     double turning_energy(const BodyState& body) const;
 
-    double stable_step(const State&, const ForceModels&, NodeIndex, double riser) const override {
-        return stable_step(riser);
+    double critical_step(const State&, const ForceModels&, NodeIndex, double riser) const override {
+        return critical_step(riser);
     }
     /// 2 sqrt(m'/K) with the inertia m' that a place has across its arm, from below 1/m' = 1/m + r^2/I_min.
-    double stable_step(double riser) const;
+    double critical_step(double riser) const;
 
 private:
     double mass_;   // [kg]

@@ -10,7 +10,7 @@
 #include "fullsim/fidelity.hpp"
 #include "fullsim/fields.hpp"
 #include "fullsim/frames.hpp"
-#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/observer.hpp"
@@ -58,7 +58,7 @@ public:
           simulation_(scene,
                       [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
                                                                             const NodeConstants& constants) {
-                          return any ? make_indexed_layout(s, mesh, constants)
+                          return any ? make_unstructured_layout(s, mesh, constants)
                                      : make_layout(s, mesh, constants, threads);
                       }),
           observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate,
@@ -701,10 +701,10 @@ void FullRun::add_warnings() {
                 "take it for a snatch force, or give full.alpha a value");
     }
     if (const double filtered = largest_peak().value, raw = observer_.raw_peak().value;
-        filtered > 0.0 && raw > ringing * filtered && simulation_.most_substeps() > 1)
+        filtered > 0.0 && raw > ringing * filtered && simulation_.most_subcycles() > 1)
         warn(
             fmt::format("the raw peak force is {:.1f} % above the filtered one, lines took up to {} substeps",
-                        100.0 * (raw / filtered - 1.0), simulation_.most_substeps()),
+                        100.0 * (raw / filtered - 1.0), simulation_.most_subcycles()),
             "where a step of the canopy is half a period of the lines they may ring "
             "(docs/theory/full-model.md)",
             "compare with full.line_substeps = 1; the filtered peak is the one that counts");
@@ -773,7 +773,7 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     // What cannot start is found before anything runs.
     if (keys.empty() && (chute.mesh || scene.payload.body)) {
         Mesh mesh = unloaded_mesh(scene);
-        if (scene.payload.body) hang_body(scene, mesh, Hang::drawn_out);
+        if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
     }
     return keys;
 }

@@ -69,7 +69,7 @@ void serialize(Archive& archive, LargestLoads& loads) {
 void serialize(Archive& archive, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
            added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
-           external_power, riser_force, in_substeps, capped_steps, largest] = state;
+           external_power, riser_force, in_subcycles, capped_steps, largest] = state;
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
         archive.number("state", *x);
@@ -87,8 +87,8 @@ void serialize(Archive& archive, State& state) {
     serialize_air(archive, air);
     archive.row("energy", energy, energy_members);
     archive.numbers("riser force", std::span(riser_force.data(), 3));
-    archive.numbers("risers in substeps", std::span(in_substeps.sum.data(), 3));
-    archive.whole("risers in substeps", in_substeps.count, 0);
+    archive.numbers("risers in substeps", std::span(in_subcycles.sum.data(), 3));
+    archive.whole("risers in substeps", in_subcycles.count, 0);
     serialize(archive, largest);
 }
 

@@ -10,7 +10,7 @@
 
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/serialize_state.hpp"
-#include "fullsim/step/aero_reference.hpp"
+#include "fullsim/time/aero_reference.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -90,8 +90,8 @@ State initial_state(const Scene& scene, const Mesh& mesh) {
     }
     for (std::size_t k = 0; k < tether.position.size(); ++k) {
         const std::size_t i = mesh.first_static_line_node() + k;
-        const bool far_end = k + 1 == tether.position.size();
-        const Vec3 v = far_end && !scene.parachutes.front().deploy.far_end_moves ? Vec3::Zero() : velocity;
+        const bool anchor = k + 1 == tether.position.size();
+        const Vec3 v = anchor && !scene.parachutes.front().deploy.far_end_moves ? Vec3::Zero() : velocity;
         state.node[i] = {to_lanes(origin + tether.position[k]), to_lanes(v)};
         state.v_half[i].value = to_lanes(v);
     }
@@ -381,11 +381,11 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     return {state_.added_mass + gained, (missing - gained) / time};
 }
 
-StableStep Simulation::bound() const {
-    RowWeights weights;
+CriticalStep Simulation::bound() const {
+    PerronScaling weights;
     const auto lines = std::ranges::find(structure_, "lines", &ForceModel::name);
     weights.begin(whole(), constants_, structure_, lines->get());
-    return stable_step(state_, constants_, structure_, loads_, weights.by_node());
+    return critical_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 
 double Simulation::residual_share(const EnergyLedger& e) {
@@ -393,18 +393,18 @@ double Simulation::residual_share(const EnergyLedger& e) {
 }
 
 ChosenStep Simulation::choose_step(const State& state, double share) {
-    const StableSteps stable = layout_->stable_steps(state);
+    const CriticalSteps stable = layout_->critical_steps(state);
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
-    rules.slaps = slaps_in(state);
+    rules.slaps = chatters_in(state);
     rules.share = share;
     // In a pack that only falls lines are slack.
-    if (!state.folded) rules.quiet = quiet_step(line_waves_, state.added_mass, stable.canopy);
+    if (!state.folded) rules.quiet = resonance_limit(line_waves_, state.added_mass, stable.canopy);
     // A body takes steps with the canopy, and so does what hangs on it.
     if (body_)
-        rules.payload = body_->stable_step(state, structure_, mesh_.first_place(), riser_stiffness_);
+        rules.payload = body_->critical_step(state, structure_, mesh_.first_place(), riser_stiffness_);
     else
-        rules.most_substeps = scene_.full.line_substeps;
+        rules.most_subcycles = scene_.full.line_substeps;
     return fullsim::choose_step(stable, rules);
 }
 
@@ -416,7 +416,7 @@ void Simulation::refresh_step() {
         cloth_rate_ = std::max(std::abs(rate), memory_of_rate * cloth_rate_);
         step_ = std::min({step_, step_to_first_impact(cloth_strain_, rate), step_in_impacts(cloth_rate_)});
     }
-    substeps_ = chosen.substeps;
+    subcycles_ = chosen.subcycles;
 }
 
 ChosenStep Simulation::step_with(double added_mass, double fe_weight) {
@@ -472,22 +472,22 @@ void Simulation::step_to(double end) {
     const double left = end - state_.time;
     const bool last = left <= step_;
     const double dt = last ? left : std::min(step_, 0.5 * left);
-    most_substeps_ = std::max(most_substeps_, substeps_);
+    most_subcycles_ = std::max(most_subcycles_, subcycles_);
     const double kick = 0.5 * (dt + state_.dt);
-    state_.in_substeps = {};
+    state_.in_subcycles = {};
 
     checked_ = state_.step % steps_between_checks == 0;
     const bool watched =
         impacts_count() && (checked_ || (state_.step % steps_between_looks == 0 && impacts_.alert()) ||
                             impacts_.is_due(state_.energy.damping, book_scale(state_.energy)));
     state_.energy.weighs = checked_ || watched;
-    const Levels levels = state_.energy.weighs ? layout_->levels(state_) : Levels{};
+    const EnergiesAndStrains levels = state_.energy.weighs ? layout_->levels(state_) : EnergiesAndStrains{};
     const double began = state_.time, turned = turning(), added_mass = state_.energy.added_mass;
 
-    layout_->advance(state_, dt, substeps_, added_mass_after(dt).value);
+    layout_->advance(state_, dt, subcycles_, added_mass_after(dt).value);
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, dt);
     lags_ = true;
-    element_steps_ += static_cast<std::int64_t>(elements_.all + (substeps_ - 1) * elements_.in_substeps);
+    element_steps_ += static_cast<std::int64_t>(elements_.all + (subcycles_ - 1) * elements_.in_subcycles);
     state_.time = last ? end : state_.time + dt;
     if (!last) dt_min_ = std::min(dt_min_, dt);
     dt_max_ = std::max(dt_max_, dt);
@@ -542,8 +542,8 @@ void Simulation::serialize(Archive& archive) {
     for (double* x : {&cloth_strain_, &cloth_seen_, &cloth_rate_})
         archive.number("cloth strain", *x);
     impacts_.serialize(archive);
-    archive.whole("substeps", substeps_, 1);
-    archive.whole("most substeps", most_substeps_, 1);
+    archive.whole("substeps", subcycles_, 1);
+    archive.whole("most substeps", most_subcycles_, 1);
     archive.whole("element steps", element_steps_, 0);
     fullsim::serialize(archive, sound_loads_);
 }
@@ -567,7 +567,7 @@ std::string Simulation::hardest_hit() const {
     double most = -1.0;
     std::string name = "elements";
     for (const auto& model : structure_)
-        if (const Extreme extreme = model->extreme(s); extreme.strain > most) {
+        if (const StrainExtremum extreme = model->extreme(s); extreme.strain > most) {
             most = extreme.strain;
             name =
                 fmt::format("{}, strained by {:.1f} %", model->element_name(extreme.element), 100.0 * most);
@@ -576,12 +576,12 @@ std::string Simulation::hardest_hit() const {
 }
 
 std::optional<RunStatus> Simulation::find_fault() {
-    const Levels levels = layout_->levels(state_);
+    const EnergiesAndStrains levels = layout_->levels(state_);
     return find_fault_in(levels, ledger_of(levels), state_.time, state_.step);
 }
 
-std::optional<RunStatus> Simulation::find_fault_in(const Levels& levels, const EnergyLedger& e, double time,
-                                                   std::int64_t step) {
+std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& e,
+                                                   double time, std::int64_t step) {
     const auto where = [&] { return fmt::format("at t = {:.6f} s, step {}", time, step); };
     // A sum, which a NaN cannot hide from; comparisons and maxima can lose it.
     const double everything = levels.kinetic + state_.sums.system_position.sum() +
@@ -591,8 +591,9 @@ std::optional<RunStatus> Simulation::find_fault_in(const Levels& levels, const E
                          fmt::format("{} {}; the time step is probably above the stable one",
                                      first_bad_node(whole()), where())};
     if (step_ < smallest_step)
-        return RunStatus{StatusCode::step_too_small,
-                         fmt::format("stable step {:.3g} s set by node {} {}", step_, bound().node, where())};
+        return RunStatus{
+            StatusCode::step_too_small,
+            fmt::format("critical time step {:.3g} s set by node {} {}", step_, bound().node, where())};
     for (std::size_t i = 0; i < structure_.size(); ++i)
         if (const double strain = levels.strain[i]; strain > scene_.full.strain_limit)
             return RunStatus{

@@ -9,13 +9,13 @@
 
 #include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/layout.hpp"
-#include "fullsim/step/choose_step.hpp"
-#include "fullsim/step/energy.hpp"
-#include "fullsim/step/mass_scaling.hpp"
-#include "fullsim/step/midpoint.hpp"
-#include "fullsim/step/stable_step.hpp"
-#include "fullsim/step/substeps.hpp"
+#include "fullsim/storage/layout.hpp"
+#include "fullsim/time/choose_step.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
+#include "fullsim/time/mass_scaling.hpp"
+#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/subcycling.hpp"
 #include "lib/models/inflation.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -50,7 +50,7 @@ public:
 
     /// All forces at state().time into the state's force arrays. Once per step, before step_to.
     void evaluate_forces();
-    /// One step, at most to `end` [s], and at most the stable step. The last two steps before an
+    /// One step, at most to `end` [s], and at most the critical time step. The last two steps before an
     /// end share what is left, so that it is reached exactly and none is tiny.
     void step_to(double end);
 
@@ -94,9 +94,9 @@ public:
     /// [s] end of the ramp; infinite when none is going on.
     double ramp_end() const;
 
-    /// [s] the bound on the stable step of the current tangent, without safety factor.
-    StableStep bound() const;
-    ChosenStep step() const { return {step_, substeps_}; }
+    /// [s] the bound on the critical time step of the current tangent, without safety factor.
+    CriticalStep bound() const;
+    ChosenStep step() const { return {step_, subcycles_}; }
     /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
     /// stiffness, no cloth were folded and nothing else were different. For forecasts: weights of the bound
     /// may change with it.
@@ -107,8 +107,8 @@ public:
     int sectors() const { return layout_->sectors(); }
     /// What `full.mass_scaling` did to the mesh.
     const MassScaling& mass_scaling() const { return mass_scaling_; }
-    /// Most substeps that lines have taken in a step.
-    int most_substeps() const { return most_substeps_; }
+    /// Most subcycles that lines have taken in a step.
+    int most_subcycles() const { return most_subcycles_; }
 
     EnergyLedger ledger() const { return ledger_of(layout_->levels(state_)); }
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
@@ -154,7 +154,7 @@ private:
     /// [1/s] rate of its largest strain since the last time, cloth_strain_ from now on.
     double cloth_lengthens();
     /// Cloth comes taut and slack: before flight, unless all of it is folded.
-    static bool slaps_in(const State& state) { return state.stage != Stage::flight && !state.folded; }
+    static bool chatters_in(const State& state) { return state.stage != Stage::flight && !state.folded; }
     /// Impacts shorten steps, in flight as well where those are stable: shorter ones would hide a step beyond
     /// its bound.
     bool impacts_count() const {
@@ -165,15 +165,15 @@ private:
     void refresh_step();
     /// M_a and its rate at state().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
-    EnergyLedger ledger_of(const Levels& levels) const {
+    EnergyLedger ledger_of(const EnergiesAndStrains& levels) const {
         return energy_ledger(state_, levels.kinetic + turning(), levels.elastic);
     }
     /// [J] of a payload that is a body.
     double turning() const {
         return body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
     }
-    std::optional<RunStatus> find_fault_in(const Levels& levels, const EnergyLedger& ledger, double time,
-                                           std::int64_t step);
+    std::optional<RunStatus> find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& ledger,
+                                           double time, std::int64_t step);
     /// Impacts that use up the books' room make steps shorter.
     void watch_impacts(const EnergyLedger& ledger);
     /// What does not add up, over what changed hands [-].
@@ -199,8 +199,8 @@ private:
     mutable State state_;               // its nodes may lag behind the layout's
     mutable bool lags_ = false;
     std::unique_ptr<Layout> layout_;
-    double step_ = 0.0;                     // [s] bound times factor, as last refreshed
-    int substeps_ = 1, most_substeps_ = 1;  // of lines, in each step
+    double step_ = 0.0;                       // [s] bound times factor, as last refreshed
+    int subcycles_ = 1, most_subcycles_ = 1;  // of lines, in each step
     LineWaves line_waves_;
     ImpactWatch impacts_;
     bool checked_ = false;                           // by the last step,

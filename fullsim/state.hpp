@@ -125,7 +125,7 @@ struct EnergyBook {
     double kinetic_start = 0.0, elastic_start = 0.0;                              // [J]
     double gravity_work = 0.0, drag_work = 0.0, damping = 0.0, added_mass = 0.0;  // [J] to time - dt/2
     double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
-    double external_work = 0.0, external_power = 0.0;  // of extraction force and far end
+    double external_work = 0.0, external_power = 0.0;  // of extraction force and anchor
     double ramp = 0.0;                                 // [J] see EnergyLedger
     bool weighs = false;         // whether a step is to say the kinetic energy that it began with,
     double kinetic = 0.0;        // [J] which is this
@@ -133,18 +133,18 @@ struct EnergyBook {
 };
 
 /// The larger of both; once either is not a number, neither is the answer.
-inline double larger_or_none(double a, double b) {
+inline double nan_max(double a, double b) {
     return b > a || b != b ? b : a;
 }
 
-/// Largest loads in any evaluation of forces so far, of steps and of the substeps within them. Elastic,
+/// Largest loads in any evaluation of forces so far, of steps and of the subcycles within them. Elastic,
 /// without what dashpots and bulk viscosity add.
 struct LargestLoads {
     double line_tension = 0.0;   ///< [N] of suspension lines
     double fabric_stress = 0.0;  ///< [N/m] first principal stress resultant, second Piola-Kirchhoff
 
-    void add_tension(double tension) { line_tension = larger_or_none(line_tension, tension); }
-    void add_stress(double stress) { fabric_stress = larger_or_none(fabric_stress, stress); }
+    void add_tension(double tension) { line_tension = nan_max(line_tension, tension); }
+    void add_stress(double stress) { fabric_stress = nan_max(fabric_stress, stress); }
 };
 
 /// How a payload that is a body has turned. Its place and velocity are those of the payload's node.
@@ -155,7 +155,7 @@ struct BodyState {
     Vec3 torque = Vec3::Zero();         ///< [N m] about its centre, of the risers, at time
 };
 
-/// What the risers apply to the payload in the substeps of a step, all but its first.
+/// What the risers apply to the payload in the subcycles of a step, all but its first.
 struct RiserPulls {
     Vec3 sum = Vec3::Zero();  ///< [N]
     int count = 0;
@@ -169,7 +169,7 @@ struct RiserPulls {
 struct State {
     double time = 0.0;     ///< [s] since release
     double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
-    double line_dt = 0.0;  ///< [s] of the last substep of lines in it; dt where they took none
+    double line_dt = 0.0;  ///< [s] of the last subcycle of lines in it; dt where they took none
     std::int64_t step = 0;
     Phase phase = Phase::initial;
     Stage stage = Stage::flight;
@@ -194,12 +194,12 @@ struct State {
     double damping_power = 0.0;       ///< [W] dissipated now
     double external_power = 0.0;      ///< [W] of forces from outside the system now
     Vec3 riser_force = Vec3::Zero();  ///< [N] that the risers apply to the payload
-    RiserPulls in_substeps;           ///< and what they did within the last step
+    RiserPulls in_subcycles;          ///< and what they did within the last step
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
     LargestLoads largest;
 };
 
-/// riser_force as a mean [N], and the time [s] of that. Where lines take substeps, what the canopy does to
+/// riser_force as a mean [N], and the time [s] of that. Where lines take subcycles, what the canopy does to
 /// them comes as one impulse a step and runs through them as a wave: the end of a step is always the same
 /// moment of it.
 struct MeanForce {
@@ -207,8 +207,8 @@ struct MeanForce {
     double time;
 };
 inline MeanForce mean_riser_force(const State& s) {
-    return {(s.in_substeps.sum + s.riser_force) / (1.0 + s.in_substeps.count),
-            s.time - 0.5 * s.in_substeps.count * s.line_dt};
+    return {(s.in_subcycles.sum + s.riser_force) / (1.0 + s.in_subcycles.count),
+            s.time - 0.5 * s.in_subcycles.count * s.line_dt};
 }
 
 /// No force on any node, and nothing dissipated yet; from here on the state holds those from node `first` on.

@@ -11,7 +11,7 @@ Scene c9_at_line_stretch();
 /// Inflation without added mass and initial phase: what closed forms assume.
 Scene c9_of_closed_forms();
 
-/// Snatch with neither air nor weight to speak of, on a static line from a far end that stands still.
+/// Snatch with neither air nor weight to speak of, on a static line from an anchor that stands still.
 Scene c9_snatch_in_empty_space();
 
 /// Open from the start, at rest.

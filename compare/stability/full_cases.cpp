@@ -16,7 +16,7 @@ const StabilityMethod sector{"sector", [](Scene& s) { s.full.symmetry = Symmetry
 /// All gores on node records, as imported and graded meshes are: these are regular, so that their own layout
 /// has to give the same forces.
 StabilityMethod indexed() {
-    return {"indexed", whole.choose, true, same_in_the_layout_of_its_mesh()};
+    return {"unstructured", whole.choose, true, same_in_the_layout_of_its_mesh()};
 }
 const StabilityMethod springs{"msd-fe", [](Scene& s) { s.full.structure = Structure::msd_fe; }};
 const StabilityMethod elements{"fe", [](Scene& s) { s.full.structure = Structure::fe; }};
@@ -37,8 +37,10 @@ std::span<const StabilityMethod> sector_alone() {
 }
 /// From the pack, which is chaotic: forces of two layouts are as far apart as those of two seeds.
 std::span<const StabilityMethod> structures() {
-    static const std::vector<StabilityMethod> rows{
-        springs, {"msd-fe, indexed", springs.choose, true}, elements, {"fe, indexed", elements.choose, true}};
+    static const std::vector<StabilityMethod> rows{springs,
+                                                   {"msd-fe, unstructured", springs.choose, true},
+                                                   elements,
+                                                   {"fe, unstructured", elements.choose, true}};
     return rows;
 }
 
@@ -78,7 +80,7 @@ std::vector<Row> structure_rows() {
                     false});
     for (const double modulus : {9.7e8, 9.7e9, 9.7e10, 9.7e11, 9.7e12})
         rows.push_back({fmt::format("line modulus {:.1e} Pa", modulus),
-                        "the stable step goes with its root; slack lines slap taut",
+                        "the critical time step goes with its root; slack lines slap taut",
                         c9_coarse,
                         [modulus](Scene& s) {
                             s.parachutes.front().line.youngs_modulus = modulus;

@@ -46,7 +46,7 @@ HWY_INLINE ElementSums cable_forces(const View& view, const CylinderDrag* cylind
         largest = larger(part.live_load(part_largest), largest);
     }
     const double lost = sum(dissipated);
-    return {0.0, 0.0, lost, greatest_or_none(largest, lost)};
+    return {0.0, 0.0, lost, nan_greatest(largest, lost)};
 }
 
 template <class View>
@@ -61,7 +61,7 @@ HWY_INLINE ElementSums cable_forces_in(const View& view, const LineAir& air) {
 }
 
 template <class View>
-HWY_INLINE ElementLevels cable_levels(const View& view) {
+HWY_INLINE EnergyAndStrain cable_levels(const View& view) {
     using T = typename View::T;
     T energy = View::all(0.0), largest = View::all(-1.0);
     for (int p = view.first(); p < view.last(); ++p) {

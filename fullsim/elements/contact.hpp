@@ -40,7 +40,7 @@ HWY_INLINE ElementSums contact_forces(const View& view, const ContactPass& pass)
 }
 
 template <class View>
-HWY_INLINE ElementLevels contact_levels(const View& view, const ContactPass& pass) {
+HWY_INLINE EnergyAndStrain contact_levels(const View& view, const ContactPass& pass) {
     using T = typename View::T;
     using T3 = typename View::T3;
     const T3 centre = View::all3(pass.centre), axis = View::all3(pass.direction);

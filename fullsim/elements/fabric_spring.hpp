@@ -58,7 +58,7 @@ HWY_INLINE ElementSums spring_forces(const View& view, const SpringPass& pass) {
 
 /// Without folds, which hold no energy.
 template <class View>
-HWY_INLINE ElementLevels spring_levels(const View& view, const SpringPass& pass) {
+HWY_INLINE EnergyAndStrain spring_levels(const View& view, const SpringPass& pass) {
     using T = typename View::T;
     T energy = View::all(0.0), largest = View::all(-1.0);
     for (int p = view.first(); p < view.last(); ++p) {

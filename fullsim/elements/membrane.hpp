@@ -63,12 +63,12 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
         largest = larger(part.live_load(part_largest), largest);
     }
     const double lost = sum(dissipated);
-    return {sum(positive), sum(signed_area), lost, greatest_or_none(largest, lost)};
+    return {sum(positive), sum(signed_area), lost, nan_greatest(largest, lost)};
 }
 
 /// What membranes hold and how far they are stretched, at full stiffness whatever the pass says.
 template <class View>
-HWY_INLINE ElementLevels membrane_levels(const View& view, const MembranePass& pass) {
+HWY_INLINE EnergyAndStrain membrane_levels(const View& view, const MembranePass& pass) {
     using T = typename View::T;
     using T3 = typename View::T3;
     T energy = View::all(0.0), strain = energy;

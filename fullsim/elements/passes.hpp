@@ -23,7 +23,7 @@ struct ElementSums {
         positive_area += other.positive_area;
         signed_area += other.signed_area;
         dissipated += other.dissipated;
-        largest_load = larger_or_none(largest_load, other.largest_load);
+        largest_load = nan_max(largest_load, other.largest_load);
         for (int c = 0; c < 3; ++c) {
             by_arm[c] += other.by_arm[c];
             by_turning[c] += other.by_turning[c];
@@ -33,9 +33,9 @@ struct ElementSums {
 };
 
 /// Of all elements of a kind.
-struct ElementLevels {
+struct EnergyAndStrain {
     double energy = 0.0;  ///< [J]
-    double strain = 0.0;  ///< [-] largest tensile strain, as Extreme
+    double strain = 0.0;  ///< [-] largest tensile strain, as StrainExtremum
 };
 
 /// Membranes, and the pressure on them.

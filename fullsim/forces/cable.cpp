@@ -75,7 +75,7 @@ public:
         state.largest.add_tension(sums.largest_load);
     }
 
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         if (on_cloth_ && state.folded) return;
         for (const Cable& c : cables_)
             for (int end = 0; end < 2; ++end) {
@@ -94,8 +94,8 @@ public:
         return total;
     }
 
-    Extreme extreme(const State& state) const override {
-        Extreme most{-1.0};
+    StrainExtremum extreme(const State& state) const override {
+        StrainExtremum most{-1.0};
         for (std::size_t i = 0; i < cables_.size(); ++i) {
             const double e = strain(state, cables_[i]);
             if (e > most.strain) most = {e, i};

@@ -73,7 +73,7 @@ public:
                                    .dissipated;
     }
 
-    void add_row_sums(const State&, RowSums& sums) const override {
+    void add_row_sums(const State&, GershgorinSums& sums) const override {
         for (const FabricEdge& e : edges())
             for (int end = 0; end < 2; ++end) {
                 const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);

@@ -11,9 +11,9 @@
 
 namespace twinchute::fullsim {
 
-/// Row sums for the stable step: sum over elements of the norms of their stiffness and damping
+/// Row sums for the critical time step: sum over elements of the norms of their stiffness and damping
 /// blocks in the row of each node, the block of column j times w_j/w_i (Gershgorin).
-struct RowSums {
+struct GershgorinSums {
     std::vector<double> stiffness;    ///< K_i [N/m]
     std::vector<double> damping;      ///< C_i [N s/m]
     std::vector<double> weight = {};  ///< w > 0 by node; empty where all are alike
@@ -23,7 +23,7 @@ struct RowSums {
 };
 
 /// The most strained element of a block.
-struct Extreme {
+struct StrainExtremum {
     double strain = 0.0;      ///< [-] largest tensile strain; of springs and cables as low as -1, folded
     std::size_t element = 0;  ///< its number within the block
 };
@@ -37,10 +37,10 @@ public:
     /// state.damping_power; state.largest grows with the loads of suspension lines and fabric.
     virtual void add_forces(State& state) const = 0;
     /// Adds its share to the row sums of the current tangent.
-    virtual void add_row_sums(const State&, RowSums&) const {}
+    virtual void add_row_sums(const State&, GershgorinSums&) const {}
     /// Stored energy [J].
     virtual double energy(const State&) const { return 0.0; }
-    virtual Extreme extreme(const State&) const { return {}; }
+    virtual StrainExtremum extreme(const State&) const { return {}; }
     /// An element in words, e.g. "fabric triangle 17".
     virtual std::string element_name(std::size_t) const { return std::string(name()); }
     /// Element evaluations in one add_forces.

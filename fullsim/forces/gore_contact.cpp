@@ -77,7 +77,7 @@ public:
     }
 
     /// As if all pairs met: they may at any time.
-    void add_row_sums(const State&, RowSums& sums) const override {
+    void add_row_sums(const State&, GershgorinSums& sums) const override {
         for_each_contact(mesh_, [&](const ContactPair<NodeIndex>& pair) {
             for (int end = 0; end < 2; ++end)
                 sums.stiffness[pair.node[end]] +=

@@ -63,18 +63,18 @@ public:
         state.largest.add_stress(state.fe_weight * sums.largest_load);
     }
 
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const Triangle& t : triangles_) {
             const TriangleRows unstrained = unstrained_rows(law_, t);
             const auto by = law::membrane_stiffening(as_scalar(strain_of(state, t)));
             const double stiffening = state.fe_weight * by.stiffness;
-            const double lengthening = state.fe_weight * by.damping * unstrained.damping;
+            const double elongation_rate = state.fe_weight * by.damping * unstrained.damping;
             const auto& [n0, n1, n2] = t.node;
             const std::array<double, 3> weight{1.0, sums.over(n1, n0), sums.over(n2, n0)};
             for (int i = 0; i < 3; ++i) {
                 const double stiffness = unstrained.stiffness(i, weight);
                 sums.stiffness[t.node[i]] += stiffening * stiffness;
-                sums.damping[t.node[i]] += lengthening * stiffness;
+                sums.damping[t.node[i]] += elongation_rate * stiffness;
             }
         }
     }
@@ -86,8 +86,8 @@ public:
         return state.fe_weight * total;
     }
 
-    Extreme extreme(const State& state) const override {
-        Extreme most;
+    StrainExtremum extreme(const State& state) const override {
+        StrainExtremum most;
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
             const double first = first_principal(strain_of(state, triangles_[i]));
             if (first > most.strain) most = {first, i};

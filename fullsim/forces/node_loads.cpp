@@ -31,7 +31,7 @@ public:
         state.damping_power += sum3(dissipated);
     }
 
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (NodeIndex i = 0; i < canopy_nodes_; ++i)
             sums.damping[i] += k_ * state.air.density * state.air.airspeed * area_[i];
     }
@@ -58,7 +58,7 @@ public:
         state.damping_power += sum3(dissipated);
     }
 
-    void add_row_sums(const State&, RowSums& sums) const override {
+    void add_row_sums(const State&, GershgorinSums& sums) const override {
         for (std::size_t i = 0; i < mass_.size(); ++i)
             sums.damping[i] += alpha_ * mass_[i];
     }
@@ -134,7 +134,7 @@ public:
         state.accretion_power += sum3(power);
     }
 
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         if (!(state.added_mass_rate > 0.0)) return;
         for (std::size_t i = 0; i < share_.size(); ++i)
             sums.damping[i] += state.added_mass_rate * share_[i];

@@ -59,7 +59,7 @@ struct ForceBlock {
     bool dissipates;      ///< what it takes out of the motion is booked as damping
     bool fixed_in_space;  ///< its direction is prescribed; everything else turns with the parachute and the
                           ///< air
-    bool substeps;        ///< of lines and risers: evaluated in every substep (fullsim/step/substeps.hpp)
+    bool subcycles;       ///< of lines and risers: evaluated in every subcycle (fullsim/time/subcycling.hpp)
     bool (*needed)(const Scene&, Stage);
     std::string (*why)(const Scene&);  ///< what in a scene makes it needed, or left out
     std::unique_ptr<const ForceModel> (*make)(const Scene&, const Mesh&);

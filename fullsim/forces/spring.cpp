@@ -58,7 +58,7 @@ public:
     }
 
     std::size_t bytes() const override { return edges_.capacity() * sizeof(FabricEdge); }
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const FabricEdge& e : edges_) {
             const double unstrained = modulus_ * e.section / e.rest_length;
             // Any edge may come taut any time, unless all are folded.
@@ -82,8 +82,8 @@ public:
         return total;
     }
 
-    Extreme extreme(const State& state) const override {
-        Extreme most{-1.0};
+    StrainExtremum extreme(const State& state) const override {
+        StrainExtremum most{-1.0};
         for (std::size_t i = 0; i < edges_.size(); ++i)
             if (const double s = strain(state, edges_[i]); s > most.strain) most = {s, i};
         return most;

@@ -73,7 +73,7 @@ public:
     }
 
     /// The blocks of the tangent: V F (lambda g_a g_b^T + mu (g_b g_a^T + g_a.g_b 1)) F^T + V (g_a.S g_b) 1.
-    void add_row_sums(const State& state, RowSums& sums) const override {
+    void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const Element& e : elements_) {
             const Matrix3 f = deformation(state, e);
             const Matrix3 stress = solid_stress(law_, green_strain(f));
@@ -104,8 +104,8 @@ public:
     }
 
     /// A tetrahedron that is turned inside out is strained beyond any limit.
-    Extreme extreme(const State& state) const override {
-        Extreme most;
+    StrainExtremum extreme(const State& state) const override {
+        StrainExtremum most;
         for (std::size_t i = 0; i < elements_.size(); ++i) {
             const Matrix3 f = deformation(state, elements_[i]);
             Eigen::SelfAdjointEigenSolver<Matrix3> principal;
@@ -118,7 +118,8 @@ public:
     }
 
 private:
-    static void add_to_row(RowSums& sums, NodeIndex row, NodeIndex column, double stiffness, double damping) {
+    static void add_to_row(GershgorinSums& sums, NodeIndex row, NodeIndex column, double stiffness,
+                           double damping) {
         const double weight = sums.over(column, row);
         sums.stiffness[row] += stiffness * weight;
         sums.damping[row] += damping * weight;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/mesh/closed_canopy.hpp"
+#include "fullsim/mesh/folded_canopy.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
@@ -98,10 +98,10 @@ private:
     void lay_out_rows() {
         const bool graded = counts_.grading == Grading::graded;
         const double seam = pattern_.skirt_radius - pattern_.vent_radius;
-        const auto lengthening = [](int row) { return std::pow(row + 1.0, -1.5); };
+        const auto elongation_rate = [](int row) { return std::pow(row + 1.0, -1.5); };
         double all = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row)
-            all += lengthening(row);
+            all += elongation_rate(row);
         const double first = lengthening_of_the_first(seam, all);
         const double plain = (seam - first * all) / counts_.gore_rows;
         double added = 0.0;
@@ -111,7 +111,7 @@ private:
                 row < counts_.gore_rows ? pattern_.vent_radius + plain * row + added : pattern_.skirt_radius;
             const int columns = graded && row == 0 ? 1 : counts_.gore_columns;
             rows_.push_back({radius, radius, columns, node});
-            added += first * lengthening(row);
+            added += first * elongation_rate(row);
             node += chute_.gores * columns;
         }
         if (rows_[0].columns < rows_[1].columns) rows_[0].start_radius = loose_vent();

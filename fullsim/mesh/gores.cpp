@@ -34,7 +34,7 @@ public:
         require(gores_.count >= 3, "fewer than three gores are each other's neighbours on both sides");
         number_canopy();
         number_lines();
-        collect_trunk();
+        collect_global();
         for (int gore = 0; gore < gores_.count; ++gore)
             compare_nodes(gore);
         // Triangles and cables follow each other gore by gore, as the generator sews them.
@@ -55,7 +55,7 @@ public:
 
 private:
     struct Place {
-        int gore = -1;  // none: trunk
+        int gore = -1;  // none: global structure
         LocalNode local = -1;
     };
 
@@ -148,23 +148,23 @@ private:
 
     /// From the skirt through all of the gore's nodes that are not of the canopy, in their order.
     void require_one_line() const {
-        const auto first_guest = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
+        const auto first_shared = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
         LocalNode here = gores_.inner;
         for (const GoreCable& c : gores_.cables) {
             if (is_tape(c.kind)) continue;
             require(c.node[0] == here && here < gores_.own, "lines that do not run from the skirt down");
             here = c.node[1];
-            require((here == c.node[0] + 1 && here < gores_.own) || here >= first_guest,
+            require((here == c.node[0] + 1 && here < gores_.own) || here >= first_shared,
                     "lines that do not run from node to node");
         }
-        require(here >= first_guest, "lines that do not end at a link");
+        require(here >= first_shared, "lines that do not end at a link");
     }
 
-    void collect_trunk() {
+    void collect_global() {
         for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
-            if (place_[i].gore < 0) gores_.trunk.push_back(i);
-        gores_.trunk_cables = of_kind(mesh_.cables, CableKind::riser);
-        for (const Cable& c : gores_.trunk_cables)
+            if (place_[i].gore < 0) gores_.global.push_back(i);
+        gores_.global_cables = of_kind(mesh_.cables, CableKind::riser);
+        for (const Cable& c : gores_.global_cables)
             for (const NodeIndex i : c.node)
                 require(place_[i].gore < 0, "a riser that ends on a gore");
         // First all that gores see of each other, so that no number depends on what comes later.
@@ -182,28 +182,28 @@ private:
         }
     }
 
-    /// A node as `gore` numbers it. A shared one becomes a guest; which one it is differs from gore to gore.
+    /// A node as `gore` numbers it. The number of a shared one differs from gore to gore.
     LocalNode local_node(NodeIndex node, int gore) {
         const Place at = node < mesh_.node_count() ? place_[node] : Place{};
         if (at.gore == gore) return at.local;
-        if (at.gore < 0) return guest(node, gore);
+        if (at.gore < 0) return shared(node, gore);
         require(at.gore == (gore + 1) % gores_.count, "an element reaches beyond the next gore");
         const auto seam = std::ranges::find(gores_.neighbour, at.local);
         require(seam != gores_.neighbour.end(), "an element reaches across a seam");
         return gores_.own + static_cast<LocalNode>(seam - gores_.neighbour.begin());
     }
 
-    LocalNode guest(NodeIndex node, int gore) {
+    LocalNode shared(NodeIndex node, int gore) {
         const auto first = static_cast<LocalNode>(gores_.own + gores_.neighbour.size());
-        for (std::size_t k = 0; k < gores_.guest.size(); ++k)
-            if (gores_.guest[k][gore] == node) return first + static_cast<LocalNode>(k);
-        // Every gore counts its guests in the order in which it meets them: the k-th of one is the k-th of
-        // all.
+        for (std::size_t k = 0; k < gores_.shared.size(); ++k)
+            if (gores_.shared[k][gore] == node) return first + static_cast<LocalNode>(k);
+        // Every gore counts its shared nodes in the order in which it meets them: the k-th of one is the k-th
+        // of all.
         std::size_t k = 0;
-        while (k < gores_.guest.size() && gores_.guest[k][gore] >= 0)
+        while (k < gores_.shared.size() && gores_.shared[k][gore] >= 0)
             ++k;
-        if (k == gores_.guest.size()) gores_.guest.emplace_back(gores_.count, NodeIndex{-1});
-        gores_.guest[k][gore] = node;
+        if (k == gores_.shared.size()) gores_.shared.emplace_back(gores_.count, NodeIndex{-1});
+        gores_.shared[k][gore] = node;
         return first + static_cast<LocalNode>(k);
     }
 
@@ -244,7 +244,7 @@ private:
     void number_static_line() {
         std::vector<Cable> cords;
         for (const Cable& c : mesh_.static_line.cables)
-            (c.node[0] < mesh_.node_count() ? cords : gores_.trunk_static_line).push_back(c);
+            (c.node[0] < mesh_.node_count() ? cords : gores_.global_static_line).push_back(c);
         gores_.static_line = cables(cords);
     }
 

@@ -11,7 +11,7 @@
 namespace twinchute::fullsim {
 
 /// A node as a gore numbers it. Its own come first, those of its canopy before those of its line; then the
-/// neighbour's, on the seam to the next gore; then guests, which all gores or some of them share.
+/// neighbour's, on the seam to the next gore; then shared nodes, which all gores or some of them share.
 using LocalNode = std::int32_t;
 
 struct GoreTriangle {
@@ -37,22 +37,22 @@ struct Gores {
     int own = 0;     ///< nodes of a gore
     int canopy = 0;  ///< of those, on the canopy,
     int inner = 0;   ///< and of these, the first without a line
-    int local_nodes() const { return own + static_cast<int>(neighbour.size() + guest.size()); }
+    int local_nodes() const { return own + static_cast<int>(neighbour.size() + shared.size()); }
 
     std::vector<NodeIndex> node;       ///< [gore * own + local node]
     std::vector<LocalNode> neighbour;  ///< own nodes that the gore before sees as local node own + k
     std::vector<std::vector<NodeIndex>>
-        guest;  ///< [k][gore]: the shared node that is local own + neighbours + k
+        shared;  ///< [k][gore]: the shared node that is local own + neighbours + k
 
     std::vector<GoreTriangle> triangles;
-    std::vector<GoreCable> cables;       ///< tapes, then the line from the skirt to a guest, node after node
+    std::vector<GoreCable> cables;  ///< tapes, then the line from the skirt to a shared node, node after node
     std::vector<GoreCable> static_line;  ///< cords from the vent to a static line
     std::vector<GoreEdge> edges;         ///< of the fabric
 
     // What belongs to no gore: links, risers, the payload, a static line.
-    std::vector<NodeIndex> trunk;          ///< nodes of the system, without static line, in mesh order
-    std::vector<Cable> trunk_cables;       ///< risers
-    std::vector<Cable> trunk_static_line;  ///< of a static line, from the apex on
+    std::vector<NodeIndex> global;          ///< nodes of the system, without static line, in mesh order
+    std::vector<Cable> global_cables;       ///< risers
+    std::vector<Cable> global_static_line;  ///< of a static line, from the apex on
 };
 
 /// The gores of a mesh, if they are alike: the same elements in the same order, the same measures and masses

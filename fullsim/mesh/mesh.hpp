@@ -40,11 +40,11 @@ struct Cable {
     CableKind kind;
 };
 
-/// A line from the apex to a far end outside the system. Its nodes come last: they go when it lets go, and no
-/// other number changes. First the apex, last the far end.
+/// A line from the apex to an anchor outside the system. Its nodes come last: they go when it lets go, and no
+/// other number changes. First the apex, last the anchor.
 struct StaticLine {
     std::vector<Vec3> position;  ///< [m] as Mesh::position
-    std::vector<double> mass;    ///< [kg]; none at the far end, which nothing accelerates
+    std::vector<double> mass;    ///< [kg]; none at the anchor, which nothing accelerates
     std::vector<Cable> cables;
 };
 

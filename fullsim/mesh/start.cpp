@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/mesh/draw_out.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
-#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/mesh/line_stretch_configuration.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -45,19 +45,19 @@ double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase
 Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double load) {
     const Parachute& chute = scene.parachutes.front();
     if (chute.mesh)
-        return draw_out(import_mesh(scene), scene, axis, mouth_area, load,
-                        chute.deploy.by == DeployBy::inflated);
+        return line_stretch_configuration(import_mesh(scene), scene, axis, mouth_area, load,
+                                          chute.deploy.by == DeployBy::inflated);
     return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, axis, mouth_area, load);
 }
 
 /// Static line elements over those of suspension lines, in length: on light vent nodes, and held by many legs
-/// at one end, they would set the step of the whole parachute where lines take substeps. As many times as
-/// lines take substeps then, or this.
+/// at one end, they would set the step of the whole parachute where lines take subcycles. As many times as
+/// lines take subcycles then, or this.
 constexpr double coarser_than_lines = 4.0;
 constexpr double fewest_elements = 4.0;  // of a static line
 
 /// As strong as one of four risers would be: by one leg from each of the vent's seams, together as strong, to
-/// the apex, from there to the far end. `axis`: from payload to apex.
+/// the apex, from there to the anchor. `axis`: from payload to apex.
 /// vent_radius: of the seams' ends there, as cut [m].
 StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_radius) {
     const Parachute& chute = scene.parachutes.front();
@@ -140,7 +140,7 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     if (chute.deploy.starts_packed()) {
         Mesh mesh = unloaded_mesh(scene);
         pack(mesh, chute.deploy.pack_ratio);
-        if (scene.payload.body) hang_body(scene, mesh, Hang::packed);
+        if (scene.payload.body) attach_payload(scene, mesh, Hang::packed);
         if (chute.deploy.by == DeployBy::static_line)
             mesh.static_line = rig_static_line(mesh, scene, cut_vent_radius(scene));
         return mesh;
@@ -149,7 +149,7 @@ Mesh start_mesh(const Scene& scene, const Inflation& inflation, Phase phase) {
     Mesh mesh = drawn_out(scene, trailing_direction(scene),
                           chute.deploy.by == DeployBy::inflated ? open : mouth_area_at_line_stretch(chute),
                           load_at_start(scene, inflation, phase));
-    if (scene.payload.body) hang_body(scene, mesh, Hang::drawn_out);
+    if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
     return mesh;
 }
 

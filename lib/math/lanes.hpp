@@ -96,7 +96,7 @@ inline double greatest(Lanes a) {
 }
 /// The greatest lane of a running maximum, in which numbers hide what is none; `witness`, a sum over the same
 /// elements, cannot hide it.
-inline double greatest_or_none(Lanes most, double witness) {
+inline double nan_greatest(Lanes most, double witness) {
     return greatest(most) + 0.0 * witness;
 }
 inline double sum3(Lanes a) {

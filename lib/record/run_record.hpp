@@ -19,7 +19,7 @@ enum class StatusCode {
     interrupted,       ///< Ctrl-C or a stop request; what was computed is in the record
     refused,           ///< the fidelity lacks physics that the scene asks for
     solver_failed,     ///< the ODE integrator gave up; detail holds its message
-    step_too_small,    ///< the stable step fell below the smallest useful one
+    step_too_small,    ///< the critical time step fell below the smallest useful one
     not_finite,        ///< a NaN or infinity appeared; detail names node and time
     strain_limit,      ///< an element was strained beyond the scene's limit
     energy_grew,       ///< the energy ledger does not close: energy came from nowhere

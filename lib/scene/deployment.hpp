@@ -9,7 +9,7 @@
 namespace twinchute {
 
 enum class DeployBy {
-    static_line,   ///< a line from the apex to a far end pays out, and lets go at snatch
+    static_line,   ///< a line from the apex to an anchor pays out, and lets go at snatch
     free,          ///< drag and inertia alone
     extraction,    ///< a prescribed force pulls the parachute out
     pilot,         ///< the drag of a pilot chute draws the pack out
@@ -43,7 +43,7 @@ struct ForceHistory {
 struct Deployment {
     DeployBy by = DeployBy::line_stretch;
 
-    double static_line_length = 0.0;  ///< [m] far end to apex
+    double static_line_length = 0.0;  ///< [m] anchor to apex
     bool far_end_moves = true;        ///< with the velocity of the release; otherwise it stands still
 
     ForceHistory extraction;         ///< straight behind the release

@@ -264,7 +264,7 @@ struct FullSettings {
     double alpha = 0.0;                 ///< [1/s] mass-proportional Rayleigh damping about the mean motion
     bool alpha_from_release = false;    ///< otherwise from snatch on
     double bulk_viscosity = 0.0;        ///< b1 [-] (paper, Eq. 3)
-    double time_step_factor = 0.0;      ///< share of the bound on the stable step [-]
+    double time_step_factor = 0.0;      ///< share of the bound on the critical time step [-]
     int line_substeps = 1;              ///< most steps of lines and risers within one of the canopy
     double mass_scaling = 0.0;          ///< mass added where nodes set the step, of canopy and its air [-]
     double strain_limit = 0.0;          ///< largest strain that a run may reach [-]

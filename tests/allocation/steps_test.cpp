@@ -87,11 +87,11 @@ struct NamedLayout {
     Simulation::LayoutMaker make;
 };
 
-const NamedLayout gores{"gores in lanes", [](const Scene& s, const Mesh& m, const NodeConstants& c) {
+const NamedLayout gores{"gore-batched", [](const Scene& s, const Mesh& m, const NodeConstants& c) {
                             return make_gore_layout(s, m, c);
                         }};
-const NamedLayout any_mesh{"indexed", [](const Scene& s, const Mesh& m, const NodeConstants& c) {
-                               return make_indexed_layout(s, m, c);
+const NamedLayout any_mesh{"unstructured", [](const Scene& s, const Mesh& m, const NodeConstants& c) {
+                               return make_unstructured_layout(s, m, c);
                            }};
 const NamedLayout one_sector{"sector", [](const Scene& s, const Mesh& m, const NodeConstants& c) {
                                  return make_sector_layout(s, m, c);

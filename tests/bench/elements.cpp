@@ -16,9 +16,9 @@
 #include <fmt/format.h>
 
 #include "fullsim/fields.hpp"
-#include "fullsim/gores/kernels.hpp"
-#include "fullsim/indexed/kernels.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/gore_batched/kernels.hpp"
+#include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/bench/bench.hpp"
 
@@ -83,12 +83,12 @@ public:
     Simulation& simulation() { return *simulation_; }
     /// [B] of the whole simulation.
     double bytes() const { return bytes_; }
-    /// [B] of one in the indexed layout, after a step.
+    /// [B] of one in the unstructured layout, after a step.
     double bytes_if_indexed() const {
         const double before = allocated();
         Simulation simulation(scene_, [](const Scene& scene, const fullsim::Mesh& mesh,
                                          const fullsim::NodeConstants& constants) {
-            return make_indexed_layout(scene, mesh, constants);
+            return make_unstructured_layout(scene, mesh, constants);
         });
         simulation.evaluate_forces();
         simulation.step_to(1e9);
@@ -212,10 +212,10 @@ std::vector<LayoutChoice> layout_choices() {
     std::vector<LayoutChoice> all{{"reference", [](const Scene&, const Mesh& mesh, const NodeConstants& c) {
                                        return make_reference_layout(mesh, c);
                                    }}};
-    for (const indexed::Kernels& kernels : indexed::all_kernels())
+    for (const unstructured::Kernels& kernels : unstructured::all_kernels())
         all.push_back({fmt::format("indexed {}", kernels.instruction_set),
                        [&kernels](const Scene& scene, const Mesh& mesh, const NodeConstants& c) {
-                           return make_indexed_layout(scene, mesh, c, &kernels);
+                           return make_unstructured_layout(scene, mesh, c, &kernels);
                        }});
     for (const GoreKernels& kernels : all_gore_kernels())
         all.push_back({fmt::format("gores {}", kernels.instruction_set),
@@ -274,7 +274,7 @@ void measure_step(benchmark::State& bench, const Size& size) {
     for (auto _ : bench)
         flight.step(steps);
     using benchmark::Counter;
-    // Triangles and cables, lines once more for every substep: what a record calls element-steps.
+    // Triangles and cables, lines once more for every subcycle: what a record calls element-steps.
     const auto evaluated = static_cast<double>(flight.simulation().element_steps() - before);
     count_elements(bench, evaluated / static_cast<double>(bench.iterations()));
     bench.counters["elements"] = static_cast<double>(mesh.triangles.size() + mesh.cables.size());

@@ -2,7 +2,7 @@
 // this program are Google Benchmark's.
 #include <benchmark/benchmark.h>
 
-#include "fullsim/gores/kernels.hpp"
+#include "fullsim/storage/gore_batched/kernels.hpp"
 #include "lib/record/run_record.hpp"
 #include "tests/bench/bench.hpp"
 

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/gores/kernels.hpp"
-#include "fullsim/indexed/kernels.hpp"
 #include "fullsim/run_fullsim.hpp"
-#include "fullsim/sector/kernels.hpp"
 #include "fullsim/serialize_state.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/gore_batched/kernels.hpp"
+#include "fullsim/storage/sector_batched/kernels.hpp"
+#include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/same_run.hpp"
 
@@ -180,12 +180,12 @@ TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {
     // Thirty gores leave lanes without one. From line stretch into filling, where the weights of rows are
     // made anew while the added mass grows: 3000 steps.
     Scene scene = coarse("c9-inflation.toml", {"parachute.gores=30", "parachute.risers=3"});
-    for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+    for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
         SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
         expect_same_rest(
             scene,
             [&](const Scene& s, const Mesh& m, const NodeConstants& c) {
-                return make_indexed_layout(s, m, c, &kernels);
+                return make_unstructured_layout(s, m, c, &kernels);
             },
             500, 6);
     }
@@ -223,7 +223,7 @@ TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
     const Scene scene = coarse("c9-inflation.toml");
     const auto indexed = [](std::size_t which) {
         return [which](const Scene& s, const Mesh& m, const NodeConstants& c) {
-            return make_indexed_layout(s, m, c, &indexed::all_kernels()[which]);
+            return make_unstructured_layout(s, m, c, &unstructured::all_kernels()[which]);
         };
     };
     Simulation simulation(scene, indexed(0));
@@ -243,7 +243,7 @@ TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
               std::string::npos);
     EXPECT_NE(why_not(Simulation(scene)).find("is of another layout of nodes and elements"),
               std::string::npos);
-    if (indexed::all_kernels().size() > 1) {
+    if (unstructured::all_kernels().size() > 1) {
         EXPECT_NE(why_not(Simulation(scene, indexed(1))).find("is of another instruction set"),
                   std::string::npos);
     }

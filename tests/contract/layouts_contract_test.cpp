@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
-#include "fullsim/gores/kernels.hpp"
-#include "fullsim/indexed/kernels.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/gore_batched/kernels.hpp"
+#include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/layout_answer.hpp"
 #include "tests/support/small_parachute.hpp"
@@ -32,9 +32,9 @@ struct NamedLayout {
 /// Each layout that can have this mesh with each instruction set of this machine.
 std::vector<NamedLayout> layouts_of(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
     std::vector<NamedLayout> all;
-    for (const indexed::Kernels& kernels : indexed::all_kernels())
+    for (const unstructured::Kernels& kernels : unstructured::all_kernels())
         all.push_back({fmt::format("indexed, {}", kernels.instruction_set),
-                       make_indexed_layout(scene, mesh, constants, &kernels)});
+                       make_unstructured_layout(scene, mesh, constants, &kernels)});
     for (const GoreKernels& kernels : all_gore_kernels())
         if (auto gores = make_gore_layout(scene, mesh, constants, &kernels))
             all.push_back({fmt::format("gores, {}", kernels.instruction_set), std::move(gores)});
@@ -48,7 +48,7 @@ void compare_all(const Scene& scene, const Mesh& mesh, const NodeConstants& cons
     const Answer reference =
         answer_of(*make_reference_layout(mesh, constants), state, constants, structure, loads);
     const std::vector<NamedLayout> all = layouts_of(scene, mesh, constants);
-    EXPECT_EQ(all.size(), indexed::all_kernels().size() + (gores_alike ? all_gore_kernels().size() : 0));
+    EXPECT_EQ(all.size(), unstructured::all_kernels().size() + (gores_alike ? all_gore_kernels().size() : 0));
     for (const auto& [name, layout] : all) {
         SCOPED_TRACE(name + " step " + std::to_string(state.step));
         expect_same(reference, answer_of(*layout, state, constants, structure, loads), stiffest_cable(scene));
@@ -94,13 +94,13 @@ TEST(Layouts, AgreeOnAPackedDropInEveryStage) {
 }
 
 TEST(Layouts, AgreeWhereGoresTouch) {
-    // While the demo opens to the point where gores of different risers meet, lines in substeps or not; a
+    // While the demo opens to the point where gores of different risers meet, lines in subcycles or not; a
     // breath of noise, so that what contacts push off on the axis is not nothing.
-    for (const char* substeps : {"1", "4"})
+    for (const char* subcycles : {"1", "4"})
         compare_along(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
                                  {"full.contact='gores'", "full.mesh.gore_columns=3", "full.mesh.gore_rows=6",
                                   "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
-                                  std::string("full.line_substeps=") + substeps}),
+                                  std::string("full.line_substeps=") + subcycles}),
                       12'000);
 }
 
@@ -182,10 +182,10 @@ TEST(Layouts, ASmoothOpeningIsTheSameInAll) {
             return make_gore_layout(s, mesh, constants, &kernels);
         });
     }
-    for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+    for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
         SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
         expect_same_outcome([&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-            return make_indexed_layout(s, mesh, constants, &kernels);
+            return make_unstructured_layout(s, mesh, constants, &kernels);
         });
     }
 }
@@ -258,7 +258,7 @@ TEST(Layouts, ALoadThatIsNoNumberIsNotHidden) {
 }
 
 TEST(Layouts, SubstepsOfLinesCountForTheLargestTension) {
-    // The payload runs away at 10 m/s: lines are taut in the last substep of three as they were at no step.
+    // The payload runs away at 10 m/s: lines are taut in the last subcycle of three as they were at no step.
     Scene scene = crane_drop({});
     scene.parachutes.front().deploy.by = DeployBy::line_stretch;
     scene.release.speed = 25.0;
@@ -293,9 +293,9 @@ TEST(Layouts, TheSameInputGivesTheSameBits) {
     Scene drawn_out = packed;
     drawn_out.parachutes.front().deploy.by = DeployBy::line_stretch;
     drawn_out.release.speed = 25.0;
-    const auto end_of = [](const Scene& scene, const indexed::Kernels& kernels) {
+    const auto end_of = [](const Scene& scene, const unstructured::Kernels& kernels) {
         Simulation simulation(scene, [&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-            return make_indexed_layout(s, mesh, constants, &kernels);
+            return make_unstructured_layout(s, mesh, constants, &kernels);
         });
         for (int step = 0; step < 300; ++step) {
             simulation.evaluate_forces();
@@ -304,7 +304,7 @@ TEST(Layouts, TheSameInputGivesTheSameBits) {
         return simulation.state();
     };
     for (const Scene* scene : {&std::as_const(packed), &std::as_const(drawn_out)})
-        for (const indexed::Kernels& kernels : indexed::all_kernels()) {
+        for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
             SCOPED_TRACE(kernels.instruction_set);
             const State once = end_of(*scene, kernels), again = end_of(*scene, kernels);
             ASSERT_EQ(once.node.size(), again.node.size());
@@ -316,8 +316,8 @@ TEST(Layouts, TheSameInputGivesTheSameBits) {
 }
 
 TEST(Layouts, AnyNumberOfThreadsGivesTheSameBits) {
-    // From line stretch through the first filling, with substeps, and a pack; four instruction sets' worth of
-    // blocks of gores, on as many threads as there are, and more.
+    // From line stretch through the first filling, with subcycles, and a pack; four instruction sets' worth
+    // of blocks of gores, on as many threads as there are, and more.
     for (const bool packed : {false, true}) {
         Scene scene = crane_drop({"full.mesh.gore_rows=30", "full.mesh.line_elements=31"});
         if (!packed) {
@@ -359,18 +359,18 @@ TEST(Layouts, AnUnevenMeshIsNotSideBySide) {
     EXPECT_FALSE(find_gores(mesh, &why));
     EXPECT_NE(why.find("triangles differ"), std::string::npos) << why;
     EXPECT_FALSE(make_gore_layout(scene, mesh, simulation.constants()));
-    EXPECT_EQ(make_layout(scene, mesh, simulation.constants())->name(), "indexed");
-    EXPECT_EQ(make_layout(scene, simulation.mesh(), simulation.constants())->name(), "gores in lanes");
+    EXPECT_EQ(make_layout(scene, mesh, simulation.constants())->name(), "unstructured");
+    EXPECT_EQ(make_layout(scene, simulation.mesh(), simulation.constants())->name(), "gore-batched");
 }
 
 TEST(Layouts, GoresCoverTheMesh) {
     const Mesh mesh = Simulation(crane_drop({})).mesh();
     const Gores gores = find_gores(mesh).value();
     EXPECT_EQ(gores.triangles.size() * gores.count, mesh.triangles.size());
-    EXPECT_EQ(gores.cables.size() * gores.count + gores.trunk_cables.size(), mesh.cables.size());
+    EXPECT_EQ(gores.cables.size() * gores.count + gores.global_cables.size(), mesh.cables.size());
     EXPECT_EQ(gores.edges.size() * gores.count, fabric_edges(mesh).size());
     std::vector<NodeIndex> all = gores.node;
-    all.insert(all.end(), gores.trunk.begin(), gores.trunk.end());
+    all.insert(all.end(), gores.global.begin(), gores.global.end());
     std::ranges::sort(all);
     ASSERT_EQ(all.size(), mesh.position.size());
     for (std::size_t i = 0; i < all.size(); ++i)

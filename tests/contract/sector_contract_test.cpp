@@ -1,4 +1,4 @@
-// One sector with its rows in lanes gives the answer of the indexed layout, which is the reference: in
+// One sector with its sector-batched gives the answer of the unstructured layout, which is the reference: in
 // symmetric states recorded on the way through runs, on every instruction set.
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 
 #include "fullsim/frames.hpp"
 #include "fullsim/observer.hpp"
-#include "fullsim/sector/kernels.hpp"
-#include "fullsim/sector/sector.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/sector_batched/kernels.hpp"
+#include "fullsim/storage/sector_batched/sector.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"

@@ -1,7 +1,7 @@
 // Any bytes as a mesh of Gmsh: a parachute whose lengths and masses are numbers, in a start, too, or a
 // SceneError with a place.
-#include "fullsim/mesh/draw_out.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
+#include "fullsim/mesh/line_stretch_configuration.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             fuzz::require(c.rest_length > 0.0 && c.strands > 0.0, "a cable has length and strands");
         const GmshMesh again = read_gmsh(gmsh_text(got.mesh, GmshVersion::v4_1, "again"), "again.msh");
         fuzz::require(again.nodes.size() == got.mesh.position.size(), "what is written is read");
-        draw_out(got, scene, Vec3::UnitZ(), 1.0, 0.0, false);
+        line_stretch_configuration(got, scene, Vec3::UnitZ(), 1.0, 0.0, false);
     } catch (const SceneError& error) {
         // A mesh that cannot be folded is refused by the scene's key.
         fuzz::require(!error.key().empty() || (!error.place().file.empty() && error.place().line > 0),

@@ -57,7 +57,7 @@ MUTATIONS = [
     Mutation(RADIUS, "lib", "lib/models/added_mass.cpp",
              "return filled((2.0 / 3.0) * pi, rho, radius, ramp);",
              "return filled((2.0 / 3.0) * pi * 3.375, rho, radius, ramp);", scene=DEMO, tests=["AddedMass.*"]),
-    Mutation(WIND, "fullsim", "fullsim/step/aero_reference.cpp",
+    Mutation(WIND, "fullsim", "fullsim/time/aero_reference.cpp",
              "air.wind = environment.wind->at(", "air.wind = -environment.wind->at(",
              scene=CROSSWIND, piece="wind"),
     Mutation(WIND, "rom", "rom/motion.hpp",

@@ -8,24 +8,25 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/layout.hpp"
+#include "fullsim/storage/layout.hpp"
 
 namespace twinchute::test {
 
-using fullsim::BlockClock, fullsim::EnergyBook, fullsim::ForceModels, fullsim::Layout, fullsim::Levels,
-    fullsim::NodeConstants, fullsim::StableSteps, fullsim::State, fullsim::to_vec3;
+using fullsim::BlockClock, fullsim::EnergyBook, fullsim::ForceModels, fullsim::Layout,
+    fullsim::EnergiesAndStrains, fullsim::NodeConstants, fullsim::CriticalSteps, fullsim::State,
+    fullsim::to_vec3;
 
 inline constexpr double step_of_answers = 1e-5;  // [s]
 
 /// Answer of a layout for one state: sums, the state after a step, and the forces that follow from it.
 struct Answer {
     State state;
-    Levels levels;  ///< before the step
-    StableSteps stable;
-    std::vector<Vec3> force;              ///< [N], gravity included
-    double membrane_energy = 0.0;         ///< [J] where there are membranes
-    State in_substeps;                    ///< after a step in which lines took three
-    std::vector<Vec3> force_in_substeps;  ///< [N] mean, likewise
+    EnergiesAndStrains levels;  ///< before the step
+    CriticalSteps stable;
+    std::vector<Vec3> force;               ///< [N], gravity included
+    double membrane_energy = 0.0;          ///< [J] where there are membranes
+    State in_subcycles;                    ///< after a step in which lines took three
+    std::vector<Vec3> force_in_subcycles;  ///< [N] mean, likewise
 };
 
 inline Answer answer_of(Layout& layout, const State& state, const NodeConstants& c,
@@ -35,12 +36,12 @@ inline Answer answer_of(Layout& layout, const State& state, const NodeConstants&
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
     const auto step = [&](State& s, int count) {
         s.largest = {};
-        s.in_substeps = {};
+        s.in_subcycles = {};
         layout.begin(s, structure, loads);
         if (count == 1) a.levels = layout.levels(s);
         clock.begin_step(false);
         layout.evaluate(s, clock);
-        if (count == 1) a.stable = layout.stable_steps(s);
+        if (count == 1) a.stable = layout.critical_steps(s);
         if (std::ranges::find(structure, "membrane", &fullsim::ForceModel::name) != structure.end())
             a.membrane_energy = layout.membrane_energy(s);
         s.energy.weighs = true;
@@ -54,43 +55,43 @@ inline Answer answer_of(Layout& layout, const State& state, const NodeConstants&
         return force;
     };
     a.force = step(a.state, 1);
-    a.force_in_substeps = step(a.in_substeps, 3);
+    a.force_in_subcycles = step(a.in_subcycles, 3);
     return a;
 }
 
 /// stiffest: EA [N] of the stiffest cable; rounding: of numbers near 1.
 inline void expect_same(const Answer& reference, const Answer& other, double stiffest,
                         double rounding = 1e-12) {
-    double largest = reference.state.riser_force.norm(), difference = 0.0, in_substeps = 0.0;
+    double largest = reference.state.riser_force.norm(), difference = 0.0, in_subcycles = 0.0;
     for (std::size_t i = 0; i + 1 < reference.force.size(); ++i) {  // the payload's tells its weight
         largest = std::max(largest, reference.force[i].norm());
         difference = std::max(difference, (reference.force[i] - other.force[i]).norm());
-        in_substeps =
-            std::max(in_substeps, (reference.force_in_substeps[i] - other.force_in_substeps[i]).norm());
+        in_subcycles =
+            std::max(in_subcycles, (reference.force_in_subcycles[i] - other.force_in_subcycles[i]).norm());
     }
     // A strain is a ratio near 1 less 1, good to 2e-16: in free fall, when hardly a force acts, that is what
     // is left of it times the stiffest cable's EA, in each of ten elements on a node.
     const double of_strains = 2e-3 * stiffest;
     EXPECT_LE(difference, rounding * (largest + of_strains));
-    // A first substep leaves places good to 1e-14 m, on elements of a few centimetres.
-    EXPECT_LE(in_substeps, rounding * (largest + 0.4 * stiffest));
+    // A first subcycle leaves places good to 1e-14 m, on elements of a few centimetres.
+    EXPECT_LE(in_subcycles, rounding * (largest + 0.4 * stiffest));
     const auto close = [&](double a, double b, double scale, const char* what) {
         EXPECT_NEAR(a, b, rounding * scale) << what;
     };
     const State &r = reference.state, &o = other.state;
     const double power = std::abs(r.energy.drag_power) + std::abs(r.energy.damping_power) +
                          std::abs(r.energy.gravity_power) + 1e-3;
-    close(reference.stable.all, other.stable.all, reference.stable.all, "stable step");
+    close(reference.stable.all, other.stable.all, reference.stable.all, "critical time step");
     close(reference.stable.canopy, other.stable.canopy, reference.stable.canopy, "of the canopy");
     close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
-    const EnergyBook &rb = reference.in_substeps.energy, &ob = other.in_substeps.energy;
+    const EnergyBook &rb = reference.in_subcycles.energy, &ob = other.in_subcycles.energy;
     const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * (largest + of_strains);
     close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
     close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");
     close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in substeps");
-    EXPECT_LT((reference.in_substeps.sums.system_velocity - other.in_substeps.sums.system_velocity).norm(),
+    EXPECT_LT((reference.in_subcycles.sums.system_velocity - other.in_subcycles.sums.system_velocity).norm(),
               rounding * 100.0);
-    EXPECT_LT((reference.in_substeps.sums.system_position - other.in_substeps.sums.system_position).norm(),
+    EXPECT_LT((reference.in_subcycles.sums.system_position - other.in_subcycles.sums.system_position).norm(),
               rounding * 1000.0);
     close(r.energy.drag_power, o.energy.drag_power, 10.0 * power, "drag power");
     close(r.energy.gravity_power, o.energy.gravity_power, power, "gravity power");
@@ -106,7 +107,7 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
           "kinetic energy of the rule");
     close(rb.kinetic, ob.kinetic, rb.kinetic + 1e2 * (power * step_of_answers + booked),
           "the same with substeps");
-    const Levels &rl = reference.levels, &ol = other.levels;
+    const EnergiesAndStrains &rl = reference.levels, &ol = other.levels;
     close(rl.kinetic, ol.kinetic, rl.kinetic, "kinetic energy");
     // Strains are good to 2e-16; their squares, times the stiffest cable's EA and some metres of it, too.
     close(rl.elastic, ol.elastic, 10.0 * rl.elastic + 1e-3 * stiffest, "elastic energy");
@@ -121,9 +122,9 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
           "largest tension");
     close(r.largest.fabric_stress, o.largest.fabric_stress, r.largest.fabric_stress + 4e-4 * stiffest,
           "largest stress");
-    close(reference.in_substeps.largest.line_tension, other.in_substeps.largest.line_tension,
-          reference.in_substeps.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
-    const auto &rp = reference.in_substeps.in_substeps, &op = other.in_substeps.in_substeps;
+    close(reference.in_subcycles.largest.line_tension, other.in_subcycles.largest.line_tension,
+          reference.in_subcycles.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
+    const auto &rp = reference.in_subcycles.in_subcycles, &op = other.in_subcycles.in_subcycles;
     EXPECT_EQ(rp.count, 2);
     EXPECT_EQ(op.count, 2);
     EXPECT_LT((rp.sum - op.sum).norm(), rounding * (largest + 4.0 * stiffest)) << "risers in substeps";

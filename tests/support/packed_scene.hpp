@@ -17,7 +17,7 @@ inline Scene packed_scene() {
     return scene;
 }
 
-/// The paper's crane drop: a static line of 12.2 m whose far end stands still.
+/// The paper's crane drop: a static line of 12.2 m whose anchor stands still.
 inline Scene crane_drop() {
     Scene scene = packed_scene();
     Deployment& deploy = scene.parachutes.front().deploy;

@@ -5,7 +5,7 @@
 
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/state.hpp"
-#include "fullsim/step/midpoint.hpp"
+#include "fullsim/time/midpoint.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "tests/support/c9_scene.hpp"
 

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/step/midpoint.hpp"
+#include "fullsim/time/midpoint.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::test {
@@ -174,8 +174,8 @@ public:
         state.dt = 0.0;
     }
 
-    fullsim::RowSums row_sums() const {
-        fullsim::RowSums sums;
+    fullsim::GershgorinSums row_sums() const {
+        fullsim::GershgorinSums sums;
         sums.stiffness.assign(mesh_.mass.size(), 0.0);
         sums.damping = sums.stiffness;
         for (const auto& block : blocks)
@@ -200,7 +200,7 @@ private:
     }
 
     void weigh_by_stiffness(fullsim::NodeConstants& slow) const {
-        const fullsim::RowSums sums = row_sums();
+        const fullsim::GershgorinSums sums = row_sums();
         for (std::size_t i = 0; i < slow.mass.size(); ++i)
             slow.mass[i] = 0.3 * sums.stiffness[i] + 1e-300;  // 0.25 is the limit of stability
     }

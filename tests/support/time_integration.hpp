@@ -63,7 +63,7 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
             const double until = k == even ? bend : begin + (bend - begin) * k / even;
             while (simulation.state().time < until) {
                 evaluate();
-                result.line_substeps += simulation.step().substeps - 1;
+                result.line_substeps += simulation.step().subcycles - 1;
                 simulation.step_to(until);
             }
         }

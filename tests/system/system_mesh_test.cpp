@@ -93,7 +93,8 @@ TEST_F(SystemMesh, TheShippedExampleRunsOnTheLayoutForAnyMesh) {
     const Ended ended = run({"full", window, "--json", "--set", "stop.time=0.3"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json record = json::parse(ended.out);
-    EXPECT_NE(record["provenance"]["instruction_set"].get<std::string>().find("indexed"), std::string::npos);
+    EXPECT_NE(record["provenance"]["instruction_set"].get<std::string>().find("unstructured"),
+              std::string::npos);
     EXPECT_GT(record["metrics"]["max_force_N"].get<double>(), 100.0);
 }
 

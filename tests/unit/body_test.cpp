@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fullsim/step/midpoint.hpp"
+#include "fullsim/time/midpoint.hpp"
 
 namespace twinchute::fullsim {
 namespace {

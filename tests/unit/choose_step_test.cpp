@@ -1,21 +1,21 @@
-// Which step is taken, and how many substeps of lines in it.
+// Which step is taken, and how many subcycles of lines in it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "fullsim/step/choose_step.hpp"
+#include "fullsim/time/choose_step.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
 /// A canopy that could take five times the step of its lines.
-constexpr StableSteps light_lines{1e-5, 5e-5, 1e-5};
+constexpr CriticalSteps light_lines{1e-5, 5e-5, 1e-5};
 
-StepRules rules_with(int most_substeps) {
+StepRules rules_with(int most_subcycles) {
     StepRules rules;
-    rules.most_substeps = most_substeps;
+    rules.most_subcycles = most_subcycles;
     return rules;
 }
 
@@ -24,14 +24,14 @@ TEST(ChooseStep, WithoutSubstepsItIsTheBoundTimesTheFactor) {
     rules.factor = 0.95;
     const ChosenStep step = choose_step(light_lines, rules);
     EXPECT_DOUBLE_EQ(step.dt, 0.95 * 1e-5);
-    EXPECT_EQ(step.substeps, 1);
+    EXPECT_EQ(step.subcycles, 1);
 }
 
 TEST(ChooseStep, LinesThatHoldNothingBackTakeNone) {
-    // Two substeps would make no step longer, and cost.
+    // Two subcycles would make no step longer, and cost.
     const ChosenStep step = choose_step({5e-5, 5e-5, 9e-5}, rules_with(12));
     EXPECT_DOUBLE_EQ(step.dt, 5e-5);
-    EXPECT_EQ(step.substeps, 1);
+    EXPECT_EQ(step.subcycles, 1);
 }
 
 TEST(ChooseStep, TakesSubstepsUntilTheCanopyHoldsItBack) {
@@ -39,19 +39,19 @@ TEST(ChooseStep, TakesSubstepsUntilTheCanopyHoldsItBack) {
     // not.
     const ChosenStep step = choose_step(light_lines, rules_with(12));
     EXPECT_DOUBLE_EQ(step.dt, 5e-5);
-    EXPECT_EQ(step.substeps, 5);
+    EXPECT_EQ(step.subcycles, 5);
 }
 
 TEST(ChooseStep, TakesNoMoreSubstepsThanItMay) {
     const ChosenStep step = choose_step(light_lines, rules_with(3));
     EXPECT_DOUBLE_EQ(step.dt, 3e-5);
-    EXPECT_EQ(step.substeps, 3);
+    EXPECT_EQ(step.subcycles, 3);
 }
 
 TEST(ChooseStep, LeavesSubstepsThatMakeTooLittleOfIt) {
     // Lines at 0.95 of the canopy's bound: the step would be 5 % longer and cost 12 % more.
     const ChosenStep step = choose_step({0.95e-5, 1e-5, 0.95e-5}, rules_with(12));
-    EXPECT_EQ(step.substeps, 1);
+    EXPECT_EQ(step.subcycles, 1);
 }
 
 TEST(ChooseStep, KeepsLinesFromRinging) {
@@ -62,9 +62,9 @@ TEST(ChooseStep, KeepsLinesFromRinging) {
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 2.5e-5);
     const ChosenStep longer = choose_step({1e-5, 7e-5, 1e-5}, rules);
     EXPECT_DOUBLE_EQ(longer.dt, 3e-5);
-    EXPECT_EQ(longer.substeps, 6);
-    // Without substeps nothing rings.
-    rules.most_substeps = 1;
+    EXPECT_EQ(longer.subcycles, 6);
+    // Without subcycles nothing rings.
+    rules.most_subcycles = 1;
     rules.quiet = 1e-6;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.5e-5);
 }
@@ -74,14 +74,14 @@ TEST(ChooseStep, SlappingClothWithSubstepsTakesHalfOfEitherBound) {
     rules.slaps = true;
     const ChosenStep step = choose_step(light_lines, rules);
     EXPECT_DOUBLE_EQ(step.dt, 2.5e-5);
-    EXPECT_EQ(step.substeps, 5);
+    EXPECT_EQ(step.subcycles, 5);
     // Half with whatever factor, and no more where that is half already.
     rules.factor = 0.8;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 2.5e-5);
     rules.factor = 0.4;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.4 * 5e-5);
     // Alone it takes its own.
-    rules.most_substeps = 1;
+    rules.most_subcycles = 1;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.4 * 1e-5);
 }
 
@@ -91,7 +91,7 @@ TEST(ChooseStep, GivesImpactsTheirShareOfEveryBound) {
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 5e-5);
     rules.slaps = true;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 2.5e-5);
-    rules.most_substeps = 1;
+    rules.most_subcycles = 1;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 1e-5);
 }
 
@@ -106,7 +106,7 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> decade(-6.0, -3.0), share(0.2, 1.0);
     for (int k = 0; k < 10'000; ++k) {
-        StableSteps stable{0.0, std::pow(10.0, decade(random)), std::pow(10.0, decade(random))};
+        CriticalSteps stable{0.0, std::pow(10.0, decade(random)), std::pow(10.0, decade(random))};
         stable.all = std::min(stable.canopy, stable.lines) * share(random);
         StepRules rules = rules_with(1 + k % 12);
         rules.factor = share(random);
@@ -117,10 +117,10 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
         const double most = rules.factor * (1.0 + 1e-12);
         ASSERT_GT(step.dt, 0.0);
         ASSERT_LE(step.dt, most * stable.canopy);
-        if (step.substeps == 1) {
+        if (step.subcycles == 1) {
             ASSERT_LE(step.dt, most * stable.all);
         } else {
-            ASSERT_LE(step.dt, most * step.substeps * stable.lines);
+            ASSERT_LE(step.dt, most * step.subcycles * stable.lines);
             ASSERT_LE(step.dt, rules.quiet * (1.0 + 1e-12));
         }
     }
@@ -202,7 +202,7 @@ TEST(StepInImpacts, IsOneInWhichNothingOvershootsByMoreThanAFifthOfAPerCent) {
 }
 
 TEST(CostOf, IsThatOfAStepAndAnEighthForEachFurtherSubstep) {
-    // Measured: a substep of lines takes a tenth to an eighth of a step of everything (docs/cost.md).
+    // Measured: a subcycle of lines takes a tenth to an eighth of a step of everything (docs/cost.md).
     EXPECT_DOUBLE_EQ(cost_of(1), 1.0);
     EXPECT_NEAR(cost_of(9), 2.0, 0.2);
 }

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "fullsim/gores/crew.hpp"
-#include "fullsim/gores/ready_threads.hpp"
+#include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
+#include "fullsim/storage/gore_batched/worker_pool.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -23,61 +23,61 @@ double crowded(int threads) {
 }
 
 template <class Cost>
-double total(Crew& crew, int steps, Cost&& cost) {
+double total(ThreadCountTuner& tuner, int steps, Cost&& cost) {
     double sum = 0.0;
     for (int i = 0; i < steps; ++i) {
-        const double seconds = cost(crew.now());
+        const double seconds = cost(tuner.now());
         sum += seconds;
-        crew.took(seconds);
+        tuner.took(seconds);
     }
     return sum;
 }
 
-TEST(Crew, OfOneStaysSo) {
-    Crew crew(1);
-    total(crew, 2000, idle);
-    EXPECT_EQ(crew.now(), 1);
+TEST(ThreadCountTuner, OfOneStaysSo) {
+    ThreadCountTuner tuner(1);
+    total(tuner, 2000, idle);
+    EXPECT_EQ(tuner.now(), 1);
 }
 
-TEST(Crew, WorksWhereItPays) {
+TEST(ThreadCountTuner, WorksWhereItPays) {
     // All but the trials of eight steps with one thread; 1 % more is what they may cost.
-    Crew crew(2);
-    EXPECT_LT(total(crew, 50'000, idle), 1.01 * 50'000 * idle(2));
+    ThreadCountTuner tuner(2);
+    EXPECT_LT(total(tuner, 50'000, idle), 1.01 * 50'000 * idle(2));
 }
 
-TEST(Crew, IsHardlySlowerThanOneWhereItDoesNot) {
+TEST(ThreadCountTuner, IsHardlySlowerThanOneWhereItDoesNot) {
     // Trials end with their first step; there are nine of them in so many steps, the last ones 8000 apart.
-    Crew crew(2);
-    EXPECT_LT(total(crew, 50'000, crowded), 50'000 * crowded(1) + 10 * crowded(2));
+    ThreadCountTuner tuner(2);
+    EXPECT_LT(total(tuner, 50'000, crowded), 50'000 * crowded(1) + 10 * crowded(2));
 }
 
-TEST(Crew, ForgivesThatOthersHaveToWake) {
+TEST(ThreadCountTuner, ForgivesThatOthersHaveToWake) {
     // 0.05 to 1.1 ms were seen, forty times what a step takes.
-    Crew crew(2);
+    ThreadCountTuner tuner(2);
     auto sleepy = [before = 1](int threads) mutable {
         const bool wake = threads > std::exchange(before, threads);
         return idle(threads) + (wake ? 1e-3 : 0.0);
     };
     // Seven trials, and 1 % as above.
-    EXPECT_LT(total(crew, 50'000, sleepy), 1.01 * 50'000 * idle(2) + 10 * 1e-3);
+    EXPECT_LT(total(tuner, 50'000, sleepy), 1.01 * 50'000 * idle(2) + 10 * 1e-3);
 }
 
-TEST(Crew, NoticesWhenOthersCome) {
-    Crew crew(2);
-    total(crew, 3000, idle);
-    ASSERT_EQ(crew.now(), 2);
-    EXPECT_LT(total(crew, 400, crowded), 400 * crowded(1) + 3 * crowded(2));
-    EXPECT_EQ(crew.now(), 1);
+TEST(ThreadCountTuner, NoticesWhenOthersCome) {
+    ThreadCountTuner tuner(2);
+    total(tuner, 3000, idle);
+    ASSERT_EQ(tuner.now(), 2);
+    EXPECT_LT(total(tuner, 400, crowded), 400 * crowded(1) + 3 * crowded(2));
+    EXPECT_EQ(tuner.now(), 1);
     // And when they go again: at the next trial, 500 steps on.
-    total(crew, 600, idle);
-    EXPECT_EQ(crew.now(), 2);
+    total(tuner, 600, idle);
+    EXPECT_EQ(tuner.now(), 2);
 }
 
-TEST(Crew, IsHardlySlowerThanOneWhereOthersComeAndGo) {
+TEST(ThreadCountTuner, IsHardlySlowerThanOneWhereOthersComeAndGo) {
     // Two other programs on both processors: for 3 ms all threads run, then one of them waits as long for its
     // turn. A program with one thread has its processor for half of the time as well, so that each step
     // counts as long as on an idle machine, and what waiting adds is lost: 3 ms of 6, more than is gained.
-    Crew crew(2);
+    ThreadCountTuner tuner(2);
     auto shared = [gone = 0.0](int threads) mutable {
         if (threads == 1) return idle(1);
         gone += idle(threads);
@@ -85,56 +85,56 @@ TEST(Crew, IsHardlySlowerThanOneWhereOthersComeAndGo) {
         gone = 0.0;
         return idle(threads) + 3e-3;
     };
-    EXPECT_LT(total(crew, 50'000, shared), 1.05 * 50'000 * idle(1));
+    EXPECT_LT(total(tuner, 50'000, shared), 1.05 * 50'000 * idle(1));
 }
 
-TEST(Crew, StaysWithOneWhereMoreAreALittleSlower) {
+TEST(ThreadCountTuner, StaysWithOneWhereMoreAreALittleSlower) {
     // Half of a step more: none is far too long.
-    Crew crew(2);
+    ThreadCountTuner tuner(2);
     const auto slower = [](int threads) { return idle(1) * (threads == 1 ? 1.0 : 1.5); };
-    EXPECT_LT(total(crew, 50'000, slower), 1.01 * 50'000 * idle(1));
+    EXPECT_LT(total(tuner, 50'000, slower), 1.01 * 50'000 * idle(1));
 }
 
-TEST(Crew, ForgetsTroubleOnceAllHaveWorkedForLong) {
-    Crew crew(2);
-    total(crew, 20'000, crowded);  // rests 8000 steps at a time by then
-    total(crew, 30'000, idle);
-    ASSERT_EQ(crew.now(), 2);
-    total(crew, 400, crowded);
-    ASSERT_EQ(crew.now(), 1);
-    total(crew, 600, idle);  // a first rest again: 500 steps
-    EXPECT_EQ(crew.now(), 2);
+TEST(ThreadCountTuner, ForgetsTroubleOnceAllHaveWorkedForLong) {
+    ThreadCountTuner tuner(2);
+    total(tuner, 20'000, crowded);  // rests 8000 steps at a time by then
+    total(tuner, 30'000, idle);
+    ASSERT_EQ(tuner.now(), 2);
+    total(tuner, 400, crowded);
+    ASSERT_EQ(tuner.now(), 1);
+    total(tuner, 600, idle);  // a first rest again: 500 steps
+    EXPECT_EQ(tuner.now(), 2);
 }
 
-TEST(Crew, TriesAgainSoonAfterTrouble) {
-    Crew crew(2);
-    total(crew, 40'000, idle);  // all work 8000 steps at a time by then
-    total(crew, 400, crowded);
-    total(crew, 600, idle);
-    ASSERT_EQ(crew.now(), 2);
+TEST(ThreadCountTuner, TriesAgainSoonAfterTrouble) {
+    ThreadCountTuner tuner(2);
+    total(tuner, 40'000, idle);  // all work 8000 steps at a time by then
+    total(tuner, 400, crowded);
+    total(tuner, 600, idle);
+    ASSERT_EQ(tuner.now(), 2);
     int alone = 0;
     const auto counted = [&alone](int threads) {
         alone += threads == 1;
         return idle(threads);
     };
-    total(crew, 700, counted);
+    total(tuner, 700, counted);
     EXPECT_EQ(alone, 8);  // one trial, 500 steps on
 }
 
-TEST(Crew, ForgivesASingleLongStep) {
+TEST(ThreadCountTuner, ForgivesASingleLongStep) {
     // One in which a frame was written, say.
-    Crew crew(2);
-    total(crew, 100, idle);
-    ASSERT_EQ(crew.now(), 2);
-    crew.took(0.1);
-    EXPECT_EQ(crew.now(), 2);
+    ThreadCountTuner tuner(2);
+    total(tuner, 100, idle);
+    ASSERT_EQ(tuner.now(), 2);
+    tuner.took(0.1);
+    EXPECT_EQ(tuner.now(), 2);
 }
 
-TEST(ReadyThreads, DoEachPartOnceAndSeeWhatWasDoneBefore) {
+TEST(WorkerPool, DoEachPartOnceAndSeeWhatWasDoneBefore) {
     using namespace std::chrono_literals;
     for (int others = 0; others < 4; ++others)
         for (int parts = 1; parts < 10; ++parts) {
-            ReadyThreads threads(others);
+            WorkerPool threads(others);
             // Plain numbers: that they are right says that each pass saw the one before.
             std::vector<int> part(parts, 0), by_next(parts, 0);
             for (int pass = 0; pass < 200; ++pass) {
@@ -149,9 +149,9 @@ TEST(ReadyThreads, DoEachPartOnceAndSeeWhatWasDoneBefore) {
         }
 }
 
-TEST(ReadyThreads, GiveEachThreadPartsThatFollowEachOther) {
+TEST(WorkerPool, GiveEachThreadPartsThatFollowEachOther) {
     // Seven blocks of gores for two threads: three and four, the same ones in each pass.
-    ReadyThreads threads(1);
+    WorkerPool threads(1);
     std::vector<std::thread::id> by(7);
     const auto note = [&](int k) { by[k] = std::this_thread::get_id(); };
     threads.share(7, note);

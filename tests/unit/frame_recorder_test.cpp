@@ -53,7 +53,7 @@ TEST_F(FrameRecorderTest, StretchedClothHasItsStress) {
     // Uniaxial Green strain of a stretch of 1.02 times E t = 2e4 N/m (no cross contraction).
     EXPECT_NEAR(shape.frames[0].stress_step * shape.frames[0].stress[0], 2e4 * 0.5 * (1.02 * 1.02 - 1), 1e-6);
     EXPECT_EQ(shape.payload, 3u);
-    // The static line's far end comes after the payload: the dummy has no place.
+    // The static line's anchor comes after the payload: the dummy has no place.
     EXPECT_EQ(shape.nodes, 5u);
     EXPECT_TRUE((shape.cables[1] == ShapeCable{{0, 4}, ShapeCableKind::static_line}));
     const auto z = [&](std::size_t node) {

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "fullsim/fields.hpp"
-#include "fullsim/mesh/hang_body.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
@@ -84,7 +84,7 @@ TEST(ImportBody, TiesRisersWhereTheFileDoes) {
     EXPECT_EQ(riser, 2u);
     // Hung as made, its centre beside the axis: everything lies to the body as in the file.
     Mesh hung = got.mesh;
-    hang_body(scene_with_body(), hung, Hang::as_made);
+    attach_payload(scene_with_body(), hung, Hang::as_made);
     for (const Cable& c : hung.cables) {
         const auto place = [&](NodeIndex i) {
             return i < hung.first_place() ? hung.position[i] : hung.places[i - hung.first_place()];
@@ -100,7 +100,7 @@ TEST(ImportBody, IsDrawnWhicheverEndOfARiserIsNamedFirst) {
     s.element(41).nodes = {7, 6};
     Scene scene = scene_with_body();
     Mesh mesh = import(s, scene).mesh;
-    hang_body(scene, mesh, Hang::drawn_out);
+    attach_payload(scene, mesh, Hang::drawn_out);
     const VtuGrid grid = mesh_grid(mesh);
     for (const auto i : grid.connectivity)
         EXPECT_LE(i, mesh.payload());

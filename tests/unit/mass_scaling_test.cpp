@@ -9,7 +9,7 @@
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
-#include "fullsim/step/mass_scaling.hpp"
+#include "fullsim/time/mass_scaling.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/structure.hpp"
 
@@ -26,12 +26,12 @@ std::vector<double> bounds(const Scene& scene, const Mesh& mesh, Stage stage) {
     State still = test::state_of(mesh);
     still.stage = stage;
     still.node.assign(still.node.size(), {splat(0.0), splat(0.0)});
-    RowSums sums = no_rows(still, std::vector<double>(still.node.size(), 1.0));
+    GershgorinSums sums = no_rows(still, std::vector<double>(still.node.size(), 1.0));
     for (const auto& model : make_structure(scene, mesh, stage))
         model->add_row_sums(still, sums);
     std::vector<double> dt;
     for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
-        dt.push_back(stable_step({{sums.stiffness[i]}, {sums.damping[i]}}, {mesh.mass[i]}).dt);
+        dt.push_back(critical_step({{sums.stiffness[i]}, {sums.damping[i]}}, {mesh.mass[i]}).dt);
     return dt;
 }
 

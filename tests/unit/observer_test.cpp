@@ -12,7 +12,7 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// Forces that are given, in steps that end on given times, some with substeps.
+/// Forces that are given, in steps that end on given times, some with subcycles.
 class GivenForces {
 public:
     GivenForces() : mesh_(test::coarse_c9()), state_(test::state_of(mesh_)), observer(mesh_, 9.81, 200.0) {}
@@ -33,15 +33,15 @@ public:
         while (state_.time < end) {
             const double begin = state_.time;
             const double dt = std::min(end - begin, 1e-5 + 3e-4 * uniform_(generator_));
-            const int substeps = uniform_(generator_) < 0.5 ? 1 : 4;
+            const int subcycles = uniform_(generator_) < 0.5 ? 1 : 4;
             state_.time = begin + dt < end ? begin + dt : end;
             state_.dt = dt;
-            state_.line_dt = dt / substeps;
-            state_.in_substeps = {};
-            for (int k = 1; k <= substeps; ++k) {
-                const double pull = force(k < substeps ? begin + k * state_.line_dt : state_.time);
+            state_.line_dt = dt / subcycles;
+            state_.in_subcycles = {};
+            for (int k = 1; k <= subcycles; ++k) {
+                const double pull = force(k < subcycles ? begin + k * state_.line_dt : state_.time);
                 largest = std::max(largest, pull);
-                if (k < substeps) state_.in_substeps.add(Lanes{0.0, 0.0, pull, 0.0});
+                if (k < subcycles) state_.in_subcycles.add(Lanes{0.0, 0.0, pull, 0.0});
                 state_.riser_force = {0.0, 0.0, pull};
             }
             observer.observe(state_);
@@ -96,7 +96,7 @@ TEST(Observer, CountsAPeakThatTheEndOfTheRunCutsOff) {
     GivenForces run;
     run.step_to(0.05, [](double t) { return 1000.0 + 1e6 * std::max(0.0, t - 0.049); });
     run.observer.finish();
-    EXPECT_NEAR(run.observer.peak().value, 1200.0, 20.0);  // steps of 0.3 ms, means over substeps
+    EXPECT_NEAR(run.observer.peak().value, 1200.0, 20.0);  // steps of 0.3 ms, means over subcycles
     EXPECT_GT(run.observer.peak().time, 0.049);
 }
 

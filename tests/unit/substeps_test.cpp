@@ -11,9 +11,9 @@
 
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/simulation.hpp"
-#include "fullsim/step/energy.hpp"
-#include "fullsim/step/stable_step.hpp"
-#include "fullsim/step/substeps.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
+#include "fullsim/time/subcycling.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/small_parachute.hpp"
 
@@ -28,7 +28,7 @@ struct Chain {
     Mesh mesh;
     std::unique_ptr<const ForceModel> tape, line;
     NodeConstants constants;
-    SubstepNodes pulled{{1, 2}};
+    SubcycledNodes pulled{{1, 2}};
     std::array<double, 2> stiffness{};  // EA/l0 [N/m] of tape and line
 
     Chain(double skirt_mass, double line_mass, double stiffer, double bulk_viscosity,
@@ -72,8 +72,8 @@ struct Chain {
         pulled.note(state, [&] { damping = pull_line(state); });
         state.aero[0].value[2] -= pull;
         if (count > 1) {
-            advance_in_substeps(state, constants, dt, count, 0.0, pulled, damping,
-                                [this](State& s) { return pull_line(s); });
+            advance_in_subcycles(state, constants, dt, count, 0.0, pulled, damping,
+                                 [this](State& s) { return pull_line(s); });
         } else {
             state.damping_power += damping;
             advance(state, constants, dt, 0.0);
@@ -129,7 +129,7 @@ TEST(Substeps, AreOfSecondOrder) {
 }
 
 TEST(Substeps, AreBetterThanNone) {
-    // Their purpose: with the canopy's step as it is, the line's own error falls with its substeps.
+    // Their purpose: with the canopy's step as it is, the line's own error falls with its subcycles.
     Chain chain(0.5, 0.05, 4.0, 0.0);
     const double end = 2.3 * 2.0 * pi / chain.slower();
     const Eigen::Vector3d exact = chain.exact(displaced, end);
@@ -148,7 +148,7 @@ TEST(Substeps, AreBetterThanNone) {
 
 TEST(Substeps, CloseTheLedger) {
     // Kinetic and elastic energy, the work of the pulls and what the line's dashpot takes, to second order:
-    // halving the step quarters the largest residual. The number of substeps changes on the way.
+    // halving the step quarters the largest residual. The number of subcycles changes on the way.
     double worst[2] = {0.0, 0.0};
     for (int level = 0; level < 2; ++level) {
         Chain chain(0.5, 0.05, 4.0, 0.06);
@@ -182,7 +182,7 @@ double late_amplitude(Chain&& chain, double dt_over_half_period) {
 }
 
 TEST(Substeps, RingWhereAStepIsHalfAPeriodOfTheLine) {
-    // The impulses then come in time with the line's own motion, however small the substeps are, until it
+    // The impulses then come in time with the line's own motion, however small the subcycles are, until it
     // goes slack, here at 6e-5 m. What keeps it quiet is a skirt that is heavy beside the line, as with the
     // air it moves, and the line's bulk viscosity. Quiet is the jerk of one impulse, some 1e-6 m.
     constexpr double pull = 3.0;
@@ -218,16 +218,16 @@ double growth(int elements, double mass, double viscosity, double canopy, double
 }
 
 TEST(Substeps, DoNotRingUpToTheQuietStep) {
-    // Against the eigenvalues of a whole step, which is the method's limit for infinitely small substeps. The
-    // canopy's own bound of 5 to 50 transit times of an element is that of stiff lines on a canopy that fills
-    // or is open.
+    // Against the eigenvalues of a whole step, which is the method's limit for infinitely small subcycles.
+    // The canopy's own bound of 5 to 50 transit times of an element is that of stiff lines on a canopy that
+    // fills or is open.
     constexpr int elements = 16;
     int rang = 0;
     for (const double mass : {0.3, 1.0, 5.0})
         for (const double viscosity : {0.06, 0.24})
             for (const double canopy : {5.0, 15.0, 50.0}) {
                 const LineWaves line{1.0 / elements, viscosity, mass, 0.0};
-                const double quiet = quiet_step(line, 0.0, canopy);
+                const double quiet = resonance_limit(line, 0.0, canopy);
                 for (int i = 1; i <= 20; ++i)
                     EXPECT_LT(
                         growth(elements, mass, viscosity, canopy, std::min(quiet, 0.95 * canopy) * i / 20),
@@ -241,13 +241,13 @@ TEST(Substeps, DoNotRingUpToTheQuietStep) {
             }
     EXPECT_GT(rang, 6);  // the bound is needed
     // Air on the skirt lets steps be longer, by the fifth root of its mass.
-    EXPECT_NEAR(quiet_step({1.0, 0.1, 1.0, 0.5}, 62.0, 5.0), 2.0 * quiet_step({1.0, 0.1, 1.0, 0.5}, 0.0, 5.0),
-                1e-12);
-    EXPECT_EQ(quiet_step({}, 0.0, 5.0), std::numeric_limits<double>::infinity());
+    EXPECT_NEAR(resonance_limit({1.0, 0.1, 1.0, 0.5}, 62.0, 5.0),
+                2.0 * resonance_limit({1.0, 0.1, 1.0, 0.5}, 0.0, 5.0), 1e-12);
+    EXPECT_EQ(resonance_limit({}, 0.0, 5.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(Substeps, RecordWhatRisersGiveThePayload) {
-    // Lines a hundred times as stiff, in many substeps: the mean force over time is the payload's momentum
+    // Lines a hundred times as stiff, in many subcycles: the mean force over time is the payload's momentum
     // and what gravity took of it; the force at the ends of steps is not.
     for (const char* symmetry : {"none", "sector"}) {
         const Scene scene =
@@ -276,13 +276,13 @@ TEST(Substeps, RecordWhatRisersGiveThePayload) {
         const double gained =
             simulation.constants().mass[payload] *
             (after - before + scene.environment.gravity * (simulation.outline().time - start));
-        EXPECT_GE(simulation.most_substeps(), 8) << symmetry;
+        EXPECT_GE(simulation.most_subcycles(), 8) << symmetry;
         EXPECT_NEAR(impulse, gained, 2e-3 * gained) << symmetry;  // a step at either end
         EXPECT_GT(std::abs(of_ends - gained), 1e-2 * gained) << symmetry;
     }
 }
 
-TEST(RowWeights, BringTheBoundOfAChainToItsLimit) {
+TEST(PerronScaling, BringTheBoundOfAChainToItsLimit) {
     // A chain's matrix of norms has its own eigenvalues (turn every other node's sign), so that the best
     // weights give the limit 2/omega exactly; twelve iterations come close, from below.
     for (const double light : {0.05, 0.5, 5.0}) {
@@ -290,11 +290,11 @@ TEST(RowWeights, BringTheBoundOfAChainToItsLimit) {
         ForceModels structure, loads;
         structure.push_back(make_cable(chain.mesh, 0.0));
         const State state = test::state_of(chain.mesh);
-        RowWeights weights;
+        PerronScaling weights;
         weights.begin(state, chain.constants, structure, nullptr);
         const double limit = 2.0 / chain.fastest();
-        const double plain = stable_step(state, chain.constants, structure, loads, {}).dt;
-        const double weighed = stable_step(state, chain.constants, structure, loads, weights.by_node()).dt;
+        const double plain = critical_step(state, chain.constants, structure, loads, {}).dt;
+        const double weighed = critical_step(state, chain.constants, structure, loads, weights.by_node()).dt;
         EXPECT_LT(plain, 0.97 * limit) << light;
         EXPECT_GT(weighed, 0.985 * limit) << light;
         EXPECT_LE(weighed, limit * (1.0 + 1e-12)) << light;
@@ -309,8 +309,8 @@ TEST(Substeps, BoundsNameTheirNodes) {
     structure.push_back(make_tapes(chain.mesh, 0.0, 0.0));
     structure.push_back(make_lines(chain.mesh, 0.0, 0.0));
     const auto [s, f] = chain.stiffness;
-    const StableSteps steps =
-        stable_steps(test::state_of(chain.mesh), chain.constants, structure, loads, structure[1].get(), {});
+    const CriticalSteps steps =
+        critical_steps(test::state_of(chain.mesh), chain.constants, structure, loads, structure[1].get(), {});
     EXPECT_NEAR(steps.canopy, 2.0 * std::sqrt(0.5 / (2.0 * s)), 1e-15);
     EXPECT_NEAR(steps.lines, 2.0 * std::sqrt(0.05 / (2.0 * f)), 1e-15);
     EXPECT_NEAR(steps.all, std::min(steps.lines, 2.0 * std::sqrt(0.5 / (2.0 * (s + f)))), 1e-15);

@@ -7,9 +7,9 @@
 #include <functional>
 
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/step/aero_reference.hpp"
-#include "fullsim/step/energy.hpp"
-#include "fullsim/step/stable_step.hpp"
+#include "fullsim/time/aero_reference.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::fullsim {
@@ -114,14 +114,14 @@ double late_amplitude(const Spring& spring, double dt) {
     return late;
 }
 
-TEST(StableStep, IsSharpForOneSpring) {
+TEST(CriticalStep, IsSharpForOneSpring) {
     // One spring is its own largest row: the bound is the limit. 1 % below it stays, 1 % above it
     // grows until the cord goes slack.
     for (const double viscosity : {0.0, 0.06, 0.3}) {
         const Spring spring(viscosity);
-        RowSums sums{{0.0, 0.0}, {0.0, 0.0}};
+        GershgorinSums sums{{0.0, 0.0}, {0.0, 0.0}};
         spring.cable->add_row_sums(state_of(spring.mesh), sums);
-        const double dt = stable_step(sums, spring.mesh.mass).dt;
+        const double dt = critical_step(sums, spring.mesh.mass).dt;
         if (viscosity == 0.0) {
             EXPECT_NEAR(dt, 2.0 / spring.frequency, 1e-12);
         }
@@ -130,9 +130,9 @@ TEST(StableStep, IsSharpForOneSpring) {
     }
 }
 
-TEST(StableStep, TakesPureDamping) {
+TEST(CriticalStep, TakesPureDamping) {
     // K = 0: v' = -(C/m) v with the velocity extrapolated is stable to dt = m/C.
-    const StableStep step = stable_step({{0.0}, {5.0}}, {2.0});
+    const CriticalStep step = critical_step({{0.0}, {5.0}}, {2.0});
     EXPECT_DOUBLE_EQ(step.dt, 0.4);
 }
 
@@ -165,7 +165,7 @@ double largest_frequency(const Mesh& mesh, const std::vector<std::unique_ptr<con
                          .maxCoeff());
 }
 
-TEST(StableStep, IsBelowTheTrueLimitOfACanopy) {
+TEST(CriticalStep, IsBelowTheTrueLimitOfACanopy) {
     // Open and taut everywhere (7 % along the seams, 3 % around the skirt).
     for (const int columns : {1, 2, 3}) {
         const Mesh mesh = test::coarse_c9(columns, 3, 2000.0);
@@ -175,11 +175,11 @@ TEST(StableStep, IsBelowTheTrueLimitOfACanopy) {
         State state = state_of(mesh);
         test::stretch_open(state, 8.0, 0.3);
         const NodeConstants constants = node_constants(mesh, 0.0);
-        RowWeights weights;
+        PerronScaling weights;
         weights.begin(state, constants, blocks, nullptr);
         const double limit = 2.0 / largest_frequency(mesh, blocks, state);
-        const double plain = stable_step(state, constants, blocks, loads, {}).dt;
-        const double weighed = stable_step(state, constants, blocks, loads, weights.by_node()).dt;
+        const double plain = critical_step(state, constants, blocks, loads, {}).dt;
+        const double weighed = critical_step(state, constants, blocks, loads, weights.by_node()).dt;
         EXPECT_LE(weighed, (1.0 + 1e-6) * limit) << columns;
         EXPECT_GT(weighed, 0.7 * limit) << columns;  // a bound that gave away more would be worth sharpening
         EXPECT_GT(weighed, plain) << columns;

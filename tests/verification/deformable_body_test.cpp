@@ -11,7 +11,7 @@
 
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/rigid_body.hpp"
-#include "fullsim/step/midpoint.hpp"
+#include "fullsim/time/midpoint.hpp"
 #include "tests/support/difference.hpp"
 
 namespace twinchute::fullsim {
@@ -291,7 +291,7 @@ TEST(DeformableBody, KeepsMomentaAndEnergyWhereItTumbles) {
     // Internal forces have neither sum nor moment. Energy swings with what the extrapolated velocity misses.
     Tumbling t(1e6);
     t.spin({3.0, 0.5, 1.0});
-    const double dt = 0.5 * t.body.stable_step(t.state, t.structure, first_place, 0.0);
+    const double dt = 0.5 * t.body.critical_step(t.state, t.structure, first_place, 0.0);
     const Vec3 angular = t.angular_momentum();
     const double energy = t.energy();
     double worst = 0.0;
@@ -314,7 +314,7 @@ TEST(DeformableBody, TumblesAsTheRigidOneWhereItIsStiff) {
     const RigidBody rigid(30.0, t.mesh);
     State still = t.state;
     still.body->half_momentum = still.body->momentum = t.mesh.lumped.inertia * rate;
-    const double dt = 0.8 * t.body.stable_step(t.state, t.structure, first_place, 0.0);
+    const double dt = 0.8 * t.body.critical_step(t.state, t.structure, first_place, 0.0);
     while (t.state.time < 1.0) {
         t.step(dt);
         rigid.advance(still, payload, first_place, dt, dt);
@@ -332,7 +332,7 @@ TEST(DeformableBody, BoundsItsStepFromBelowAndNotFarBelow) {
     const Tumbling t(1e6);
     const Modes modes = modes_of(t.solid, t.law, t.mass);
     const double exact = 2.0 / modes.frequency[modes.frequency.size() - 1];
-    const double bound = t.body.stable_step(t.state, t.structure, first_place, 0.0);
+    const double bound = t.body.critical_step(t.state, t.structure, first_place, 0.0);
     RecordProperty("bound_over_exact", std::to_string(bound / exact));
     EXPECT_LE(bound, exact * (1.0 + 1e-9));
     EXPECT_GT(bound, 0.75 * exact);

@@ -239,7 +239,7 @@ TEST(Deployment, CraneDropOpensAsThePaperSays) {
 }
 
 TEST(Deployment, BothModelsComeToTheSameSnatch) {
-    // 5 %: the reduced-order model's pack is a point that stands at the far end, so that its payload falls
+    // 5 %: the reduced-order model's pack is a point that stands at the anchor, so that its payload falls
     // 0.3 m of 25 m further, and none of its parachute moves before line stretch.
     Scene scene = packed_c9(DeployBy::static_line);
     scene.stop = {Trigger::Kind::time, 2.5, 0.0};

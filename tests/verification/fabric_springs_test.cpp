@@ -134,12 +134,13 @@ double step_at(const Mesh& mesh, double strain) {
     State state = test::state_of(mesh);
     for (NodeRecord& node : state.node)
         node.x *= splat(1.0 + strain);
-    RowSums sums{std::vector<double>(state.node.size(), 0.0), std::vector<double>(state.node.size(), 0.0)};
+    GershgorinSums sums{std::vector<double>(state.node.size(), 0.0),
+                        std::vector<double>(state.node.size(), 0.0)};
     make_fabric_springs(mesh, 1e-5, 0.0, 0.0)->add_row_sums(state, sums);
     make_cable(mesh, 0.0)->add_row_sums(state, sums);
     std::vector<double> inertia = mesh.mass;
     inertia.resize(state.node.size(), 1.0);
-    return stable_step(sums, inertia).dt;
+    return critical_step(sums, inertia).dt;
 }
 
 TEST(FabricSprings, HardeningCostsNoTimeStep) {

@@ -34,7 +34,7 @@ TEST_P(GoreContactDemo, HasThePeakOfTheFinestMesh) {
     EXPECT_NEAR(*record.metric("peak_force_N"), 4970.0, c.of_the_peak * 4970.0);
     EXPECT_NEAR(*record.metric("filling_time_s"), 1.508, c.of_the_filling * 1.508);
     // Contact takes no energy and brings none: as much is left over as without it, 1.3e-5
-    // while lines take no substeps.
+    // while lines take no subcycles.
     EXPECT_LT(std::abs(record.energy->residual_fraction), 3e-5);
 }
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
-#include "fullsim/mesh/hang_body.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "lib/solve/opening.hpp"
@@ -33,7 +33,7 @@ Scene scene_with(const PayloadBody& body, int risers) {
 
 std::string exported(const Scene& scene, GmshVersion version = GmshVersion::v4_1) {
     Mesh mesh = built_mesh(scene);
-    hang_body(scene, mesh, Hang::as_made);
+    attach_payload(scene, mesh, Hang::as_made);
     return gmsh_text(mesh, version, scene.name);
 }
 
@@ -55,7 +55,7 @@ TEST(ImportedBody, IsTheOneThatWasWritten) {
                 SCOPED_TRACE(fmt::format("{} lengths, {} risers", shape.size.size(), risers));
                 const Scene scene = scene_with(shape, risers);
                 Mesh made = built_mesh(scene);
-                hang_body(scene, made, Hang::as_made);
+                attach_payload(scene, made, Hang::as_made);
                 const Mesh read = import_mesh(with_mesh(scene, directory, exported(scene, version))).mesh;
                 const Eigen::Matrix3d& inertia = made.body->lumped.inertia;
                 EXPECT_NEAR(read.body->lumped.volume, made.body->lumped.volume, 1e-13);

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fullsim/mesh/closed_canopy.hpp"
+#include "fullsim/mesh/folded_canopy.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
@@ -201,7 +201,7 @@ TEST(ImportedMesh, GoresThatDifferRunOnTheIndexedLayout) {
     const Scene uneven = with_mesh(scene, directory, gmsh_text(mesh, GmshVersion::v4_1, "one panel turned"));
     const RunRecord made = test::run_full(scene), read = test::run_full(uneven);
     ASSERT_EQ(read.status.code, StatusCode::completed) << read.status.detail;
-    EXPECT_NE(read.provenance.instruction_set.find("indexed"), std::string::npos)
+    EXPECT_NE(read.provenance.instruction_set.find("unstructured"), std::string::npos)
         << read.provenance.instruction_set;
     EXPECT_NEAR(*read.metric("peak_force_N"), *made.metric("peak_force_N"),
                 5e-3 * *made.metric("peak_force_N"));

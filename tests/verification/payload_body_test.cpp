@@ -74,7 +74,7 @@ TEST(PayloadBody, HangsWhereItsShapeAllows) {
 }
 
 TEST(PayloadBody, OfNoSizeIsAPointMass) {
-    // Its places within 0.2 mm, on the same layout and without substeps: what is left after half a second of
+    // Its places within 0.2 mm, on the same layout and without subcycles: what is left after half a second of
     // a smooth opening is the little that such a body can turn.
     Scene scene = with_box(test::c9_scene(), 2e-4, 2e-4, 2e-4);
     scene.stop.value = 0.5;
@@ -109,7 +109,7 @@ TEST(PayloadBody, TheLedgerClosesWhileItSwings) {
     const RunRecord record = test::run_full(scene);
     ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
     EXPECT_LT(std::abs(record.energy->residual_fraction), 1e-4);
-    EXPECT_NE(record.provenance.instruction_set.find("indexed"), std::string::npos);
+    EXPECT_NE(record.provenance.instruction_set.find("unstructured"), std::string::npos);
 }
 
 TEST(PayloadBody, IsDrawnOutWithItsPack) {

@@ -31,7 +31,7 @@ TEST_P(SectorDemo, HasTheMetricsOfTheWholeCanopy) {
     }
     EXPECT_NEAR(whole.energy->drag_work, sector.energy->drag_work, 1e-4 * std::abs(whole.energy->drag_work));
     EXPECT_NEAR(whole.energy->elastic, sector.energy->elastic, 1e-3 * std::abs(whole.energy->elastic));
-    // Lines take as many substeps, and leave as little unbooked.
+    // Lines take as many subcycles, and leave as little unbooked.
     EXPECT_NEAR(static_cast<double>(whole.cost.steps), static_cast<double>(sector.cost.steps),
                 1e-3 * static_cast<double>(whole.cost.steps));
     EXPECT_NEAR(whole.energy->residual_fraction, sector.energy->residual_fraction, 1e-6);
@@ -43,7 +43,7 @@ TEST_P(SectorDemo, SaysWhatItIsAndWhatItLeavesOut) {
         {std::string("parachute.risers=") + GetParam(), "full.symmetry='sector'", "stop.time='0.1 s'"}));
     const bool one = std::string(GetParam()) == "1";
     const std::string& how = record.provenance.instruction_set;
-    EXPECT_NE(how.find(one ? ", one gore of 28, rows in lanes" : ", 7 gores of 28, rows in lanes"),
+    EXPECT_NE(how.find(one ? ", one gore of 28, sector-batched" : ", 7 gores of 28, sector-batched"),
               std::string::npos)
         << how;
     // 69 triangles and 48 cables a gore (4 x 9, 34 a line), 5 cables a riser.

@@ -177,7 +177,7 @@ TEST(StabilityMatrix, EveryAnswerOfTheFullModelIsSeenWhenItIsWrong) {
     }
 }
 
-/// Full models whose indexed layout alone is wrong: a bound on the step that is one and a half times too
+/// Full models whose unstructured layout alone is wrong: a bound on the step that is one and a half times too
 /// long; forces that are off by a thousandth.
 RunRecord steps_too_long(const Scene& scene, Run& run) {
     Scene longer = scene;
@@ -233,7 +233,7 @@ TEST(StabilityMatrix, CasesOfTheFullModelRunIndexedUnlessTheyAreOfOneSector) {
     scene.stop = {Trigger::Kind::time, 0.01, 0.0};
     for (const bool any : {false, true}) {
         const std::string layout = layout_of(scene, any);
-        EXPECT_TRUE(layout.ends_with(any ? ", indexed" : ", gores in lanes")) << layout;
+        EXPECT_TRUE(layout.ends_with(any ? ", unstructured" : ", gore-batched")) << layout;
     }
 }
 

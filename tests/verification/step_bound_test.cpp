@@ -1,5 +1,5 @@
-// The bound on the stable step against the true limit of the current tangent, from its eigenvalues: over
-// meshes, stages, states and orientations, on parachutes small enough to have them all.
+// The bound on the critical time step against the true limit of the current tangent, from its eigenvalues:
+// over meshes, stages, states and orientations, on parachutes small enough to have them all.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -41,10 +41,10 @@ struct Held {
 
     /// [s] as a run takes it, before the safety factor.
     double bound() const {
-        fullsim::RowWeights weights;
+        fullsim::PerronScaling weights;
         const auto lines = std::ranges::find(structure, "lines", &fullsim::ForceModel::name);
         weights.begin(state, constants, structure, lines->get());
-        return stable_step(state, constants, structure, loads, weights.by_node()).dt;
+        return critical_step(state, constants, structure, loads, weights.by_node()).dt;
     }
 
     /// -df/dx or -df/dv over the roots of the inertias, by central differences; its symmetric part.

@@ -22,13 +22,13 @@ Scene coarse_cloth() {
                                         "full.mesh.line_elements=4", "parachute.gores=4"});
 }
 
-StableSteps bounds_of(const Scene& scene, const Simulation& simulation) {
+CriticalSteps bounds_of(const Scene& scene, const Simulation& simulation) {
     State state = simulation.state();
     const auto layout = make_reference_layout(simulation.mesh(), simulation.constants());
     const auto structure = make_structure(scene, simulation.mesh(), state.stage);
     const auto loads = make_loads(scene, simulation.mesh(), state.stage);
     layout->begin(state, structure, loads);
-    return layout->stable_steps(state);
+    return layout->critical_steps(state);
 }
 
 TEST(StiffLines, TakeStepsOfTheirOwnFromThePackOn) {
@@ -37,11 +37,11 @@ TEST(StiffLines, TakeStepsOfTheirOwnFromThePackOn) {
     // of that.
     const Scene scene = scene_of("crane-drop-stiff.toml");
     const Simulation simulation(scene);
-    const StableSteps bounds = bounds_of(scene, simulation);
+    const CriticalSteps bounds = bounds_of(scene, simulation);
     EXPECT_GT(bounds.canopy, 3.0 * bounds.lines);
-    EXPECT_GE(simulation.step().substeps, 3);
+    EXPECT_GE(simulation.step().subcycles, 3);
     EXPECT_GT(simulation.step().dt, 2.9 * scene.full.time_step_factor * bounds.all);  // three of them
-    EXPECT_LE(simulation.step().dt / simulation.step().substeps,
+    EXPECT_LE(simulation.step().dt / simulation.step().subcycles,
               scene.full.time_step_factor * bounds.lines * (1.0 + 1e-12));
 }
 
@@ -51,16 +51,16 @@ TEST(StiffLines, EitherTakesHalfOfItsBoundWhileItSlaps) {
     scene.parachutes.front().deploy.pack_ratio = 0.95 * std::sqrt(2.0);
     Simulation simulation(scene);
     ASSERT_FALSE(simulation.outline().folded);
-    const StableSteps bounds = bounds_of(scene, simulation);
+    const CriticalSteps bounds = bounds_of(scene, simulation);
     ASSERT_GT(bounds.canopy, 2.5 * bounds.lines);
-    const auto [dt, substeps] = simulation.step_with(0.0, 0.0);
-    EXPECT_GT(substeps, 1);
+    const auto [dt, subcycles] = simulation.step_with(0.0, 0.0);
+    EXPECT_GT(subcycles, 1);
     EXPECT_LT(simulation.step().dt, dt);  // the first impacts are expected, see ImpactWatch
-    EXPECT_NEAR(dt, 0.5 * std::min(bounds.canopy, substeps * bounds.lines), 1e-12 * dt);
+    EXPECT_NEAR(dt, 0.5 * std::min(bounds.canopy, subcycles * bounds.lines), 1e-12 * dt);
 }
 
 TEST(StiffLines, CloseTheLedgerOfADropFromThePack) {
-    // To 3.6e-4 of the drag work over seeds, as without substeps; with the cloth at 0.95 of its bound
+    // To 3.6e-4 of the drag work over seeds, as without subcycles; with the cloth at 0.95 of its bound
     // to 6.5e-4.
     const RunRecord record = test::run_full(coarse_cloth());
     EXPECT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
@@ -86,7 +86,7 @@ TEST(StiffLines, AStaticLineIsAsStrongThroughout) {
         mass += m;
     EXPECT_NEAR(legs, 7.0, 1e-12);
     EXPECT_NEAR(length, scene.parachutes.front().deploy.static_line_length, 1e-9);
-    // All but half an element at the far end, which is held.
+    // All but half an element at the anchor, which is held.
     const double linear = 7.0 * scene.parachutes.front().line.linear_density();
     const double leg = line.cables.front().rest_length, element = line.cables.back().rest_length;
     EXPECT_NEAR(mass, linear * (leg + length - 0.5 * element), 1e-9);

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "fullsim/step/energy.hpp"
-#include "fullsim/step/stable_step.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
 #include "tests/support/structure.hpp"
 
 namespace twinchute {
@@ -51,7 +51,7 @@ Swing swing(double bulk_viscosity, double factor, int steps) {
         else
             net.set_velocity(i, Vec3(kick(generator), kick(generator), kick(generator)));
     }
-    const double dt = factor * stable_step(net.row_sums(), net.constants().mass).dt;
+    const double dt = factor * critical_step(net.row_sums(), net.constants().mass).dt;
     const auto energy = [&] {
         return kinetic_energy(net.state, net.constants()) + elastic_energy(net.state, net.blocks);
     };

@@ -36,20 +36,20 @@ const test::Marched& truth() {
 TEST(TimeIntegration, TheStepIsOfSecondOrder) {
     // Errors of place fall by 4.07, 3.79 and 3.98 where steps are halved, of force by 4.08, 4.09 and 4.05
     // (2026-11-21); 0.2 in the order is what few bends leave of it. A rule of first order would be at 1.
-    for (const int substeps : {1, 4}) {
+    for (const int subcycles : {1, 4}) {
         std::array<double, 4> place{}, force{};
         for (std::size_t level = 0; level < place.size(); ++level) {
             Scene scene = open_canopy();
-            scene.full.line_substeps = substeps;
+            scene.full.line_substeps = subcycles;
             scene.full.time_step_factor = 0.5 / static_cast<double>(1 << level);
             const test::Marched run = test::by_own_steps(scene, end);
             place[level] = test::distance(run, truth());
             force[level] = std::abs(run.force - truth().force);
         }
         for (std::size_t level = 1; level < place.size(); ++level) {
-            EXPECT_NEAR(std::log2(place[level - 1] / place[level]), 2.0, 0.2) << substeps << ' ' << level;
+            EXPECT_NEAR(std::log2(place[level - 1] / place[level]), 2.0, 0.2) << subcycles << ' ' << level;
             // With subcycles the force is the small difference of two errors, without an order of its own.
-            if (substeps == 1) {
+            if (subcycles == 1) {
                 EXPECT_NEAR(std::log2(force[level - 1] / force[level]), 2.0, 0.1) << level;
             }
         }
@@ -58,9 +58,9 @@ TEST(TimeIntegration, TheStepIsOfSecondOrder) {
                                std::log2(e[2] / e[3]));
         };
         // For docs/verification.md.
-        fmt::print("order of places{}: {}\n", substeps > 1 ? ", up to 4 substeps of lines" : "",
+        fmt::print("order of places{}: {}\n", subcycles > 1 ? ", up to 4 subcycles of lines" : "",
                    orders(place));
-        if (substeps == 1) fmt::print("order of the opening force: {}\n", orders(force));
+        if (subcycles == 1) fmt::print("order of the opening force: {}\n", orders(force));
     }
 }
 

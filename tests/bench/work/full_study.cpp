@@ -35,12 +35,13 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
     const test::Marched truth =
         test::by_sundials(interval.scene, *find_ode_method("zonneveld"), {interval.truth_rtol}, interval.end);
     const double length = interval.scene.parachutes.front().nominal_diameter;
-    Study study{interval.name,
-                interval.title,
-                fmt::format("largest stable steps at the left ends; truth: order 4 at {:.0e}, {} evaluations",
-                            interval.truth_rtol, truth.evaluations),
-                "place, rms of all nodes over D0",
-                {}};
+    Study study{
+        interval.name,
+        interval.title,
+        fmt::format("largest critical time steps at the left ends; truth: order 4 at {:.0e}, {} evaluations",
+                    interval.truth_rtol, truth.evaluations),
+        "place, rms of all nodes over D0",
+        {}};
     const auto timed = [&](Curve& curve, const std::string& setting,
                            const std::function<test::Marched()>& run) {
         const Stopwatch watch;

@@ -98,10 +98,10 @@ Curve own_steps(const char* method, Scene scene, double steady_area, const std::
 
 void study_opening_in_time(const Scene& demo, const TimeSettings& with,
                            const std::filesystem::path& directory) {
-    Scene substeps = fullsim::weighed(demo);  // as runs do
-    substeps.full.output_rate = 2000.0;       // for the filling time, which is linear between rows
-    Scene plain = substeps;
-    plain.full.line_substeps = 1;  // the equations as they stand, for integrators that know no substeps
+    Scene subcycles = fullsim::weighed(demo);  // as runs do
+    subcycles.full.output_rate = 2000.0;       // for the filling time, which is linear between rows
+    Scene plain = subcycles;
+    plain.full.line_substeps = 1;  // the equations as they stand, for integrators that know no subcycles
     const Measured run = run_opening(plain);
     const Measured seen = by_own_steps(plain, run.steady_area).found;
     check_the_looking(seen.opening, run.opening);
@@ -121,7 +121,7 @@ void study_opening_in_time(const Scene& demo, const TimeSettings& with,
         study.curves.push_back(own_steps(method, scene, run.steady_area, with.factors, truth.found.opening));
         check_the_truth(study.curves.back());
     };
-    own_curve("midpoint, lines in substeps", substeps);
+    own_curve("midpoint, lines in substeps", subcycles);
     own_curve("midpoint", plain);
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep || method.order < with.lowest_order || method.order > with.highest_order)

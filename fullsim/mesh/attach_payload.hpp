@@ -1,0 +1,27 @@
+// A payload that is a body, hung on the risers of a mesh.
+#pragma once
+
+#include "fullsim/mesh/mesh.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::fullsim {
+
+/// How the rest of the parachute lies.
+enum class Hang {
+    as_made,    ///< lines straight, the body along x, y and z
+    drawn_out,  ///< the same along Mesh::axis, and stretched by Mesh::line_stretch
+    packed      ///< shorter than its risers: the pack lies on the body
+};
+
+/// From one point below all risers to a place for each on the body, whose centre of mass takes the payload's
+/// node. Risers keep the length that they have, straight to their places, and all above moves along the axis
+/// as far as that asks for. Risers of an imported body end where its file says; those of a scene's shape go,
+/// in the order of their azimuths, to the places nearest to where their lines lead, whatever the order of the
+/// mesh. Throws SceneError at payload.body.size where risers do not reach, at payload.body.shape where their
+/// number does not fit.
+void attach_payload(const Scene& scene, Mesh& mesh, Hang hang);
+
+/// Of the body's own x, y and z in the world, as it hangs at the start along `axis`.
+Eigen::Matrix3d frame_along(const Vec3& axis);
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,173 @@
+#include "fullsim/storage/layout.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "fullsim/forces/registry.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
+#include "fullsim/time/subcycling.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+class ReferenceLayout final : public Layout {
+public:
+    ReferenceLayout(const Mesh& mesh, const NodeConstants& constants) : mesh_(mesh), constants_(constants) {}
+
+    std::string_view name() const override { return "reference"; }
+    std::string_view instruction_set() const override { return lane_instruction_set(); }
+
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+        structure_ = &structure;
+        loads_ = &loads;
+        lines_ = nullptr;
+        for (const auto& model : structure)
+            if (force_block(model->name()).subcycles) lines_ = model.get();
+        std::vector<NodeIndex> nodes;
+        if (lines_) {
+            GershgorinSums pulled = no_rows(state);
+            lines_->add_row_sums(state, pulled);
+            for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
+                if (pulled.stiffness[i] > 0.0) nodes.push_back(i);
+        }
+        pulled_ = SubcycledNodes(std::move(nodes));
+        weights_.begin(state, constants_, structure, lines_);
+        line_damping_ = 0.0;
+        clear_forces(state);
+    }
+    void store(State&) const override {}
+
+    double membrane_energy(State& state) const override {
+        const auto membrane = std::ranges::find(*structure_, "membrane", &ForceModel::name);
+        const double weight = std::exchange(state.fe_weight, 1.0);
+        const double energy = (*membrane)->energy(state);
+        state.fe_weight = weight;
+        return energy;
+    }
+
+    EnergiesAndStrains levels(const State& state) const override {
+        return levels_of(state, constants_, *structure_);
+    }
+    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
+
+    void evaluate(State& state, BlockClock& clock) override {
+        const auto add = [&](const ForceModels& models) {
+            for (const auto& model : models)
+                clock.run([&] {
+                    if (model.get() == lines_)
+                        pulled_.note(state, [&] { line_damping_ = pull_lines(state); });
+                    else
+                        model->add_forces(state);
+                });
+        };
+        add(*structure_);
+        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        add(*loads_);
+    }
+    CriticalSteps critical_steps(const State& state) override {
+        weights_.renew(state);
+        return fullsim::critical_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
+    }
+    void advance(State& state, double dt, int subcycles, double next_added_mass) override {
+        if (subcycles > 1)
+            return advance_in_subcycles(state, constants_, dt, subcycles, next_added_mass, pulled_,
+                                        line_damping_, [this](State& s) { return pull_lines(s); });
+        state.damping_power += line_damping_;
+        fullsim::advance(state, constants_, dt, next_added_mass);
+    }
+    void serialize(Archive& archive, const State&) override { weights_.serialize(archive); }
+
+private:
+    /// [W] dissipated.
+    double pull_lines(State& state) const {
+        const double others = std::exchange(state.damping_power, 0.0);
+        lines_->add_forces(state);
+        return std::exchange(state.damping_power, others);
+    }
+
+    const Mesh& mesh_;
+    const NodeConstants& constants_;
+    const ForceModels* structure_ = nullptr;
+    const ForceModels* loads_ = nullptr;
+    const ForceModel* lines_ = nullptr;
+    SubcycledNodes pulled_;
+    PerronScaling weights_;
+    double line_damping_ = 0.0;  // [W]
+};
+
+}  // namespace
+
+EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
+                             const ForceModels& structure) {
+    EnergiesAndStrains levels{kinetic_energy(state, constants), elastic_energy(state, structure), {}};
+    for (const auto& model : structure)
+        levels.strain.push_back(model->extreme(state).strain);
+    return levels;
+}
+
+double cloth_strain_of(const State& state, const ForceModels& structure) {
+    double longest = -1.0;
+    for (const auto& model : structure)
+        if (is_folding_cloth(model->name())) longest = std::max(longest, model->extreme(state).strain);
+    return longest;
+}
+
+void BlockClock::begin(const std::vector<std::string>& names) {
+    active_.clear();
+    for (const std::string& name : names) {
+        const auto known = std::ranges::find(accounts_, name, &Account::name);
+        active_.push_back(static_cast<std::size_t>(known - accounts_.begin()));
+        if (known == accounts_.end()) accounts_.push_back({name});
+    }
+}
+
+void BlockClock::serialize(Archive& archive) {
+    archive.length("accounts", accounts_, 1000);
+    for (Account& account : accounts_) {
+        auto& [name, seconds, sampled, steps] = account;
+        archive.text("block", name);
+        archive.number("seconds", seconds);
+        archive.whole("sampled", sampled, 0);
+        archive.whole("steps", steps, 0);
+    }
+}
+
+std::vector<BlockCost> BlockClock::costs() const {
+    std::vector<BlockCost> costs;
+    for (const Account& a : accounts_)
+        if (a.sampled > 0)
+            costs.push_back(
+                {a.name, a.seconds * static_cast<double>(a.steps) / static_cast<double>(a.sampled)});
+    return costs;
+}
+
+ElementCount Layout::elements(const ForceModels& structure) const {
+    ElementCount count;
+    for (const auto& model : structure) {
+        count.all += model->elements();
+        if (force_block(model->name()).subcycles) count.in_subcycles += model->elements();
+    }
+    return count;
+}
+
+std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                                    int threads) {
+    if (scene.full.symmetry == Symmetry::sector) {
+        std::string why;
+        auto sector = make_sector_layout(scene, mesh, constants, &why);
+        if (!sector)
+            throw SceneError({scene.file.string()}, "full.symmetry", "this parachute has no alike sectors",
+                             why, "leave full.symmetry out");
+        return sector;
+    }
+    auto gores = make_gore_layout(scene, mesh, constants, nullptr, threads);
+    return gores ? std::move(gores) : make_unstructured_layout(scene, mesh, constants);
+}
+
+std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants) {
+    return std::make_unique<ReferenceLayout>(mesh, constants);
+}
+
+}  // namespace twinchute::fullsim

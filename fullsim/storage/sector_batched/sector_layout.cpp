@@ -1,0 +1,414 @@
+// One sector of a symmetric parachute, the rows of its mesh in lanes; the others are the same, turned about
+// the axis.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/storage/layout.hpp"
+#include "fullsim/storage/sector_batched/arrays.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/node_mover.hpp"
+#include "fullsim/time/subcycling.hpp"
+#include "lib/scene/line_stretch.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Up, and nothing across: what is left of a sum over all sectors.
+Lanes up(double a) {
+    return Lanes{0.0, 0.0, a, 0.0};
+}
+
+/// From the first sector to another.
+struct Turn {
+    Lanes cosine, sine;  ///< of the angle; 1 and 0 upwards
+    explicit Turn(double angle)
+        : cosine{std::cos(angle), std::cos(angle), 1.0, 0.0},
+          sine{std::sin(angle), std::sin(angle), 0.0, 0.0} {}
+};
+
+/// A vector of a node of the first sector, and of its like in the others.
+class Around {
+public:
+    Around(const Components& a, LocalNode n)
+        : first_{a[0][n], a[1][n], a[2][n], 0.0}, quarter_{-a[1][n], a[0][n], 0.0, 0.0} {}
+    Lanes at(const Turn& turn) const { return turn.cosine * first_ + turn.sine * quarter_; }
+
+private:
+    Lanes first_, quarter_;  // a quarter turn further
+};
+
+class SectorLayout final : public Layout {
+public:
+    SectorLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Sector sector,
+                 const SectorKernels& kernels)
+        : scene_(scene),
+          mesh_(mesh),
+          constants_(constants),
+          kernels_(kernels),
+          sector_(std::move(sector)),
+          arrays_(sector_, mesh, constants, scene.full, kernels.lanes, kernels.unroll_factor),
+          membranes_{membrane_law(mesh.fabric, scene.full.bulk_viscosity)},
+          name_(sector_.gores == 1 ? fmt::format("one gore of {}, sector-batched", sector_.count)
+                                   : fmt::format("{} gores of {}, sector-batched", sector_.gores,
+                                                 sector_.gores * sector_.count)),
+          fabric_area_(mesh.fabric_area()),
+          smallest_area_(smallest_projected_area(scene.parachutes.front())),
+          line_diameter_(mesh.cord(CableKind::line).diameter),
+          axis_(mesh.axis.z() > 0.0 ? 1.0 : -1.0),
+          cord_rows_(arrays_.cord_rows()) {
+        for (int s = 0; s < sector_.count; ++s)
+            turns_.emplace_back(s * sector_.turn);
+    }
+
+    std::string_view name() const override { return name_; }
+    std::string_view instruction_set() const override { return kernels_.instruction_set; }
+    ElementCount elements(const ForceModels&) const override {
+        const auto tapes = std::ranges::count_if(sector_.cables, is_tape, &GoreCable::kind);
+        return {sector_.triangles.size() + sector_.cables.size(),
+                sector_.cables.size() - static_cast<std::size_t>(tapes)};
+    }
+
+    std::vector<PlanArray> arrays() const override { return arrays_.sizes(); }
+
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+        clear_forces(state, static_cast<std::size_t>(mesh_.payload()));
+        load(state);
+        step_ = {};
+        structure_.clear();
+        loads_.clear();
+        for (const ForceModels* models : {&structure, &loads})
+            for (const auto& model : *models) {
+                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                if (row == rows.end())
+                    throw std::logic_error(fmt::format("no sector-batched for {}", model->name()));
+                (models == &structure ? structure_ : loads_).push_back(row);
+                if (row->block == "payload drag") payload_drag_ = model.get();
+            }
+        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
+        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weigh_rows();
+        has_breathing_ = acts("breathing damping");
+        has_accretion_ = acts("accretion");
+        has_mass_damping_ = acts("mass damping");
+    }
+
+    int sectors() const override { return sector_.count; }
+
+    void store(State& state) const override {
+        const SectorFrame& f = arrays_.frame;
+        for (LocalNode n = 0; n < sector_.own; ++n) {
+            const Around x(f.x, n), v(f.v, n), v_half(f.v_half, n);
+            const NodeIndex* node = sector_.node.data() + n;
+            for (const Turn& turn : turns_) {
+                state.node[*node] = {x.at(turn), v.at(turn)};
+                state.v_half[*node].value = v_half.at(turn);
+                node += sector_.own;
+            }
+        }
+    }
+    void store_seams(State& state) const override {
+        for (const LocalNode n : sector_.seams) {
+            const Around x(arrays_.frame.x, n);
+            const NodeIndex* node = sector_.node.data() + n;
+            for (const Turn& turn : turns_) {
+                state.node[*node].x = x.at(turn);
+                node += sector_.own;
+            }
+        }
+    }
+
+    double membrane_energy(State&) const override { return fabric_levels().energy; }
+
+    EnergiesAndStrains levels(const State& state) const override {
+        const NodeIndex payload = mesh_.payload();
+        const double v = state.node[payload].v[2];
+        EnergiesAndStrains levels{
+            0.5 * constants_.mass[payload] * v * v +
+                sector_.count * kernels_.kinetic(arrays_.frame, arrays_.plan, state.added_mass),
+            0.0,
+            {}};
+        for (const Row* row : structure_) {
+            const EnergyAndStrain of_row = (this->*row->levels)();
+            levels.elastic += of_row.energy;
+            levels.strain.push_back(of_row.strain);
+        }
+        return levels;
+    }
+
+    void evaluate(State& state, BlockClock& clock) override {
+        for (const Row* row : structure_)
+            clock.run([&] { (this->*row->add)(state); });
+        state.force[mesh_.payload()].value = pull_ = pull_on_payload();
+        state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+        for (const Row* row : loads_)
+            clock.run([&] { (this->*row->add)(state); });
+    }
+
+    /// A pack has no sectors.
+    double cloth_strain(const State&) const override { return 0.0; }
+
+    CriticalSteps critical_steps(const State& state) override {
+        if (weights_.renew(state)) weigh_rows();
+        const double by_share = (has_breathing_ ? breathing(state.air) : 0.0) +
+                                (has_accretion_ ? std::max(0.0, state.added_mass_rate) : 0.0);
+        const double by_mass = has_mass_damping_ ? scene_.full.alpha : 0.0;
+        const double payload_mass = constants_.mass[mesh_.payload()];
+        const NodeRows& rows_of = arrays_.frame.node;
+        const double payload = critical_step_of(
+            sector_.count * rows_of.cord_stiffness[sector_.payload()],
+            sector_.count * rows_of.cord_damping[sector_.payload()] + by_mass * payload_mass, payload_mass);
+        const SectorBounds own =
+            kernels_.critical_step(arrays_.frame, arrays_.plan, state.added_mass, by_share, by_mass);
+        CriticalSteps steps{std::min(payload, own.all), own.canopy, std::numeric_limits<double>::infinity()};
+        for (const SectorArrays::CordRow& row : cord_rows_) {
+            const bool all = row.node == sector_.payload();
+            const double count = all ? sector_.count : 1.0;
+            const double mass = all ? payload_mass : rows_of.mass[row.node];
+            const double inertia =
+                all ? mass : rows_of.inertia[row.node] + rows_of.share[row.node] * state.added_mass;
+            steps.lines = std::min(
+                steps.lines,
+                critical_step_of(count * row.stiffness, count * row.damping + by_mass * mass, inertia));
+        }
+        return steps;
+    }
+
+    void advance(State& state, double dt, int count, double next_added_mass) override {
+        const NodeIndex payload = mesh_.payload();
+        const double mass = constants_.mass[payload], all = sector_.count;
+        const bool only = count == 1;
+        NodeMover mover(state, constants_, dt);
+        const Subcycle first = only ? Subcycle{mover.kick(), dt} : subcycle(state, dt, count, 0);
+        StepSums sums;
+        const Lanes others = state.force[payload].value - pull_;
+        state.force[payload].value = pull_;
+        mover.kick_alone(payload, others, mass, mass, first.kick, sums);
+        step_.kick = mover.kick();
+        step_.dt = dt;
+        step_.first = first;
+        step_.only = only;
+        step_.weighs = state.energy.weighs;
+        step_.last_dt = state.dt;
+        step_.last_line_dt = state.line_dt;
+        step_.gravity = constants_.gravity;
+        step_.added_mass = state.added_mass;
+        const SectorSums one = kernels_.advance(arrays_.frame, arrays_.plan, step_);
+        sums.drag_power += up(all * one.drag_power);
+        sums.momentum += up(all * one.momentum);
+        sums.share_square = all * one.share_square;
+        sums.kinetic += all * one.kinetic;
+        state.damping_power += all * one.dissipated;
+        state.accretion_power += all * one.accretion_power;
+        add_positions(one, sums);
+        sums.line_damping = first.kick * line_damping_;
+        mover.move_in_subcycle(payload, mass, first);
+        for (int k = 1; k < count; ++k) {
+            place_payload(state);
+            const SectorSubcycle next{subcycle(state, dt, count, k), k + 1 == count ? 0.5 * dt : 0.0};
+            const SectorSums further = kernels_.subcycle(arrays_.frame, arrays_.plan, next);
+            add_positions(further, sums);
+            line_damping_ = all * further.dissipated;
+            sums.line_damping += next.step.kick * line_damping_;
+            state.largest.add_tension(further.largest_tension);
+            state.force[payload].value = pull_on_payload();
+            state.in_subcycles.add(state.force[payload].value);
+            mover.move_in_subcycle(payload, mass, next.step);
+        }
+        sums.line_damping_power = line_damping_ / count;
+        mover.end_subcycles(payload);
+        mover.add_other(payload, mass, sums);
+        place_payload(state);
+        kernels_.refresh(arrays_.frame, arrays_.plan);
+        finish_step(state, constants_, sums, mover.kick(), dt, dt / count, next_added_mass);
+    }
+
+    void serialize(Archive& archive, const State&) override {
+        arrays_.serialize(archive);
+        weights_.serialize(archive);
+        if (archive.reads()) weigh_rows();
+    }
+
+private:
+    /// How a block of the registry acts on a sector. None other may act: see check_scene.
+    struct Row {
+        std::string_view block;
+        void (SectorLayout::*add)(State&);
+        EnergyAndStrain (SectorLayout::*levels)() const = nullptr;  // of structure
+    };
+    static const std::array<Row, 10> rows;
+
+    bool acts(std::string_view block) const {
+        return std::ranges::find(loads_, block, &Row::block) != loads_.end();
+    }
+
+    void weigh_rows() {
+        std::vector<double> weight;
+        for (LocalNode n = 0; n < sector_.own; ++n)
+            weight.push_back(weights_.by_node()[sector_.node[n]]);
+        weight.push_back(weights_.by_node()[mesh_.payload()]);
+        arrays_.weigh(sector_, weight);
+    }
+
+    void load(State& state) {
+        // The axis is that of the sector: rounding may have left the payload beside it.
+        NodeRecord& payload = state.node[mesh_.payload()];
+        payload = {up(payload.x[2]), up(payload.v[2])};
+        NodeVector& v_half = state.v_half[mesh_.payload()];
+        v_half.value = up(v_half.value[2]);
+        const SectorFrame& f = arrays_.frame;
+        for (LocalNode n = 0; n < sector_.own; ++n)
+            for (int c = sector_.on_axis[n] ? 2 : 0; c < 3; ++c) {
+                const NodeIndex i = sector_.node[n];
+                f.x[c][n] = state.node[i].x[c];
+                f.v[c][n] = state.node[i].v[c];
+                f.v_half[c][n] = state.v_half[i].value[c];
+            }
+        place_payload(state);
+        kernels_.refresh(f, arrays_.plan);
+    }
+
+    void place_payload(const State& state) {
+        const NodeRecord& payload = state.node[mesh_.payload()];
+        arrays_.frame.x[2][sector_.payload()] = payload.x[2];
+        arrays_.frame.v[2][sector_.payload()] = payload.v[2];
+    }
+
+    /// [N] of all cords.
+    Lanes pull_on_payload() const {
+        double pull = 0.0;
+        for (const RemainderPull& p : arrays_.payload)
+            pull += p.sign * arrays_.frame.element_force[2][p.from];
+        return up(sector_.count * pull);
+    }
+
+    void add_positions(const SectorSums& one, StepSums& sums) const {
+        const double all = sector_.count;
+        sums.canopy_position += up(all * one.canopy_position);
+        sums.canopy_velocity += up(all * one.canopy_velocity);
+        sums.other_position += up(all * one.other_position);
+        sums.other_velocity += up(all * one.other_velocity);
+        sums.area_velocity += up(all * one.area_velocity);
+    }
+
+    /// Energies of all sectors.
+    EnergyAndStrain of_all(EnergyAndStrain one) const { return {sector_.count * one.energy, one.strain}; }
+    EnergyAndStrain fabric_levels() const {
+        return of_all(kernels_.fabric_levels(arrays_.frame, arrays_.plan, membranes_));
+    }
+    EnergyAndStrain tape_levels() const {
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape));
+    }
+    EnergyAndStrain line_levels() const {
+        return of_all(kernels_.cable_levels(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord));
+    }
+
+    /// Membranes, and the areas that pressure acts on with them.
+    void add_membrane(State& state) {
+        membranes_.direction = {0.0, 0.0, state.air.direction.z()};
+        membranes_.radial_pressure = state.air.radial_pressure;
+        fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, membranes_);
+        state.damping_power += sector_.count * fabric_.dissipated;
+        state.largest.add_stress(fabric_.largest_load);
+    }
+    void add_tapes(State& state) {
+        state.damping_power +=
+            sector_.count * kernels_.cables(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape).dissipated;
+    }
+    /// What these dissipate is booked with the subcycle that it is of.
+    void add_cords(State& state) {
+        const ElementSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord);
+        line_damping_ = sector_.count * cords.dissipated;
+        state.largest.add_tension(cords.largest_load);
+    }
+    /// On the axis, which stays where it is, nothing is left of what they do.
+    void add_contacts(State&) { kernels_.contacts(arrays_.frame, arrays_.plan, contact_pass()); }
+    ContactPass contact_pass() const { return {{}, {0.0, 0.0, axis_}}; }
+    EnergyAndStrain contact_levels() const {
+        return of_all(kernels_.contact_levels(arrays_.frame, arrays_.plan, contact_pass()));
+    }
+    void add_pressure(State& state) {
+        state.air.projected_area = sector_.count * fabric_.positive_area;
+        state.air.signed_area = sector_.count * fabric_.signed_area;
+        step_.residual_drag = set_pressure(state.air, smallest_area_).z();
+        step_.pressure = state.air.pressure;
+    }
+    void add_line_drag(State& state) {
+        if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
+        kernels_.line_drag(arrays_.frame, arrays_.plan,
+                           {&drag_coefficient_, line_diameter_, state.air.density, state.air.viscosity, {}});
+    }
+    /// [N s/m] of the whole canopy.
+    double breathing(const AeroState& air) const {
+        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
+    }
+    void add_breathing(State& state) {
+        step_.breathing = breathing(state.air);
+        step_.breathing_mean = state.sums.canopy_area_velocity.z();
+    }
+    void add_accretion(State& state) { step_.accretion = std::max(0.0, state.added_mass_rate); }
+    void add_mass_damping(State& state) {
+        step_.alpha = scene_.full.alpha;
+        step_.mean = state.sums.system_velocity.z();
+        const NodeIndex payload = mesh_.payload();
+        Lanes dissipated = splat(0.0);
+        law::resist(step_.alpha * constants_.mass[payload], state.node[payload].v - up(step_.mean),
+                    state.force[payload].value, dissipated);
+        state.damping_power += sum3(dissipated);
+    }
+    void add_payload_drag(State& state) { payload_drag_->add_forces(state); }
+
+    const Scene& scene_;
+    const Mesh& mesh_;
+    const NodeConstants& constants_;
+    const SectorKernels& kernels_;
+    Sector sector_;
+    SectorArrays arrays_;
+    std::vector<Turn> turns_;  // to each sector
+    MembranePass membranes_;
+    std::string name_;
+    double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
+    double line_diameter_;                // [m]
+    double axis_;                         // 1 where the canopy is above the payload, else -1
+    std::vector<SectorArrays::CordRow> cord_rows_;
+    Lanes pull_ = splat(0.0);    // [N] of all cords on the payload at the time of the forces
+    double line_damping_ = 0.0;  // [W] by all cords, likewise or in the last subcycle
+    CylinderDragTable drag_coefficient_;
+    std::vector<const Row*> structure_, loads_;
+    bool has_breathing_ = false, has_accretion_ = false, has_mass_damping_ = false;
+    const ForceModel* payload_drag_ = nullptr;
+    PerronScaling weights_;
+    ElementSums fabric_;  // of the sector
+    SectorAdvance step_;
+};
+
+const std::array<SectorLayout::Row, 10> SectorLayout::rows{{
+    {"membrane", &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
+    {"tapes", &SectorLayout::add_tapes, &SectorLayout::tape_levels},
+    {"lines", &SectorLayout::add_cords, &SectorLayout::line_levels},
+    {"gore contact", &SectorLayout::add_contacts, &SectorLayout::contact_levels},
+    {"canopy pressure", &SectorLayout::add_pressure},
+    {"line drag", &SectorLayout::add_line_drag},
+    {"breathing damping", &SectorLayout::add_breathing},
+    {"payload drag", &SectorLayout::add_payload_drag},
+    {"accretion", &SectorLayout::add_accretion},
+    {"mass damping", &SectorLayout::add_mass_damping},
+}};
+
+}  // namespace
+
+std::unique_ptr<Layout> make_sector_layout(const Scene& scene, const Mesh& mesh,
+                                           const NodeConstants& constants, std::string* why,
+                                           const SectorKernels* kernels) {
+    auto sector = find_sector(mesh, why);
+    if (!sector) return nullptr;
+    return std::make_unique<SectorLayout>(scene, mesh, constants, std::move(*sector),
+                                          kernels ? *kernels : sector_kernels());
+}
+
+}  // namespace twinchute::fullsim

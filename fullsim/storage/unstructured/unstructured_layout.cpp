@@ -1,0 +1,647 @@
+// Nodes as the state's own records and elements that name theirs: any mesh. Several elements at once, whose
+// corners are loaded as records and turned to columns in registers.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/forces/gore_contact.hpp"
+#include "fullsim/forces/registry.hpp"
+#include "fullsim/forces/spring.hpp"
+#include "fullsim/mesh/gore_contacts.hpp"
+#include "fullsim/storage/layout.hpp"
+#include "fullsim/storage/unstructured/kernels.hpp"
+#include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/node_mover.hpp"
+#include "fullsim/time/subcycling.hpp"
+#include "lib/scene/line_stretch.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+std::array<double, 3> to_array3(const Vec3& a) {
+    return {a.x(), a.y(), a.z()};
+}
+std::array<double, 4> to_array4(const Vec3& a) {
+    return {a.x(), a.y(), a.z(), 0.0};
+}
+Lanes as_lanes(const std::array<double, 4>& a) {
+    return Lanes{a[0], a[1], a[2], a[3]};
+}
+
+/// Records of whole rows of doubles.
+template <class Record>
+double* doubles(std::vector<Record>& records) {
+    return reinterpret_cast<double*>(records.data());
+}
+
+/// Elements one after the other, as the kernels want them in groups.
+class ElementList {
+public:
+    /// padding: constants of an element without effect.
+    template <std::size_t corners, std::size_t constants>
+    void begin(std::size_t count, int lanes, NodeIndex dummy, const std::array<double, constants>& padding) {
+        const std::size_t width = static_cast<std::size_t>(lanes);
+        lanes_ = width, corners_ = corners, constants_ = constants;
+        groups_ = (count + width - 1) / width;
+        node_.assign(groups_ * corners * width, row_offset(dummy));
+        node_.shrink_to_fit();
+        constant_.assign((groups_ * constants * width + Line{}.size() - 1) / Line{}.size(), Line{});
+        constant_.shrink_to_fit();
+        for (std::size_t i = count; i < groups_ * width; ++i)
+            set_constants(i, padding);
+    }
+
+    template <std::size_t corners, std::size_t constants>
+    void set(std::size_t i, const std::array<NodeIndex, corners>& node,
+             const std::array<double, constants>& constant) {
+        for (std::size_t c = 0; c < corners; ++c)
+            node_[(i / lanes_ * corners_ + c) * lanes_ + i % lanes_] = row_offset(node[c]);
+        set_constants(i, constant);
+    }
+
+    std::size_t bytes() const { return bytes_of(node_) + bytes_of(constant_); }
+
+    unstructured::Elements elements() const {
+        return {groups_, node_.data(), constant_.empty() ? nullptr : constant_.front().data()};
+    }
+
+private:
+    struct alignas(64) Line : std::array<double, 8> {};  // of a cache
+
+    static std::int32_t row_offset(NodeIndex node) {
+        return node * static_cast<std::int32_t>(sizeof(NodeVector));
+    }
+
+    template <std::size_t constants>
+    void set_constants(std::size_t i, const std::array<double, constants>& constant) {
+        for (std::size_t c = 0; c < constants; ++c) {
+            const std::size_t at = (i / lanes_ * constants_ + c) * lanes_ + i % lanes_;
+            constant_[at / Line{}.size()][at % Line{}.size()] = constant[c];
+        }
+    }
+
+    std::size_t groups_ = 0, lanes_ = 1, corners_ = 0, constants_ = 0;
+    std::vector<std::int32_t> node_;
+    std::vector<Line> constant_;
+};
+
+class UnstructuredLayout final : public Layout {
+public:
+    UnstructuredLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
+                       const unstructured::Kernels& kernels)
+        : scene_(scene),
+          mesh_(mesh),
+          constants_(constants),
+          kernels_(kernels),
+          fabric_area_(mesh.fabric_area()) {}
+
+    std::string_view name() const override { return "unstructured"; }
+    std::string_view instruction_set() const override { return kernels_.instruction_set; }
+
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+        clear_forces(state);
+        push_.assign(mesh_.canopy_nodes, {splat(0.0)});
+        step_ = {};
+        acts_.clear();
+        triangles_ = edges_ = pairs_ = tapes_ = lines_ = risers_ = cords_ = {};
+        pulled_.clear();
+        line_damping_ = 0.0;
+        has_ = {};
+        springs_ = {};
+        first_aero_ = constants_.canopy_nodes;
+        structure_ = &structure;
+        for (const ForceModels* models : {&structure, &loads})
+            for (const auto& model : *models) {
+                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                acts_.push_back({row == rows.end() ? nullptr : row->add, model.get()});
+                if (row != rows.end()) (this->*row->prepare)();
+            }
+        if (springs_.springs || springs_.folds) prepare_edges();
+        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
+        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+    }
+
+    void store(State&) const override {}
+
+    std::vector<PlanArray> arrays() const override {
+        std::vector<PlanArray> all;
+        // Canopy pressure, cloth drag and membranes read the same constants of triangles, springs and fold
+        // resistance those of edges.
+        add_bytes(all, "triangles", triangles_.bytes());
+        add_bytes(all, "edges", edges_.bytes());
+        add_bytes(all, "gore contact", pairs_.bytes());
+        add_bytes(all, "tapes", tapes_.bytes());
+        add_bytes(all, "lines", lines_.bytes() + risers_.bytes() + bytes_of(pulled_));
+        add_bytes(all, "static line", cords_.bytes());
+        add_bytes(all, "lines", bytes_of(others_));
+        add_bytes(all, "pushed areas", bytes_of(push_));
+        for (const GershgorinSums* sums : {&sums_, &pulled_sums_})
+            add_bytes(all, "bound on the step",
+                      bytes_of(sums->stiffness) + bytes_of(sums->damping) + bytes_of(sums->weight));
+        return all;
+    }
+
+    double membrane_energy(State& state) const override {
+        return kernels_.membrane_levels(nodes_to_read(state), triangles_.elements(), fabric_).energy;
+    }
+
+    EnergiesAndStrains levels(const State& state) const override {
+        return levels_of(state, constants_, *structure_);
+    }
+    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
+
+    void evaluate(State& state, BlockClock& clock) override {
+        for (std::size_t k = 0; k < acts_.size(); ++k) {
+            if (k == structure_->size()) state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+            const Acting& block = acts_[k];
+            // Blocks that act on a few nodes have no kernel.
+            clock.run([&] { block.add ? (this->*block.add)(state) : block.model->add_forces(state); });
+        }
+        if (acts_.size() == structure_->size())
+            state.riser_force = to_vec3(state.force[mesh_.payload()].value);
+    }
+
+    CriticalSteps critical_steps(const State& state) override {
+        weights_.renew(state);
+        GershgorinSums& sums = cleared(sums_, state);
+        sums.weight = weights_.by_node();
+        const unstructured::Rows rows_out = rows_of(sums);
+        const unstructured::Nodes nodes = nodes_to_read(state);
+        fabric_.weight = state.fe_weight;
+        if (has_.membrane) kernels_.membrane_rows(nodes, triangles_.elements(), fabric_, rows_out);
+        if (springs_.springs || springs_.folds)
+            kernels_.spring_rows(nodes, edges_.elements(), springs_of(state), rows_out);
+        if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
+        kernels_.cable_rows(cords_.elements(), rows_out);
+        for (const Acting& block : acts_)
+            if (!block.add || block.add == &UnstructuredLayout::add_contacts)
+                block.model->add_row_sums(state, sums);
+
+        GershgorinSums& pulled = cleared(pulled_sums_, state);
+        pulled.weight.assign(state.node.size(), 1.0);
+        unstructured::Bound bound{constants_.mass, constants_.share, state.added_mass};
+        bound.by_share = (has_.breathing ? breathing(state.air) : 0.0) +
+                         (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
+        bound.by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
+        CriticalSteps steps;
+        // Of the nodes that lines pull on, lines alone hold those that are not of the canopy.
+        unstructured::Bound canopy = bound;
+        canopy.mass = canopy.mass.first(static_cast<std::size_t>(constants_.canopy_nodes));
+        canopy.share = canopy.share.first(canopy.mass.size());
+        steps.canopy = std::min(kernels_.critical_step(rows_out, canopy), stable_step_of_static_line(sums));
+        if (!has_.lines) return {steps.canopy, steps.canopy, steps.canopy};
+        add_rows_of_lines(pulled);
+        steps.lines = std::numeric_limits<double>::infinity();
+        const auto step_of = [&](const GershgorinSums& of, NodeIndex i, double damping) {
+            const double inertia = constants_.mass[i] + constants_.share[i] * state.added_mass;
+            return critical_step_of(of.stiffness[i], of.damping[i] + damping, inertia);
+        };
+        for (const NodeIndex i : pulled_) {
+            const double loads =
+                mesh_.is_canopy(i) ? 0.0 : sums.damping[i] + bound.by_mass * constants_.mass[i];
+            steps.lines = std::min(steps.lines, step_of(pulled, i, loads));
+        }
+        auto next = std::ranges::lower_bound(pulled_, constants_.canopy_nodes);
+        for (NodeIndex i = constants_.canopy_nodes; i < mesh_.node_count(); ++i)
+            if (next != pulled_.end() && *next == i)
+                ++next;
+            else
+                steps.canopy = std::min(steps.canopy, step_of(sums, i, bound.by_mass * constants_.mass[i]));
+        add_rows_of_lines(sums);
+        steps.all = std::min(kernels_.critical_step(rows_out, bound), stable_step_of_static_line(sums));
+        return steps;
+    }
+
+    void advance(State& state, double dt, int subcycles, double next_added_mass) override {
+        NodeMover mover(state, constants_, dt);
+        step_.record = doubles(state.node);
+        step_.v_half = doubles(state.v_half);
+        step_.mass = constants_.mass;
+        step_.share = constants_.share;
+        step_.canopy = static_cast<std::size_t>(constants_.canopy_nodes);
+        step_.first_aero = static_cast<std::size_t>(first_aero_);
+        step_.added_mass = state.added_mass;
+        step_.kick = mover.kick();
+        step_.dt = dt;
+        step_.weighs = state.energy.weighs;
+        step_.last_dt = state.dt;
+        step_.gravity = constants_.gravity;
+        StepSums sums;
+        const std::size_t all = constants_.mass.size();
+        if (subcycles == 1) {
+            state.damping_power += line_damping_;
+            move(state, 0, all, sums);
+        } else {
+            std::size_t next = 0;
+            for (const NodeIndex i : pulled_) {
+                move(state, next, static_cast<std::size_t>(i), sums);
+                next = static_cast<std::size_t>(i) + 1;
+            }
+            move(state, next, all, sums);
+            move_in_subcycles(state, mover, dt, subcycles, sums);
+        }
+        mover.move_static_line(constants_, sums);
+        finish_step(state, constants_, sums, mover.kick(), dt, dt / subcycles, next_added_mass);
+    }
+
+    void serialize(Archive& archive, const State&) override {
+        archive.numbers("pushed areas",
+                        std::span(doubles(push_), sizeof(Lanes) / sizeof(double) * push_.size()));
+        weights_.serialize(archive);
+    }
+
+private:
+    /// How a block of the registry acts through kernels.
+    struct Row {
+        std::string_view block;
+        void (UnstructuredLayout::*prepare)();
+        void (UnstructuredLayout::*add)(State&);
+    };
+    static const std::array<Row, 13> rows;
+
+    struct Acting {
+        void (UnstructuredLayout::*add)(State&);
+        const ForceModel* model;
+    };
+    struct Has {
+        bool membrane = false, pressure = false, fabric = false, lines = false, line_drag = false,
+             breathing = false, accretion = false, mass_damping = false;
+    };
+
+    const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
+
+    unstructured::Nodes nodes_of(State& state) {
+        return {doubles(state.node), doubles(state.force.held()), doubles(state.aero.held()), doubles(push_)};
+    }
+    static GershgorinSums& cleared(GershgorinSums& sums, const State& state) {
+        sums.stiffness.assign(state.node.size(), 0.0);
+        sums.damping.assign(state.node.size(), 0.0);
+        return sums;
+    }
+    static unstructured::Rows rows_of(GershgorinSums& sums) {
+        return {sums.stiffness.data(), sums.damping.data(), sums.weight.data()};
+    }
+    static unstructured::Nodes nodes_to_read(const State& state) {
+        return {reinterpret_cast<const double*>(state.node.data()), nullptr, nullptr, nullptr};
+    }
+
+    /// [s] of the static line, which is not of the system; its anchor is not accelerated.
+    double stable_step_of_static_line(const GershgorinSums& sums) const {
+        double least = std::numeric_limits<double>::infinity();
+        const std::vector<double>& mass = constants_.static_line_mass;
+        const std::size_t first = constants_.first_static_line();
+        for (std::size_t k = 0; k + 1 < mass.size(); ++k)
+            least = std::min(least,
+                             critical_step_of(sums.stiffness[first + k], sums.damping[first + k], mass[k]));
+        return least;
+    }
+
+    // --- node update ---------------------------------------------------------------------
+
+    void move(State& state, std::size_t first, std::size_t last, StepSums& sums) {
+        if (first >= last) return;
+        step_.first = first, step_.last = last;
+        const unstructured::Sums s = kernels_.advance(nodes_of(state), step_);
+        sums.canopy_position += as_lanes(s.canopy_position);
+        sums.canopy_velocity += as_lanes(s.canopy_velocity);
+        sums.other_position += as_lanes(s.other_position);
+        sums.other_velocity += as_lanes(s.other_velocity);
+        sums.area_velocity += as_lanes(s.area_velocity);
+        sums.drag_power += as_lanes(s.drag_power);
+        sums.momentum += as_lanes(s.momentum);
+        sums.share_square += sum3(as_lanes(s.share_square));
+        sums.kinetic += 0.5 * sum3(as_lanes(s.kinetic));
+        state.damping_power += sum3(as_lanes(s.dissipated));
+        state.accretion_power += sum3(as_lanes(s.accretion_power));
+    }
+
+    /// Nodes on lines and risers, as advance_in_subcycles.
+    void move_in_subcycles(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
+        std::vector<NodeVector>& others = others_;
+        const NodeForces::View pull = state.force.view();
+        for (std::size_t k = 0; k < pulled_.size(); ++k)
+            others[k].value = std::exchange(pull[pulled_[k]].value, splat(0.0));
+        double damping = pull_lines(state);
+        const double first_kick = subcycle(state, dt, count, 0).kick;
+        const auto inertia = [&](NodeIndex i) {
+            return constants_.mass[i] + constants_.share[i] * state.added_mass;
+        };
+        for (std::size_t k = 0; k < pulled_.size(); ++k) {
+            const NodeIndex i = pulled_[k];
+            const Lanes force = others[k].value - pull[i].value + damp_and_push(state, i);
+            const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], inertia(i), first_kick, sums);
+            sums.share_square += constants_.share[i] * sum3(middle * middle);
+        }
+        for (int k = 0; k < count; ++k) {
+            if (k > 0) {
+                damping = pull_lines(state);
+                state.in_subcycles.add(pull[mesh_.payload()].value);
+            }
+            const Subcycle step = subcycle(state, dt, count, k);
+            sums.line_damping += step.kick * damping;
+            for (const NodeIndex i : pulled_)
+                mover.move_in_subcycle(i, inertia(i), step);
+        }
+        sums.line_damping_power = damping / count;
+        for (const NodeIndex i : pulled_) {
+            mover.end_subcycles(i);
+            if (mesh_.is_canopy(i))
+                mover.add_canopy(i, constants_, sums);
+            else
+                mover.add_other(i, constants_.mass[i], sums);
+        }
+    }
+    /// [N] of damping and accretion on one node; pressure and residual drag go to state.aero. What the
+    /// kernel's node update does for all others.
+    Lanes damp_and_push(State& state, NodeIndex i) {
+        const Lanes v = state.node[i].v;
+        const double share = constants_.share[i];
+        Lanes force = splat(0.0);
+        Lanes dissipated = force, accreted = force;
+        if (step_.alpha > 0.0)
+            law::resist(step_.alpha * constants_.mass[i], v - as_lanes(step_.mean), force, dissipated);
+        if (mesh_.is_canopy(i)) {
+            if (step_.breathing > 0.0)
+                law::resist(share * step_.breathing, v - as_lanes(step_.breathing_mean), force, dissipated);
+            if (step_.accretion > 0.0)
+                law::accrete(share * step_.accretion, as_lanes(step_.wind), v, force, accreted);
+            state.aero[i].value += step_.pressure * std::exchange(push_[i].value, splat(0.0)) +
+                                   share * as_lanes(step_.residual_drag);
+        }
+        state.damping_power += sum3(dissipated);
+        state.accretion_power += sum3(accreted);
+        return force;
+    }
+
+    // --- fabric ---------------------------------------------------------------------------
+
+    void prepare_fabric() {
+        if (has_.fabric) return;
+        has_.fabric = true;
+        fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity)};
+        using Constants = std::array<double, unstructured::membrane_constants>;
+        // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
+        triangles_.begin<3>(mesh_.triangles.size(), kernels_.lanes, 0, Constants{});
+        for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+            const Triangle& t = mesh_.triangles[i];
+            triangles_.set(i, t.node,
+                           Constants{1.0 / t.a, 1.0 / t.c, t.b / t.a, t.area(),
+                                     fabric_.law.viscosity * element_length(t)});
+        }
+    }
+    void prepare_membrane() {
+        has_.membrane = true;
+        prepare_fabric();
+    }
+    void prepare_pressure() {
+        has_.pressure = true;
+        prepare_fabric();
+    }
+    void prepare_cloth_drag() {
+        first_aero_ = 0;
+        prepare_fabric();
+    }
+
+    void use_air(const State& state) {
+        fabric_.direction = to_array3(state.air.direction);
+        fabric_.radial_pressure = state.air.radial_pressure;
+        fabric_.weight = state.fe_weight;
+    }
+    /// Membranes, and the areas that pressure acts on with them.
+    void add_membrane(State& state) {
+        use_air(state);
+        fabric_sums_ = (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(
+            nodes_of(state), triangles_.elements(), fabric_);
+        state.damping_power += fabric_sums_.dissipated;
+        state.largest.add_stress(state.fe_weight * fabric_sums_.largest_load);
+    }
+    void add_pressure(State& state) {
+        if (!has_.membrane) {
+            use_air(state);
+            fabric_sums_ = kernels_.pressure(nodes_of(state), triangles_.elements(), fabric_);
+        }
+        state.air.projected_area = fabric_sums_.positive_area;
+        state.air.signed_area = fabric_sums_.signed_area;
+        step_.residual_drag =
+            to_array4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+        step_.pressure = state.air.pressure;
+    }
+    void add_cloth_drag(State& state) {
+        const FabricDragPass pass{0.5 * state.air.density * deploy().drag_coefficient,
+                                  to_array3(state.air.wind)};
+        state.air.projected_area =
+            kernels_.cloth_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
+    }
+
+    void prepare_springs() { springs_.springs = true; }
+    void prepare_folds() { springs_.folds = true; }
+    void prepare_edges() {
+        springs_.repulsion = deploy().fold_repulsion;
+        const double modulus = mesh_.fabric.youngs_modulus;
+        const double impedance = scene_.full.bulk_viscosity * std::sqrt(modulus * mesh_.fabric.density);
+        const std::vector<FabricEdge> edges = fabric_edges(mesh_);
+        using Constants = std::array<double, unstructured::spring_constants>;
+        edges_.begin<2>(edges.size(), kernels_.lanes, mesh_.dummy(), Constants{1.0});
+        for (std::size_t i = 0; i < edges.size(); ++i) {
+            const FabricEdge& e = edges[i];
+            edges_.set(i, e.node,
+                       Constants{1.0 / e.rest_length, modulus * e.section,
+                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
+                                 spring_growth(e.hardening),
+                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
+        }
+    }
+    SpringPass springs_of(const State& state) const {
+        SpringPass pass = springs_;
+        pass.folded = state.folded;
+        return pass;
+    }
+    void add_edges(State& state) {
+        state.damping_power += kernels_.springs(nodes_of(state), edges_.elements(), springs_).dissipated;
+    }
+    /// Springs take the folds along: both need the same lengths.
+    void add_folds(State& state) {
+        if (!springs_.springs) add_edges(state);
+    }
+
+    // --- contact --------------------------------------------------------------------------
+
+    void prepare_contacts() {
+        using Constants = std::array<double, unstructured::pair_constants>;
+        const auto pairs = gore_contacts(mesh_);
+        pairs_.begin<2>(pairs.size(), kernels_.lanes, mesh_.dummy(), Constants{});
+        for (std::size_t i = 0; i < pairs.size(); ++i)
+            pairs_.set(i, pairs[i].node, Constants{pairs[i].stiffness});
+    }
+    void add_contacts(State& state) {
+        const CanopyAxis axis =
+            canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
+        const ElementSums sums = kernels_.contacts(nodes_of(state), pairs_.elements(),
+                                                   {to_array3(axis.canopy), to_array3(axis.direction)});
+        const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
+        const Lanes per_mass = to_lanes(on.canopy / constants_.canopy_mass);
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+            state.force[i].value += constants_.mass[i] * per_mass;
+        state.force[mesh_.payload()].value += to_lanes(on.payload);
+    }
+
+    // --- cables ---------------------------------------------------------------------------
+
+    ElementList list_of(const std::vector<Cable>& cables) const {
+        using Constants = std::array<double, unstructured::cable_constants>;
+        ElementList list;
+        list.begin<2>(cables.size(), kernels_.lanes, mesh_.dummy(), Constants{1.0});
+        for (std::size_t i = 0; i < cables.size(); ++i) {
+            const CableConstants k =
+                cable_constants(mesh_, cables[i], scene_.full.bulk_viscosity, scene_.full.beta);
+            list.set(i, cables[i].node, Constants{1.0 / cables[i].rest_length, k.stiffness, k.dashpot});
+        }
+        return list;
+    }
+    std::vector<Cable> cables_of(bool (*which)(CableKind)) const {
+        std::vector<Cable> some;
+        for (const Cable& c : mesh_.cables)
+            if (which(c.kind)) some.push_back(c);
+        return some;
+    }
+    static bool is_line(CableKind kind) { return kind == CableKind::line; }
+    static bool is_riser(CableKind kind) { return !is_tape(kind) && !is_line(kind); }
+
+    void prepare_tapes() { tapes_ = list_of(cables_of(is_tape)); }
+    void add_tapes(State& state) {
+        state.damping_power += kernels_.cables(nodes_of(state), tapes_.elements()).dissipated;
+    }
+
+    /// The suspension lines by themselves, since the air acts on them as well.
+    void prepare_lines() {
+        has_.lines = true;
+        lines_ = list_of(cables_of(is_line));
+        risers_ = list_of(cables_of(is_riser));
+        for (const Cable& c : mesh_.cables)
+            if (!is_tape(c.kind)) pulled_.insert(pulled_.end(), c.node.begin(), c.node.end());
+        std::erase_if(pulled_, [&](NodeIndex i) { return i > mesh_.payload(); });  // places on a body
+        std::ranges::sort(pulled_);
+        pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
+        pulled_.shrink_to_fit();
+        others_.assign(pulled_.size(), {splat(0.0)});
+    }
+    bool drag_acts(const State& state) const {
+        return has_.line_drag && state.air.density > 0.0;  // no Reynolds number without air
+    }
+    LineAir line_air(const State& state) const {
+        return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, state.air.density,
+                state.air.viscosity, to_array3(state.air.wind)};
+    }
+    /// And the drag of lines with them.
+    void add_lines(State& state) {
+        if (!drag_acts(state)) {
+            line_damping_ = pull_lines(state);
+            return;
+        }
+        line_damping_ =
+            book_lines(state, kernels_.cables_with_drag(nodes_of(state), lines_.elements(), line_air(state)));
+    }
+    /// Lines and risers; [W] dissipated.
+    double pull_lines(State& state) {
+        return book_lines(state, kernels_.cables(nodes_of(state), lines_.elements()));
+    }
+    /// Risers with them.
+    double book_lines(State& state, const ElementSums& lines) {
+        state.largest.add_tension(lines.largest_load);
+        return lines.dissipated + kernels_.cables(nodes_of(state), risers_.elements()).dissipated;
+    }
+    void add_rows_of_lines(GershgorinSums& sums) const {
+        kernels_.cable_rows(lines_.elements(), rows_of(sums));
+        kernels_.cable_rows(risers_.elements(), rows_of(sums));
+    }
+    void prepare_static_line() { cords_ = list_of(mesh_.static_line.cables); }
+    void add_static_line(State& state) {
+        state.damping_power += kernels_.cables(nodes_of(state), cords_.elements()).dissipated;
+    }
+    void prepare_line_drag() {
+        has_.line_drag = true;
+        if (!has_.lines) lines_ = list_of(cables_of(is_line));
+        for (const Cable& c : mesh_.cables)
+            if (c.kind == CableKind::line) first_aero_ = std::min({first_aero_, c.node[0], c.node[1]});
+    }
+    void add_line_drag(State& state) {
+        if (!has_.lines && drag_acts(state))
+            kernels_.line_drag(nodes_of(state), lines_.elements(), line_air(state));
+    }
+
+    // --- loads on nodes, which the step itself adds ---------------------------------------
+
+    /// [N s/m] of the whole canopy.
+    double breathing(const AeroState& air) const {
+        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
+    }
+    void prepare_breathing() { has_.breathing = true; }
+    void add_breathing(State& state) {
+        step_.breathing = breathing(state.air);
+        step_.breathing_mean = to_array4(state.sums.canopy_area_velocity);
+    }
+    void prepare_accretion() { has_.accretion = true; }
+    void add_accretion(State& state) {
+        step_.accretion = std::max(0.0, state.added_mass_rate);
+        step_.wind = to_array4(state.air.wind);
+    }
+    void prepare_mass_damping() { has_.mass_damping = true; }
+    void add_mass_damping(State& state) {
+        step_.alpha = scene_.full.alpha;
+        step_.mean = to_array4(state.sums.system_velocity);
+    }
+
+    const Scene& scene_;
+    const Mesh& mesh_;
+    const NodeConstants& constants_;
+    const unstructured::Kernels& kernels_;
+    double fabric_area_;  // [m^2]
+
+    const ForceModels* structure_ = nullptr;
+    std::vector<Acting> acts_;  // all blocks, those of the structure first
+    Has has_;
+    ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
+    std::vector<NodeIndex> pulled_;      // nodes on lines and risers, which may take subcycles
+    std::vector<NodeVector> others_;     // [N] on them, of everything but lines and risers
+    GershgorinSums sums_, pulled_sums_;  // of the bound: all, and of lines and risers alone
+    double line_damping_ = 0.0;          // [W] by lines and risers
+    PerronScaling weights_;
+    MembranePass fabric_;
+    ElementSums fabric_sums_;
+    SpringPass springs_;
+    CylinderDragTable drag_coefficient_;
+    std::vector<NodeVector> push_;  // [m^2] of each canopy node: area over which pressure acts
+    NodeIndex first_aero_ = 0;      // canopy nodes before it have no force in state.aero
+    unstructured::Advance step_;
+};
+
+const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
+    {"membrane", &UnstructuredLayout::prepare_membrane, &UnstructuredLayout::add_membrane},
+    {"fabric springs", &UnstructuredLayout::prepare_springs, &UnstructuredLayout::add_edges},
+    {"gore contact", &UnstructuredLayout::prepare_contacts, &UnstructuredLayout::add_contacts},
+    {"tapes", &UnstructuredLayout::prepare_tapes, &UnstructuredLayout::add_tapes},
+    {"lines", &UnstructuredLayout::prepare_lines, &UnstructuredLayout::add_lines},
+    {"static line", &UnstructuredLayout::prepare_static_line, &UnstructuredLayout::add_static_line},
+    {"canopy pressure", &UnstructuredLayout::prepare_pressure, &UnstructuredLayout::add_pressure},
+    {"cloth drag", &UnstructuredLayout::prepare_cloth_drag, &UnstructuredLayout::add_cloth_drag},
+    {"fold resistance", &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
+    {"line drag", &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
+    {"breathing damping", &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
+    {"accretion", &UnstructuredLayout::prepare_accretion, &UnstructuredLayout::add_accretion},
+    {"mass damping", &UnstructuredLayout::prepare_mass_damping, &UnstructuredLayout::add_mass_damping},
+}};
+
+}  // namespace
+
+std::unique_ptr<Layout> make_unstructured_layout(const Scene& scene, const Mesh& mesh,
+                                                 const NodeConstants& constants,
+                                                 const unstructured::Kernels* kernels) {
+    return std::make_unique<UnstructuredLayout>(scene, mesh, constants,
+                                                kernels ? *kernels : unstructured::all_kernels().front());
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,77 @@
+#include "fullsim/time/choose_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr double subcycle_cost = 0.12;  // of a subcycle of lines over a step of everything
+/// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
+/// the energy grows with the step, and so do lines. Where lines take subcycles, either takes no more than
+/// this share of its own bound.
+constexpr double share_while_slapping = 0.5;
+/// Of the largest residual: what impacts may use of it, and from how little left on steps become shorter.
+/// A crane drop uses 0.56 and keeps its steps.
+constexpr double most_used = 0.9, careful_from = 0.33;
+constexpr double most_at_once = 0.2;  // of what is left, from one look to the next
+constexpr double faster = 1.1;        // by which steps become longer again, at most
+constexpr double least_share = 0.02;
+constexpr double unnoticed = 0.01;    // of what is left, from one look to the next
+constexpr double least_left = 0.002;  // of that: once all is used, steps must not stay short for ever
+
+}  // namespace
+
+double cost_of(int subcycles) {
+    return 1.0 + subcycle_cost * (subcycles - 1);
+}
+
+double step_to_first_impact(double strain, double rate) {
+    constexpr double steps = 40.0, at_impact = 0.005;
+    if (!(strain < 0.0 && rate > 0.0)) return StepRules::never;
+    return std::max(-strain / steps, at_impact) / rate;
+}
+
+double step_in_impacts(double rate) {
+    constexpr double overshoot = 0.002;
+    return rate > 0.0 ? overshoot / rate : StepRules::never;
+}
+
+void ImpactWatch::look(double used_up, double dissipated, double tolerated) {
+    const double used = std::abs(used_up), change = std::abs(used_up - used_up_),
+                 left = std::max(0.0, most_used - used);
+    used_up_ = used_up;
+    dissipated_ = dissipated;
+    if (used < tolerated) {
+        share_ = 1.0;
+        return;
+    }
+    if (change <=
+        unnoticed * std::max(least_left, left)) {  // nothing hits: however little is left, nothing uses it
+        share_ = std::min(1.0, faster * share_);
+        return;
+    }
+    // An impact makes its error in proportion to the step: in as many steps, the square of it.
+    const double longer = std::min(faster, std::sqrt(most_at_once * left / change));
+    share_ = std::clamp(std::min(share_ * longer, left / careful_from), least_share, 1.0);
+}
+
+ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules) {
+    const double left = rules.share;
+    const double share = rules.slaps ? std::min(1.0, share_while_slapping / rules.factor) : 1.0;
+    const double quiet = rules.quiet / rules.factor;
+    int subcycles = 1;
+    double step = left * stable.all, cost = 1.0 / step;
+    step = std::min(step, rules.payload);
+    for (int count = 2; count <= rules.most_subcycles; ++count) {
+        const double longer = std::min(quiet, left * share * std::min(stable.canopy, count * stable.lines));
+        const double dearness_of_count = cost_of(count) / longer;
+        if (dearness_of_count >= cost) continue;
+        subcycles = count;
+        step = longer;
+        cost = dearness_of_count;
+    }
+    return {rules.factor * step, subcycles};
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,84 @@
+// Lines, links, risers and payload in smaller steps than the canopy: lines are stiff and light, and a step of
+// theirs costs a tenth of one of everything.
+//
+// What canopy and air do to a node comes as one impulse at the beginning of a step; under lines and risers
+// alone it then takes its subcycles, and the canopy's own nodes one drift (impulse form of the method of
+// multiple time steps, Tuckerman, Berne and Martyna 1992, here with the midpoint rule's half steps).
+#pragma once
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "fullsim/time/midpoint.hpp"
+
+namespace twinchute::fullsim {
+
+/// Those of the nodes that take subcycles whose records are in State.
+class SubcycledNodes {
+public:
+    SubcycledNodes() = default;
+    explicit SubcycledNodes(std::vector<NodeIndex> nodes)
+        : nodes_(std::move(nodes)), pull_(nodes_.size()), others_(nodes_.size()) {}
+
+    const std::vector<NodeIndex>& nodes() const { return nodes_; }
+
+    /// Keeps what `lines` adds to the nodes' forces.
+    template <class Lines>
+    void note(State& state, Lines&& lines) {
+        const NodeForces::View force = state.force.view();
+        for (std::size_t k = 0; k < nodes_.size(); ++k)
+            pull_[k].value = force[nodes_[k]].value;
+        lines();
+        for (std::size_t k = 0; k < nodes_.size(); ++k)
+            pull_[k].value = force[nodes_[k]].value - pull_[k].value;
+    }
+    /// Only that stays in the forces.
+    void take_others(State& state) {
+        const NodeForces::View force = state.force.view();
+        for (std::size_t k = 0; k < nodes_.size(); ++k) {
+            Lanes& of_node = force[nodes_[k]].value;
+            others_[k].value = of_node - pull_[k].value;
+            of_node = pull_[k].value;
+        }
+    }
+    /// The rest [N], of node number k.
+    Lanes others(std::size_t k) const { return others_[k].value; }
+
+private:
+    std::vector<NodeIndex> nodes_;
+    std::vector<NodeVector> pull_, others_;  // [N]
+};
+
+/// What pulls on lines: adds its forces to a state's, and says what they dissipate [W].
+using LinePulls = std::function<double(State&)>;
+
+/// All nodes from time t to t + dt as advance in midpoint.hpp; those of `pulled` in `count` > 1 subcycles.
+/// The forces at t are in the state, what lines dissipate at t is `damping` [W].
+void advance_in_subcycles(State& state, const NodeConstants& constants, double dt, int count,
+                          double next_added_mass, SubcycledNodes& pulled, double damping,
+                          const LinePulls& lines);
+
+/// A suspension line as waves run through it, from a node of the skirt to an end that stands still.
+struct LineWaves {
+    double stiffness = 0.0;          ///< EA/L of the whole line [N/m]; 0: there is none
+    double lag = 0.0;                ///< dashpot over stiffness of its elements, the least [s]
+    double mass = 0.0, share = 0.0;  ///< of the lightest node on the skirt: [kg], and of the added mass [-]
+};
+
+LineWaves line_waves(const Mesh& mesh, const NodeConstants& constants, double line_length,
+                     double bulk_viscosity, double beta);
+
+/// Longest step of the canopy [s] in which impulses do not make lines ring, however small their subcycles
+/// are, by docs/theory/full-model.md, "Subcycling of lines": H^5 = pi^5 lag h^2 m/(8 EA/L), of which half is
+/// taken. `canopy_bound`: h, the longest critical time step of the canopy without lines [s]. Infinite without
+/// lines.
+double resonance_limit(const LineWaves& line, double added_mass, double canopy_bound);
+
+/// The subcycle number `k` of as many in a step of `dt` [s].
+inline Subcycle subcycle(const State& state, double dt, int count, int k) {
+    const double length = dt / count;
+    return {k == 0 ? 0.5 * (length + state.line_dt) : length, length};
+}
+
+}  // namespace twinchute::fullsim
