@@ -43,7 +43,7 @@ def bad_links(tree, name, text):
     for target in re.findall(r"\]\(([^)\s]+)\)", prose(text)):
         if "://" in target or target.startswith("mailto:"):
             continue
-        path, _, far_end = target.partition("#")
+        path, _, anchor = target.partition("#")
         file = os.path.normpath(os.path.join(tree, os.path.dirname(name), path)) if path else os.path.join(tree, name)
         if not os.path.exists(file):
             bad.append(f"{name}: the link {target} leads nowhere")
