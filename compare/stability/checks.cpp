@@ -246,7 +246,7 @@ std::vector<Finding> of_its_own_layout(const Trial& trial) {
     const Trial usual{trial.scene, trial.record, trial.fidelity, trial.stop};
     const RunRecord truth = usual.run(trial.scene);
     if (is_numerical_failure(truth.status.code)) return {};
-    return compare_runs(trial, truth, " in gore-batched", same_but_for_rounding);
+    return compare_runs(trial, truth, " in the gore-batched layout", same_but_for_rounding);
 }
 
 /// How far the peak moves when nodes of the canopy start a micrometre elsewhere, as a share of it.

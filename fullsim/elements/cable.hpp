@@ -76,7 +76,7 @@ HWY_INLINE EnergyAndStrain cable_levels(const View& view) {
     return {sum(energy), greatest(largest)};
 }
 
-/// Of slack cables, too, since they may pull tight any time.
+/// Row sums of all cables: slack ones may pull tight any time.
 template <class View>
 HWY_INLINE void cable_rows(const View& view) {
     for (int p = view.first(); p < view.last(); ++p) {

@@ -50,7 +50,7 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
                 triangle.subtract_force(2, pulls.on_third);
             }
             if constexpr (pressure) {
-                // What pushes per area comes later, when the projected area is known.
+                // The pressure itself follows once the projected area is known.
                 const auto pushed = pushed_area(triangle.half() * cross(e1, e2), e, third, radial);
                 part_positive += pushed.projected;
                 part_area += pushed.along;
@@ -66,7 +66,7 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
     return {sum(positive), sum(signed_area), lost, nan_greatest(largest, lost)};
 }
 
-/// What membranes hold and how far they are stretched, at full stiffness whatever the pass says.
+/// Energy of membranes and their largest strain, at full stiffness whatever the pass says.
 template <class View>
 HWY_INLINE EnergyAndStrain membrane_levels(const View& view, const MembranePass& pass) {
     using T = typename View::T;

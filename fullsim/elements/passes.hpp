@@ -1,4 +1,4 @@
-// What the loops over elements are given and what they return, whatever the storage.
+// Arguments and results of the loops over elements, the same for every storage.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace twinchute::fullsim {
 struct ElementSums {
     double positive_area = 0.0, signed_area = 0.0;  ///< [m^2] along e_r
     double dissipated = 0.0;                        ///< [W]
-    /// Of the elements: elastic tension [N], or first principal stress resultant at full stiffness [N/m]. Not
-    /// a number where that of one is none.
+    /// Largest elastic tension [N] of the elements, or first principal stress resultant at full stiffness
+    /// [N/m]. Not a number where that of one is none.
     double largest_load = 0.0;
     /// Derivatives of what pairs in contact hold, by the arm from the axis and by its direction [N], [N m].
     std::array<double, 3> by_arm{}, by_turning{};
@@ -32,7 +32,7 @@ struct ElementSums {
     }
 };
 
-/// Of all elements of a kind.
+/// Sum and maximum over all elements of a kind.
 struct EnergyAndStrain {
     double energy = 0.0;  ///< [J]
     double strain = 0.0;  ///< [-] largest tensile strain, as StrainExtremum
@@ -65,7 +65,7 @@ struct ContactPass {
     std::array<double, 3> centre{}, direction{};  ///< of the axis: a point of it [m], a unit vector
 };
 
-/// What the air does to lines.
+/// The air around lines, and their diameter.
 struct LineAir {
     const CylinderDragTable* coefficient = nullptr;
     double diameter = 0.0, density = 0.0, viscosity = 0.0;  ///< [m], [kg/m^3], [Pa s]

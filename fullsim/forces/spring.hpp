@@ -11,7 +11,7 @@ inline constexpr double full_hardening_strain = 0.05;
 /// [-] growth that keeps cloth below that strain at any load of an opening.
 inline constexpr double largest_hardening = 10.0;
 
-/// [m/s] of elongation_rate from which folded cloth resists fully; below, the force is less.
+/// [m/s] elongation rate from which folded fabric resists fully; below, the force is less.
 inline constexpr double full_fold_speed = 1.0;
 
 /// Growth g of an edge that hardens by H: EA (e + g e^2) up to full_hardening_strain, of slope H beyond [-].

@@ -11,7 +11,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace twinchute::fullsim::HWY_NAMESPACE {
 
-/// What a cable does to its first end; its second end takes the opposite.
+/// Force of a cable on its first end; its second end takes the opposite.
 template <class T, class T3>
 struct CablePull {
     T3 force;      // [N]

@@ -143,7 +143,7 @@ HWY_INLINE CornerPulls<T, T3> membrane_pulls(const MembraneLaw& law, T inverse_a
             area * viscosity * (viscous.first * along + viscous.second * (trace - along))};
 }
 
-/// How much more than unstrained a stretched triangle has in its rows.
+/// Row sums of a stretched triangle over those of the unstrained one.
 template <class T>
 struct MembraneStiffening {
     T stiffness, damping;  // [-]

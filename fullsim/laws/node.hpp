@@ -1,4 +1,4 @@
-// What a step does to one node: damping, accretion and the half step of the central difference (leapfrog)
+// Update of one node in a step: damping, accretion and the half step of the central difference (leapfrog)
 // scheme (paper, Eqs 4, 8 and 9). See membrane.hpp for the template and its guard; a velocity is x, y and z
 // of one node or of several.
 #if defined(TWINCHUTE_LAWS_NODE) == defined(HWY_TARGET_TOGGLE)

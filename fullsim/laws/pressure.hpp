@@ -1,4 +1,4 @@
-// What the air does to a triangle of fabric: pressure along e_r and across it (paper, Eqs 11 and 12), and
+// Air on a triangle of fabric: pressure along e_r and across it (paper, Eqs 11 and 12), and
 // drag until the canopy fills (paper, 3.2.1). See membrane.hpp for the template and its guard.
 #if defined(TWINCHUTE_LAWS_PRESSURE) == defined(HWY_TARGET_TOGGLE)
 #ifdef TWINCHUTE_LAWS_PRESSURE

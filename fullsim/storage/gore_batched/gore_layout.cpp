@@ -1,5 +1,5 @@
-// Gore-batched: a generated canopy is the same gore over and over, so its elements need neither gathers nor
-// scatters.
+// The gore-batched layout: a generated canopy is the same gore over and over, so its elements need neither
+// gathers nor scatters.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -292,7 +292,7 @@ public:
     }
 
 private:
-    /// How a block of the registry acts on gore-batched.
+    /// How a block of the registry acts on batches of gores.
     struct Row {
         std::string_view block;
         void (GoreLayout::*prepare)(const ForceModel&);

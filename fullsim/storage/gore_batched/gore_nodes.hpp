@@ -1,4 +1,4 @@
-// Where the nodes of gore-batched lie, and their traffic with the records of a state.
+// Storage of the nodes of the gore-batched layout, and their traffic with the records of a state.
 #pragma once
 
 #include <algorithm>

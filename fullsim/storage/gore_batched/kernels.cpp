@@ -253,7 +253,7 @@ private:
     int number_;
 };
 
-/// The same pair of nodes of all gores.
+/// A pair of nodes in contact, the same in every gore.
 class GorePair : public GoreElement<2> {
 public:
     using Row = ContactElement;
@@ -277,7 +277,7 @@ private:
     const Row& row_;
 };
 
-/// What is known of a line's node while its cables are gone through one after the other: a cable finds one of
+/// State of a line's node while its cables are gone through one after the other: a cable finds one of
 /// its nodes in registers, and each node is handed over once.
 struct LineNode {
     Vec3s x, v;
@@ -498,7 +498,7 @@ struct LaneSums {
 /// What nodes on lines do in a step: move with it, or take its impulse alone.
 enum class Pulled { none, together, apart };
 
-/// What the gore before has added to the halo node of a node; leaves nothing there.
+/// Forces that the gore before has added to a halo node, which is cleared.
 HWY_INLINE Vec3s taken_from_halo(double* halo) {
     const Vec3s added = one_up(load3(halo));
     store3({all(0.0), all(0.0), all(0.0)}, halo);

@@ -40,7 +40,7 @@ HWY_INLINE void put_anywhere(Vec a, double* to) {
 
 // --- views: elements on rows of nodes (see fullsim/elements/membrane.hpp) -----------------------------
 
-/// A view of batches of elements, as many registers interleaved as a vector has. Element: made of the
+/// A view of batches of elements, as many of them interleaved as a vector has registers. Element: made of the
 /// frame, the first batch, the place of its constants, and a Context of its own.
 template <class Element>
 class SectorView : public SimdView {
@@ -91,7 +91,7 @@ public:
         : f_(frame), s_(batch), at_(at), context_(context) {}
 
 protected:
-    /// What the corners of each have.
+    /// Values of a row at corner c of each element.
     HWY_INLINE Vec3s corner(const Components& from, int c) const {
         Vec3s at;
         for (int k = 0; k < unroll_factor; ++k) {
@@ -229,7 +229,7 @@ EnergyAndStrain levels_of_contacts(const SectorFrame& f, const SectorPlan& plan,
     return contact_levels(SectorView<SectorPair>(f, plan.contacts), pass);
 }
 
-/// What remainder elements do to nodes, one by one.
+/// Adds the forces of remainder elements to their nodes, one by one.
 HWY_INLINE void scatter_add_remainder(const Components& from, const Components& to,
                                       const std::vector<RemainderPull>& pulls) {
     for (const RemainderPull& p : pulls) {
@@ -242,7 +242,7 @@ HWY_INLINE void scatter_add_remainder(const Components& from, const Components& 
 
 using Register = hn::Vec<Tag>;
 
-/// x, y and z of a register of nodes, one of those interleaved.
+/// x, y and z of a register of nodes, one of several interleaved ones.
 struct Sum3 {
     Register x, y, z;
 
@@ -266,7 +266,7 @@ HWY_INLINE Sum3 none() {
     const Register zero = hn::Zero(tag);
     return {zero, zero, zero};
 }
-/// What remainder elements have done to such a register, which is cleared.
+/// Forces of remainder elements on such a register, which is cleared.
 HWY_INLINE Sum3 taken(const Components& from, std::int32_t at) {
     const Sum3 sum{hn::LoadU(tag, from[0] + at), hn::LoadU(tag, from[1] + at), hn::LoadU(tag, from[2] + at)};
     for (double* component : from)
@@ -279,7 +279,7 @@ struct ForcesOn {
     Vec3s pull, push, aero;
 };
 
-/// On registers that are interleaved.
+/// Forces on the nodes of interleaved registers.
 HWY_INLINE ForcesOn forces_on(const SectorFrame& f, const SectorPlan& plan, const NodeSources* sources,
                               std::int32_t node) {
     ForcesOn forces;
@@ -331,7 +331,7 @@ HWY_INLINE bool has_cord(const NodeSources* sources) {
     return found;
 }
 
-/// Registers of nodes interleaved: work(the first's sources, the first node).
+/// Interleaved registers of nodes: work(the first's sources, the first node).
 template <class Work>
 HWY_INLINE void for_nodes(const std::vector<NodeSources>& sources, Work&& work) {
     for (std::size_t k = 0; k < sources.size(); k += unroll_factor)

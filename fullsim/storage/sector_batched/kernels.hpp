@@ -21,7 +21,7 @@ namespace twinchute::fullsim {
 using Components = std::array<double*, 3>;
 
 /// Elements of a kind on consecutive nodes, as many as a register has lanes: corner c of the k-th has
-/// node[c] + k. What they do goes into buffers. Two registers that work interleaved have a batch each.
+/// node[c] + k. What they do goes into buffers. Two interleaved registers have a batch each.
 template <std::size_t corners, std::size_t buffers>
 struct ElementBatch {
     std::array<std::int32_t, corners> node{};
@@ -67,8 +67,9 @@ struct SectorPlan {
     /// Cords: lines and risers, which may take subcycles. Lines: those of them that meet the air.
     std::vector<CableBatch> tapes, cords, lines;
     std::vector<ContactBatch> contacts;
-    std::vector<NodeSources> own;       ///< of each register of own nodes, none behind the last likewise
-    std::vector<std::int32_t> on_cord;  ///< first own nodes of registers interleaved with a node on a cord
+    std::vector<NodeSources> own;  ///< of each register of own nodes, none behind the last likewise
+    std::vector<std::int32_t>
+        on_cord;  ///< first own nodes of interleaved registers that have a node on a cord
     SeamImages images;
     std::vector<std::int32_t> sources;
     std::vector<NodeCopy> copies, cord_copies;
@@ -102,7 +103,7 @@ struct NodeRows {
 
 struct SectorFrame {
     Components x{}, v{}, v_half{};  ///< [m], [m/s] as GoreFrame
-    /// What remainder elements do to nodes [N], [m^2], [N], and remainder cords [N].
+    /// Forces of remainder elements on nodes [N], [m^2], [N], and remainder cords [N].
     Components pull{}, push{}, aero{}, cord_pull{};
     /// [m/s^2] of nodes on cords by everything else, [1/kg] of all nodes: from the beginning of a step to its
     /// last subcycle.
@@ -159,7 +160,7 @@ struct SectorBounds {
 
 struct SectorKernels {
     std::string_view instruction_set;
-    int lanes, unroll_factor;  ///< of a register, and registers interleaved
+    int lanes, unroll_factor;  ///< of a register, and number of interleaved registers
     /// Membranes and the areas that pressure acts on; e_r is along the axis.
     ElementSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembranePass&);
     /// No areas; the largest load is that of lines.

@@ -19,10 +19,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, 8>;
 inline constexpr Tag tag{};
 
-/// Registers that are interleaved. A membrane is a long chain of operations that wait for each other; the
-/// second register works while the first one waits. It takes the 32 registers of AVX-512, or values that go
-/// to memory and back in between: who includes this says with TWINCHUTE_ALWAYS_INTERLEAVED that these are
-/// worth it.
+/// Number of registers that are interleaved. A membrane is a long chain of operations that wait for each
+/// other; the second register works while the first one waits. It takes the 32 registers of AVX-512, or
+/// values that go to memory and back in between: who includes this says with TWINCHUTE_ALWAYS_INTERLEAVED
+/// that these are worth it.
 #if (HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86) || defined(TWINCHUTE_ALWAYS_INTERLEAVED)
 #define TWINCHUTE_WAYS two_ways
 inline namespace two_ways {
@@ -262,7 +262,7 @@ HWY_INLINE void scatter_subtract(Vec3s a, double* from) {
 
 #undef TWINCHUTE_EACH
 
-/// What views of elements side by side have in common (see fullsim/elements/membrane.hpp).
+/// Common part of the views of elements side by side (see fullsim/elements/membrane.hpp).
 struct SimdView {
     using T = Vec;
     using T3 = Vec3s;

@@ -91,7 +91,7 @@ public:
 protected:
     HWY_INLINE const RowOffset* corner(int c) const { return node_ + c * lanes; }
     HWY_INLINE Vec constant(int which) const { return load(constant_ + which * lanes); }
-    /// Of corner c relative to the first.
+    /// Position and velocity of corner c relative to the first.
     HWY_INLINE Motion to_corner(int c) const { return between(nodes_.record, corner(0), corner(c)); }
     HWY_INLINE Motion first_node() const {
         return motion_of([this](int lane)
