@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "fullsim/fields.hpp"
+#include "fullsim/run/fields.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"

@@ -67,9 +67,10 @@ void serialize(Archive& archive, LargestLoads& loads) {
 }
 
 void serialize(Archive& archive, State& state) {
-    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, node, v_half, force, aero,
-           added_mass_rate, added_mass, body, sums, air, energy, accretion_power, damping_power,
-           external_power, riser_force, in_subcycles, capped_steps, largest] = state;
+    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, added_mass_rate, added_mass, body, sums,
+           air, energy, accretion_power, damping_power, external_power, riser_force, in_subcycles,
+           capped_steps, largest] = static_cast<SystemState&>(state);
+    auto& [node, v_half, force, aero] = static_cast<NodeArrays&>(state);
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
                       &damping_power, &external_power})
         archive.number("state", *x);

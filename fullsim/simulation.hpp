@@ -10,12 +10,11 @@
 #include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
-#include "fullsim/time/choose_step.hpp"
 #include "fullsim/time/critical_step.hpp"
 #include "fullsim/time/energy.hpp"
 #include "fullsim/time/mass_scaling.hpp"
 #include "fullsim/time/midpoint.hpp"
-#include "fullsim/time/subcycling.hpp"
+#include "fullsim/time/step_control.hpp"
 #include "lib/models/inflation.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -38,20 +37,24 @@ public:
     Simulation& operator=(const Simulation&) = delete;
 
     const Mesh& mesh() const { return mesh_; }
-    /// All of it.
-    const State& state() const { return whole(); }
-    /// Without the nodes of the parachute: what is there after every step at no cost. Nodes of payload and
-    /// static line are always right.
-    const State& outline() const { return state_; }
-    /// With the positions of the seams, at least.
-    const State& seams() const;
+    /// All but nodes, current after every step at no cost.
+    const SystemState& system() const { return state_; }
+    const NodeRecord& payload() const { return state_.node[mesh_.payload()]; }
+    /// [N] All forces on the payload's node, as last evaluated.
+    Vec3 payload_force() const {
+        return to_vec3(state_.force[mesh_.payload()].value + state_.aero[mesh_.payload()].value);
+    }
+    /// The state with all its nodes, gathered from the layout once a step.
+    const State& synchronised_state() const { return synchronised(); }
     const Inflation& inflation() const { return inflation_; }
     const NodeConstants& constants() const { return constants_; }
 
-    /// All forces at state().time into the state's force arrays. Once per step, before step_to.
+    // One step: evaluate_forces, then step_to; observers look between the two.
+
+    /// All forces at system().time, once per step.
     void evaluate_forces();
-    /// One step, at most to `end` [s], and at most the critical time step. The last two steps before an
-    /// end share what is left, so that it is reached exactly and none is tiny.
+    /// Critical time step, advance of the nodes, energy balance. Goes at most to `end` [s]; the last two
+    /// steps before an end share what is left.
     void step_to(double end);
 
     // The same equations for other integrators, without the step: what it is held to. Nodes and velocities in
@@ -64,12 +67,12 @@ public:
     /// `unknowns`, with its riser force, and is no longer the layout's: no steps after this.
     void rates(double time, std::span<const double> unknowns, std::span<double> rates);
 
-    /// The inflation phase changes at state().time, which step_to has reached exactly.
+    /// The inflation phase changes at system().time, which step_to has reached exactly.
     void begin(Phase phase) { state_.phase = phase; }
-    /// The drag area has come to a kink at state().time, likewise.
+    /// The drag area has come to a kink at system().time, likewise.
     void pass_kink() { ++inflation_.piece; }
 
-    // Changes of stage at state().time, which step_to has reached exactly. Each evaluates the forces anew.
+    // Changes of stage at system().time, which step_to has reached exactly. Each evaluates the forces anew.
 
     /// Whether 80 % of the line elements are in tension and the risers pull with 5 % of the payload's weight
     /// (the share is the paper's, 5.2; lines that flail reach it without any load).
@@ -96,20 +99,17 @@ public:
 
     /// [s] the bound on the critical time step of the current tangent, without safety factor.
     CriticalStep bound() const;
-    ChosenStep step() const { return {step_, subcycles_}; }
+    ChosenStep step() const { return steps_.chosen(); }
     /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
     /// stiffness, no cloth were folded and nothing else were different. For forecasts: weights of the bound
     /// may change with it.
     ChosenStep step_with(double added_mass, double fe_weight);
-    double dt_min() const { return dt_min_; }
-    double dt_max() const { return dt_max_; }
+    /// Steps so far: shortest, longest [s], most subcycles of lines.
+    const StepControl& steps() const { return steps_; }
     /// As Layout.
     int sectors() const { return layout_->sectors(); }
     /// What `full.mass_scaling` did to the mesh.
     const MassScaling& mass_scaling() const { return mass_scaling_; }
-    /// Most subcycles that lines have taken in a step.
-    int most_subcycles() const { return most_subcycles_; }
-
     EnergyLedger ledger() const { return ledger_of(layout_->levels(state_)); }
     /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
     /// from nowhere, or a step too small to go on.
@@ -133,15 +133,12 @@ public:
     /// is of another mesh, layout or instruction set.
     void serialize(Archive& archive);
 
-    /// From one bound on the step to the next, and what a run leaves between two looks for faults.
-    static constexpr int steps_between_bounds = 20, steps_between_checks = 50;
-    /// At what impacts do to the energy, while steps are short.
-    static constexpr int steps_between_looks = 5;
+    static constexpr int steps_between_checks = 50;  ///< for faults
 
 private:
     void change_stage(Stage stage);
     void build_blocks();
-    /// The air as the nodes meet it at state().time.
+    /// The air as the nodes meet it at system().time.
     void renew_air();
     void grow_ramp();
     void let_static_line_go();
@@ -149,21 +146,18 @@ private:
     void set_reefing_line(std::size_t stage);
     /// Mesh, layout and blocks as they are in this stage of a run.
     void take_shape(bool tethered, std::size_t reefing_stage);
-    /// Whether cloth could come taut now; the bound then counts it from here on.
-    void look_at_folds();
-    /// [1/s] rate of its largest strain since the last time, cloth_strain_ from now on.
-    double cloth_lengthens();
-    /// Cloth comes taut and slack: before flight, unless all of it is folded.
-    static bool chatters_in(const State& state) { return state.stage != Stage::flight && !state.folded; }
-    /// Impacts shorten steps, in flight as well where those are stable: shorter ones would hide a step beyond
-    /// its bound.
-    bool impacts_count() const {
-        return state_.stage != Stage::flight || scene_.full.time_step_factor <= 1.0;
-    }
-    /// share: of every bound, see StepRules.
-    ChosenStep choose_step(const State& state, double share);
-    void refresh_step();
-    /// M_a and its rate at state().time + dt, the shape as it is now.
+    StepInputs step_inputs() const { return {*layout_, structure_, body_.get()}; }
+
+    /// What the energy balance of a step needs to know of its beginning.
+    struct Balance {
+        bool checked = false, watched = false;
+        double time = 0.0, turning = 0.0, added_mass = 0.0;  // [s], [J], [J]
+        EnergiesAndStrains levels;                           // where either is asked for
+    };
+    Balance begin_balance();
+    void book_energy(const Balance& before);
+
+    /// M_a and its rate at system().time + dt, the shape as it is now.
     ValueAndRate added_mass_after(double dt) const;
     EnergyLedger ledger_of(const EnergiesAndStrains& levels) const {
         return energy_ledger(state_, levels.kinetic + turning(), levels.elastic);
@@ -174,8 +168,6 @@ private:
     }
     std::optional<RunStatus> find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& ledger,
                                            double time, std::int64_t step);
-    /// Impacts that use up the books' room make steps shorter.
-    void watch_impacts(const EnergyLedger& ledger);
     /// What does not add up, over what changed hands [-].
     double residual_share(const EnergyLedger& ledger);
     /// The most strained element, in words.
@@ -183,8 +175,10 @@ private:
     /// In `state`.
     std::string first_bad_node(const State& state) const;
 
-    /// The state with all its nodes as they are now.
-    State& whole() const;
+    State& synchronised() const;
+
+    static constexpr double largest_residual =
+        0.002;  // of the energy that changed hands; sound: 1e-5 to 1e-4
 
     const Scene& scene_;
     const LayoutMaker make_layout_;
@@ -194,20 +188,13 @@ private:
     Mesh mesh_;
     ForceModels structure_, loads_;
     NodeConstants constants_;
-    std::unique_ptr<const Body> body_;  // the payload, where it is one
-    double riser_stiffness_ = 0.0;      // [N/m] of the stiffest element
-    mutable State state_;               // its nodes may lag behind the layout's
-    mutable bool lags_ = false;
+    std::unique_ptr<const Body> body_;      // the payload, where it is one
+    mutable State state_;                   // nodes of canopy and lines as of
+    mutable std::int64_t stored_step_ = 0;  // this step
     std::unique_ptr<Layout> layout_;
-    double step_ = 0.0;                       // [s] bound times factor, as last refreshed
-    int subcycles_ = 1, most_subcycles_ = 1;  // of lines, in each step
-    LineWaves line_waves_;
-    ImpactWatch impacts_;
-    bool checked_ = false;                           // by the last step,
-    std::optional<RunStatus> fault_;                 // which found this
-    double cloth_strain_ = -1.0, cloth_seen_ = 0.0;  // [-] of the longest before snatch, and when [s]
-    double cloth_rate_ = 0.0;                        // [1/s] of that, the largest lately
-    double dt_min_ = 0.0, dt_max_ = 0.0;
+    StepControl steps_;
+    bool checked_ = false;                       // by the last step,
+    std::optional<RunStatus> fault_;             // which found this
     double ramp_start_ = 0.0, ramp_time_ = 0.0;  // [s]
     double ramp_energy_ = 0.0;  // [J] of the finite elements at full stiffness, at the last step of the ramp
     std::size_t reefing_stage_ = 0;

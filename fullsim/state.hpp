@@ -166,7 +166,8 @@ struct RiserPulls {
     }
 };
 
-struct State {
+/// Everything that changes with time but nodes: current after every step at no cost.
+struct SystemState {
     double time = 0.0;     ///< [s] since release
     double dt = 0.0;       ///< [s] length of the step that led here; 0 at the start
     double line_dt = 0.0;  ///< [s] of the last subcycle of lines in it; dt where they took none
@@ -177,12 +178,6 @@ struct State {
     /// sets no bound on that.
     bool folded = false;
     double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have
-
-    /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
-    std::vector<NodeRecord> node;
-    std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
-    NodeForces force;                ///< [N] structural and damping forces
-    NodeForces aero;                 ///< [N] aerodynamic forces, booked as drag work
 
     double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s], kept only for accreting added mass
     double added_mass = 0.0;             ///< M_a [kg]
@@ -199,6 +194,18 @@ struct State {
     LargestLoads largest;
 };
 
+/// What each node has. A layout may keep nodes of canopy and lines elsewhere between two synchronisations
+/// (Layout::store); payload and static line are always current.
+struct NodeArrays {
+    /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
+    std::vector<NodeRecord> node;
+    std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
+    NodeForces force;                ///< [N] structural and damping forces
+    NodeForces aero;                 ///< [N] aerodynamic forces, booked as drag work
+};
+
+struct State : SystemState, NodeArrays {};
+
 /// riser_force as a mean [N], and the time [s] of that. Where lines take subcycles, what the canopy does to
 /// them comes as one impulse a step and runs through them as a wave: the end of a step is always the same
 /// moment of it.
@@ -206,7 +213,7 @@ struct MeanForce {
     Vec3 value;
     double time;
 };
-inline MeanForce mean_riser_force(const State& s) {
+inline MeanForce mean_riser_force(const SystemState& s) {
     return {(s.in_subcycles.sum + s.riser_force) / (1.0 + s.in_subcycles.count),
             s.time - 0.5 * s.in_subcycles.count * s.line_dt};
 }

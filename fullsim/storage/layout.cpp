@@ -50,7 +50,7 @@ public:
     EnergiesAndStrains levels(const State& state) const override {
         return levels_of(state, constants_, *structure_);
     }
-    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
+    double fabric_strain(const State& state) const override { return fabric_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
         const auto add = [&](const ForceModels& models) {
@@ -107,7 +107,7 @@ EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
     return levels;
 }
 
-double cloth_strain_of(const State& state, const ForceModels& structure) {
+double fabric_strain_of(const State& state, const ForceModels& structure) {
     double longest = -1.0;
     for (const auto& model : structure)
         if (is_folding_cloth(model->name())) longest = std::max(longest, model->extreme(state).strain);

@@ -69,7 +69,7 @@ struct EnergiesAndStrains {
 /// From the node records and the blocks themselves.
 EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
                              const ForceModels& structure);
-double cloth_strain_of(const State& state, const ForceModels& structure);
+double fabric_strain_of(const State& state, const ForceModels& structure);
 
 /// Blocks of cloth as springs, which is folded before it comes taut.
 inline bool is_folding_cloth(std::string_view block) {
@@ -114,7 +114,7 @@ public:
     /// Of all nodes and elements as they are now, without store.
     virtual EnergiesAndStrains levels(const State& state) const = 0;
     /// [-] largest of fabric springs and tapes: below zero where cloth is folded.
-    virtual double cloth_strain(const State& state) const = 0;
+    virtual double fabric_strain(const State& state) const = 0;
 
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure; state.largest
     /// grows here, and in the subcycles of advance.

@@ -15,7 +15,7 @@
 
 #include <fmt/format.h>
 
-#include "fullsim/fields.hpp"
+#include "fullsim/run/fields.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"

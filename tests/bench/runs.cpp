@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "rom/run_rom.hpp"

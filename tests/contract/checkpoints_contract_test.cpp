@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "fullsim/serialize_state.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/parts.hpp"
-#include "fullsim/plan.hpp"
+#include "fullsim/run/parts.hpp"
+#include "fullsim/run/plan.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "rom/plan.hpp"

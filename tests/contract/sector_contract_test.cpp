@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "fullsim/frames.hpp"
-#include "fullsim/observer.hpp"
+#include "fullsim/run/frames.hpp"
+#include "fullsim/run/observer.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/sector_batched/kernels.hpp"
 #include "fullsim/storage/sector_batched/sector.hpp"

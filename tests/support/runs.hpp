@@ -1,7 +1,7 @@
 // One run of each model, as tests want it.
 #pragma once
 
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "rom/run_rom.hpp"
 
 namespace twinchute::test {

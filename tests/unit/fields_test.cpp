@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fullsim/fields.hpp"
+#include "fullsim/run/fields.hpp"
 
 namespace twinchute::fullsim {
 namespace {

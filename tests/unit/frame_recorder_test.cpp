@@ -1,7 +1,7 @@
 // When frames of a full run are taken, and what is in them.
 #include <gtest/gtest.h>
 
-#include "fullsim/frames.hpp"
+#include "fullsim/run/frames.hpp"
 
 namespace twinchute::fullsim {
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 
-#include "fullsim/fields.hpp"
+#include "fullsim/run/fields.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "lib/scene/scene_error.hpp"

@@ -7,7 +7,7 @@
 
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gores.hpp"
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/time/mass_scaling.hpp"
 #include "tests/support/c9_scene.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "fullsim/moving_average.hpp"
+#include "fullsim/run/moving_average.hpp"
 #include "lib/math/lanes.hpp"
 #include "lib/math/maximum.hpp"
 #include "lib/math/vec.hpp"

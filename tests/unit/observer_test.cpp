@@ -1,5 +1,5 @@
 // Forces that a full run notes: which of them belong to which interval of the opening.
-#include "fullsim/observer.hpp"
+#include "fullsim/run/observer.hpp"
 
 #include <gtest/gtest.h>
 

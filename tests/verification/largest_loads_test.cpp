@@ -8,7 +8,7 @@
 
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/mesh/start.hpp"
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/runs.hpp"

@@ -225,7 +225,7 @@ TEST(StepBound, IsBelowTheTrueLimitInEveryStateAndOrientation) {
             std::mt19937 generator(3);
             row.arrange(held.state, payload, generator);
             // As a run finds out before each step.
-            const double cloth = fullsim::cloth_strain_of(held.state, held.structure);
+            const double cloth = fullsim::fabric_strain_of(held.state, held.structure);
             held.state.folded = held.state.folded && cloth < fullsim::nearly_taut;
             EXPECT_EQ(held.state.folded, std::string_view(row.name) == "packed") << cloth;
             look(std::move(held), payload, range, row);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/run_fullsim.hpp"
+#include "fullsim/run/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/runs.hpp"

@@ -145,7 +145,7 @@ public:
         return levels;
     }
 
-    double cloth_strain(const State& state) const override {
+    double fabric_strain(const State& state) const override {
         double longest = -1.0;
         for (const Row* row : structure_)
             if (is_folding_cloth(row->block)) longest = std::max(longest, (this->*row->levels)(state).strain);

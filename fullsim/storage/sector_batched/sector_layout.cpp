@@ -151,7 +151,7 @@ public:
     }
 
     /// A pack has no sectors.
-    double cloth_strain(const State&) const override { return 0.0; }
+    double fabric_strain(const State&) const override { return 0.0; }
 
     CriticalSteps critical_steps(const State& state) override {
         if (weights_.renew(state)) weigh_rows();

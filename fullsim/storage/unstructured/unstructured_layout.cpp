@@ -152,7 +152,7 @@ public:
     EnergiesAndStrains levels(const State& state) const override {
         return levels_of(state, constants_, *structure_);
     }
-    double cloth_strain(const State& state) const override { return cloth_strain_of(state, *structure_); }
+    double fabric_strain(const State& state) const override { return fabric_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
         for (std::size_t k = 0; k < acts_.size(); ++k) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fullsim/mesh/start.hpp"
-#include "fullsim/observer.hpp"
+#include "fullsim/run/observer.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "tests/bench/work/opening.hpp"
 #include "tests/support/time_integration.hpp"

@@ -1,4 +1,4 @@
-#include "fullsim/parts.hpp"
+#include "fullsim/run/parts.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "fullsim/fields.hpp"
+#include "fullsim/run/fields.hpp"
 
 #include <fmt/format.h>
 

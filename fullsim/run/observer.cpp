@@ -1,4 +1,4 @@
-#include "fullsim/observer.hpp"
+#include "fullsim/run/observer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,15 +45,14 @@ Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sec
     rows_.reserve(4096);
 }
 
-void Observer::observe(const State& state) {
+void Observer::observe(const SystemState& state, const Vec3& payload_force) {
     const double raw = state.riser_force.norm();
     const MeanForce pull = mean_riser_force(state);
     const double mean = pull.value.norm();
-    const NodeIndex payload = mesh_.payload();
-    const Vec3 others = to_vec3(state.force[payload].value + state.aero[payload].value) - state.riser_force;
+    const Vec3 others = payload_force - state.riser_force;
     const Vec3 load = others + pull.value;
     // The payload node also carries half a riser element.
-    const Vec3 acceleration = load / mesh_.mass[payload] - gravity_ * Vec3::UnitZ();
+    const Vec3 acceleration = load / mesh_.mass[mesh_.payload()] - gravity_ * Vec3::UnitZ();
     force_.push(pull.time, mean);
     acceleration_.push(pull.time, acceleration.norm());
     Extremes& most = extremes_;
@@ -68,20 +67,17 @@ void Observer::observe(const State& state) {
         most.acceleration = std::max(most.acceleration, acceleration_.value());
         settle_rows();
     }
-    if (row_is_due(state.time)) {
-        add_row(state, raw);
-        next_row_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
-    }
 }
 
-void Observer::add_row(const State& state, double force_raw) {
+void Observer::add_row(const State& state) {
+    if (row_is_due(state.time)) next_row_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
     const NodeRecord& payload = state.node[mesh_.payload()];
     const CanopyShape shape = canopy_shape(state, mesh_, sectors_);
     HistoryRow row{};
     row.time = state.time;
     row.position = to_vec3(payload.x);
     row.velocity = to_vec3(payload.v);
-    row.force_raw = force_raw;
+    row.force_raw = state.riser_force.norm();
     row.drag_area = state.air.drag_area;
     row.dynamic_pressure = state.air.dynamic_pressure;
     row.pressure = state.air.pressure;

@@ -1,4 +1,4 @@
-#include "fullsim/frames.hpp"
+#include "fullsim/run/frames.hpp"
 
 #include <algorithm>
 #include <cmath>

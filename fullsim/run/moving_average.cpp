@@ -1,4 +1,4 @@
-#include "fullsim/moving_average.hpp"
+#include "fullsim/run/moving_average.hpp"
 
 #include <algorithm>
 

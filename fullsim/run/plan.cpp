@@ -1,4 +1,4 @@
-#include "fullsim/plan.hpp"
+#include "fullsim/run/plan.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "fullsim/mesh/start.hpp"
-#include "fullsim/observer.hpp"
-#include "fullsim/parts.hpp"
+#include "fullsim/run/observer.hpp"
+#include "fullsim/run/parts.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/time/choose_step.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -121,21 +121,22 @@ public:
     /// Steps for so many seconds of wall time.
     void run(double budget) {
         std::vector<double> seconds;  // of a step, by group of steps
-        const double start = simulation_.outline().time;
-        const std::int64_t before = simulation_.outline().step;
+        const double start = simulation_.system().time;
+        const std::int64_t before = simulation_.system().step;
         const Stopwatch all;
         do {
             const Stopwatch watch;
-            for (int k = 0; k < Simulation::steps_between_bounds; ++k) {
+            for (int k = 0; k < StepControl::steps_between_bounds; ++k) {
                 simulation_.evaluate_forces();
-                const State& outline = simulation_.outline();
-                observer_.observe(observer_.row_is_due(outline.time) ? simulation_.seams() : outline);
+                observer_.observe(simulation_.system(), simulation_.payload_force());
+                if (observer_.row_is_due(simulation_.system().time))
+                    observer_.add_row(simulation_.synchronised_state());
                 simulation_.step_to(never);
             }
-            seconds.push_back(time_of(watch) / Simulation::steps_between_bounds);
+            seconds.push_back(time_of(watch) / StepControl::steps_between_bounds);
         } while (all.wall() < budget);
-        steps_ = simulation_.outline().step - before;
-        mean_step_ = (simulation_.outline().time - start) / static_cast<double>(steps_);
+        steps_ = simulation_.system().step - before;
+        mean_step_ = (simulation_.system().time - start) / static_cast<double>(steps_);
         // Interrupts make some groups dear.
         const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
         std::ranges::nth_element(seconds, middle);

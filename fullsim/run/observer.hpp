@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "fullsim/moving_average.hpp"
+#include "fullsim/run/moving_average.hpp"
 #include "fullsim/state.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -44,17 +44,18 @@ public:
         extremes_.peak_from = time;
     }
 
-    /// Called once a step with the forces at state.time evaluated.
-    /// Needs the nodes of the seams only where a row is due.
-    void observe(const State& state);
+    /// Called once a step with the forces at state.time evaluated. payload_force: [N] all on its node.
+    void observe(const SystemState& state, const Vec3& payload_force);
+    /// Then, where a row is due: add_row with all nodes.
     bool row_is_due(double time) const { return time >= next_row_; }
+    void add_row(const State& state);
     /// A check found everything sound so far.
     void accept() { accepted_ = {rows_.size(), unsettled_, extremes_}; }
     /// A check found something wrong: drops what came after the last accept().
     void forget();
-    /// A row of the end, whether or not one is due. Needs the nodes of the seams.
+    /// A row of the end, whether or not one is due.
     void observe_end(const State& state) {
-        if (state.time > rows_.back().time) add_row(state, state.riser_force.norm());
+        if (state.time > rows_.back().time) add_row(state);
     }
     /// Settles rows that still wait for their filter; no more observations after this.
     void finish();
@@ -86,7 +87,6 @@ public:
     void serialize(Archive& archive);
 
 private:
-    void add_row(const State& state, double force_raw);
     void settle_rows();
 
     const Mesh& mesh_;

@@ -1,0 +1,83 @@
+#include "fullsim/initial_state.hpp"
+
+#include <random>
+
+#include "fullsim/mesh/start.hpp"
+#include "lib/scene/line_stretch.hpp"
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Uniform in [-1, 1), the same on every platform (std::uniform_real_distribution is not).
+double uniform(std::mt19937_64& generator) {
+    return static_cast<double>(static_cast<std::int64_t>(generator())) * 0x1p-63;
+}
+
+}  // namespace
+
+Phase first_phase(const Scene& scene, const Inflation& inflation) {
+    if (scene.parachutes.front().deploy.by == DeployBy::inflated) return Phase::open;
+    return inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
+}
+
+Inflation first_inflation(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.deploy.by == DeployBy::inflated) return inflated(chute);
+    if (chute.deploy.by == DeployBy::line_stretch)
+        return make_inflation(scene, chute, 0.0, release_airspeed(scene).norm(),
+                              scene.environment.atmosphere.at(scene.release.altitude).density);
+    Inflation inflation;
+    inflation.snatch = infinity;
+    return inflation;
+}
+
+Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& scaling) {
+    Mesh mesh = start_mesh(scene, inflation, first_phase(scene, inflation));
+    if (const double share = scene.full.mass_scaling; share > 0.0) {
+        const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
+        const auto& added = scene.aerodynamics.added_mass;
+        const double radius = steady_radius(scene.parachutes.front());
+        scaling =
+            scale_masses(scene, share, added ? added->mass(rho, {radius, 0.0}, {1.0, 0.0}).value : 0.0, mesh);
+    }
+    return mesh;
+}
+
+State first_state(const Scene& scene, const Mesh& mesh) {
+    State state;
+    const StaticLine& tether = mesh.static_line;
+    const std::size_t count =
+        static_cast<std::size_t>(mesh.first_static_line_node()) + tether.position.size();
+    state.node.resize(count);
+    state.v_half.resize(count);
+    const Vec3 origin(0.0, 0.0, scene.release.altitude), velocity = velocity_over_ground(scene.release);
+    std::mt19937_64 generator(scene.full.noise ? scene.full.noise->seed : 0);
+    for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
+        Vec3 position = origin + mesh.position[i];
+        if (scene.full.noise && mesh.is_canopy(i))
+            for (int c = 0; c < 3; ++c)
+                position[c] += scene.full.noise->amplitude * uniform(generator);
+        state.node[i] = {to_lanes(position), to_lanes(velocity)};
+        state.v_half[i].value = to_lanes(velocity);
+    }
+    const NodeIndex dummy = mesh.dummy();
+    state.node[dummy] = {splat(0.0), splat(0.0)};
+    state.v_half[dummy].value = splat(0.0);
+    for (std::size_t k = 0; k < mesh.places.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(mesh.first_place()) + k;
+        state.node[i] = {to_lanes(origin + mesh.places[k]), to_lanes(velocity)};
+        state.v_half[i].value = to_lanes(velocity);
+    }
+    for (std::size_t k = 0; k < tether.position.size(); ++k) {
+        const std::size_t i = mesh.first_static_line_node() + k;
+        const bool anchor = k + 1 == tether.position.size();
+        const Vec3 v = anchor && !scene.parachutes.front().deploy.far_end_moves ? Vec3::Zero() : velocity;
+        state.node[i] = {to_lanes(origin + tether.position[k]), to_lanes(v)};
+        state.v_half[i].value = to_lanes(v);
+    }
+    state.air.direction = trailing_direction(scene);
+    return state;
+}
+
+}  // namespace twinchute::fullsim

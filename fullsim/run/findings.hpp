@@ -1,0 +1,68 @@
+// What the events of a full run have found, and the parts of a run that results and warnings read.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "fullsim/run/observer.hpp"
+#include "fullsim/simulation.hpp"
+#include "lib/record/archive.hpp"
+#include "lib/solve/opening.hpp"
+#include "lib/solve/opening_sequence.hpp"
+#include "lib/solve/steady_descent.hpp"
+
+namespace twinchute::fullsim {
+
+struct Findings {
+    std::optional<double> line_stretch_time;  ///< [s]
+    double snatch = 0.0;                      ///< [s] of a packed canopy infinite until it comes to it
+    double snatch_speed = 0.0, payload_snatch_speed = 0.0;    ///< [m/s] through the air
+    double snatch_path_angle = 0.0;                           ///< [rad] below the horizon
+    double snatch_density = 0.0;                              ///< [kg/m^3]
+    bool switched_late = false;                               ///< finite elements took over at full open only
+    std::vector<ParachuteResult::Stage> stages = {{}};        ///< of the opening
+    std::optional<DescentWindow> descent, last_window;        ///< found steady; judged last
+    std::optional<double> descent_altitude, landing_time;     ///< [m], [s]
+
+    void serialize(Archive& archive);
+};
+
+/// A run, as results and warnings read it.
+struct RunView {
+    const Scene& scene;
+    double stated_mass;  ///< [kg] of the parachute, by the scene; it weighs what its mesh does
+    const Simulation& simulation;
+    const Observer& observer;
+    const Findings& findings;
+    const std::optional<OpeningSequence>& sequence;  ///< of a reefed parachute
+
+    const Parachute& parachute() const { return scene.parachutes.front(); }
+    bool packed() const { return parachute().deploy.starts_packed(); }
+    bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }
+    bool snatched() const { return std::isfinite(findings.snatch); }
+    bool reefed() const { return simulation.inflation().share < 1.0; }
+    /// [s] of the open canopy; infinite as long as it is reefed.
+    double full_open() const { return reefed() ? infinity : simulation.inflation().end_of(Phase::filling); }
+    /// [s] from which on the drag area is steady; infinite as long as the canopy is reefed.
+    double drag_area_steady() const {
+        return reefed() ? infinity : simulation.inflation().end_of(Phase::overshoot);
+    }
+    /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
+    /// canopy from that.
+    double last_stage() const { return std::max(findings.snatch, findings.stages.back().begin); }
+    /// [m/s] through the air, [kg/m^3]: at snatch.
+    double snatch_speed() const { return packed() ? findings.snatch_speed : release_airspeed(scene).norm(); }
+    double snatch_density() const {
+        return packed() ? findings.snatch_density : observer.rows().front().density;
+    }
+    /// Of all stages.
+    Observer::Peak largest_peak() const {
+        Observer::Peak largest = observer.peak();
+        for (const Observer::Peak& peak : observer.earlier_peaks())
+            if (peak.value > largest.value) largest = peak;
+        return largest;
+    }
+};
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,156 @@
+#include "fullsim/run/results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/run/parts.hpp"
+#include "lib/solve/shortfall.hpp"
+#include "lib/solve/validity.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Opening of a reefed parachute, stage by stage.
+ParachuteResult stages_of_opening(const RunView& run) {
+    ParachuteResult opening;
+    opening.snatch_time = run.findings.snatch;
+    opening.stages = run.findings.stages;
+    opening.stages.front().begin = run.findings.snatch;
+    const auto& earlier = run.observer.earlier_peaks();
+    for (std::size_t i = 0; i < opening.stages.size(); ++i) {
+        const Observer::Peak& peak = i < earlier.size() ? earlier[i] : run.observer.peak();
+        if (peak.value > 0.0) opening.stages[i].peak_force = peak.value;
+        opening.stages[i].peak_time = peak.time;
+    }
+    return opening;
+}
+
+/// Mean projected area [m^2] of the open canopy at the end; none where the run has not seen enough of it.
+std::optional<double> steady_area_of(const RunView& run) {
+    if (run.observer.rows().back().time < run.full_open() + shape_average) return {};
+    return run.observer.mean(&HistoryRow::projected_area, shape_average);
+}
+
+OpeningResult opening_of(const RunView& run, std::optional<double> steady_area) {
+    const Observer& seen = run.observer;
+    const Findings& found = run.findings;
+    const HistoryRow& last = seen.rows().back();
+    OpeningResult result;
+    result.snatched = !run.inflated() && run.snatched();
+    if (result.snatched) {
+        result.line_stretch_time = found.line_stretch_time;
+        result.snatch_time = found.snatch;
+        result.snatch_speed = run.snatch_speed();
+        result.snatch_path_angle =
+            run.packed() ? found.snatch_path_angle : angle_below_horizon(release_airspeed(run.scene));
+        result.payload_snatch_speed = run.packed() ? found.payload_snatch_speed : result.snatch_speed;
+        result.snatch_density = run.snatch_density();
+    }
+    if (steady_area && !run.inflated()) {
+        result.filling_time = seen.first_time_of_area(filled_share * *steady_area, run.last_stage());
+        if (result.filling_time) *result.filling_time -= found.snatch;
+    }
+    if (run.packed()) result.snatch_force = seen.snatch_peak().value;
+    const Observer::Peak peak = run.largest_peak();
+    if (peak.value > 0.0) result.peak_force = peak.value;
+    result.max_force = std::max(peak.value, seen.snatch_peak().value);
+    result.peak_time = peak.time;
+    if (run.sequence && result.snatched) result.parachutes.push_back(stages_of_opening(run));
+    if (const double filled = run.full_open(); last.time >= filled && !run.inflated())
+        result.impulse = seen.impulse(found.snatch, filled);
+    result.max_deceleration = seen.largest_acceleration();
+    result.descent = found.descent;
+    result.descent_altitude = found.descent_altitude;
+    result.landing_time = found.landing_time;
+    result.end_position = last.position;
+    return result;
+}
+
+/// Events that only a look back at the history shows.
+void add_past_events(const RunView& run, const OpeningResult& result, RunRecord& record) {
+    const auto& rows = run.observer.rows();
+    const auto add = [&](const char* name, double time) {
+        auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
+        if (row == rows.end()) --row;
+        record.events.push_back({name, time, row->position.z(), row->velocity.norm()});
+    };
+    if (result.peak_force) add("peak-force", result.peak_time);
+    if (result.filling_time) add("canopy-filled", run.findings.snatch + *result.filling_time);
+    std::ranges::stable_sort(record.events, {}, &Event::time);
+}
+
+void add_shape(const RunView& run, double steady_area, RunRecord& record) {
+    const double nominal = run.parachute().nominal_diameter, diameter = 2.0 * std::sqrt(steady_area / pi);
+    const auto mean = [&](double HistoryRow::*column) { return run.observer.mean(column, shape_average); };
+    record.add_metric("projected_diameter_ratio", diameter / nominal, Standing::result,
+                      "equal-area diameter over D0, mean of the last 2 s");
+    record.add_metric("seam_diameter_ratio", mean(&HistoryRow::seam_diameter) / nominal, Standing::result,
+                      "widest ring of seam nodes over D0");
+    record.add_metric("canopy_depth_ratio", mean(&HistoryRow::depth) / diameter, Standing::result,
+                      "vent to skirt over the equal-area diameter");
+    record.add_metric("signed_area_ratio", mean(&HistoryRow::signed_area) / steady_area, Standing::result,
+                      "1 when no gore lies inside out");
+}
+
+std::vector<NeverOpened> unopened(const RunView& run) {
+    if (run.sequence) return never_opened(*run.sequence);
+    if (run.snatched()) return {};
+    return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
+}
+
+Reached reached_by(const RunView& run, bool has_filling_time) {
+    const double end = run.observer.rows().back().time;
+    Reached reached;
+    reached.ground = run.findings.landing_time.has_value();
+    reached.full_open = run.snatched() && end >= run.full_open();
+    if (!reached.full_open || has_filling_time) return reached;
+    reached.filling_cut_short = end < run.full_open() + shape_average;
+    reached.no_filling_time =
+        reached.filling_cut_short
+            ? fmt::format("the run ended less than {:g} s after full open", shape_average)
+            : fmt::format("the projected area never came to {:g} % of its steady mean", 100.0 * filled_share);
+    return reached;
+}
+
+}  // namespace
+
+void fill_results(const RunView& run, RunRecord& record) {
+    const std::optional<double> steady_area = steady_area_of(run);
+    const OpeningResult result = opening_of(run, steady_area);
+    const Metric filling{
+        "", 0.0, Standing::result,
+        fmt::format("projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
+                    100.0 * filled_share, run.simulation.inflation().filling_time)};
+    const Metric descent{"", 0.0, Standing::mixed,
+                         "(C_D S)_0 and mass are inputs; the balance is the result"};
+    add_opening_metrics(record, run.scene, result, filling, descent);
+    if (result.peak_force)
+        record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, Standing::result,
+                          "without the 5 ms average");
+    add_past_events(run, result, record);
+    if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
+        add_shape(run, *steady_area, record);
+    record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, Standing::result,
+                      "elastic, of all lines and steps");
+    record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
+                      Standing::result, "first principal, elastic, of all triangles and steps");
+    add_strength_margins(record, run.parachute());
+    record.energy = run.simulation.ledger();
+    record.channels = run.observer.channels();
+    add_validity(record, run.scene, result);
+    add_warnings(run, steady_area, record);
+    const Reached reached = reached_by(run, result.filling_time.has_value());
+    note_never_opened(record, run.scene, unopened(run), reached);
+    note_missing_metrics(record, run.scene, reached);
+    record.left_out = left_out_of(parts_of(run.scene));
+    if (const MassScaling& scaling = run.simulation.mass_scaling(); scaling.nodes > 0)
+        record.left_out.push_back(
+            {fmt::format("true mass of {} canopy nodes", scaling.nodes),
+             fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
+                         "that may be {:.1f} % longer before the air moves along",
+                         scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0))});
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,21 @@
+// The record of a full run that has ended: metrics, events found afterwards, warnings, what was left out.
+#pragma once
+
+#include "fullsim/run/findings.hpp"
+#include "lib/record/run_record.hpp"
+
+namespace twinchute::fullsim {
+
+/// [s] that the projected area is averaged over: the shape settles later than the speed.
+inline constexpr double shape_average = 2.0;
+/// Of the steady projected area: a filled canopy (docs/theory/filling-time.md).
+inline constexpr double filled_share = 0.98;
+
+/// Metrics, channels, ledger, warnings and left-out physics, into the record of a run with its status, events
+/// and cost.
+void fill_results(const RunView& run, RunRecord& record);
+
+/// Warnings of the full model. steady_area: [m^2] projected, where the run has seen it.
+void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record);
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,507 @@
+#include "fullsim/run/run_fullsim.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/fidelity.hpp"
+#include "fullsim/mesh/attach_payload.hpp"
+#include "fullsim/mesh/start.hpp"
+#include "fullsim/run/checkpoint_clock.hpp"
+#include "fullsim/run/fields.hpp"
+#include "fullsim/run/findings.hpp"
+#include "fullsim/run/frames.hpp"
+#include "fullsim/run/plan.hpp"
+#include "fullsim/run/results.hpp"
+#include "lib/scene/needs.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr int steps_between_falls = 10;  // samples of the fall: some ten a bounce, of lines that are short
+constexpr int steps_between_reports = 500;
+// How long lines have to stay taut, since flailing ones do not, over the time that a wave takes along them:
+// 2 ms of a C-9's line (7.31 m of 462 kg/m^3 and 0.97 GPa).
+const double taut_hold = 2e-3 / (7.31 * std::sqrt(462.0 / 9.7e8));
+// Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
+constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
+constexpr std::size_t opening_frames = 48;
+constexpr double opening_and_breathing = 2.0;  // filling times, from snatch
+
+class FullRun {
+public:
+    /// The parachute weighs what its mesh does; `stated_mass`: what the scene says of it [kg].
+    FullRun(const Scene& scene, double stated_mass, Run& run)
+        : scene_(scene),
+          run_(run),
+          record_(begin_record(scene, "full")),
+          simulation_(scene,
+                      [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
+                                                                            const NodeConstants& constants) {
+                          return any ? make_unstructured_layout(s, mesh, constants)
+                                     : make_layout(s, mesh, constants, threads);
+                      }),
+          observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate,
+                    simulation_.sectors()),
+          view_{scene, stated_mass, simulation_, observer_, found_, sequence_},
+          fall_(scene.environment),
+          fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
+          frames_(simulation_.mesh(), static_cast<bool>(run.frames), simulation_.sectors()),
+          stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
+                                                            : longest_flight),
+          clock_(run, scene.full.checkpoint_interval) {
+        if (!scene.parachutes.front().reefing.empty()) {
+            sequence_.emplace(scene);
+            sequence_->release(flight_state());
+        }
+        if (view_.packed()) {
+            found_.snatch = infinity;
+            observer_.count_peak_from(infinity);
+            frames_.begin(0.0, deployment_frames);
+        } else if (view_.inflated()) {
+            begin_descent_frames();
+        } else {
+            begin_opening_frames();
+        }
+    }
+
+    RunRecord fly() {
+        begin();
+        while (!ended_) {
+            // Right after a check no frame of the fields waits for the next one.
+            if (system().step % Simulation::steps_between_checks == 1) save_if_due();
+            simulation_.evaluate_forces();
+            observe();
+            look_for_events();
+            // An end between two checks must not hide what the next one would have found.
+            if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
+            if (ended_) break;
+            simulation_.step_to(next_stop());
+            if (simulation_.was_checked()) check();
+        }
+        return finish();
+    }
+
+private:
+    const SystemState& system() const { return simulation_.system(); }
+
+    void begin() {
+        if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
+        add_event(view_.packed() ? "release" : view_.inflated() ? "full-open" : "line-stretch");
+        if (!view_.packed()) met(view_.inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+    }
+
+    void observe() {
+        const double now = system().time;
+        observer_.observe(system(), simulation_.payload_force());
+        if (observer_.row_is_due(now)) observer_.add_row(simulation_.synchronised_state());
+        if (fields_.frame_is_due(now)) fields_.take(simulation_.synchronised_state());
+        if (now >= descent_frames_from_) begin_descent_frames();
+        if (frames_.frame_is_due(now)) frames_.take(simulation_.synchronised_state());
+    }
+
+    RunRecord finish() {
+        // The rest of the fall begins where this ends, not at the last row before.
+        if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
+            observer_.observe_end(simulation_.synchronised_state());
+        observer_.finish();
+        fields_.accept();
+        frames_.accept();
+        if (run_.frames) run_.frames(frames_.finish());
+        const Layout& layout = simulation_.layout();
+        record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
+        record_.provenance.threads = layout.threads();
+        fill_cost();
+        // The end of the run is steady, too, or its last window says that it is not.
+        if (const auto last = fall_.judge(simulation_.payload().x[2])) {
+            found_.last_window = last;
+            if (found_.descent && last->is_steady()) found_.descent = last;
+        }
+        fill_results(view_, record_);
+        return std::move(record_);
+    }
+
+    const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
+    FlightState flight_state() const {
+        const NodeRecord& payload = simulation_.payload();
+        return {system().time, payload.x[2], payload.v[2],
+                (system().sums.system_velocity - system().air.wind).norm(), system().air.density};
+    }
+
+    void end(StatusCode code, std::string detail) {
+        record_.status = {code, std::move(detail)};
+        ended_ = true;
+    }
+
+    void add_event(const char* name, double time, const Vec3& position, const Vec3& velocity) {
+        record_.events.push_back({name, time, position.z(), velocity.norm()});
+    }
+
+    void add_event(const char* name) {
+        const NodeRecord& payload = simulation_.payload();
+        add_event(name, system().time, to_vec3(payload.x), to_vec3(payload.v));
+    }
+
+    /// What must not be stepped across next.
+    double next_stop() const {
+        const double deployed = system().stage == Stage::deployment
+                                    ? std::min({hold_end_, longest_deployment, next_load_change()})
+                                    : std::min(simulation_.inflation().end_of(system().phase),
+                                               simulation_.inflation().next_kink());
+        const double cut = sequence_ ? sequence_->next_time() : infinity;
+        return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
+    }
+
+    /// The next time at which the extraction force is not smooth.
+    double next_load_change() const {
+        const ForceHistory& force = deploy().extraction;
+        double next = force.duration > system().time ? force.duration : infinity;
+        for (const double t : force.time)
+            if (t > system().time) next = std::min(next, t);
+        return force.time.empty() ? never : next;
+    }
+
+    /// What came after the last check that found nothing wrong is dropped.
+    void fail(const RunStatus& fault) {
+        observer_.forget();
+        record_.events.resize(sound_events_);
+        fields_.forget();
+        frames_.forget();
+        end(fault.code, fault.detail);
+    }
+
+    void check() {
+        if (const auto& fault = simulation_.fault()) return fail(*fault);
+        observer_.accept();
+        sound_events_ = record_.events.size();
+        fields_.accept();
+        frames_.accept();
+        if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
+        if (run_.progress && system().step % steps_between_reports == 0) report_progress();
+    }
+
+    void check_end() {
+        if (const auto fault = simulation_.find_fault()) {
+            found_.landing_time.reset();
+            fail(*fault);
+        }
+    }
+
+    void report_progress() {
+        run_.progress({stage_name(), system().time, expected_share(), resumed_at()});
+    }
+    std::optional<double> resumed_at() const {
+        if (record_.cost.resumed_at.empty()) return {};
+        return record_.cost.resumed_at.back();
+    }
+
+    void save_if_due() {
+        if (!clock_.is_due()) return;
+        Archive archive;
+        serialize(archive);
+        clock_.save(archive.take());
+    }
+
+    void go_on_from(const std::string& saved) {
+        Archive archive(saved, run_.checkpoints.file);
+        serialize(archive);
+        archive.end();
+        record_.cost.resumed_at.push_back(system().time);
+        if (run_.progress) report_progress();
+    }
+
+    void serialize(Archive& archive);
+
+    void begin_opening_frames() {
+        const Inflation& inflation = simulation_.inflation();
+        const double lasts = opening_and_breathing * (inflation.end_of(Phase::filling) - inflation.snatch);
+        frames_.begin(system().time, {lasts / opening_frames, opening_frames});
+        descent_frames_from_ = system().time + lasts;
+    }
+    void begin_descent_frames() {
+        frames_.begin(system().time, descent_frames);
+        descent_frames_from_ = infinity;
+    }
+    std::string_view stage_name() const {
+        if (system().stage == Stage::deployment) return "deployment";
+        switch (system().phase) {
+            case Phase::initial:
+                return "initial phase";
+            case Phase::filling:
+                return "filling";
+            case Phase::overshoot:
+                return "over-inflation";
+            case Phase::open:
+                break;
+        }
+        return "descent";
+    }
+
+    /// A descent is usually steady four filling times after snatch; for the progress line only.
+    double expected_share() const {
+        if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, system().time / stop_time_);
+        if (system().stage == Stage::deployment) return 0.0;
+        const Inflation& inflation = simulation_.inflation();
+        return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
+    }
+
+    void look_for_events() {
+        if (system().stage == Stage::deployment)
+            look_for_snatch();
+        else
+            look_for_opening();
+        if (!ended_) look_for_ground();
+        if (!ended_) look_for_stop();
+    }
+
+    /// [s]
+    double hold() const {
+        const Parachute& chute = scene_.parachutes.front();
+        return taut_hold * (chute.line_length * std::sqrt(chute.line.density / chute.line.youngs_modulus));
+    }
+
+    /// Lines count as taut once they have stayed so for a while; the end of that is the snatch.
+    void look_for_snatch() {
+        const double now = system().time;
+        if (!simulation_.lines_are_taut()) {
+            hold_end_ = infinity;
+        } else if (hold_end_ == infinity) {
+            hold_end_ = now + hold();
+        }
+        if (now < hold_end_) {
+            if (now >= longest_deployment)
+                end(StatusCode::time_limit,
+                    fmt::format("the lines never came taut within {:g} s of release", longest_deployment));
+            return;
+        }
+        found_.line_stretch_time = now - hold();
+        found_.payload_snatch_speed =
+            (to_vec3(simulation_.payload().v) - system().air.wind_at_payload).norm();
+        const Vec3 airspeed = system().sums.system_velocity - system().air.wind;
+        found_.snatch_speed = airspeed.norm();
+        found_.snatch_path_angle = angle_below_horizon(airspeed);
+        found_.snatch_density = system().air.density;
+        if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
+        if (sequence_) sequence_->snatched(0, flight_state());
+        found_.snatch = now;
+        add_event("snatch");
+        begin_opening_frames();
+        met(Trigger::Kind::line_stretch);
+        observer_.count_peak_from(now + simulation_.inflation().initial_time);
+    }
+
+    void look_for_opening() {
+        const double now = system().time;
+        bool opens = false;
+        while (now >= simulation_.inflation().next_kink())
+            simulation_.pass_kink();
+        if (now >= simulation_.inflation().end_of(system().phase)) {
+            opens = system().phase == Phase::filling;
+            if (opens && !found_.stages.empty() && !found_.stages.back().full) found_.stages.back().full = now;
+            if (system().phase != Phase::overshoot)
+                add_event(!opens ? "end-of-initial-phase" : view_.reefed() ? "reefed-open" : "full-open");
+            if (opens && !view_.reefed()) met(Trigger::Kind::full_open);
+            // Drag area and phi are continuous here, only their rates jump: the forces just
+            // evaluated are those of the phase that begins, too.
+            simulation_.begin(simulation_.inflation().after(system().phase));
+        }
+        if (sequence_) look_for_disreef();
+        if (system().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
+            found_.switched_late = opens && !simulation_.mouth_is_open();
+            simulation_.begin_ramp();
+            add_event("switch");
+        } else if (now >= simulation_.ramp_end()) {
+            simulation_.end_ramp();
+            add_event("finite-elements-alone");
+        }
+        look_at_fall();
+        // Not before there is a shape to report.
+        if (system().phase == Phase::open && !found_.descent_altitude && now >= view_.drag_area_steady() + shape_average &&
+            falls_steadily()) {
+            add_event("steady-descent");
+            found_.descent = found_.last_window;
+            found_.descent_altitude = simulation_.payload().x[2];
+            if (scene_.stop.kind == Trigger::Kind::steady_descent ||
+                scene_.stop.kind == Trigger::Kind::peak_force)
+                event_stop_ = now + scene_.stop.delay;
+        }
+        if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
+            now > view_.drag_area_steady() && observer_.filtered_force() < past_peak * observer_.peak().value)
+            event_stop_ = now + scene_.stop.delay;
+    }
+
+    /// The canopies know when a line is cut; drag area and added mass go on from where they are.
+    void look_for_disreef() {
+        if (sequence_->waits_for_steady_descent() && system().phase == Phase::open && falls_steadily()) {
+            add_event("steady-descent");
+            sequence_->descends_steadily(flight_state());
+        }
+        for (const OpeningEvent& what : sequence_->advance(flight_state())) {
+            if (what.kind != OpeningEvent::Kind::disreef) continue;
+            const Canopy& canopy = sequence_->all().front();
+            add_event("disreef");
+            found_.stages.push_back({system().time});
+            observer_.begin_stage(system().time);
+            simulation_.disreef(canopy.inflation, canopy.stage);
+            if (canopy.phase == Phase::initial) simulation_.begin(Phase::initial);
+            begin_opening_frames();
+        }
+    }
+
+    /// A sample of the fall, while the drag area is steady.
+    void look_at_fall() {
+        if (system().phase != Phase::open) return fall_.restart();
+        if (system().step % steps_between_falls == 0) fall_.add(fall_now());
+    }
+    /// Judged now and then.
+    bool falls_steadily() {
+        if (system().step % Simulation::steps_between_checks != 0) return false;
+        found_.last_window = fall_.judge(simulation_.payload().x[2]);
+        return found_.last_window && found_.last_window->is_steady();
+    }
+    FallSample fall_now() const {
+        const SystemState& s = system();
+        const double material = simulation_.constants().system_mass, gravity = scene_.environment.gravity;
+        const Vec3 air = s.air.airspeed * s.air.direction;  // relative to the canopy
+        const Vec3 arm = s.sums.canopy_position - to_vec3(simulation_.payload().x);
+        const double length = arm.norm(), sink = air.z();
+        FallSample now;
+        now.time = s.time;
+        now.density = s.air.density;
+        now.sink = sink;
+        now.airspeed = s.air.airspeed;
+        now.updraft = s.air.wind.z();
+        now.system_sink = -s.sums.system_velocity.z();
+        now.air_sink = -s.sums.canopy_area_velocity.z();
+        now.added_mass_ratio = s.added_mass / material;
+        now.accretion = accretes_ ? std::max(0.0, s.added_mass_rate) / material : 0.0;
+        now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
+        now.period = 2.0 * pi * std::sqrt(length / gravity);
+        return now;
+    }
+
+    /// What the scene may stop at happens now.
+    void met(Trigger::Kind what) {
+        if (scene_.stop.kind == what) event_stop_ = std::min(event_stop_, system().time + scene_.stop.delay);
+    }
+
+    void look_for_ground() {
+        if (simulation_.payload().x[2] > scene_.environment.ground) return;
+        add_event("ground");
+        found_.landing_time = system().time;
+        if (system().stage == Stage::deployment)
+            return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
+        return scene_.stop.kind == Trigger::Kind::ground
+                   ? end(StatusCode::completed, "ground reached")
+                   : end(StatusCode::stopped_by_event, "ground reached before the stop condition");
+    }
+
+    void look_for_stop() {
+        const double now = system().time;
+        if (scene_.stop.kind == Trigger::Kind::altitude && event_stop_ == longest_flight &&
+            simulation_.payload().x[2] <= scene_.stop.value)
+            met(Trigger::Kind::altitude);
+        if (now < std::min(stop_time_, event_stop_)) return;
+        if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
+            end(StatusCode::time_limit,
+                fmt::format("stop condition not met within {:g} s of flight", stop_time_));
+        else
+            end(StatusCode::completed, "stop condition met");
+    }
+
+    void fill_cost() {
+        Cost& cost = record_.cost;
+        cost.wall_s = clock_.wall();
+        cost.cpu_s = clock_.cpu();
+        cost.steps = system().step;
+        cost.rhs_calls = system().step;
+        cost.dt_min_s = cost.steps > 0 ? simulation_.steps().dt_min() : 0.0;
+        cost.dt_max_s = simulation_.steps().dt_max();
+        cost.element_steps = simulation_.element_steps();
+        if (cost.element_steps > 0)
+            cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
+        cost.blocks = simulation_.block_costs();
+    }
+
+    const Scene& scene_;
+    Run& run_;
+    RunRecord record_;
+    Simulation simulation_;
+    Observer observer_;
+    Findings found_;
+    std::optional<OpeningSequence> sequence_;  // of a reefed parachute
+    const RunView view_;
+    SteadyDescent fall_;
+    FieldRecorder fields_;
+    FrameRecorder frames_;
+    double descent_frames_from_ = infinity;  // [s]
+    double stop_time_;
+    double event_stop_ = longest_flight;
+    bool ended_ = false;
+    double hold_end_ = infinity;    // [s] at which lines that are taut now will have been so long enough
+    std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
+    const bool accretes_ = scene_.aerodynamics.added_mass &&
+                           scene_.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting;
+    CheckpointClock clock_;
+};
+
+/// What the constructor makes anew is not kept.
+void FullRun::serialize(Archive& archive) {
+    simulation_.serialize(archive);
+    observer_.serialize(archive);
+    fall_.serialize(archive);
+    fields_.serialize(archive);
+    frames_.serialize(archive);
+    if (sequence_) sequence_->serialize(archive);
+    archive.length("events", record_.events, 1'000'000);
+    for (Event& event : record_.events) {
+        auto& [name, time, altitude, speed] = event;
+        archive.text("event", name);
+        for (double* x : {&time, &altitude, &speed})
+            archive.number("event", *x);
+    }
+    archive.whole("sound events", sound_events_, 0, record_.events.size());
+    for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_})
+        archive.number("run", *x);
+    found_.serialize(archive);
+    clock_.serialize(archive);
+    archive.numbers("resumed at", record_.cost.resumed_at);
+}
+
+/// What takes more than the one parachute that this model has, or another way out of its pack; and what its
+/// structure needs.
+std::vector<std::string> unsupported_keys(const Scene& scene) {
+    if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
+    const Parachute& chute = scene.parachutes.front();
+    std::vector<std::string> keys;
+    if (chute.count > 1) keys.emplace_back("parachute.count");
+    if (chute.cluster_drag_ratio != 1.0) keys.emplace_back("parachute.cluster_drag_ratio");
+    if (chute.deploy_when) keys.emplace_back("parachute.deploy.when");
+    if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
+        keys.emplace_back("parachute.deploy.by");
+    if (chute.cut) keys.emplace_back("parachute.cut");
+    if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
+    if (keys.empty()) keys = missing_structure(chute);
+    // What cannot start is found before anything runs.
+    if (keys.empty() && (chute.mesh || scene.payload.body)) {
+        Mesh mesh = unloaded_mesh(scene);
+        if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
+    }
+    return keys;
+}
+
+}  // namespace
+
+RunRecord run_fullsim(const Scene& scene, Run& run) {
+    const Scene meshed = weighed(scene);
+    return FullRun(meshed, scene.parachutes.front().mass, run).fly();
+}
+
+const Fidelity& full_fidelity() {
+    static constexpr Fidelity row{
+        "full", "full aeroelastic model", &run_fullsim, &unsupported_keys, true, true, &plan_full, true};
+    return row;
+}
+
+}  // namespace twinchute::fullsim

@@ -1,0 +1,108 @@
+// Warnings of the full model about a run that has ended.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "fullsim/mesh/import_mesh.hpp"
+#include "fullsim/run/results.hpp"
+#include "lib/scene/needs.hpp"
+#include "lib/solve/validity.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// Share of the steady projected area that has to come soon before filled_share, or the filling time is
+/// sensitive to how the last of the area settles.
+constexpr double nearly_filled = 0.95;
+constexpr double sound_area = 0.9;   // signed over positive area below which gores lie inside out
+constexpr double early_peak = 0.25;  // drag area over the steady one below which a peak is the snatch's
+constexpr double ringing = 1.02;     // raw over filtered peak force; a sound opening has 1.00 to 1.01
+
+}  // namespace
+
+void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
+    const Parachute& chute = run.parachute();
+    const auto warn = [&](std::string what, std::string why, std::string suggestion) {
+        record.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
+    };
+    const bool opened = run.snatched();
+    const SystemState& state = run.simulation.system();
+    if (opened && !run.inflated() && !run.sequence)
+        add_opening_warnings(record, run.scene, run.parachute(), run.simulation.inflation(),
+                             run.snatch_speed(),
+                             run.snatch_density());
+    add_scene_warnings(record, run.scene);
+    if (!opened)
+        warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
+             "give it line drag, a static line, an extraction force, or more height");
+    if (run.packed() && opened && !run.sequence && record.metric("peak_force_N")) {
+        const Inflation& inflation = run.simulation.inflation();
+        const double time = run.largest_peak().time;
+        if (const double ratio = inflation.drag_area_ratio(inflation.phase_at(time), time).value;
+            ratio < early_peak)
+            warn(
+                fmt::format("the peak force comes {:.3g} s after snatch, at {:.0f} % of the steady drag area",
+                            time - inflation.snatch, 100.0 * ratio),
+                "the snatch still rings: payload and canopy bounce on the lines, and little but the cloth "
+                "damps it",
+                "take it for a snatch force, or give full.alpha a value");
+    }
+    if (const double filtered = run.largest_peak().value, raw = run.observer.raw_peak().value;
+        filtered > 0.0 && raw > ringing * filtered && run.simulation.steps().most_subcycles() > 1)
+        warn(
+            fmt::format("the raw peak force is {:.1f} % above the filtered one, lines took up to {} substeps",
+                        100.0 * (raw / filtered - 1.0), run.simulation.steps().most_subcycles()),
+            "where a step of the canopy is half a period of the lines they may ring "
+            "(docs/theory/full-model.md)",
+            "compare with full.line_substeps = 1; the filtered peak is the one that counts");
+    if (run.findings.switched_late)
+        warn("finite elements took over at full open only",
+             fmt::format("the mouth never reached {:g} of the steady projected area",
+                         run.scene.full.switch_area_ratio),
+             "look at the shape; a smaller full.switch_area_ratio hands over earlier");
+    const double meshed = run.simulation.mesh().parachute_mass();
+    if (std::abs(meshed - run.stated_mass) > 0.02 * run.stated_mass)
+        warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, run.stated_mass),
+             "the full model takes its mass from fabric, tapes and lines",
+             "correct parachute.mass, or the materials");
+    if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
+    if (chute.mesh)
+        std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene), std::back_inserter(record.warnings));
+    if (const auto sound = record.metric("signed_area_ratio"); sound && *sound < sound_area)
+        warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
+             run.scene.full.contact == Contact::none
+                 ? "gores are folded inside out; fabric passes through fabric here"
+                 : "gores are folded inside out; contact keeps neighbours in order, not a canopy from "
+                   "turning over",
+             run.scene.full.contact == Contact::none && !chute.mesh
+                 ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
+                   "in order"
+                 : "look at the shape before trusting the loads");
+    if (const auto filled = record.metric("filling_time_s")) {
+        const double snatch = run.findings.snatch;
+        const auto nearly = run.observer.first_time_of_area(nearly_filled * *steady_area, run.last_stage());
+        if (nearly && *nearly - snatch < 0.9 * *filled)
+            warn(
+                fmt::format("{:g} % of the steady area is reached at {:.3g} s, {:g} % at {:.3g} s",
+                            100.0 * nearly_filled, *nearly - snatch, 100.0 * filled_share, *filled),
+                "the canopy creeps into its shape: the filling time is sensitive to the area threshold",
+                "compare filling times of such a canopy with a wide tolerance");
+    }
+    if (state.capped_steps > 0)
+        warn(
+            fmt::format(
+                "the canopy pressure was capped in {:.1f} % of the steps",
+                100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
+            "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
+            "give the canopy a larger initial_drag_area_ratio if this matters");
+    if (opened && !run.findings.descent_altitude) warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
+    if (record.status.code != StatusCode::completed || !opened) return;
+    if (!steady_area)
+        warn("no filling time and no steady shape",
+             fmt::format("the run ended less than {:g} s after full open", shape_average),
+             "set stop.time later, or stop.at = \"steady-descent\"");
+}
+
+}  // namespace twinchute::fullsim
