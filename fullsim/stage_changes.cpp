@@ -7,6 +7,7 @@
 #include "fullsim/initial_state.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/time/aero_reference.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 

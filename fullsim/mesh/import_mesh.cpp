@@ -28,7 +28,7 @@ Edge edge_of(NodeIndex a, NodeIndex b) {
     return {std::min(a, b), std::max(a, b)};
 }
 
-double azimuth_of(const Vec3& x) {
+double whole_azimuth(const Vec3& x) {
     const double angle = std::atan2(x.y(), x.x());
     // What lies toward x by all but rounding is the first.
     return angle < -1e-9 ? angle + 2.0 * pi : std::max(0.0, angle);
@@ -447,7 +447,7 @@ private:
             refuse(*elements_of(group_line).front(), fmt::format("is of one of {} lines", out_.lines.size()),
                    "a canopy hangs on three at least", "tie more lines to the skirt");
         std::ranges::stable_sort(out_.lines, {}, [&](const ImportedLine& line) {
-            return azimuth_of(out_.mesh.position[line.node.front()]);
+            return whole_azimuth(out_.mesh.position[line.node.front()]);
         });
     }
 
@@ -601,7 +601,7 @@ private:
     void find_rings() {
         const auto by_azimuth = [&](std::vector<NodeIndex> loop) {
             std::ranges::stable_sort(loop, {},
-                                     [&](NodeIndex i) { return azimuth_of(out_.mesh.position[i]); });
+                                     [&](NodeIndex i) { return whole_azimuth(out_.mesh.position[i]); });
             return loop;
         };
         out_.skirt = by_azimuth(loops_[static_cast<std::size_t>(skirt_)]);

@@ -96,9 +96,9 @@ private:
         const double now = system().time;
         observer_.observe(system(), simulation_.payload_force());
         if (observer_.row_is_due(now)) observer_.add_row(simulation_.synchronised_state());
-        if (fields_.frame_is_due(now)) fields_.take(simulation_.synchronised_state());
+        if (fields_.frame_is_due(now)) fields_.observe(simulation_.synchronised_state());
         if (now >= descent_frames_from_) begin_descent_frames();
-        if (frames_.frame_is_due(now)) frames_.take(simulation_.synchronised_state());
+        if (frames_.frame_is_due(now)) frames_.observe(simulation_.synchronised_state());
     }
 
     RunRecord finish() {
@@ -159,7 +159,7 @@ private:
         double next = force.duration > system().time ? force.duration : infinity;
         for (const double t : force.time)
             if (t > system().time) next = std::min(next, t);
-        return force.time.empty() ? never : next;
+        return force.time.empty() ? infinity : next;
     }
 
     /// What came after the last check that found nothing wrong is dropped.

@@ -99,7 +99,7 @@ public:
     void step(int count) {
         using fullsim::Stage;
         Simulation& s = *simulation_;
-        const State& now = s.outline();  // the whole state would be gathered anew in every step
+        const SystemState& now = s.system();
         for (int n = 0; n < count; ++n) {
             s.evaluate_forces();
             if (now.stage != Stage::deployment && now.time >= s.inflation().end_of(now.phase))
@@ -167,7 +167,7 @@ void count_fabric(benchmark::State& bench, const std::array<double, 3>& share) {
 void measure_block(benchmark::State& bench, const Size& size, bool packed, const fullsim::ForceBlock& row) {
     InFlight& flight = in_flight(size, packed);
     const fullsim::Mesh& mesh = flight.simulation().mesh();
-    State state = flight.simulation().state();
+    State state = flight.simulation().synchronised_state();
     clear_forces(state);  // of all nodes: its layout may hold those of some
     if (row.name == "membrane") count_fabric(bench, flight.fabric_states(state));
     const std::unique_ptr<const ForceModel> block = row.make(flight.scene(), mesh);
@@ -180,7 +180,7 @@ void measure_block(benchmark::State& bench, const Size& size, bool packed, const
 
 void measure_advance(benchmark::State& bench, const Size& size) {
     InFlight& flight = in_flight(size);
-    State state = flight.simulation().state();
+    State state = flight.simulation().synchronised_state();
     clear_forces(state);  // as above
     for (auto _ : bench)
         fullsim::advance(state, flight.simulation().constants(), 1e-7, state.added_mass);
@@ -244,7 +244,7 @@ void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart&
                     const LayoutChoice& choice) {
     InFlight& flight = in_flight(size);
     Simulation& simulation = flight.simulation();
-    State state = simulation.state();
+    State state = simulation.synchronised_state();
     auto structure = make_structure(flight.scene(), simulation.mesh(), state.stage);
     auto loads = make_loads(flight.scene(), simulation.mesh(), state.stage);
     const auto left_out = [&](const auto& model) {
@@ -269,7 +269,7 @@ void measure_step(benchmark::State& bench, const Size& size) {
     constexpr int steps = 20;
     InFlight& flight = in_flight(size);
     const fullsim::Mesh& mesh = flight.simulation().mesh();
-    count_fabric(bench, flight.fabric_states(flight.simulation().state()));
+    count_fabric(bench, flight.fabric_states(flight.simulation().synchronised_state()));
     const std::int64_t before = flight.simulation().element_steps();
     for (auto _ : bench)
         flight.step(steps);

@@ -129,7 +129,7 @@ std::string serialized(Simulation& simulation) {
 
 /// Node by node, without what clocks measured.
 std::string state_of(const Simulation& simulation) {
-    State state = simulation.state();
+    State state = simulation.synchronised_state();
     Archive archive;
     serialize(archive, state);
     return archive.take();
@@ -138,7 +138,7 @@ std::string state_of(const Simulation& simulation) {
 void fly(Simulation& simulation, int steps) {
     for (int i = 0; i < steps; ++i) {
         simulation.evaluate_forces();
-        const State& s = simulation.outline();
+        const SystemState& s = simulation.system();
         if (s.stage == Stage::deployment && simulation.lines_are_taut()) {
             ASSERT_FALSE(simulation.snatch());
         } else if (s.stage == Stage::springs && simulation.mouth_is_open()) {
@@ -159,9 +159,9 @@ void expect_same_rest(const Scene& scene, const Simulation::LayoutMaker& layout,
     Simulation simulation(scene, layout);
     std::set<Stage> seen;
     for (int round = 0; round < rounds; ++round) {
-        seen.insert(simulation.outline().stage);
+        seen.insert(simulation.system().stage);
         SCOPED_TRACE(
-            fmt::format("step {}, {}", simulation.outline().step, stage_name(simulation.outline().stage)));
+            fmt::format("step {}, {}", simulation.system().step, stage_name(simulation.system().stage)));
         const std::string bytes = serialized(simulation);
         Simulation other(scene, layout);
         Archive archive(bytes, "a test");

@@ -62,16 +62,16 @@ void compare_along(const Scene& scene, int steps, std::size_t stages = 1) {
     std::vector<Stage> seen;
     for (int step = 0; step < steps; ++step) {
         simulation.evaluate_forces();
-        const Stage stage = simulation.outline().stage;
+        const Stage stage = simulation.system().stage;
         if (stage == Stage::deployment && simulation.lines_are_taut()) {
             ASSERT_FALSE(simulation.snatch());
         } else if (stage == Stage::springs && simulation.mouth_is_open()) {
             simulation.begin_ramp();
-        } else if (simulation.outline().time >= simulation.ramp_end()) {
+        } else if (simulation.system().time >= simulation.ramp_end()) {
             simulation.end_ramp();
         }
         if (step % looks == 0) {
-            const State& state = simulation.state();
+            const State& state = simulation.synchronised_state();
             if (std::ranges::find(seen, state.stage) == seen.end()) seen.push_back(state.stage);
             compare_all(scene, simulation.mesh(), simulation.constants(), state, true);
             if (testing::Test::HasFailure()) return;
@@ -154,16 +154,16 @@ TEST(Layouts, ASmoothOpeningIsTheSameInAll) {
     const auto fly = [&](const Simulation::LayoutMaker& layout) {
         Simulation simulation(scene, layout);
         Outcome outcome;
-        while (simulation.outline().time < 2.0) {
+        while (simulation.system().time < 2.0) {
             simulation.evaluate_forces();
-            const State& now = simulation.outline();
+            const SystemState& now = simulation.system();
             const double force = now.riser_force.norm();
             if (force > outcome.peak) outcome = {force, now.time, 0.0};
             if (now.time >= simulation.inflation().end_of(now.phase))
                 simulation.begin(now.phase == Phase::initial ? Phase::filling : Phase::open);
             simulation.step_to(std::min(2.0, simulation.inflation().end_of(now.phase)));
         }
-        outcome.altitude = simulation.outline().node[simulation.mesh().payload()].x[2];
+        outcome.altitude = simulation.payload().x[2];
         return outcome;
     };
     const Outcome reference = fly([](const Scene&, const Mesh& mesh, const NodeConstants& constants) {
@@ -212,7 +212,7 @@ TEST(Layouts, AgreeOnAnUnevenMeshWhateverItsCounts) {
         simulation.step_to(1e9);
     }
     for (const Stage stage : {Stage::deployment, Stage::springs, Stage::ramp, Stage::flight}) {
-        State state = simulation.state();
+        State state = simulation.synchronised_state();
         state.stage = stage;
         state.fe_weight = stage == Stage::ramp ? 0.3 : stage == Stage::flight ? 1.0 : 0.0;
         state.air.drag_area = 20.0;
@@ -244,7 +244,7 @@ TEST(Layouts, ALoadThatIsNoNumberIsNotHidden) {
     for (const auto& [name, layout] : layouts)
         for (const NodeIndex lost : {mesh.triangles.front().node[0], (line + 1)->node[0]}) {
             SCOPED_TRACE(name);
-            State state = simulation.state();
+            State state = simulation.synchronised_state();
             state.node[lost].x[1] = std::numeric_limits<double>::quiet_NaN();
             BlockClock clock;
             clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
@@ -269,7 +269,7 @@ TEST(Layouts, SubstepsOfLinesCountForTheLargestTension) {
     layouts.push_back({"reference", make_reference_layout(simulation.mesh(), simulation.constants())});
     for (const auto& [name, layout] : layouts) {
         SCOPED_TRACE(name);
-        State state = simulation.state();
+        State state = simulation.synchronised_state();
         for (NodeIndex i = simulation.constants().canopy_nodes; i < simulation.mesh().node_count(); ++i) {
             state.v_half[i].value[2] -= 10.0;
             state.node[i].v[2] -= 10.0;
@@ -301,7 +301,7 @@ TEST(Layouts, TheSameInputGivesTheSameBits) {
             simulation.evaluate_forces();
             simulation.step_to(1e9);
         }
-        return simulation.state();
+        return simulation.synchronised_state();
     };
     for (const Scene* scene : {&std::as_const(packed), &std::as_const(drawn_out)})
         for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
@@ -335,7 +335,7 @@ TEST(Layouts, AnyNumberOfThreadsGivesTheSameBits) {
                 simulation.evaluate_forces();
                 simulation.step_to(1e9);
             }
-            ends.push_back(simulation.state());
+            ends.push_back(simulation.synchronised_state());
         }
         for (const State& end : ends) {
             EXPECT_EQ(end.time, ends.front().time);

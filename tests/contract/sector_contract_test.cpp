@@ -51,7 +51,7 @@ void compare_along(const Scene& scene, int steps) {
     for (int step = 0; step < steps; ++step) {
         simulation.evaluate_forces();
         if (step % std::max(1, steps / 100) == 0) {
-            const State& state = simulation.state();
+            const State& state = simulation.synchronised_state();
             const auto structure = make_structure(scene, simulation.mesh(), state.stage);
             const auto loads = make_loads(scene, simulation.mesh(), state.stage);
             const auto blocks = make_reference_layout(simulation.mesh(), constants);
@@ -71,9 +71,9 @@ void compare_along(const Scene& scene, int steps) {
             if (testing::Test::HasFailure()) return;
         }
         const Inflation& inflation = simulation.inflation();
-        if (simulation.outline().time >= inflation.end_of(simulation.outline().phase))
-            simulation.begin(simulation.outline().phase == Phase::initial ? Phase::filling : Phase::open);
-        simulation.step_to(std::min(1e9, inflation.end_of(simulation.outline().phase)));
+        if (simulation.system().time >= inflation.end_of(simulation.system().phase))
+            simulation.begin(simulation.system().phase == Phase::initial ? Phase::filling : Phase::open);
+        simulation.step_to(std::min(1e9, inflation.end_of(simulation.system().phase)));
     }
 }
 
@@ -149,11 +149,11 @@ TEST(Sector, ShapesOfOneAreThoseOfAll) {
         const Scene scene = everything(28, risers, {2, 6, 3, 2});
         Simulation simulation(scene);
         ASSERT_EQ(simulation.sectors(), risers == 1 ? 28 : 4);
-        while (simulation.outline().time < 0.5) {
+        while (simulation.system().time < 0.5) {
             simulation.evaluate_forces();
             simulation.step_to(0.5);
         }
-        const State& state = simulation.state();
+        const State& state = simulation.synchronised_state();
         std::vector<ShapeFrame> frames;
         for (const int sectors : {1, simulation.sectors()}) {
             FrameRecorder recorder(simulation.mesh(), true, sectors);

@@ -36,13 +36,13 @@ inline std::vector<double> bends_of(const fullsim::Simulation& simulation, doubl
     std::vector<double> bends;
     for (const Phase phase : {Phase::initial, Phase::filling})
         if (const double at = simulation.inflation().end_of(phase);
-            simulation.state().phase <= phase && at > simulation.state().time && at < end)
+            simulation.system().phase <= phase && at > simulation.system().time && at < end)
             bends.push_back(at);
     bends.push_back(end);
     return bends;
 }
 inline void begin_next_phase(fullsim::Simulation& simulation) {
-    simulation.begin(simulation.state().phase == Phase::initial ? Phase::filling : Phase::open);
+    simulation.begin(simulation.system().phase == Phase::initial ? Phase::filling : Phase::open);
 }
 
 /// From the scene's release to `end` [s] by the model's own steps, at most `longest` [s] each.
@@ -56,12 +56,12 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
         if (watch) watch(simulation);
     };
     for (const double bend : bends_of(simulation, end)) {
-        const double begin = simulation.state().time;
+        const double begin = simulation.system().time;
         // Even steps where the caller says how long.
         const auto even = std::isinf(longest) ? 1.0 : std::ceil((bend - begin) / longest - 1e-9);
         for (double k = 1.0; k <= even; k += 1.0) {
             const double until = k == even ? bend : begin + (bend - begin) * k / even;
-            while (simulation.state().time < until) {
+            while (simulation.system().time < until) {
                 evaluate();
                 result.line_substeps += simulation.step().subcycles - 1;
                 simulation.step_to(until);
@@ -72,7 +72,7 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
     simulation.evaluate_forces();  // for the force, not for a step
     if (watch) watch(simulation);
     result.unknowns = simulation.unknowns();
-    result.force = simulation.state().riser_force.norm();
+    result.force = simulation.system().riser_force.norm();
     return result;
 }
 
@@ -114,7 +114,7 @@ inline Marched by_sundials(const Scene& scene, const OdeMethod& method, const Le
     }
     result.unknowns.assign(solver.state().begin(), solver.state().end());
     simulation.rates(end, result.unknowns, rates);
-    result.force = simulation.state().riser_force.norm();
+    result.force = simulation.system().riser_force.norm();
     return result;
 }
 

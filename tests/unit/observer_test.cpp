@@ -44,7 +44,8 @@ public:
                 if (k < subcycles) state_.in_subcycles.add(Lanes{0.0, 0.0, pull, 0.0});
                 state_.riser_force = {0.0, 0.0, pull};
             }
-            observer.observe(state_);
+            observer.observe(state_, state_.riser_force);
+            if (observer.row_is_due(state_.time)) observer.add_row(state_);
         }
         return largest;
     }

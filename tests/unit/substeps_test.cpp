@@ -258,25 +258,25 @@ TEST(Substeps, RecordWhatRisersGiveThePayload) {
         Simulation simulation(scene);
         const NodeIndex payload = simulation.mesh().payload();
         const auto fly = [&](double until, auto&& see) {
-            while (simulation.outline().time < until) {
+            while (simulation.system().time < until) {
                 simulation.evaluate_forces();
-                see(simulation.outline());
+                see(simulation.system());
                 simulation.step_to(until);
             }
         };
-        fly(0.1, [](const State&) {});
-        const double start = simulation.outline().time, before = simulation.outline().node[payload].v[2];
+        fly(0.1, [](const SystemState&) {});
+        const double start = simulation.system().time, before = simulation.payload().v[2];
         double impulse = 0.0, of_ends = 0.0, last = start;
-        fly(0.6, [&](const State& s) {
+        fly(0.6, [&](const SystemState& s) {
             impulse += mean_riser_force(s).value.z() * (s.time - last);
             of_ends += s.riser_force.z() * (s.time - last);
             last = s.time;
         });
-        const double after = simulation.outline().node[payload].v[2];
+        const double after = simulation.payload().v[2];
         const double gained =
             simulation.constants().mass[payload] *
-            (after - before + scene.environment.gravity * (simulation.outline().time - start));
-        EXPECT_GE(simulation.most_subcycles(), 8) << symmetry;
+            (after - before + scene.environment.gravity * (simulation.system().time - start));
+        EXPECT_GE(simulation.steps().most_subcycles(), 8) << symmetry;
         EXPECT_NEAR(impulse, gained, 2e-3 * gained) << symmetry;  // a step at either end
         EXPECT_GT(std::abs(of_ends - gained), 1e-2 * gained) << symmetry;
     }

@@ -33,7 +33,7 @@ struct Momentum {
 
 Momentum momentum_of(const Simulation& simulation) {
     Momentum sum;
-    const State& s = simulation.state();
+    const State& s = simulation.synchronised_state();
     const Vec3 centre = to_vec3(s.node[simulation.mesh().payload()].x);
     for (int i = 0; i < simulation.mesh().node_count(); ++i) {
         const Vec3 p = simulation.mesh().mass[i] * to_vec3(s.v_half[i].value);
@@ -67,7 +67,7 @@ TEST(Deployment, ConservesMomentumInAVacuum) {
     scene.parachutes.front().deploy.extraction = {"", {0.0, 0.2}, {300.0, 300.0}, 0.2};
     Simulation simulation(scene);
     const auto run_to = [&](double end) {
-        while (simulation.state().time < end) {
+        while (simulation.system().time < end) {
             simulation.evaluate_forces();
             simulation.step_to(end);
         }
@@ -80,8 +80,8 @@ TEST(Deployment, ConservesMomentumInAVacuum) {
         run_to(end);
         double longest = 0.0;
         for (const int i : simulation.mesh().seam_rings.back())
-            longest = std::max(longest, (to_vec3(simulation.state().node[i].x) -
-                                         to_vec3(simulation.state().node[simulation.mesh().payload()].x))
+            longest = std::max(longest, (to_vec3(simulation.synchronised_state().node[i].x) -
+                                         to_vec3(simulation.synchronised_state().node[simulation.mesh().payload()].x))
                                             .norm());
         taut = taut || longest > 8.4;  // of 8.53 m
     }
@@ -113,18 +113,18 @@ TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
         simulation.step_to(10.0);
     };
     int folded = 0;
-    for (; simulation.outline().folded; ++folded) {
-        ASSERT_LT(longest_edge(edges, simulation.state()), 0.0) << folded;
+    for (; simulation.system().folded; ++folded) {
+        ASSERT_LT(longest_edge(edges, simulation.synchronised_state()), 0.0) << folded;
         EXPECT_GT(simulation.step().dt, 3.0 * simulation.step_with(0.0, 0.0).dt) << folded;
         step();
     }
     EXPECT_GT(folded, 100);
-    EXPECT_LT(longest_edge(edges, simulation.state()), 0.0);
+    EXPECT_LT(longest_edge(edges, simulation.synchronised_state()), 0.0);
     // Impacts come next, which shorten steps further.
     EXPECT_LE(simulation.step().dt, simulation.step_with(0.0, 0.0).dt);
     for (int k = 0; k < 100; ++k) {
         step();
-        ASSERT_FALSE(simulation.outline().folded);
+        ASSERT_FALSE(simulation.system().folded);
     }
 }
 
@@ -132,13 +132,13 @@ TEST(Deployment, ClothThatStartsDrawnOutIsNotFolded) {
     Scene scene = packed_c9(DeployBy::static_line);
     scene.parachutes.front().deploy.pack_ratio = 0.95;  // less than a tenth is missing
     const Simulation simulation(scene);
-    EXPECT_FALSE(simulation.outline().folded);
+    EXPECT_FALSE(simulation.system().folded);
 }
 
 TEST(Deployment, AFixedFarEndDoesNoWork) {
     Scene scene = packed_c9(DeployBy::static_line);
     Simulation simulation(scene);
-    while (simulation.state().time < 2.0) {
+    while (simulation.system().time < 2.0) {
         simulation.evaluate_forces();
         simulation.step_to(2.0);
     }
@@ -202,15 +202,15 @@ TEST(Deployment, ExtractionWorkIsForceTimesWay) {
     for (const bool on_apex : {true, false}) {
         scene.parachutes.front().deploy.extraction_on_apex = on_apex;
         Simulation simulation(scene);
-        while (simulation.state().time < 0.2) {
+        while (simulation.system().time < 0.2) {
             simulation.evaluate_forces();
             simulation.step_to(0.2);
         }
         // The velocity is that of half a step before the end.
-        const double half = 0.5 * simulation.state().dt;
+        const double half = 0.5 * simulation.system().dt;
         EXPECT_NEAR(momentum_of(simulation).linear.z(), 50.0 * (0.2 - half), 1e-9);
         EXPECT_LT(std::abs(fullsim::residual(simulation.ledger())),
-                  0.002 * (simulation.ledger().external_work + simulation.state().energy.elastic_start));
+                  0.002 * (simulation.ledger().external_work + simulation.system().energy.elastic_start));
     }
 }
 
@@ -283,24 +283,24 @@ TEST(Deployment, WhatIsOverCostsNothing) {
     // After the ramp neither springs nor static line exist: no block, no node, no entry in any array.
     Scene scene = packed_c9(DeployBy::static_line);
     Simulation simulation(scene);
-    EXPECT_GT(simulation.state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    EXPECT_GT(simulation.synchronised_state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
     while (!simulation.lines_are_taut()) {
         simulation.step_to(10.0);
         simulation.evaluate_forces();
     }
     ASSERT_FALSE(simulation.snatch());
-    EXPECT_EQ(simulation.state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    EXPECT_EQ(simulation.synchronised_state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
     EXPECT_TRUE(simulation.mesh().static_line.cables.empty());
     simulation.begin_ramp();
-    while (simulation.state().time < simulation.ramp_end()) {
+    while (simulation.system().time < simulation.ramp_end()) {
         simulation.step_to(simulation.ramp_end());
         simulation.evaluate_forces();
     }
     const double end = simulation.ramp_end();
     simulation.end_ramp();
-    EXPECT_EQ(simulation.state().stage, Stage::flight);
-    EXPECT_EQ(simulation.state().fe_weight, 1.0);
-    EXPECT_EQ(simulation.state().time, end);
+    EXPECT_EQ(simulation.system().stage, Stage::flight);
+    EXPECT_EQ(simulation.system().fe_weight, 1.0);
+    EXPECT_EQ(simulation.system().time, end);
     const auto steps_of = [&](const char* name) {
         const auto costs = simulation.block_costs();
         const auto found = std::ranges::find(costs, name, &BlockCost::name);

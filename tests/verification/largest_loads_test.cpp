@@ -51,19 +51,19 @@ ByHand by_hand(const Scene& scene) {
     ByHand loads;
     const auto look = [&] {
         simulation.evaluate_forces();
-        const LargestLoads now = loads_of(simulation.state(), simulation.mesh());
-        const bool checked = simulation.outline().step % 50 == 0 || simulation.outline().time >= 0.2;
+        const LargestLoads now = loads_of(simulation.synchronised_state(), simulation.mesh());
+        const bool checked = simulation.system().step % 50 == 0 || simulation.system().time >= 0.2;
         for (LargestLoads* some : {&loads.all, checked ? &loads.sampled : &loads.all}) {
             some->add_tension(now.line_tension);
             some->add_stress(now.fabric_stress);
         }
     };
     look();
-    while (simulation.outline().time < 0.2) {
-        const double end = simulation.inflation().end_of(simulation.outline().phase);
-        if (simulation.outline().time >= end)
-            simulation.begin(simulation.outline().phase == Phase::initial ? Phase::filling : Phase::open);
-        simulation.step_to(std::min(0.2, simulation.inflation().end_of(simulation.outline().phase)));
+    while (simulation.system().time < 0.2) {
+        const double end = simulation.inflation().end_of(simulation.system().phase);
+        if (simulation.system().time >= end)
+            simulation.begin(simulation.system().phase == Phase::initial ? Phase::filling : Phase::open);
+        simulation.step_to(std::min(0.2, simulation.inflation().end_of(simulation.system().phase)));
         look();
     }
     return loads;

@@ -95,10 +95,10 @@ TEST(PayloadBody, TheLedgerClosesWhileItSwings) {
     scene.stop.value = 2.0;
     Simulation simulation(scene);
     double most = 1.0, moved = 0.0;
-    while (simulation.outline().time < 1.0) {
+    while (simulation.system().time < 1.0) {
         simulation.evaluate_forces();
         simulation.step_to(1.0);
-        const BodyState& body = *simulation.outline().body;
+        const BodyState& body = *simulation.system().body;
         const double tilt =
             1.0 - 2.0 * (body.attitude[1] * body.attitude[1] + body.attitude[2] * body.attitude[2]);
         most = std::min(most, tilt);
@@ -172,9 +172,9 @@ TEST(PayloadBody, IsNoPartOfAPointMass) {
     Scene scene = test::c9_scene();
     scene.full.mesh = {1, 4, 2, 1};
     const Simulation bare(scene);
-    EXPECT_FALSE(bare.outline().body);
+    EXPECT_FALSE(bare.system().body);
     EXPECT_TRUE(bare.mesh().places.empty());
-    EXPECT_EQ(bare.outline().node.size(), static_cast<std::size_t>(bare.mesh().dummy()) + 1);
+    EXPECT_EQ(bare.synchronised_state().node.size(), static_cast<std::size_t>(bare.mesh().dummy()) + 1);
 }
 
 }  // namespace

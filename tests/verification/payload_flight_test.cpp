@@ -53,7 +53,7 @@ TEST(PayloadFlight, OfABodyFollowsItsOwnCentreOfMass) {
         simulation.step_to(10.0);
     }
     const Mesh& mesh = simulation.mesh();
-    const State& state = simulation.outline();
+    const State& state = simulation.synchronised_state();
     const double mass = mesh.mass[static_cast<std::size_t>(mesh.payload())];
     const std::vector<double> masses = node_masses(mesh.body->solid, mass, mesh.body->lumped);
     Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero();
@@ -79,7 +79,7 @@ TEST(PayloadFlight, IsDraggedByItsAttitude) {
         Simulation simulation(scene);
         simulation.evaluate_forces();
         const auto block = make_attitude_drag(simulation.mesh(), *scene.payload.drag_area_table);
-        State state = simulation.state();
+        State state = simulation.synchronised_state();
         const auto payload = static_cast<std::size_t>(simulation.mesh().payload());
         const Vec3 v(3.0, -4.0, -12.0);
         state.node[payload].v = to_lanes(v);

@@ -60,13 +60,13 @@ TEST(Reefing, TheLineHoldsTheMouth) {
         const auto& ring = simulation.mesh().seam_rings.back();
         double round = 0.0;
         for (std::size_t i = 0; i < ring.size(); ++i)
-            round += (fullsim::to_vec3(simulation.state().node[ring[(i + 1) % ring.size()]].x) -
-                      fullsim::to_vec3(simulation.state().node[ring[i]].x))
+            round += (fullsim::to_vec3(simulation.synchronised_state().node[ring[(i + 1) % ring.size()]].x) -
+                      fullsim::to_vec3(simulation.synchronised_state().node[ring[i]].x))
                          .norm();
         return round;
     };
     for (const double end : {simulation.inflation().initial_time, simulation.inflation().filling_time, 2.0}) {
-        while (simulation.outline().time < end) {
+        while (simulation.system().time < end) {
             simulation.evaluate_forces();
             simulation.step_to(end);
         }

@@ -31,7 +31,7 @@ struct Held {
         : constants(simulation.constants()),
           structure(make_structure(scene, simulation.mesh(), stage)),
           loads(make_loads(scene, simulation.mesh(), stage)),
-          state(simulation.state()) {
+          state(simulation.synchronised_state()) {
         state.stage = stage;
         state.fe_weight = 1.0;
     }

@@ -32,11 +32,11 @@ Scene small_scene(double cord_modulus) {
 /// The step of a run, with the changes of phase that a run makes.
 void step_through_phases(Simulation& simulation, double end) {
     simulation.evaluate_forces();
-    const Phase phase = simulation.state().phase;
+    const Phase phase = simulation.system().phase;
     const double change = simulation.inflation().end_of(phase);
-    if (simulation.state().time >= change)
+    if (simulation.system().time >= change)
         simulation.begin(phase == Phase::initial ? Phase::filling : Phase::open);
-    simulation.step_to(std::min(end, simulation.inflation().end_of(simulation.state().phase)));
+    simulation.step_to(std::min(end, simulation.inflation().end_of(simulation.system().phase)));
 }
 
 /// Largest critical time step [s] of the tangent of everything that acts on the structure: the growth factor
@@ -45,7 +45,7 @@ void step_through_phases(Simulation& simulation, double end) {
 double true_limit(const Simulation& simulation, const Scene& scene) {
     const auto structure = make_structure(scene, simulation.mesh());
     const auto loads = make_loads(scene, simulation.mesh());
-    const State& now = simulation.state();
+    const State& now = simulation.synchronised_state();
     const int n = 3 * simulation.mesh().node_count();
     const auto inertia = [&](int i) {
         const auto& c = simulation.constants();
@@ -92,7 +92,7 @@ double limit_over_bound(const Scene& scene) {
     double least = true_limit(simulation, scene) / simulation.bound().dt;
     for (int tenth = 1; tenth <= 22; ++tenth) {
         const double time = 0.1 * tenth;
-        while (simulation.state().time < time)
+        while (simulation.system().time < time)
             step_through_phases(simulation, time);
         least = std::min(least, true_limit(simulation, scene) / simulation.bound().dt);
     }
@@ -153,25 +153,25 @@ TEST_P(StructuralTimeStep, AtTwiceTheLimitIsFoundWithin200StepsOfTheFirstSign) {
     Scene scene = small_scene(GetParam());
     scene.full.time_step_factor = 2.0 * limit_over_bound(scene);
     Simulation simulation(scene);
-    const double start = simulation.state().energy.kinetic_start;
+    const double start = simulation.system().energy.kinetic_start;
     std::int64_t sign = -1;
     std::optional<RunStatus> fault;
-    while (!fault && simulation.state().time < 2.4) {
+    while (!fault && simulation.system().time < 2.4) {
         step_through_phases(simulation, 2.4);
-        const auto step = simulation.state().step;
+        const auto step = simulation.system().step;
         const double excess = fullsim::residual(simulation.ledger());
         if (sign < 0 && !(excess < 1e-3 * start)) sign = step;
         if (step % 50 == 0) fault = simulation.find_fault();  // as often as a run looks
     }
     ASSERT_TRUE(fault.has_value());
     ASSERT_GE(sign, 0);
-    EXPECT_LE(simulation.state().step - sign, 200);
+    EXPECT_LE(simulation.system().step - sign, 200);
     EXPECT_TRUE(is_numerical_failure(fault->code));
     EXPECT_TRUE(fault->detail.find("triangle") != std::string::npos ||
                 fault->detail.find("cable") != std::string::npos || fault->code == StatusCode::energy_grew)
         << fault->detail;
     test::report("at twice the limit: modulus, step of the first sign, of the fault", GetParam(), sign,
-                 simulation.state().step);
+                 simulation.system().step);
 }
 
 TEST(StructuralTimeStepOfAll, TheVentOfAGradedMeshDoesNotSetTheStep) {
@@ -182,7 +182,7 @@ TEST(StructuralTimeStepOfAll, TheVentOfAGradedMeshDoesNotSetTheStep) {
         scene.full.mesh.grading = grading;
         Simulation simulation(scene);
         const double start = simulation.bound().dt;
-        while (simulation.state().time < 2.0)
+        while (simulation.system().time < 2.0)
             step_through_phases(simulation, 2.0);
         const auto open = simulation.bound();
         EXPECT_FALSE(simulation.mesh().is_canopy(open.node));

@@ -19,7 +19,7 @@ namespace twinchute::bench {
         simulation.evaluate_forces();
         simulation.step_to(1.0);
     }
-    return simulation.state().riser_force.norm();
+    return simulation.system().riser_force.norm();
 }
 
 /// By name, and not by what the rows say of themselves: one that is always needed would stand in both

@@ -38,7 +38,8 @@ Seen see(const Scene& scene, double steady_area, March&& march) {
     Seen seen;
     const Stopwatch stopwatch;
     const test::Marched marched = march([&](fullsim::Simulation& s) {
-        observer.observe(observer.row_is_due(s.outline().time) ? s.seams() : s.outline());
+        observer.observe(s.system(), s.payload_force());
+        if (observer.row_is_due(s.system().time)) observer.add_row(s.synchronised_state());
         seen.found.element_steps = static_cast<double>(s.element_steps());
     });
     seen.found.seconds = stopwatch.wall();
