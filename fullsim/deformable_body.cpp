@@ -115,7 +115,7 @@ double DeformableBody::critical_step(const State& state, const ForceModels& stru
     std::ranges::copy(weight_, weights.begin() + first_place);
     GershgorinSums sums = no_rows(state, weights);
     for (const auto& model : structure)
-        if (model->name() == "payload tetrahedra") model->add_row_sums(state, sums);
+        if (model->block() == Block::payload_tetrahedra) model->add_row_sums(state, sums);
     // K (a - b)^2 <= 2 K a^2 + 2 K b^2 parts body and riser, whose other node has the same in its own row.
     for (const int k : end_)
         sums.stiffness[first + static_cast<std::size_t>(k)] += 2.0 * riser;

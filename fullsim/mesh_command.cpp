@@ -7,13 +7,13 @@
 #include <optional>
 #include <utility>
 
-#include "fullsim/run/fields.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
+#include "fullsim/run/fields.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/file_batch.hpp"

@@ -197,8 +197,7 @@ void Simulation::rates(double time, std::span<const double> unknowns, std::span<
 
 CriticalStep Simulation::bound() const {
     PerronScaling weights;
-    const auto lines = std::ranges::find(structure_, "lines", &ForceModel::name);
-    weights.begin(synchronised(), constants_, structure_, lines->get());
+    weights.begin(synchronised(), constants_, structure_, find_block(structure_, Block::lines));
     return critical_step(state_, constants_, structure_, loads_, weights.by_node());
 }
 

@@ -59,7 +59,7 @@ std::optional<RunStatus> Simulation::snatch() {
 void Simulation::let_static_line_go() {
     double carried_off = static_line_kinetic_energy(synchronised(), constants_);
     std::erase_if(structure_, [&](const auto& model) {
-        if (model->name() != "static line") return false;
+        if (model->block() != Block::static_line) return false;
         carried_off += model->energy(state_);
         return true;
     });

@@ -46,10 +46,10 @@ bool no_tape(CableKind kind) {
 /// T = max(0, EA (l - l0)/l0 + (beta E/l0 + b1 rho c1) A dl/dt): engineering strain, no compression.
 class CableBlock final : public ForceModel {
 public:
-    CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, std::string_view name, Which which,
+    CableBlock(const Mesh& mesh, const std::vector<Cable>& cables, Block block, Which which,
                double bulk_viscosity, double beta)
         : mesh_(mesh),
-          name_(name),
+          block_(block),
           on_cloth_(which == &is_tape),
           bulk_viscosity_(bulk_viscosity),
           beta_(beta) {
@@ -61,7 +61,7 @@ public:
         first_ = static_cast<std::size_t>(begin - cables.begin());
     }
 
-    std::string_view name() const override { return name_; }
+    Block block() const override { return block_; }
     std::size_t elements() const override { return cables_.size(); }
 
     void add_forces(State& state) const override {
@@ -137,7 +137,7 @@ private:
     const Mesh& mesh_;
     std::span<const Cable> cables_;
     std::size_t first_ = 0;  // of them in the mesh
-    std::string_view name_;
+    Block block_;
     bool on_cloth_;  // folded with it
     double bulk_viscosity_, beta_;
     GroupsOnDemand<CableGroup> groups_;
@@ -152,25 +152,25 @@ CableConstants cable_constants(const Mesh& mesh, const Cable& c, double bulk_vis
     return {stiffness, bulk_viscosity * impedance + beta * stiffness / c.rest_length};
 }
 
-std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables,
-                                              std::string_view name, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, cables, name, any_kind, bulk_viscosity, beta);
+std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables, Block block,
+                                              double bulk_viscosity, double beta) {
+    return std::make_unique<CableBlock>(mesh, cables, block, any_kind, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.cables, "cable", any_kind, bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, mesh.cables, Block::lines, any_kind, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_tapes(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.cables, "tapes", is_tape, bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, mesh.cables, Block::tapes, is_tape, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.cables, "lines", no_tape, bulk_viscosity, beta);
+    return std::make_unique<CableBlock>(mesh, mesh.cables, Block::lines, no_tape, bulk_viscosity, beta);
 }
 
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta) {
-    return std::make_unique<CableBlock>(mesh, mesh.static_line.cables, "static line", any_kind,
+    return std::make_unique<CableBlock>(mesh, mesh.static_line.cables, Block::static_line, any_kind,
                                         bulk_viscosity, beta);
 }
 

@@ -28,7 +28,7 @@ public:
     CanopyPressure(const Mesh& mesh, double smallest_area)
         : mesh_(mesh), smallest_area_(smallest_area), fabric_area_(mesh.fabric_area()) {}
 
-    std::string_view name() const override { return "canopy pressure"; }
+    Block block() const override { return Block::canopy_pressure; }
     std::size_t elements() const override { return mesh_.triangles.size(); }
 
     void add_forces(State& state) const override {

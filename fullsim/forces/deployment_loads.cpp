@@ -17,7 +17,7 @@ class ClothDrag final : public ForceModel {
 public:
     ClothDrag(const Mesh& mesh, double coefficient) : mesh_(mesh), coefficient_(coefficient) {}
 
-    std::string_view name() const override { return "cloth drag"; }
+    Block block() const override { return Block::fabric_drag; }
     std::size_t elements() const override { return mesh_.triangles.size(); }
 
     void add_forces(State& state) const override {
@@ -60,7 +60,7 @@ class FoldResistance final : public ForceModel {
 public:
     FoldResistance(const Mesh& mesh, double resistance) : mesh_(mesh), resistance_(resistance) {}
 
-    std::string_view name() const override { return "fold resistance"; }
+    Block block() const override { return Block::fold_resistance; }
     std::size_t elements() const override { return edges().size(); }
 
     void add_forces(State& state) const override {
@@ -128,7 +128,7 @@ public:
         }
     }
 
-    std::string_view name() const override { return "extraction"; }
+    Block block() const override { return Block::extraction; }
     std::size_t bytes() const override { return shares_.capacity() * sizeof(Share); }
 
     void add_forces(State& state) const override {

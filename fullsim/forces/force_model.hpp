@@ -2,11 +2,13 @@
 // holds constants only; whatever changes is in State.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "fullsim/forces/blocks.hpp"
 #include "fullsim/state.hpp"
 
 namespace twinchute::fullsim {
@@ -32,7 +34,8 @@ class ForceModel {
 public:
     virtual ~ForceModel() = default;
 
-    virtual std::string_view name() const = 0;
+    virtual Block block() const = 0;
+    std::string_view name() const { return block_name(block()); }
     /// Adds its forces at state.time to state.force or state.aero, and what it dissipates [W] to
     /// state.damping_power; state.largest grows with the loads of suspension lines and fabric.
     virtual void add_forces(State& state) const = 0;
@@ -50,5 +53,11 @@ public:
 };
 
 using ForceModels = std::vector<std::unique_ptr<const ForceModel>>;
+
+/// The model of a block, or null.
+inline const ForceModel* find_block(const ForceModels& models, Block block) {
+    const auto found = std::ranges::find(models, block, &ForceModel::block);
+    return found == models.end() ? nullptr : found->get();
+}
 
 }  // namespace twinchute::fullsim

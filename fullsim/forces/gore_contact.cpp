@@ -59,7 +59,7 @@ public:
         : mesh_(mesh),
           canopy_mass_(std::accumulate(mesh.mass.begin(), mesh.mass.begin() + mesh.canopy_nodes, 0.0)) {}
 
-    std::string_view name() const override { return "gore contact"; }
+    Block block() const override { return Block::gore_contact; }
 
     void add_forces(State& state) const override {
         const CanopyAxis axis = axis_of(state);

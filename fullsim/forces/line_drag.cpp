@@ -22,7 +22,7 @@ public:
           elements_(
               static_cast<std::size_t>(std::ranges::count(mesh.cables, CableKind::line, &Cable::kind))) {}
 
-    std::string_view name() const override { return "line drag"; }
+    Block block() const override { return Block::line_drag; }
     std::size_t elements() const override { return elements_; }
 
     void add_forces(State& state) const override {

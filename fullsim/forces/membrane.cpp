@@ -48,7 +48,7 @@ public:
     Membrane(const Mesh& mesh, double bulk_viscosity)
         : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles), dummy_(mesh.dummy()) {}
 
-    std::string_view name() const override { return "membrane"; }
+    Block block() const override { return Block::membrane; }
     std::size_t elements() const override { return triangles_.size(); }
 
     void add_forces(State& state) const override {

@@ -19,7 +19,7 @@ public:
     BreathingDamping(const Mesh& mesh, double k)
         : k_(k), canopy_nodes_(mesh.canopy_nodes), area_(mesh.tributary_area) {}
 
-    std::string_view name() const override { return "breathing damping"; }
+    Block block() const override { return Block::breathing_damping; }
 
     void add_forces(State& state) const override {
         const double per_area = k_ * state.air.density * state.air.airspeed;
@@ -47,7 +47,7 @@ class MassDamping final : public ForceModel {
 public:
     MassDamping(const Mesh& mesh, double alpha) : alpha_(alpha), mass_(mesh.mass) {}
 
-    std::string_view name() const override { return "mass damping"; }
+    Block block() const override { return Block::mass_damping; }
 
     void add_forces(State& state) const override {
         const Lanes mean = to_lanes(state.sums.system_velocity);
@@ -73,7 +73,7 @@ class PayloadDrag final : public ForceModel {
 public:
     PayloadDrag(const Mesh& mesh, double drag_area) : payload_(mesh.payload()), drag_area_(drag_area) {}
 
-    std::string_view name() const override { return "payload drag"; }
+    Block block() const override { return Block::payload_drag; }
 
     void add_forces(State& state) const override {
         const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
@@ -91,7 +91,7 @@ public:
     AttitudeDragBlock(const Mesh& mesh, const AttitudeDrag& table)
         : payload_(mesh.payload()), table_(table), axes_(principal_axes(mesh.body->lumped)) {}
 
-    std::string_view name() const override { return "payload drag"; }
+    Block block() const override { return Block::payload_drag; }
 
     void add_forces(State& state) const override {
         const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
@@ -120,7 +120,7 @@ public:
             share_.push_back(mesh.tributary_area[i] / area);
     }
 
-    std::string_view name() const override { return "accretion"; }
+    Block block() const override { return Block::accretion; }
     std::size_t bytes() const override { return share_.capacity() * sizeof(double); }
 
     void add_forces(State& state) const override {

@@ -48,8 +48,9 @@ std::string strength(std::string_view key, double value) {
     return std::string(key) + (value > 0.0 ? " is above zero" : " is zero");
 }
 
-constexpr std::array<ForceBlock, 16> blocks{{
-    {"membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true, false, false,
+constexpr std::array<ForceBlock, block_count> blocks{{
+    {Block::membrane, "membrane", "paper, 2.2; relaxed energy after Pipkin 1986", true, true, true, true,
+     false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::fe || stage == Stage::ramp || stage == Stage::flight;
      },
@@ -57,7 +58,7 @@ constexpr std::array<ForceBlock, 16> blocks{{
          return deployment(s).starts_packed() ? structure(s) : "fabric carries the canopy";
      },
      [](const Scene& s, const Mesh& m) { return make_membrane(m, s.full.bulk_viscosity); }},
-    {"fabric springs", "paper, 2.1, Eqs 2-3", true, true, true, true, false, false,
+    {Block::fabric_springs, "fabric springs", "paper, 2.1, Eqs 2-3", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.structure == Structure::msd_fe && stage != Stage::flight;
      },
@@ -65,17 +66,20 @@ constexpr std::array<ForceBlock, 16> blocks{{
      [](const Scene& s, const Mesh& m) {
          return make_fabric_springs(m, deployment(s).fold_repulsion, s.full.bulk_viscosity, s.full.beta);
      }},
-    {"tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always, &every_parachute,
+    {Block::tapes, "tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always,
+     &every_parachute,
      [](const Scene& s, const Mesh& m) { return make_tapes(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"lines", "paper, 2.2 and Eq. 3", true, true, true, true, false, true, &always, &every_parachute,
+    {Block::lines, "lines", "paper, 2.2 and Eq. 3", true, true, true, true, false, true, &always,
+     &every_parachute,
      [](const Scene& s, const Mesh& m) { return make_lines(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"static line", "paper, 5.2", true, true, true, true, false, false,
+    {Block::static_line, "static line", "paper, 5.2", true, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return deployment(s).by == DeployBy::static_line && stage == Stage::deployment;
      },
      [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
      [](const Scene& s, const Mesh& m) { return make_static_line(m, s.full.bulk_viscosity, s.full.beta); }},
-    {"gore contact", "not in the paper; docs/theory/full-model.md", true, true, true, false, false, false,
+    {Block::gore_contact, "gore contact", "not in the paper; docs/theory/full-model.md", true, true, true,
+     false, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.contact == Contact::gores && stage != Stage::deployment;
      },
@@ -84,7 +88,8 @@ constexpr std::array<ForceBlock, 16> blocks{{
                 (s.full.contact == Contact::gores ? "\"gores\"" : "\"none\": cloth passes through cloth");
      },
      [](const Scene&, const Mesh& m) { return make_gore_contact(m); }},
-    {"payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true, true, true, false, false,
+    {Block::payload_tetrahedra, "payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true,
+     true, true, false, false,
      [](const Scene& s, Stage) { return s.payload.body && s.payload.body->elasticity; },
      [](const Scene& s) {
          if (!s.payload.body) return given("payload.body", false);
@@ -95,13 +100,14 @@ constexpr std::array<ForceBlock, 16> blocks{{
      [](const Scene& s, const Mesh& m) {
          return make_tetrahedra(m.body->solid, solid_law(s, *m.body), m.first_place());
      }},
-    {"canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
+    {Block::canopy_pressure, "canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
      [](const Scene&) { return std::string("air fills the canopy from snatch on"); },
      [](const Scene& s, const Mesh& m) {
          return make_canopy_pressure(m, smallest_projected_area(s.parachutes.front()));
      }},
-    {"cloth drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false, false, false,
+    {Block::fabric_drag, "cloth drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false,
+     false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).drag_coefficient > 0.0;
      },
@@ -109,7 +115,8 @@ constexpr std::array<ForceBlock, 16> blocks{{
          return deployed(s, strength("parachute.deploy.drag_coefficient", deployment(s).drag_coefficient));
      },
      [](const Scene& s, const Mesh& m) { return make_cloth_drag(m, deployment(s).drag_coefficient); }},
-    {"fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true, true, false, false,
+    {Block::fold_resistance, "fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true,
+     true, false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).fold_resistance > 0.0;
      },
@@ -117,7 +124,7 @@ constexpr std::array<ForceBlock, 16> blocks{{
          return deployed(s, strength("parachute.deploy.fold_resistance", deployment(s).fold_resistance));
      },
      [](const Scene& s, const Mesh& m) { return make_fold_resistance(m, deployment(s).fold_resistance); }},
-    {"extraction", "paper, 2.1", false, false, false, false, true, false,
+    {Block::extraction, "extraction", "paper, 2.1", false, false, false, false, true, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).by == DeployBy::extraction;
      },
@@ -126,12 +133,12 @@ constexpr std::array<ForceBlock, 16> blocks{{
          return make_extraction(m, deployment(s).extraction, deployment(s).extraction_on_apex,
                                 trailing_direction(s));
      }},
-    {"line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false, false,
-     [](const Scene& s, Stage) { return s.aerodynamics.line_drag.has_value(); },
+    {Block::line_drag, "line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false,
+     false, [](const Scene& s, Stage) { return s.aerodynamics.line_drag.has_value(); },
      [](const Scene& s) { return given("aerodynamics.line_drag", s.aerodynamics.line_drag.has_value()); },
      [](const Scene&, const Mesh& m) { return make_line_drag(m); }},
-    {"breathing damping", "not in the paper; docs/theory/full-model.md", false, true, true, true, false,
-     false,
+    {Block::breathing_damping, "breathing damping", "not in the paper; docs/theory/full-model.md", false,
+     true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.aerodynamics.breathing_damping.has_value() && stage != Stage::deployment;
      },
@@ -141,14 +148,15 @@ constexpr std::array<ForceBlock, 16> blocks{{
      [](const Scene& s, const Mesh& m) {
          return make_breathing_damping(m, *s.aerodynamics.breathing_damping);
      }},
-    {"payload drag", "paper, 3.1", false, false, true, false, false, false,
+    {Block::payload_drag, "payload drag", "paper, 3.1", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.payload.drag_area.has_value(); },
      [](const Scene& s) { return given("payload.drag_area", s.payload.drag_area.has_value()); },
      [](const Scene& s, const Mesh& m) {
          const auto& table = s.payload.drag_area_table;
          return table && m.body ? make_attitude_drag(m, *table) : make_payload_drag(m, *s.payload.drag_area);
      }},
-    {"accretion", "momentum balance of the added mass", false, false, true, false, false, false,
+    {Block::accretion, "accretion", "momentum balance of the added mass", false, false, true, false, false,
+     false,
      [](const Scene& s, Stage stage) {
          const auto& added = s.aerodynamics.added_mass;
          return added && added->momentum == AddedMassMomentum::accreting && stage != Stage::deployment;
@@ -160,13 +168,20 @@ constexpr std::array<ForceBlock, 16> blocks{{
                 (added->momentum == AddedMassMomentum::accreting ? "\"accreting\"" : "\"inertia-only\"");
      },
      [](const Scene&, const Mesh& m) { return make_accretion(m); }},
-    {"mass damping", "paper, Eq. 4", false, true, true, true, false, false,
+    {Block::mass_damping, "mass damping", "paper, Eq. 4", false, true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return s.full.alpha > 0.0 && (s.full.alpha_from_release || stage != Stage::deployment);
      },
      [](const Scene& s) { return strength("full.alpha", s.full.alpha); },
      [](const Scene& s, const Mesh& m) { return make_mass_damping(m, s.full.alpha); }},
 }};
+
+constexpr bool in_order_of_blocks() {
+    for (int i = 0; i < block_count; ++i)
+        if (blocks[i].block != static_cast<Block>(i)) return false;
+    return true;
+}
+static_assert(in_order_of_blocks());
 
 ForceModels make_blocks(const Scene& scene, const Mesh& mesh, Stage stage, bool structural,
                         std::span<const ForceBlock> from) {
@@ -183,8 +198,12 @@ std::span<const ForceBlock> force_blocks() {
     return blocks;
 }
 
-const ForceBlock& force_block(std::string_view name) {
-    return *std::ranges::find(blocks, name, &ForceBlock::name);
+const ForceBlock& force_block(Block block) {
+    return blocks[static_cast<std::size_t>(block)];
+}
+
+std::string_view block_name(Block block) {
+    return force_block(block).name;
 }
 
 std::vector<Stage> stages_of(const Scene& scene) {

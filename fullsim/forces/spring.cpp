@@ -43,7 +43,7 @@ public:
           beta_(beta),
           impedance_(bulk_viscosity * std::sqrt(modulus_ * mesh.fabric.density)) {}
 
-    std::string_view name() const override { return "fabric springs"; }
+    Block block() const override { return Block::fabric_springs; }
     std::size_t elements() const override { return edges_.size(); }
 
     void add_forces(State& state) const override {

@@ -49,7 +49,7 @@ public:
         }
     }
 
-    std::string_view name() const override { return "payload tetrahedra"; }
+    Block block() const override { return Block::payload_tetrahedra; }
     std::size_t elements() const override { return elements_.size(); }
     std::size_t bytes() const override { return elements_.capacity() * sizeof(Element); }
     std::string element_name(std::size_t i) const override {

@@ -17,13 +17,13 @@ namespace twinchute::fullsim {
 struct Findings {
     std::optional<double> line_stretch_time;  ///< [s]
     double snatch = 0.0;                      ///< [s] of a packed canopy infinite until it comes to it
-    double snatch_speed = 0.0, payload_snatch_speed = 0.0;    ///< [m/s] through the air
-    double snatch_path_angle = 0.0;                           ///< [rad] below the horizon
-    double snatch_density = 0.0;                              ///< [kg/m^3]
-    bool switched_late = false;                               ///< finite elements took over at full open only
-    std::vector<ParachuteResult::Stage> stages = {{}};        ///< of the opening
-    std::optional<DescentWindow> descent, last_window;        ///< found steady; judged last
-    std::optional<double> descent_altitude, landing_time;     ///< [m], [s]
+    double snatch_speed = 0.0, payload_snatch_speed = 0.0;  ///< [m/s] through the air
+    double snatch_path_angle = 0.0;                         ///< [rad] below the horizon
+    double snatch_density = 0.0;                            ///< [kg/m^3]
+    bool switched_late = false;                             ///< finite elements took over at full open only
+    std::vector<ParachuteResult::Stage> stages = {{}};      ///< of the opening
+    std::optional<DescentWindow> descent, last_window;      ///< found steady; judged last
+    std::optional<double> descent_altitude, landing_time;   ///< [m], [s]
 
     void serialize(Archive& archive);
 };

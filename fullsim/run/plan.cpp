@@ -21,7 +21,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-
 constexpr int parts_of_stage = 32;  // of the midpoint rule over a stage
 /// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
 /// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.

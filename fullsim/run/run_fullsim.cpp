@@ -188,9 +188,7 @@ private:
         }
     }
 
-    void report_progress() {
-        run_.progress({stage_name(), system().time, expected_share(), resumed_at()});
-    }
+    void report_progress() { run_.progress({stage_name(), system().time, expected_share(), resumed_at()}); }
     std::optional<double> resumed_at() const {
         if (record_.cost.resumed_at.empty()) return {};
         return record_.cost.resumed_at.back();
@@ -298,7 +296,8 @@ private:
             simulation_.pass_kink();
         if (now >= simulation_.inflation().end_of(system().phase)) {
             opens = system().phase == Phase::filling;
-            if (opens && !found_.stages.empty() && !found_.stages.back().full) found_.stages.back().full = now;
+            if (opens && !found_.stages.empty() && !found_.stages.back().full)
+                found_.stages.back().full = now;
             if (system().phase != Phase::overshoot)
                 add_event(!opens ? "end-of-initial-phase" : view_.reefed() ? "reefed-open" : "full-open");
             if (opens && !view_.reefed()) met(Trigger::Kind::full_open);
@@ -317,8 +316,8 @@ private:
         }
         look_at_fall();
         // Not before there is a shape to report.
-        if (system().phase == Phase::open && !found_.descent_altitude && now >= view_.drag_area_steady() + shape_average &&
-            falls_steadily()) {
+        if (system().phase == Phase::open && !found_.descent_altitude &&
+            now >= view_.drag_area_steady() + shape_average && falls_steadily()) {
             add_event("steady-descent");
             found_.descent = found_.last_window;
             found_.descent_altitude = simulation_.payload().x[2];

@@ -31,8 +31,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     const SystemState& state = run.simulation.system();
     if (opened && !run.inflated() && !run.sequence)
         add_opening_warnings(record, run.scene, run.parachute(), run.simulation.inflation(),
-                             run.snatch_speed(),
-                             run.snatch_density());
+                             run.snatch_speed(), run.snatch_density());
     add_scene_warnings(record, run.scene);
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
@@ -69,7 +68,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "correct parachute.mass, or the materials");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (chute.mesh)
-        std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene), std::back_inserter(record.warnings));
+        std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene),
+                          std::back_inserter(record.warnings));
     if (const auto sound = record.metric("signed_area_ratio"); sound && *sound < sound_area)
         warn(fmt::format("signed over positive canopy area is {:.2f}", *sound),
              run.scene.full.contact == Contact::none
@@ -84,20 +84,19 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         const double snatch = run.findings.snatch;
         const auto nearly = run.observer.first_time_of_area(nearly_filled * *steady_area, run.last_stage());
         if (nearly && *nearly - snatch < 0.9 * *filled)
-            warn(
-                fmt::format("{:g} % of the steady area is reached at {:.3g} s, {:g} % at {:.3g} s",
-                            100.0 * nearly_filled, *nearly - snatch, 100.0 * filled_share, *filled),
-                "the canopy creeps into its shape: the filling time is sensitive to the area threshold",
-                "compare filling times of such a canopy with a wide tolerance");
+            warn(fmt::format("{:g} % of the steady area is reached at {:.3g} s, {:g} % at {:.3g} s",
+                             100.0 * nearly_filled, *nearly - snatch, 100.0 * filled_share, *filled),
+                 "the canopy creeps into its shape: the filling time is sensitive to the area threshold",
+                 "compare filling times of such a canopy with a wide tolerance");
     }
     if (state.capped_steps > 0)
         warn(
-            fmt::format(
-                "the canopy pressure was capped in {:.1f} % of the steps",
-                100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
+            fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
+                        100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
             "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
             "give the canopy a larger initial_drag_area_ratio if this matters");
-    if (opened && !run.findings.descent_altitude) warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
+    if (opened && !run.findings.descent_altitude)
+        warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
     if (record.status.code != StatusCode::completed || !opened) return;
     if (!steady_area)
         warn("no filling time and no steady shape",

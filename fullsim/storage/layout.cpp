@@ -24,7 +24,7 @@ public:
         loads_ = &loads;
         lines_ = nullptr;
         for (const auto& model : structure)
-            if (force_block(model->name()).subcycles) lines_ = model.get();
+            if (force_block(model->block()).subcycles) lines_ = model.get();
         std::vector<NodeIndex> nodes;
         if (lines_) {
             GershgorinSums pulled = no_rows(state);
@@ -40,9 +40,9 @@ public:
     void store(State&) const override {}
 
     double membrane_energy(State& state) const override {
-        const auto membrane = std::ranges::find(*structure_, "membrane", &ForceModel::name);
+        const ForceModel* membrane = find_block(*structure_, Block::membrane);
         const double weight = std::exchange(state.fe_weight, 1.0);
-        const double energy = (*membrane)->energy(state);
+        const double energy = membrane->energy(state);
         state.fe_weight = weight;
         return energy;
     }
@@ -110,7 +110,7 @@ EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
 double fabric_strain_of(const State& state, const ForceModels& structure) {
     double longest = -1.0;
     for (const auto& model : structure)
-        if (is_folding_cloth(model->name())) longest = std::max(longest, model->extreme(state).strain);
+        if (is_folding_fabric(model->block())) longest = std::max(longest, model->extreme(state).strain);
     return longest;
 }
 
@@ -147,7 +147,7 @@ ElementCount Layout::elements(const ForceModels& structure) const {
     ElementCount count;
     for (const auto& model : structure) {
         count.all += model->elements();
-        if (force_block(model->name()).subcycles) count.in_subcycles += model->elements();
+        if (force_block(model->block()).subcycles) count.in_subcycles += model->elements();
     }
     return count;
 }

@@ -71,9 +71,9 @@ EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
                              const ForceModels& structure);
 double fabric_strain_of(const State& state, const ForceModels& structure);
 
-/// Blocks of cloth as springs, which is folded before it comes taut.
-inline bool is_folding_cloth(std::string_view block) {
-    return block == "fabric springs" || block == "tapes";
+/// Blocks of fabric as springs, which is folded before it comes taut.
+inline bool is_folding_fabric(Block block) {
+    return block == Block::fabric_springs || block == Block::tapes;
 }
 
 /// Over its length: an edge that lacks less may come taut within a step. At 0.4 ms, the longest step of a
@@ -100,8 +100,6 @@ public:
     virtual void begin(State& state, const ForceModels& structure, const ForceModels& loads) = 0;
     /// Renews those node records that a step leaves out of date. Payload and static line never are.
     virtual void store(State& state) const = 0;
-    /// Of these the positions of seam nodes, at least.
-    virtual void store_seams(State& state) const { store(state); }
 
     /// Structural elements that a step evaluates.
     virtual ElementCount elements(const ForceModels& structure) const;

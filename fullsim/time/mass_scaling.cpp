@@ -25,10 +25,10 @@ Hold hold_of(const Scene& scene, const Mesh& mesh, Stage stage) {
         {splat(0.0), splat(0.0)});
     const NodeConstants constants = node_constants(mesh, 0.0);
     const ForceModels structure = make_structure(scene, mesh, stage);
-    const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
-    const ForceModel* apart = stage == Stage::flight && scene.full.line_substeps > 1 ? lines->get() : nullptr;
+    const ForceModel* lines = find_block(structure, Block::lines);
+    const ForceModel* apart = stage == Stage::flight && scene.full.line_substeps > 1 ? lines : nullptr;
     PerronScaling weights;
-    weights.begin(still, constants, structure, lines->get());
+    weights.begin(still, constants, structure, lines);
     Hold hold{no_rows(still, weights.by_node())};
     for (const auto& model : structure)
         if (model.get() != apart) model->add_row_sums(still, hold.sums);

@@ -64,12 +64,11 @@ public:
             gores_ = find_gores(mesh_).value();
             tethered_ = false;
         }
-        const auto acts = [&](std::string_view block) {
-            return std::ranges::find(structure, block, &ForceModel::name) != structure.end() ||
-                   std::ranges::find(loads, block, &ForceModel::name) != loads.end();
+        const auto acts = [&](Block block) {
+            return find_block(structure, block) || find_block(loads, block);
         };
-        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
-                                             what_air_does(acts("canopy pressure"), acts("cloth drag")));
+        nodes_ = std::make_unique<GoreNodes>(
+            gores_, kernels_.lanes, what_air_does(acts(Block::canopy_pressure), acts(Block::fabric_drag)));
         rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
         clear_forces(state, first_held());
         nodes_->load(state);
@@ -90,25 +89,24 @@ public:
         sums_.assign(nodes_->frame.blocks, {});
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
-                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                const auto row = std::ranges::find(rows, model->block(), &Row::block);
                 if (row == rows.end())
                     throw std::logic_error(fmt::format("no gore-batched for {}", model->name()));
                 (models == &structure ? structure_ : loads_).push_back(row);
                 (this->*row->prepare)(*model);
             }
-        has_.springs = acts("fabric springs");
-        has_.membrane = acts("membrane");
-        has_.pressure = acts("canopy pressure");
-        has_.folds = acts("fold resistance");
-        has_.cloth_drag = acts("cloth drag");
-        has_.breathing = acts("breathing damping");
-        has_.accretion = acts("accretion");
-        has_.mass_damping = acts("mass damping");
+        has_.springs = acts(Block::fabric_springs);
+        has_.membrane = acts(Block::membrane);
+        has_.pressure = acts(Block::canopy_pressure);
+        has_.folds = acts(Block::fold_resistance);
+        has_.cloth_drag = acts(Block::fabric_drag);
+        has_.breathing = acts(Block::breathing_damping);
+        has_.accretion = acts(Block::accretion);
+        has_.mass_damping = acts(Block::mass_damping);
         handed_ = {nodes_->frame.force};
         if (has_.cloth_drag) handed_.push_back(nodes_->frame.aero);  // lines see no halo node
         if (has_.pressure) handed_.push_back(nodes_->frame.push);
-        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
-        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
         weigh_rows(state);
     }
 
@@ -148,7 +146,8 @@ public:
     double fabric_strain(const State& state) const override {
         double longest = -1.0;
         for (const Row* row : structure_)
-            if (is_folding_cloth(row->block)) longest = std::max(longest, (this->*row->levels)(state).strain);
+            if (is_folding_fabric(row->block))
+                longest = std::max(longest, (this->*row->levels)(state).strain);
         return longest;
     }
 
@@ -294,7 +293,7 @@ public:
 private:
     /// How a block of the registry acts on batches of gores.
     struct Row {
-        std::string_view block;
+        Block block;
         void (GoreLayout::*prepare)(const ForceModel&);
         ElementSums (GoreLayout::*work)(const GoreFrame&) const;  // on some gores; null: nothing
         /// With the sums of all gores: what is left to do, once.
@@ -683,10 +682,10 @@ private:
     }
     void prepare_lines(const ForceModel&) {
         collect_lines();
-        global_.push_back(
-            make_cables(mesh_, gores_.global_cables, "risers", scene_.full.bulk_viscosity, scene_.full.beta));
+        global_.push_back(make_cables(mesh_, gores_.global_cables, Block::lines, scene_.full.bulk_viscosity,
+                                      scene_.full.beta));
         risers_ = global_.back().get();
-        lines_row_ = &*std::ranges::find(rows, "lines", &Row::block);
+        lines_row_ = &*std::ranges::find(rows, Block::lines, &Row::block);
         global_nodes_ = SubcycledNodes(gores_.global);
     }
     /// Lines take their drag along: both need the same nodes.
@@ -717,7 +716,7 @@ private:
     void prepare_static_line(const ForceModel&) {
         for (const GoreCable& c : gores_.static_line)
             cords_.push_back(cable(c));
-        global_.push_back(make_cables(mesh_, gores_.global_static_line, "static line",
+        global_.push_back(make_cables(mesh_, gores_.global_static_line, Block::static_line,
                                       scene_.full.bulk_viscosity, scene_.full.beta));
         static_line_ = global_.back().get();
     }
@@ -820,27 +819,29 @@ private:
 };
 
 const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
-    {"membrane", &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane, &GoreLayout::finish_membrane,
-     &GoreLayout::fabric_levels},
-    {"fabric springs", &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
+    {Block::membrane, &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane,
+     &GoreLayout::finish_membrane, &GoreLayout::fabric_levels},
+    {Block::fabric_springs, &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
      &GoreLayout::edge_levels},
-    {"tapes", &GoreLayout::prepare_tapes, &GoreLayout::stretch_tapes, &GoreLayout::book,
+    {Block::tapes, &GoreLayout::prepare_tapes, &GoreLayout::stretch_tapes, &GoreLayout::book,
      &GoreLayout::tape_levels},
-    {"lines", &GoreLayout::prepare_lines, &GoreLayout::stretch_lines, &GoreLayout::finish_lines,
+    {Block::lines, &GoreLayout::prepare_lines, &GoreLayout::stretch_lines, &GoreLayout::finish_lines,
      &GoreLayout::line_levels},
-    {"static line", &GoreLayout::prepare_static_line, &GoreLayout::stretch_cords,
+    {Block::static_line, &GoreLayout::prepare_static_line, &GoreLayout::stretch_cords,
      &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
-    {"gore contact", &GoreLayout::prepare_contacts, &GoreLayout::push_apart, &GoreLayout::finish_contacts,
-     &GoreLayout::contact_levels},
-    {"canopy pressure", &GoreLayout::prepare_fabric, &GoreLayout::find_areas, &GoreLayout::finish_pressure},
-    {"cloth drag", &GoreLayout::prepare_fabric, &GoreLayout::drag_cloth, &GoreLayout::finish_cloth_drag},
-    {"fold resistance", &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
-    {"extraction", &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
-    {"line drag", &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},
-    {"breathing damping", &GoreLayout::nothing, nullptr, &GoreLayout::finish_breathing},
-    {"payload drag", &GoreLayout::prepare_payload_drag, nullptr, &GoreLayout::finish_payload_drag},
-    {"accretion", &GoreLayout::nothing, nullptr, &GoreLayout::finish_accretion},
-    {"mass damping", &GoreLayout::nothing, nullptr, &GoreLayout::finish_mass_damping},
+    {Block::gore_contact, &GoreLayout::prepare_contacts, &GoreLayout::push_apart,
+     &GoreLayout::finish_contacts, &GoreLayout::contact_levels},
+    {Block::canopy_pressure, &GoreLayout::prepare_fabric, &GoreLayout::find_areas,
+     &GoreLayout::finish_pressure},
+    {Block::fabric_drag, &GoreLayout::prepare_fabric, &GoreLayout::drag_cloth,
+     &GoreLayout::finish_cloth_drag},
+    {Block::fold_resistance, &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
+    {Block::extraction, &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
+    {Block::line_drag, &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},
+    {Block::breathing_damping, &GoreLayout::nothing, nullptr, &GoreLayout::finish_breathing},
+    {Block::payload_drag, &GoreLayout::prepare_payload_drag, nullptr, &GoreLayout::finish_payload_drag},
+    {Block::accretion, &GoreLayout::nothing, nullptr, &GoreLayout::finish_accretion},
+    {Block::mass_damping, &GoreLayout::nothing, nullptr, &GoreLayout::finish_mass_damping},
 }};
 
 }  // namespace

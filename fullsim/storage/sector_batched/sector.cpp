@@ -127,11 +127,8 @@ private:
         }
         sector_.on_axis.assign(sector_.own, false);
         if (risers == 1) std::fill(sector_.on_axis.begin() + link_, sector_.on_axis.end(), true);
-        for (const LocalNode n : gores_.neighbour) {
+        for (const LocalNode n : gores_.neighbour)
             sector_.seam.push_back(place_[0][n]);
-            for (int g = 0; g < sector_.gores; ++g)
-                sector_.seams.push_back(place_[g][n]);
-        }
     }
 
     void compare_positions(int s) const {

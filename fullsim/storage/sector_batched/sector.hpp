@@ -23,10 +23,9 @@ struct Sector {
     double riser_share =
         1.0;  ///< of a riser that is this sector's: all of it, or its share of the only one [-]
 
-    std::vector<NodeIndex> node;   ///< [sector * own + own node]: in the mesh; on the axis the same in all
-    std::vector<bool> on_axis;     ///< own nodes that all sectors share
-    std::vector<LocalNode> seam;   ///< own nodes whose images follow the payload
-    std::vector<LocalNode> seams;  ///< and those of all seams
+    std::vector<NodeIndex> node;  ///< [sector * own + own node]: in the mesh; on the axis the same in all
+    std::vector<bool> on_axis;    ///< own nodes that all sectors share
+    std::vector<LocalNode> seam;  ///< own nodes whose images follow the payload
     std::vector<GoreTriangle> triangles;
     std::vector<GoreCable> cables;  ///< tapes, lines, and the riser with as many strands as are this sector's
 

@@ -84,18 +84,17 @@ public:
         loads_.clear();
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
-                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                const auto row = std::ranges::find(rows, model->block(), &Row::block);
                 if (row == rows.end())
                     throw std::logic_error(fmt::format("no sector-batched for {}", model->name()));
                 (models == &structure ? structure_ : loads_).push_back(row);
-                if (row->block == "payload drag") payload_drag_ = model.get();
+                if (row->block == Block::payload_drag) payload_drag_ = model.get();
             }
-        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
-        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
         weigh_rows();
-        has_breathing_ = acts("breathing damping");
-        has_accretion_ = acts("accretion");
-        has_mass_damping_ = acts("mass damping");
+        has_breathing_ = acts(Block::breathing_damping);
+        has_accretion_ = acts(Block::accretion);
+        has_mass_damping_ = acts(Block::mass_damping);
     }
 
     int sectors() const override { return sector_.count; }
@@ -108,16 +107,6 @@ public:
             for (const Turn& turn : turns_) {
                 state.node[*node] = {x.at(turn), v.at(turn)};
                 state.v_half[*node].value = v_half.at(turn);
-                node += sector_.own;
-            }
-        }
-    }
-    void store_seams(State& state) const override {
-        for (const LocalNode n : sector_.seams) {
-            const Around x(arrays_.frame.x, n);
-            const NodeIndex* node = sector_.node.data() + n;
-            for (const Turn& turn : turns_) {
-                state.node[*node].x = x.at(turn);
                 node += sector_.own;
             }
         }
@@ -237,15 +226,13 @@ public:
 private:
     /// How a block of the registry acts on a sector. None other may act: see check_scene.
     struct Row {
-        std::string_view block;
+        Block block;
         void (SectorLayout::*add)(State&);
         EnergyAndStrain (SectorLayout::*levels)() const = nullptr;  // of structure
     };
     static const std::array<Row, 10> rows;
 
-    bool acts(std::string_view block) const {
-        return std::ranges::find(loads_, block, &Row::block) != loads_.end();
-    }
+    bool acts(Block block) const { return std::ranges::find(loads_, block, &Row::block) != loads_.end(); }
 
     void weigh_rows() {
         std::vector<double> weight;
@@ -388,16 +375,16 @@ private:
 };
 
 const std::array<SectorLayout::Row, 10> SectorLayout::rows{{
-    {"membrane", &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
-    {"tapes", &SectorLayout::add_tapes, &SectorLayout::tape_levels},
-    {"lines", &SectorLayout::add_cords, &SectorLayout::line_levels},
-    {"gore contact", &SectorLayout::add_contacts, &SectorLayout::contact_levels},
-    {"canopy pressure", &SectorLayout::add_pressure},
-    {"line drag", &SectorLayout::add_line_drag},
-    {"breathing damping", &SectorLayout::add_breathing},
-    {"payload drag", &SectorLayout::add_payload_drag},
-    {"accretion", &SectorLayout::add_accretion},
-    {"mass damping", &SectorLayout::add_mass_damping},
+    {Block::membrane, &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
+    {Block::tapes, &SectorLayout::add_tapes, &SectorLayout::tape_levels},
+    {Block::lines, &SectorLayout::add_cords, &SectorLayout::line_levels},
+    {Block::gore_contact, &SectorLayout::add_contacts, &SectorLayout::contact_levels},
+    {Block::canopy_pressure, &SectorLayout::add_pressure},
+    {Block::line_drag, &SectorLayout::add_line_drag},
+    {Block::breathing_damping, &SectorLayout::add_breathing},
+    {Block::payload_drag, &SectorLayout::add_payload_drag},
+    {Block::accretion, &SectorLayout::add_accretion},
+    {Block::mass_damping, &SectorLayout::add_mass_damping},
 }};
 
 }  // namespace

@@ -116,13 +116,12 @@ public:
         structure_ = &structure;
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
-                const auto row = std::ranges::find(rows, model->name(), &Row::block);
+                const auto row = std::ranges::find(rows, model->block(), &Row::block);
                 acts_.push_back({row == rows.end() ? nullptr : row->add, model.get()});
                 if (row != rows.end()) (this->*row->prepare)();
             }
         if (springs_.springs || springs_.folds) prepare_edges();
-        const auto lines = std::ranges::find(structure, "lines", &ForceModel::name);
-        weights_.begin(state, constants_, structure, lines == structure.end() ? nullptr : lines->get());
+        weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
     }
 
     void store(State&) const override {}
@@ -257,7 +256,7 @@ public:
 private:
     /// How a block of the registry acts through kernels.
     struct Row {
-        std::string_view block;
+        Block block;
         void (UnstructuredLayout::*prepare)();
         void (UnstructuredLayout::*add)(State&);
     };
@@ -620,19 +619,19 @@ private:
 };
 
 const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
-    {"membrane", &UnstructuredLayout::prepare_membrane, &UnstructuredLayout::add_membrane},
-    {"fabric springs", &UnstructuredLayout::prepare_springs, &UnstructuredLayout::add_edges},
-    {"gore contact", &UnstructuredLayout::prepare_contacts, &UnstructuredLayout::add_contacts},
-    {"tapes", &UnstructuredLayout::prepare_tapes, &UnstructuredLayout::add_tapes},
-    {"lines", &UnstructuredLayout::prepare_lines, &UnstructuredLayout::add_lines},
-    {"static line", &UnstructuredLayout::prepare_static_line, &UnstructuredLayout::add_static_line},
-    {"canopy pressure", &UnstructuredLayout::prepare_pressure, &UnstructuredLayout::add_pressure},
-    {"cloth drag", &UnstructuredLayout::prepare_cloth_drag, &UnstructuredLayout::add_cloth_drag},
-    {"fold resistance", &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
-    {"line drag", &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
-    {"breathing damping", &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
-    {"accretion", &UnstructuredLayout::prepare_accretion, &UnstructuredLayout::add_accretion},
-    {"mass damping", &UnstructuredLayout::prepare_mass_damping, &UnstructuredLayout::add_mass_damping},
+    {Block::membrane, &UnstructuredLayout::prepare_membrane, &UnstructuredLayout::add_membrane},
+    {Block::fabric_springs, &UnstructuredLayout::prepare_springs, &UnstructuredLayout::add_edges},
+    {Block::gore_contact, &UnstructuredLayout::prepare_contacts, &UnstructuredLayout::add_contacts},
+    {Block::tapes, &UnstructuredLayout::prepare_tapes, &UnstructuredLayout::add_tapes},
+    {Block::lines, &UnstructuredLayout::prepare_lines, &UnstructuredLayout::add_lines},
+    {Block::static_line, &UnstructuredLayout::prepare_static_line, &UnstructuredLayout::add_static_line},
+    {Block::canopy_pressure, &UnstructuredLayout::prepare_pressure, &UnstructuredLayout::add_pressure},
+    {Block::fabric_drag, &UnstructuredLayout::prepare_cloth_drag, &UnstructuredLayout::add_cloth_drag},
+    {Block::fold_resistance, &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
+    {Block::line_drag, &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
+    {Block::breathing_damping, &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
+    {Block::accretion, &UnstructuredLayout::prepare_accretion, &UnstructuredLayout::add_accretion},
+    {Block::mass_damping, &UnstructuredLayout::prepare_mass_damping, &UnstructuredLayout::add_mass_damping},
 }};
 
 }  // namespace

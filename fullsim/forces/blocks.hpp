@@ -1,0 +1,79 @@
+// The force blocks: their names in the order of the registry, and how each is made.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "fullsim/mesh/mesh.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::fullsim {
+
+enum class Block {
+    membrane,
+    fabric_springs,
+    tapes,
+    lines,
+    static_line,
+    gore_contact,
+    payload_tetrahedra,
+    canopy_pressure,
+    fabric_drag,
+    fold_resistance,
+    extraction,
+    line_drag,
+    breathing_damping,
+    payload_drag,
+    accretion,
+    mass_damping
+};
+inline constexpr int block_count = static_cast<int>(Block::mass_damping) + 1;
+
+/// As in records and plans, e.g. "canopy pressure".
+std::string_view block_name(Block block);
+
+class ForceModel;
+
+std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity);
+/// Cloth as springs and dashpots along its edges (paper, 2.1). repulsion: of folded cloth over its stiffness
+/// in tension; beta: [s].
+std::unique_ptr<const ForceModel> make_fabric_springs(const Mesh& mesh, double repulsion,
+                                                      double bulk_viscosity, double beta);
+/// EA [N], and (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed c1 = sqrt(E/rho) (paper, Eq. 3).
+struct CableConstants {
+    double stiffness, dashpot;
+};
+CableConstants cable_constants(const Mesh& mesh, const Cable& cable, double bulk_viscosity, double beta);
+/// All that a mesh has, tapes alone, or lines and risers alone.
+std::unique_ptr<const ForceModel> make_cable(const Mesh& mesh, double bulk_viscosity, double beta = 0.0);
+std::unique_ptr<const ForceModel> make_tapes(const Mesh& mesh, double bulk_viscosity, double beta);
+std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_viscosity, double beta);
+/// Cables of a list, which is kept by reference, for a block.
+std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables, Block block,
+                                              double bulk_viscosity, double beta);
+/// Neighbouring gores of a generated mesh keep their cloth apart (fullsim/mesh/gore_contacts.hpp).
+std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
+std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
+/// Of the canopy as a piece of cloth, until snatch (paper, 3.2.1).
+std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient);
+/// resistance: [N/m] of width.
+std::unique_ptr<const ForceModel> make_fold_resistance(const Mesh& mesh, double resistance);
+/// direction: unit vector. The history is kept by reference.
+std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
+                                                  const Vec3& direction);
+/// Pressure along e_r and across it, and the flag remainder (paper, Eqs 11-12).
+std::unique_ptr<const ForceModel> make_canopy_pressure(const Mesh& mesh, double smallest_area);
+/// Cylinder drag of the suspension lines (paper, Eq. 10).
+std::unique_ptr<const ForceModel> make_line_drag(const Mesh& mesh);
+/// Air resists fabric that moves relative to the canopy mean.
+std::unique_ptr<const ForceModel> make_breathing_damping(const Mesh& mesh, double k);
+/// Rayleigh damping -alpha m_i (v_i - v_system) (paper, Eq. 4).
+std::unique_ptr<const ForceModel> make_mass_damping(const Mesh& mesh, double alpha);
+std::unique_ptr<const ForceModel> make_payload_drag(const Mesh& mesh, double drag_area);
+/// Of a body, by the angle between its axis and the way the air goes past it. The table is kept by reference.
+std::unique_ptr<const ForceModel> make_attitude_drag(const Mesh& mesh, const AttitudeDrag& table);
+/// Momentum of the air that joins the canopy, for accreting added mass.
+std::unique_ptr<const ForceModel> make_accretion(const Mesh& mesh);
+
+}  // namespace twinchute::fullsim
