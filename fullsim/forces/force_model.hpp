@@ -46,6 +46,8 @@ public:
     virtual StrainExtremum extreme(const State&) const { return {}; }
     /// An element in words, e.g. "fabric triangle 17".
     virtual std::string element_name(std::size_t) const { return std::string(name()); }
+    /// It acts on no node before this one.
+    virtual NodeIndex first_node() const { return 0; }
     /// Element evaluations in one add_forces.
     virtual std::size_t elements() const { return 0; }
     /// Of constants that it keeps for itself.

@@ -74,6 +74,7 @@ public:
     PayloadDrag(const Mesh& mesh, double drag_area) : payload_(mesh.payload()), drag_area_(drag_area) {}
 
     Block block() const override { return Block::payload_drag; }
+    NodeIndex first_node() const override { return payload_; }
 
     void add_forces(State& state) const override {
         const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;
@@ -92,6 +93,7 @@ public:
         : payload_(mesh.payload()), table_(table), axes_(principal_axes(mesh.body->lumped)) {}
 
     Block block() const override { return Block::payload_drag; }
+    NodeIndex first_node() const override { return payload_; }
 
     void add_forces(State& state) const override {
         const Vec3 v = to_vec3(state.node[payload_].v) - state.air.wind_at_payload;

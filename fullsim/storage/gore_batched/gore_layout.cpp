@@ -67,16 +67,20 @@ public:
         const auto acts = [&](Block block) {
             return find_block(structure, block) || find_block(loads, block);
         };
-        nodes_ = std::make_unique<GoreNodes>(
-            gores_, kernels_.lanes, what_air_does(acts(Block::canopy_pressure), acts(Block::fabric_drag)));
+        has_ = {};
+        models_ = {&structure, &loads};
+        const auto has_row = [](const auto& model) { return row_of(model->block()) != nullptr; };
+        has_.own_loops = !std::ranges::all_of(structure, has_row) || !std::ranges::all_of(loads, has_row);
+        has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
+        nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
+                                             what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
         rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
-        clear_forces(state, first_held());
+        clear_forces(state, has_.own_loops ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
         line_damping_ = 0.0;
         lines_row_ = nullptr;
-        has_ = {};
         structure_.clear();
         loads_.clear();
         tapes_.clear();
@@ -89,22 +93,19 @@ public:
         sums_.assign(nodes_->frame.blocks, {});
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
-                const auto row = std::ranges::find(rows, model->block(), &Row::block);
-                if (row == rows.end())
-                    throw std::logic_error(fmt::format("no gore-batched for {}", model->name()));
-                (models == &structure ? structure_ : loads_).push_back(row);
-                (this->*row->prepare)(*model);
+                const Row* row = row_of(model->block());
+                (models == &structure ? structure_ : loads_).push_back({row, model.get()});
+                if (row) (this->*row->prepare)(*model);
             }
         has_.springs = acts(Block::fabric_springs);
         has_.membrane = acts(Block::membrane);
         has_.pressure = acts(Block::canopy_pressure);
         has_.folds = acts(Block::fold_resistance);
-        has_.cloth_drag = acts(Block::fabric_drag);
         has_.breathing = acts(Block::breathing_damping);
         has_.accretion = acts(Block::accretion);
         has_.mass_damping = acts(Block::mass_damping);
         handed_ = {nodes_->frame.force};
-        if (has_.cloth_drag) handed_.push_back(nodes_->frame.aero);  // lines see no halo node
+        if (has_.air_on_fabric) handed_.push_back(nodes_->frame.aero);  // lines see no halo node
         if (has_.pressure) handed_.push_back(nodes_->frame.push);
         weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
         weigh_rows(state);
@@ -131,12 +132,13 @@ public:
     }
 
     EnergiesAndStrains levels(const State& state) const override {
+        if (has_.own_loops) return levels_of(stored(state), constants_, *models_.front());
         EnergiesAndStrains levels{kernels_.kinetic_energy(nodes_->frame, node_, state.added_mass), 0.0, {}};
         for (const NodeIndex i : gores_.global)
             levels.kinetic += 0.5 * constants_.mass[i] * sum3(state.node[i].v * state.node[i].v);
         levels.kinetic += static_line_kinetic_energy(state, constants_);
-        for (const Row* row : structure_) {
-            const EnergyAndStrain of_row = (this->*row->levels)(state);
+        for (const Acting& block : structure_) {
+            const EnergyAndStrain of_row = (this->*block.row->levels)(state);
             levels.elastic += of_row.energy;
             levels.strain.push_back(of_row.strain);
         }
@@ -145,8 +147,8 @@ public:
 
     double fabric_strain(const State& state) const override {
         double longest = -1.0;
-        for (const Row* row : structure_)
-            if (is_folding_fabric(row->block))
+        for (const auto& [row, model] : structure_)
+            if (is_folding_fabric(model->block()))
                 longest = std::max(longest, (this->*row->levels)(state).strain);
         return longest;
     }
@@ -166,15 +168,16 @@ public:
                 nodes_->see_next_gore(part.first);
                 nodes_->receive_shared(state, part.first);
                 for (const auto* blocks : {&structure_, &loads_})
-                    for (const Row* row : *blocks)
-                        work(row, part);
+                    for (const Acting& block : *blocks)
+                        if (block.row) work(block.row, part);
                 hand_over(part.first);
             });
         else
             nodes_->up_to_date(state);
-        const auto run = [&](const std::vector<const Row*>& blocks) {
-            for (const Row* row : blocks)
+        const auto run = [&](const std::vector<Acting>& blocks) {
+            for (const auto& [row, model] : blocks)
                 clock.run([&] {
+                    if (!row) return model->add_forces(state);
                     if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
                     ElementSums total;
                     if (row->work)
@@ -183,13 +186,21 @@ public:
                     (this->*row->finish)(state, total);
                 });
         };
+        if (has_.own_loops) nodes_->store(state);
         run(structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         run(loads_);
+        if (has_.own_loops) nodes_->take_forces(state);
         if (!at_once) for_parts([&](const GoreFrame& part) { hand_over(part.first); });
     }
 
     CriticalSteps critical_steps(const State& state) override {
+        if (has_.own_loops) {
+            weights_.renew(state);
+            const double all =
+                critical_step(stored(state), constants_, *models_[0], *models_[1], weights_.by_node()).dt;
+            return {all, all, all};  // without subcycles
+        }
         if (weights_.renew(state) || state.folded != folded_) weigh_rows(state);
         const GoreFrame& sums = rows_->frame;
         for (LocalNode n = 0; n < sums.nodes; ++n)
@@ -239,7 +250,7 @@ public:
         step_.dt = dt;
         // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the
         // skirt.
-        step_.first_aero = has_.cloth_drag ? 0 : gores_.inner;
+        step_.first_aero = has_.air_on_fabric ? 0 : gores_.inner;
         step_.first_pulled = gores_.inner;
         step_.together = together;
         const GoreSubcycle first = subcycle_of(state, dt, subcycles, 0);
@@ -250,7 +261,7 @@ public:
         step_.gravity = constants_.gravity;
         step_.halo = nodes_->halo();
         step_.pushed = has_.pressure;
-        step_.halo_aero = has_.cloth_drag;
+        step_.halo_aero = has_.air_on_fabric;
         for_parts([&](const GoreFrame& part) {
             nodes_->take_images(part.first, handed_);
             sums_[part.first].step = kernels_.advance(part, step_);
@@ -301,6 +312,16 @@ private:
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
     static const std::array<Row, 15> rows;
+    static const Row* row_of(Block block) {
+        const auto row = std::ranges::find(rows, block, &Row::block);
+        return row == rows.end() ? nullptr : &*row;
+    }
+    /// A block of the stage. Without a row it acts by its own loop on the records of the state: slower, and
+    /// right.
+    struct Acting {
+        const Row* row;
+        const ForceModel* model;
+    };
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
@@ -309,7 +330,8 @@ private:
     };
 
     struct Has {
-        bool springs = false, membrane = false, pressure = false, folds = false, cloth_drag = false;
+        bool springs = false, membrane = false, pressure = false, folds = false, air_on_fabric = false;
+        bool own_loops = false;  // of blocks without a row here
         bool breathing = false, accretion = false, mass_damping = false, line_drag = false;
     };
 
@@ -333,6 +355,12 @@ private:
                 do_part(block);
     }
 
+    State stored(const State& state) const {
+        State all = state;
+        nodes_->store(all);
+        return all;
+    }
+
     /// What a block's gores did to nodes of others.
     void hand_over(int block) const {
         nodes_->hand_images(block, handed_);
@@ -347,9 +375,9 @@ private:
         step_began_ = now;
     }
 
-    static GoreNodes::What what_air_does(bool pressure, bool cloth_drag) {
+    static GoreNodes::What what_air_does(bool pressure, bool on_fabric) {
         using enum GoreNodes::What;
-        return !cloth_drag ? pushed : pressure ? pushed_and_dragged : dragged;
+        return !on_fabric ? pushed : pressure ? pushed_and_dragged : dragged;
     }
 
     /// The first node whose forces are the state's: of global structure and shared nodes, which nodes of
@@ -592,10 +620,10 @@ private:
             to_array(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
         step_.pressure = state.air.pressure;
     }
-    ElementSums drag_cloth(const GoreFrame& part) const {
-        return kernels_.cloth_drag(part, membrane_, {0.5 * density_ * deploy().drag_coefficient, wind_});
+    ElementSums drag_fabric(const GoreFrame& part) const {
+        return kernels_.fabric_drag(part, membrane_, {0.5 * density_ * deploy().drag_coefficient, wind_});
     }
-    void finish_cloth_drag(State& state, const ElementSums& all) {
+    void finish_fabric_drag(State& state, const ElementSums& all) {
         state.air.projected_area = all.positive_area;
     }
 
@@ -782,10 +810,11 @@ private:
     std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
     std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
-    std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
-    double fabric_area_;                       // [m^2]
-    bool tethered_;                            // to a static line
-    std::vector<const Row*> structure_, loads_;
+    std::unique_ptr<GoreNodes> nodes_, rows_;     // all arrays, and row sums
+    double fabric_area_;                          // [m^2]
+    bool tethered_;                               // to a static line
+    std::array<const ForceModels*, 2> models_{};  // of the stage: structure, loads
+    std::vector<Acting> structure_, loads_;
     Has has_;
     std::vector<double*> handed_;  // arrays in which gores add to the halo node of the next one's seam
 
@@ -833,8 +862,8 @@ const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
      &GoreLayout::finish_contacts, &GoreLayout::contact_levels},
     {Block::canopy_pressure, &GoreLayout::prepare_fabric, &GoreLayout::find_areas,
      &GoreLayout::finish_pressure},
-    {Block::fabric_drag, &GoreLayout::prepare_fabric, &GoreLayout::drag_cloth,
-     &GoreLayout::finish_cloth_drag},
+    {Block::fabric_drag, &GoreLayout::prepare_fabric, &GoreLayout::drag_fabric,
+     &GoreLayout::finish_fabric_drag},
     {Block::fold_resistance, &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
     {Block::extraction, &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
     {Block::line_drag, &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},

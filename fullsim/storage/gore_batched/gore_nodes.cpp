@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace twinchute::fullsim {
 
@@ -154,6 +155,17 @@ void GoreNodes::store(State& state) const {
                 state.node[i].x[c] = at(frame.x, n, gore, c);
                 state.node[i].v[c] = at(frame.v, n, gore, c);
                 state.v_half[i].value[c] = half_at(n, gore, c);
+            }
+        }
+}
+
+void GoreNodes::take_forces(State& state) const {
+    for (LocalNode n = 0; n < gores_.own; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            const auto i = static_cast<std::size_t>(gores_.node[gore * gores_.own + n]);
+            for (int c = 0; c < 3; ++c) {
+                at(frame.force, n, gore, c) += std::exchange(state.force[i].value[c], 0.0);
+                at(frame.aero, n, gore, c) += std::exchange(state.aero[i].value[c], 0.0);
             }
         }
 }

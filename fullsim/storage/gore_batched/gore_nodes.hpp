@@ -17,7 +17,7 @@ namespace twinchute::fullsim {
 /// Arrays of a frame and the traffic between them and the state's node records.
 class GoreNodes {
 public:
-    /// By what the air does to cloth, since pressure and cloth drag share an array unless both act; or row
+    /// By what the air does to fabric, since pressure and fabric drag share an array unless both act; or row
     /// sums.
     enum class What { pushed, dragged, pushed_and_dragged, row_sums };
     /// All arrays of all nodes; of row sums x alone, its first two components, of the canopy and its halo
@@ -48,6 +48,8 @@ public:
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;
+    /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
+    void take_forces(State& state) const;
 
     // The next gore's seam as gores see it. Within a block the kernels see to it. Between the last gore of
     // one and the first of the next it goes through a few lines of memory that one block writes and another

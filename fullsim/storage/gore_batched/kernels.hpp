@@ -24,7 +24,7 @@ struct GoreFrame {
     double* v_half = nullptr;                  ///< [block][own node][x, y, z][lane] [m/s] half a step before
     double *force = nullptr, *aero = nullptr;  ///< [N] as State
     /// [m^2] area over which pressure acts on a node of the canopy. Lies in `aero`, where only lines have
-    /// something then, unless cloth drag acts as well.
+    /// something then, unless fabric drag acts as well.
     double* push = nullptr;
     double* pull = nullptr;  ///< [block][x, y, z][lane] [N] of the line on the skirt, apart from `force`
     /// `aero` of the skirt, [x, y, z][lane] of each block: apart from `push`, or in its place in `aero`.
@@ -161,13 +161,13 @@ struct GoreKernels {
     EnergyAndStrain (*cable_levels)(const GoreFrame&, std::span<const CableElement>);
     /// [J] of own nodes.
     double (*kinetic_energy)(const GoreFrame&, std::span<const GoreNode>, double added_mass);
-    ElementSums (*cloth_drag)(const GoreFrame&, std::span<const MembraneElement>, const FabricDragPass&);
+    ElementSums (*fabric_drag)(const GoreFrame&, std::span<const MembraneElement>, const FabricDragPass&);
     ElementSums (*springs)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);
     ElementSums (*cables)(const GoreFrame&, std::span<const CableElement>);
     ElementSums (*contacts)(const GoreFrame&, std::span<const ContactElement>, const ContactPass&);
     EnergyAndStrain (*contact_levels)(const GoreFrame&, std::span<const ContactElement>, const ContactPass&);
     /// Lines alone, the air on them alone, or both. They *set* what acts on their nodes: `pull` of the skirt,
-    /// `force` of all others, `aero` of all, zero without air; nothing else but cloth drag on the skirt acts
+    /// `force` of all others, `aero` of all, zero without air; nothing else but fabric drag on the skirt acts
     /// there, and comes later.
     ElementSums (*lines)(const GoreFrame&, LineElements, const LineAir&);
     ElementSums (*line_drag)(const GoreFrame&, LineElements, const LineAir&);

@@ -45,6 +45,8 @@ private:
 
 class SectorLayout final : public Layout {
 public:
+    static bool knows(Block block) { return std::ranges::find(rows, block, &Row::block) != rows.end(); }
+
     SectorLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Sector sector,
                  const SectorKernels& kernels)
         : scene_(scene),
@@ -85,8 +87,6 @@ public:
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
                 const auto row = std::ranges::find(rows, model->block(), &Row::block);
-                if (row == rows.end())
-                    throw std::logic_error(fmt::format("no sector-batched for {}", model->name()));
                 (models == &structure ? structure_ : loads_).push_back(row);
                 if (row->block == Block::payload_drag) payload_drag_ = model.get();
             }
@@ -392,6 +392,11 @@ const std::array<SectorLayout::Row, 10> SectorLayout::rows{{
 std::unique_ptr<Layout> make_sector_layout(const Scene& scene, const Mesh& mesh,
                                            const NodeConstants& constants, std::string* why,
                                            const SectorKernels* kernels) {
+    for (const ForceBlock& block : force_blocks())
+        if (!SectorLayout::knows(block.block) && !stages_with(block, scene).empty()) {
+            if (why) *why = fmt::format("'{}' acts on all of it", block.name);
+            return nullptr;
+        }
     auto sector = find_sector(mesh, why);
     if (!sector) return nullptr;
     return std::make_unique<SectorLayout>(scene, mesh, constants, std::move(*sector),

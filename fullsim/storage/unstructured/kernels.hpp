@@ -85,7 +85,7 @@ struct Kernels {
     ElementSums (*membrane_and_pressure)(Nodes, Elements, const MembranePass&);
     ElementSums (*pressure)(Nodes, Elements, const MembranePass&);
     EnergyAndStrain (*membrane_levels)(Nodes, Elements, const MembranePass&);
-    ElementSums (*cloth_drag)(Nodes, Elements, const FabricDragPass&);
+    ElementSums (*fabric_drag)(Nodes, Elements, const FabricDragPass&);
     ElementSums (*springs)(Nodes, Elements, const SpringPass&);
     ElementSums (*cables)(Nodes, Elements);
     ElementSums (*line_drag)(Nodes, Elements, const LineAir&);

@@ -117,8 +117,12 @@ public:
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
                 const auto row = std::ranges::find(rows, model->block(), &Row::block);
-                acts_.push_back({row == rows.end() ? nullptr : row->add, model.get()});
-                if (row != rows.end()) (this->*row->prepare)();
+                const bool has_row = row != rows.end();
+                acts_.push_back({has_row ? row->add : nullptr, model.get()});
+                if (has_row)
+                    (this->*row->prepare)();
+                else if (models == &loads)
+                    first_aero_ = std::min(first_aero_, model->first_node());
             }
         if (springs_.springs || springs_.folds) prepare_edges();
         weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
@@ -128,7 +132,7 @@ public:
 
     std::vector<PlanArray> arrays() const override {
         std::vector<PlanArray> all;
-        // Canopy pressure, cloth drag and membranes read the same constants of triangles, springs and fold
+        // Canopy pressure, fabric drag and membranes read the same constants of triangles, springs and fold
         // resistance those of edges.
         add_bytes(all, "triangles", triangles_.bytes());
         add_bytes(all, "edges", edges_.bytes());
@@ -400,7 +404,7 @@ private:
         has_.pressure = true;
         prepare_fabric();
     }
-    void prepare_cloth_drag() {
+    void prepare_fabric_drag() {
         first_aero_ = 0;
         prepare_fabric();
     }
@@ -429,11 +433,11 @@ private:
             to_array4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
         step_.pressure = state.air.pressure;
     }
-    void add_cloth_drag(State& state) {
+    void add_fabric_drag(State& state) {
         const FabricDragPass pass{0.5 * state.air.density * deploy().drag_coefficient,
                                   to_array3(state.air.wind)};
         state.air.projected_area =
-            kernels_.cloth_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
+            kernels_.fabric_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
     }
 
     void prepare_springs() { springs_.springs = true; }
@@ -626,7 +630,7 @@ const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
     {Block::lines, &UnstructuredLayout::prepare_lines, &UnstructuredLayout::add_lines},
     {Block::static_line, &UnstructuredLayout::prepare_static_line, &UnstructuredLayout::add_static_line},
     {Block::canopy_pressure, &UnstructuredLayout::prepare_pressure, &UnstructuredLayout::add_pressure},
-    {Block::fabric_drag, &UnstructuredLayout::prepare_cloth_drag, &UnstructuredLayout::add_cloth_drag},
+    {Block::fabric_drag, &UnstructuredLayout::prepare_fabric_drag, &UnstructuredLayout::add_fabric_drag},
     {Block::fold_resistance, &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
     {Block::line_drag, &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
     {Block::breathing_damping, &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
