@@ -10,13 +10,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// Lays three points of the plane cut pattern out as Triangle wants them.
-Triangle flat_triangle(std::array<NodeIndex, 3> node, const std::array<Eigen::Vector2d, 3>& p) {
-    const Eigen::Vector2d e1 = p[1] - p[0], e2 = p[2] - p[0];
-    const double a = e1.norm();
-    return {node, a, e1.dot(e2) / a, std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / a};
-}
-
 constexpr CableKind kind_of(TapeLine line) {
     switch (line) {
         case TapeLine::seam:
@@ -171,12 +164,12 @@ private:
 
     void sew_triangle(int gore, const std::array<Corner, 3>& corner) {
         std::array<NodeIndex, 3> node;
-        std::array<Eigen::Vector2d, 3> flat;
+        std::array<Vec3, 3> cut;
         for (int k = 0; k < 3; ++k) {
             node[k] = canopy_node(gore, corner[k].row, corner[k].column);
-            flat[k] = cut_point(outline_, rows_[corner[k].row], corner[k].column);
+            cut[k] << cut_point(outline_, rows_[corner[k].row], corner[k].column), 0.0;
         }
-        mesh_.triangles.push_back(flat_triangle(node, flat));
+        mesh_.triangles.push_back(laid_flat(node, cut));
     }
 
     void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands) {
