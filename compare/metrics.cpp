@@ -16,7 +16,7 @@ constexpr Tolerance ten_percent{0.10, true};
 constexpr std::optional<Tolerance> none;
 
 // clang-format off
-constexpr std::array rows{
+constexpr std::array metric_table{
     MetricRow{"line_stretch_time", "line_stretch_time_s", "s", "Line stretch"},
     MetricRow{"snatch_time", "snatch_time_s", "s", "Snatch"},
     MetricRow{"payload_snatch_speed", "payload_snatch_speed_m_s", "m/s", "Payload's speed at snatch", none, Show::when_judged},
@@ -61,10 +61,10 @@ constexpr std::array rows{
 };
 // clang-format on
 
-Table metrics_table() {
-    Table table;
+twinchute::Table metrics_table() {
+    twinchute::Table table;
     table.header = {"metric", "unit", "record key", "default tolerance", "meaning"};
-    for (const MetricRow& row : rows) {
+    for (const MetricRow& row : metric_table) {
         table.rows.push_back(
             {std::string(row.name), row.unit.empty() ? "1" : std::string(row.unit), std::string(row.key),
              row.tolerance ? tolerance_text(*row.tolerance, row.unit) : "-", std::string(row.title)});
@@ -78,12 +78,12 @@ Table metrics_table() {
 }  // namespace
 
 std::span<const MetricRow> metric_rows() {
-    return rows;
+    return metric_table;
 }
 
 const MetricRow* find_metric_row(std::string_view name) {
-    const auto row = std::ranges::find(rows, name, &MetricRow::name);
-    return row == rows.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(metric_table, name, &MetricRow::name);
+    return row == metric_table.end() ? nullptr : &*row;
 }
 
 ListTopic metrics_topic() {

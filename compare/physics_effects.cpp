@@ -42,7 +42,7 @@ void still_air(Scene& scene) {
 }
 
 // clang-format off
-constexpr std::array rows{
+constexpr std::array effects{
     PhysicsEffect{"line-elasticity", "Line elasticity", {}, "what the stretch of lines and risers does", false,
           [](const Scene&) { return true; },
           [](Scene& s) { s.parachutes.front().line.youngs_modulus *= stiffer; }, 2.0,
@@ -99,12 +99,12 @@ constexpr std::array rows{
 }  // namespace
 
 std::span<const PhysicsEffect> physics_effects() {
-    return rows;
+    return effects;
 }
 
 const PhysicsEffect* find_physics_effect(std::string_view name) {
-    const auto row = std::ranges::find(rows, name, &PhysicsEffect::name);
-    return row == rows.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(effects, name, &PhysicsEffect::name);
+    return row == effects.end() ? nullptr : &*row;
 }
 
 void silence(const PhysicsEffect& effect, Scene& scene) {

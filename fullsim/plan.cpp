@@ -21,7 +21,6 @@
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
 constexpr int parts_of_stage = 32;  // of the midpoint rule over a stage
 /// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
 /// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.
@@ -59,7 +58,7 @@ Course course_of(const Scene& scene, const RunRecord* expected) {
         course.inflation = inflated(chute);
     } else {
         if (chute.deploy.starts_packed()) {
-            course.snatch = never;
+            course.snatch = infinity;
             const Event* event = expected ? expected->find_event("snatch") : nullptr;
             if (const auto speed = expected ? expected->metric("snatch_speed_m_s") : std::nullopt;
                 event && speed) {
@@ -114,7 +113,7 @@ public:
     bool begin(const std::function<bool(Simulation&)>& change) {
         simulation_.evaluate_forces();
         const bool begun = change(simulation_);
-        simulation_.step_to(never);
+        simulation_.step_to(infinity);
         return begun;
     }
 
@@ -130,7 +129,7 @@ public:
                 simulation_.evaluate_forces();
                 const State& outline = simulation_.outline();
                 observer_.observe(observer_.row_is_due(outline.time) ? simulation_.seams() : outline);
-                simulation_.step_to(never);
+                simulation_.step_to(infinity);
             }
             seconds.push_back(time_of(watch) / Simulation::steps_between_bounds);
         } while (all.wall() < budget);

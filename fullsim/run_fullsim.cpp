@@ -45,7 +45,6 @@ const double taut_hold = 2e-3 / (7.31 * std::sqrt(462.0 / 9.7e8));
 constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
 constexpr std::size_t opening_frames = 48;
 constexpr double opening_and_breathing = 2.0;  // filling times, from snatch
-constexpr double never = std::numeric_limits<double>::infinity();
 
 class FullRun {
 public:
@@ -73,8 +72,8 @@ public:
             sequence_->release(flight_state());
         }
         if (packed()) {
-            snatch_ = never;
-            observer_.count_peak_from(never);
+            snatch_ = infinity;
+            observer_.count_peak_from(infinity);
         }
         if (packed())
             frames_.begin(0.0, deployment_frames);
@@ -127,10 +126,10 @@ private:
     bool packed() const { return deploy().starts_packed(); }
     bool inflated() const { return deploy().by == DeployBy::inflated; }
     /// [s] of the open canopy; infinite as long as it is reefed.
-    double full_open() const { return reefed() ? never : simulation_.inflation().end_of(Phase::filling); }
+    double full_open() const { return reefed() ? infinity : simulation_.inflation().end_of(Phase::filling); }
     /// [s] from which on the drag area is steady; infinite as long as the canopy is reefed.
     double drag_area_steady() const {
-        return reefed() ? never : simulation_.inflation().end_of(Phase::overshoot);
+        return reefed() ? infinity : simulation_.inflation().end_of(Phase::overshoot);
     }
     /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
     /// canopy from that.
@@ -162,17 +161,17 @@ private:
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
                                     : std::min(simulation_.inflation().end_of(state().phase),
                                                simulation_.inflation().next_kink());
-        const double cut = sequence_ ? sequence_->next_time() : never;
+        const double cut = sequence_ ? sequence_->next_time() : infinity;
         return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
     }
 
     /// The next time at which the extraction force is not smooth.
     double next_load_change() const {
         const ForceHistory& force = deploy().extraction;
-        double next = force.duration > state().time ? force.duration : never;
+        double next = force.duration > state().time ? force.duration : infinity;
         for (const double t : force.time)
             if (t > state().time) next = std::min(next, t);
-        return force.time.empty() ? never : next;
+        return force.time.empty() ? infinity : next;
     }
 
     void check() {
@@ -241,7 +240,7 @@ private:
     }
     void begin_descent_frames() {
         frames_.begin(state().time, descent_frames);
-        descent_frames_from_ = never;
+        descent_frames_from_ = infinity;
     }
     void observe_frame() {
         if (state().time >= descent_frames_from_) begin_descent_frames();
@@ -290,8 +289,8 @@ private:
     void look_for_snatch() {
         const double now = state().time;
         if (!simulation_.lines_are_taut()) {
-            hold_end_ = never;
-        } else if (hold_end_ == never) {
+            hold_end_ = infinity;
+        } else if (hold_end_ == infinity) {
             hold_end_ = now + hold();
         }
         if (now < hold_end_) {
@@ -465,11 +464,11 @@ private:
     SteadyDescent fall_;
     FieldRecorder fields_;
     FrameRecorder frames_;
-    double descent_frames_from_ = never;  // [s]
+    double descent_frames_from_ = infinity;  // [s]
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
-    double hold_end_ = never;  // [s] at which lines that are taut now will have been so long enough
+    double hold_end_ = infinity;  // [s] at which lines that are taut now will have been so long enough
     bool switched_late_ = false;
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     std::optional<double> line_stretch_time_;

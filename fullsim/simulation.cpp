@@ -27,7 +27,6 @@ constexpr double relaxation = 0.1 / time_scale_of_c9, ramp_share = 0.15 / time_s
 constexpr double taut_lines = 0.8;    // share of line elements in tension at snatch (paper, 5.2)
 constexpr double taut_risers = 0.05;  // riser load at snatch over the payload's weight
 constexpr double cut_line = 10.0;     // length of a reefing line that no longer holds, over pi D0
-constexpr double never = std::numeric_limits<double>::infinity();
 
 Phase first_phase(const Scene& scene, const Inflation& inflation) {
     if (scene.parachutes.front().deploy.by == DeployBy::inflated) return Phase::open;
@@ -42,7 +41,7 @@ Inflation first_inflation(const Scene& scene) {
         return make_inflation(scene, chute, 0.0, release_airspeed(scene).norm(),
                               scene.environment.atmosphere.at(scene.release.altitude).density);
     Inflation inflation;
-    inflation.snatch = never;
+    inflation.snatch = infinity;
     return inflation;
 }
 
@@ -111,7 +110,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       body_(make_body(scene, mesh_)),
       state_(initial_state(scene, mesh_)),
       layout_(make_layout_(scene, mesh_, constants_)),
-      dt_min_(never) {
+      dt_min_(infinity) {
     for (const Cable& c : mesh_.cables)
         if (std::max(c.node[0], c.node[1]) >= mesh_.first_place())
             riser_stiffness_ =
@@ -338,7 +337,7 @@ double Simulation::ramp_time() const {
 }
 
 double Simulation::ramp_end() const {
-    return state_.stage == Stage::ramp ? ramp_start_ + ramp_time_ : never;
+    return state_.stage == Stage::ramp ? ramp_start_ + ramp_time_ : infinity;
 }
 
 /// The stiffness of the finite elements at state().time, w = (t/T)^3, and the energy that its growth under

@@ -52,7 +52,7 @@ RunStatus fly(const Scene& scene, RunContext& context, OpeningSequence& sequence
 }
 
 /// Results of the whole run, from its observer.
-void judge(const Scene& scene, int dimensions, RunContext& context, Openings& openings) {
+void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openings& openings) {
     openings.close();
     OpeningResult& result = openings.result;
     const Observer& observer = context.observer;
@@ -124,7 +124,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
     OpeningSequence sequence(scene);
     Openings openings(scene, context, sequence, result);
     record.status = fly<dimensions>(scene, context, sequence, openings);
-    judge(scene, dimensions, context, openings);
+    judge_flight(scene, dimensions, context, openings);
     const Reached reached = reached_by(scene, context, sequence);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();

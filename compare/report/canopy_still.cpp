@@ -14,8 +14,8 @@
 namespace twinchute::compare {
 namespace {
 
-constexpr double height = 340, caption = 44, gap = 14, margin = 10;  // [px]
-constexpr double full_width = 960;                                   // [px]
+constexpr double picture_height = 340, caption = 44, gap = 14, margin = 10;  // [px]
+constexpr double full_width = 960;                                           // [px]
 constexpr std::size_t most_moments = 7;
 constexpr double deployment_seen = 0.35;  // before snatch, as a share of the deployment
 constexpr int shades = 5;
@@ -172,7 +172,7 @@ std::string canopy_still(const ShapeFrames& shape, const RunRecord& record, doub
         high = std::max(high, moment.high - moment.low);
     }
     const double free = full_width - 2 * margin - gap * static_cast<double>(moments.size() - 1);
-    const double scale = std::min(free / wide, (height - 2 * margin) / std::max(high, 1e-3));
+    const double scale = std::min(free / wide, (picture_height - 2 * margin) / std::max(high, 1e-3));
     const double spare = (free - scale * wide) / static_cast<double>(moments.size());
     double tallest = 0.0;
     for (const Moment& moment : moments)

@@ -111,4 +111,8 @@ Scene c9_packed() {
     return scene;
 }
 
+void stop_after(Scene& scene, double seconds) {
+    scene.stop = {Trigger::Kind::time, seconds, 0.0};
+}
+
 }  // namespace twinchute::compare

@@ -23,4 +23,7 @@ Scene c9_coarse();
 /// Released at rest in its pack on a static line, few elements, with the noise of one seed.
 Scene c9_packed();
 
+/// Ends a run of the scene so many seconds after release.
+void stop_after(Scene& scene, double seconds);
+
 }  // namespace twinchute::compare

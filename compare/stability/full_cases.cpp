@@ -55,10 +55,6 @@ struct Row {
     std::function<std::optional<std::int64_t>(const Trial&)> latency = {};
 };
 
-void stop_after(Scene& scene, double seconds) {
-    scene.stop = {Trigger::Kind::time, seconds, 0.0};
-}
-
 /// Checks of every opening: energy, and forces that do not hang on the step.
 Check sound_opening() {
     return all_of({energy_closes(), same_in_half_the_step()});

@@ -56,10 +56,6 @@ void us76(Scene& scene, double altitude) {
     scene.environment.atmosphere = {find_atmosphere("us76")};
     scene.release.altitude = altitude;
 }
-void stop_after(Scene& scene, double seconds) {
-    scene.stop = {Trigger::Kind::time, seconds, 0.0};
-}
-
 /// [s] of a fall to where the scene stops, in a vacuum.
 double time_to_stop(const Scene& scene) {
     const double floor =

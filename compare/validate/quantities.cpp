@@ -209,7 +209,7 @@ std::optional<double> opening_time(const RunRecord& record, const Scene&, const 
     return open->time - snatch->time;
 }
 
-constexpr std::array table{
+constexpr std::array quantity_rows{
     Quantity{"mean_peak_force", "N", "largest mean of the opening force over a window", "window",
              mean_peak_force},
     Quantity{"mean_peak_load", "1", "the same over m_l g0: what an accelerometer in the payload reads, in g",
@@ -230,12 +230,12 @@ constexpr std::array table{
 }  // namespace
 
 std::span<const Quantity> quantities() {
-    return table;
+    return quantity_rows;
 }
 
 const Quantity* find_quantity(std::string_view name) {
-    const auto row = std::ranges::find(table, name, &Quantity::name);
-    return row == table.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(quantity_rows, name, &Quantity::name);
+    return row == quantity_rows.end() ? nullptr : &*row;
 }
 
 std::optional<double> quantity_value(std::string_view name, const RunRecord& record, const Scene& scene,

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double flat = 1e-6;  // of the canopy's radius, and of angles
 
-constexpr Tape tapes[] = {{TapeLine::seam, &Tapes::radial, 1.0},
-                          {TapeLine::skirt, &Tapes::skirt, 1.0},
-                          {TapeLine::vent, &Tapes::vent, 1.0}};
+constexpr Tape flat_circular_tapes[] = {{TapeLine::seam, &Tapes::radial, 1.0},
+                                        {TapeLine::skirt, &Tapes::skirt, 1.0},
+                                        {TapeLine::vent, &Tapes::vent, 1.0}};
 
 GoreOutline outline(const Parachute& chute) {
     const double delta = pi / chute.gores;
@@ -143,7 +143,7 @@ CanopyGeometry flat_circular() {
     return {"flat-circular",
             "definition of D0: the gores' polygon has the area of the nominal circle; folding: here",
             &outline,
-            tapes,
+            flat_circular_tapes,
             &fold,
             &mismatch,
             &fold_given};

@@ -15,7 +15,7 @@ namespace law = HWY_NAMESPACE;
 
 namespace {
 
-struct alignas(32) Group {
+struct alignas(32) CableGroup {
     std::array<LaneNodes, 2> node;
     Lanes inverse_length;  // 1/l0 [1/m]
     Lanes stiffness;       // EA [N]
@@ -23,10 +23,10 @@ struct alignas(32) Group {
     Lanes line;            // 1 for a suspension line, else 0
 };
 
-class CableElements : public SpanLanes<Group> {
+class CableElements : public SpanLanes<CableGroup> {
 public:
     HWY_INLINE CableElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
-                             const Group& group)
+                             const CableGroup& group)
         : SpanLanes(node, on_node, group) {}
 
     /// Tensions of suspension lines alone.
@@ -68,7 +68,7 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<CableGroup>& groups) const {
         const ElementSums sums =
             law::cable_forces(LanesView<CableElements>(state.node, state.force.view(), groups));
         state.damping_power += sums.dissipated;
@@ -108,10 +108,10 @@ public:
     }
 
 private:
-    std::vector<Group> make_groups() const {
-        std::vector<Group> groups;
+    std::vector<CableGroup> make_groups() const {
+        std::vector<CableGroup> groups;
         for (std::size_t first = 0; first < cables_.size(); first += lane_count) {
-            Group g{};
+            CableGroup g{};
             for (int k = 0; k < lane_count; ++k) {
                 const bool padding = first + k >= cables_.size();
                 for (int end = 0; end < 2; ++end)
@@ -140,7 +140,7 @@ private:
     std::string_view name_;
     bool on_cloth_;  // folded with it
     double bulk_viscosity_, beta_;
-    GroupsOnDemand<Group> groups_;
+    GroupsOnDemand<CableGroup> groups_;
 };
 
 }  // namespace

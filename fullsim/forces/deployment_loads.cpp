@@ -39,13 +39,13 @@ private:
     GroupsOnDemand<CornerGroup> groups_;
 };
 
-struct alignas(32) EdgeGroup {
+struct alignas(32) FoldGroup {
     std::array<LaneNodes, 2> node;
     Lanes inverse_length;  // [1/m]
     Lanes force;           // [N]
 };
 
-class FoldElements : public SpanLanes<EdgeGroup> {
+class FoldElements : public SpanLanes<FoldGroup> {
 public:
     HWY_INLINE FoldElements(const std::vector<NodeRecord>& node, NodeForces::View on_node, const Group& group)
         : SpanLanes(node, on_node, group) {}
@@ -67,7 +67,7 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<EdgeGroup>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<FoldGroup>& groups) const {
         state.damping_power += law::spring_forces_of<false, true>(
                                    LanesView<FoldElements>(state.node, state.force.view(), groups), {})
                                    .dissipated;
@@ -82,11 +82,11 @@ public:
     }
 
 private:
-    std::vector<EdgeGroup> make_groups() const {
+    std::vector<FoldGroup> make_groups() const {
         const std::vector<FabricEdge>& all = edges();
-        std::vector<EdgeGroup> groups;
+        std::vector<FoldGroup> groups;
         for (std::size_t first = 0; first < all.size(); first += lane_count) {
-            EdgeGroup g{};
+            FoldGroup g{};
             for (int k = 0; k < lane_count; ++k) {
                 const bool padding = first + k >= all.size();
                 for (int end = 0; end < 2; ++end)
@@ -108,7 +108,7 @@ private:
     const Mesh& mesh_;
     double resistance_;  // [N/m]
     GroupsOnDemand<FabricEdge> edges_;
-    GroupsOnDemand<EdgeGroup> groups_;
+    GroupsOnDemand<FoldGroup> groups_;
 };
 
 /// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy

@@ -10,7 +10,7 @@
 namespace twinchute::fullsim {
 namespace {
 
-struct Group {
+struct LineGroup {
     std::array<LaneNodes, 2> node;
 };
 
@@ -29,12 +29,12 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<LineGroup>& groups) const {
         static const CylinderDragTable drag_coefficient;
         if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
         const AeroState& air = state.air;
         HWY_NAMESPACE::cable_forces_in<false>(
-            LanesView<SpanLanes<Group>>(state.node, state.aero.view(), groups),
+            LanesView<SpanLanes<LineGroup>>(state.node, state.aero.view(), groups),
             {&drag_coefficient,
              diameter_,
              air.density,
@@ -43,13 +43,13 @@ public:
     }
 
 private:
-    std::vector<Group> make_groups() const {
+    std::vector<LineGroup> make_groups() const {
         std::vector<const Cable*> lines;
         for (const Cable& c : mesh_.cables)
             if (c.kind == CableKind::line) lines.push_back(&c);
-        std::vector<Group> groups;
+        std::vector<LineGroup> groups;
         for (std::size_t first = 0; first < lines.size(); first += lane_count) {
-            Group g{};
+            LineGroup g{};
             for (int k = 0; k < lane_count; ++k)
                 for (int end = 0; end < 2; ++end)
                     g.node[end][k] = first + k < lines.size() ? lines[first + k]->node[end] : mesh_.dummy();
@@ -61,7 +61,7 @@ private:
     const Mesh& mesh_;
     double diameter_;  // [m]
     std::size_t elements_;
-    GroupsOnDemand<Group> groups_;
+    GroupsOnDemand<LineGroup> groups_;
 };
 
 }  // namespace

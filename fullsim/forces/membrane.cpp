@@ -28,12 +28,12 @@ struct MembraneLanes {
 };
 
 /// Wrapped, since a vector of raw lanes would lose its alignment in std::vector's template argument.
-struct alignas(32) Group : MembraneLanes {};
+struct alignas(32) TriangleGroup : MembraneLanes {};
 
-class MembraneElements : public TriangleLanes<Group> {
+class MembraneElements : public TriangleLanes<TriangleGroup> {
 public:
     HWY_INLINE MembraneElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
-                                const Group& group)
+                                const TriangleGroup& group)
         : TriangleLanes(node, on_node, group) {}
 
     HWY_INLINE Lanes inverse_a() const { return g_.inverse_a; }
@@ -55,7 +55,7 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<TriangleGroup>& groups) const {
         const ElementSums sums = law::membrane_forces<true, false>(
             LanesView<MembraneElements>(state.node, state.force.view(), groups),
             {law_, {}, 0.0, state.fe_weight});
@@ -100,10 +100,10 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric triangle {}", i); }
 
 private:
-    std::vector<Group> make_groups() const {
-        std::vector<Group> groups;
+    std::vector<TriangleGroup> make_groups() const {
+        std::vector<TriangleGroup> groups;
         for (std::size_t first = 0; first < triangles_.size(); first += lane_count) {
-            Group g{};
+            TriangleGroup g{};
             for (int k = 0; k < lane_count; ++k) {
                 if (first + k >= triangles_.size()) {  // padding: no area, no force, on the dummy node
                     for (auto& corner : g.node)
@@ -134,7 +134,7 @@ private:
     MembraneLaw law_;
     const std::vector<Triangle>& triangles_;
     NodeIndex dummy_;
-    GroupsOnDemand<Group> groups_;
+    GroupsOnDemand<TriangleGroup> groups_;
 };
 
 }  // namespace

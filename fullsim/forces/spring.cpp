@@ -16,7 +16,7 @@ namespace law = HWY_NAMESPACE;
 
 namespace {
 
-struct alignas(32) Group {
+struct alignas(32) SpringGroup {
     std::array<LaneNodes, 2> node;
     Lanes inverse_length;  // 1/l0 [1/m]
     Lanes stiffness;       // EA [N]
@@ -24,10 +24,10 @@ struct alignas(32) Group {
     Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
 };
 
-class SpringElements : public SpanLanes<Group> {
+class SpringElements : public SpanLanes<SpringGroup> {
 public:
     HWY_INLINE SpringElements(const std::vector<NodeRecord>& node, NodeForces::View on_node,
-                              const Group& group)
+                              const SpringGroup& group)
         : SpanLanes(node, on_node, group) {}
 
     HWY_INLINE Lanes growth() const { return g_.growth; }
@@ -50,7 +50,7 @@ public:
         sweep(state, groups_.get([this] { return make_groups(); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<Group>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<SpringGroup>& groups) const {
         state.damping_power +=
             law::spring_forces_of<true, false>(
                 LanesView<SpringElements>(state.node, state.force.view(), groups), {repulsion_, true})
@@ -92,10 +92,10 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric edge {}", i); }
 
 private:
-    std::vector<Group> make_groups() const {
-        std::vector<Group> groups;
+    std::vector<SpringGroup> make_groups() const {
+        std::vector<SpringGroup> groups;
         for (std::size_t first = 0; first < edges_.size(); first += lane_count) {
-            Group g{};
+            SpringGroup g{};
             for (int k = 0; k < lane_count; ++k) {
                 const bool padding = first + k >= edges_.size();
                 for (int end = 0; end < 2; ++end)
@@ -125,7 +125,7 @@ private:
     std::vector<FabricEdge> edges_;
     NodeIndex dummy_;
     double beta_, impedance_;  // [s], [N s/m^3] per area of an edge
-    GroupsOnDemand<Group> groups_;
+    GroupsOnDemand<SpringGroup> groups_;
 };
 
 }  // namespace

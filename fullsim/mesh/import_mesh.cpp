@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t largest_mesh_file = std::size_t{256} << 20;  // [bytes]
 
-double azimuth_of(const Vec3& x) {
+double whole_azimuth(const Vec3& x) {
     const double angle = std::atan2(x.y(), x.x());
     // What lies toward x by all but rounding is the first.
     return angle < -1e-9 ? angle + 2.0 * pi : std::max(0.0, angle);
@@ -207,7 +207,7 @@ private:
             file_.refuse(*elements.front(), fmt::format("is of one of {} lines", out_.lines.size()),
                          "a canopy hangs on three at least", "tie more lines to the skirt");
         std::ranges::stable_sort(out_.lines, {}, [&](const ImportedLine& line) {
-            return azimuth_of(out_.mesh.position[line.node.front()]);
+            return whole_azimuth(out_.mesh.position[line.node.front()]);
         });
     }
 
@@ -355,7 +355,7 @@ private:
     void find_rings() {
         const auto by_azimuth = [&](std::vector<NodeIndex> nodes) {
             std::ranges::stable_sort(nodes, {},
-                                     [&](NodeIndex i) { return azimuth_of(out_.mesh.position[i]); });
+                                     [&](NodeIndex i) { return whole_azimuth(out_.mesh.position[i]); });
             return nodes;
         };
         out_.skirt = by_azimuth(loop(skirt_));

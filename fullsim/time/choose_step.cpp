@@ -28,13 +28,13 @@ double cost_of(int subcycles) {
 
 double step_to_first_impact(double strain, double rate) {
     constexpr double steps = 40.0, at_impact = 0.005;
-    if (!(strain < 0.0 && rate > 0.0)) return StepRules::never;
+    if (!(strain < 0.0 && rate > 0.0)) return infinity;
     return std::max(-strain / steps, at_impact) / rate;
 }
 
 double step_in_impacts(double rate) {
     constexpr double overshoot = 0.002;
-    return rate > 0.0 ? overshoot / rate : StepRules::never;
+    return rate > 0.0 ? overshoot / rate : infinity;
 }
 
 void ImpactWatch::look(double used_up, double dissipated, double tolerated) {

@@ -1,9 +1,8 @@
 // The step that is taken: as long as is stable and quiet, in as many subcycles of lines as make it cheapest.
 #pragma once
 
-#include <limits>
-
 #include "fullsim/time/critical_step.hpp"
+#include "lib/math/vec.hpp"
 #include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
@@ -16,14 +15,13 @@ struct ChosenStep {
 
 /// What a step depends on beside the bounds of nodes.
 struct StepRules {
-    static constexpr double never = std::numeric_limits<double>::infinity();
-
     double factor = 1.0;     ///< full.time_step_factor
     int most_subcycles = 1;  ///< full.line_substeps; 1 under a body, which moves with the canopy
     bool slaps = false;      ///< cloth comes taut and slack: before flight, unless all of it is folded
     double share = 1.0;      ///< of every bound, see ImpactWatch
-    double quiet = never;  ///< [s] the longest, factor and all, in which lines do not ring (resonance_limit)
-    double payload = never;  ///< [s] critical time step of a payload that is a body
+    double quiet =
+        infinity;  ///< [s] the longest, factor and all, in which lines do not ring (resonance_limit)
+    double payload = infinity;  ///< [s] critical time step of a payload that is a body
 };
 
 ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules);

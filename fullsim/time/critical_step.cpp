@@ -23,7 +23,6 @@ CriticalStep critical_step(const GershgorinSums& sums, const std::vector<double>
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
 constexpr int weight_iterations = 4;    // ten come within a per cent of the best
 constexpr double least_weight = 1e-3;   // rows that far from the largest have no say
 constexpr double much_more_mass = 0.5;  // of air and canopy, after which weights are renewed
@@ -33,10 +32,10 @@ std::vector<double> inertia_of(const State& state, const NodeConstants& c) {
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i)
         inertia[i] += c.share[i] * state.added_mass;
     // Neither the dummy nor the anchor of a static line is accelerated, and a body moves its places.
-    inertia.resize(c.first_static_line(), never);
+    inertia.resize(c.first_static_line(), infinity);
     if (const auto& line = c.static_line_mass; !line.empty()) {
         inertia.insert(inertia.end(), line.begin(), line.end());
-        inertia.back() = never;
+        inertia.back() = infinity;
     }
     return inertia;
 }
@@ -123,9 +122,9 @@ CriticalSteps critical_steps(const State& state, const NodeConstants& c, const F
         const bool is_canopy = static_cast<NodeIndex>(i) < c.canopy_nodes;
         if (on_lines(i) && !is_canopy) {
             pulled.damping[i] += canopy.damping[i];  // of loads
-            of_canopy[i] = never;
+            of_canopy[i] = infinity;
         }
-        if (!on_lines(i)) of_lines[i] = never;
+        if (!on_lines(i)) of_lines[i] = infinity;
     }
     CriticalSteps steps;
     steps.canopy = critical_step(canopy, of_canopy).dt;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace twinchute {
 
@@ -9,6 +10,7 @@ namespace twinchute {
 using Vec3 = Eigen::Vector3d;
 
 inline constexpr double pi = 3.14159265358979323846;
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// As those of Lanes: formulas that are templates call it so.
 inline double dot(const Vec3& a, const Vec3& b) {

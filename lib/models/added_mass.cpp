@@ -39,7 +39,7 @@ ValueAndRate porous(const AddedMassSpec& spec, double rho, ValueAndRate radius, 
     return {per_radius_cubed * square * radius.value, 3.0 * per_radius_cubed * square * radius.rate};
 }
 
-constexpr std::array<AddedMassModel, 3> models{{
+constexpr std::array<AddedMassModel, 3> added_masses{{
     {"hemisphere", "paper Eqs 16 and 18, k' = 0.25 (solid flat circular canopy)", hemisphere},
     {"half-ellipsoid", "paper 3.3 and Eq. 18; at a depth ratio of 0.5 it is the hemisphere", half_ellipsoid,
      true},
@@ -52,12 +52,12 @@ constexpr std::array<AddedMassModel, 3> models{{
 }  // namespace
 
 std::span<const AddedMassModel> added_mass_models() {
-    return models;
+    return added_masses;
 }
 
 const AddedMassModel* find_added_mass(std::string_view name) {
-    const auto row = std::ranges::find(models, name, &AddedMassModel::name);
-    return row == models.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(added_masses, name, &AddedMassModel::name);
+    return row == added_masses.end() ? nullptr : &*row;
 }
 
 }  // namespace twinchute

@@ -91,7 +91,7 @@ AirState table(const Atmosphere& choice, double altitude) {
     return air_of(dense ? value * gas_constant * temperature : value, temperature);
 }
 
-constexpr std::array<AtmosphereModel, 3> models{{
+constexpr std::array<AtmosphereModel, 3> atmospheres{{
     {"us76", "US Standard Atmosphere 1976 (NOAA-S/T 76-1562), hydrostatic part", -5000.0, 86000.0, us76},
     {"constant", "uniform density; viscosity of air at 288.15 K", -1e9, 1e9, constant, false},
     {"table", "measured levels; temperature and log pressure or density linear in altitude", -5000.0, 86000.0,
@@ -111,12 +111,12 @@ std::optional<double> Atmosphere::speed_of_sound(double altitude) const {
 }
 
 std::span<const AtmosphereModel> atmosphere_models() {
-    return models;
+    return atmospheres;
 }
 
 const AtmosphereModel* find_atmosphere(std::string_view name) {
-    const auto row = std::ranges::find(models, name, &AtmosphereModel::name);
-    return row == models.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(atmospheres, name, &AtmosphereModel::name);
+    return row == atmospheres.end() ? nullptr : &*row;
 }
 
 }  // namespace twinchute

@@ -44,16 +44,16 @@ double power_integral(double x, double eta) {
     return start * x + (x > 0.0 ? (1.0 - start) * std::pow(x, j + 1.0) / (j + 1.0) : 0.0);
 }
 
-constexpr std::string_view knacke =
+constexpr std::string_view knacke_powers =
     "Knacke NWC TP 6575, Fig. 5-51: (t/t_f)^j; here above the initial drag area";
 
 constexpr std::array<DragAreaLaw, 6> laws{{
     {"ludtke", "Ludtke's law for solid flat circular canopies, paper Eqs 14-15", ludtke, ludtke_integral},
-    {"power-0.5", knacke, power<1>, power_integral<1>},
-    {"power-1", knacke, power<2>, power_integral<2>},
-    {"power-2", knacke, power<4>, power_integral<4>},
+    {"power-0.5", knacke_powers, power<1>, power_integral<1>},
+    {"power-1", knacke_powers, power<2>, power_integral<2>},
+    {"power-2", knacke_powers, power<4>, power_integral<4>},
     {"power-3", "here: between Knacke's powers of 2 and 6", power<6>, power_integral<6>},
-    {"power-6", knacke, power<12>, power_integral<12>},
+    {"power-6", knacke_powers, power<12>, power_integral<12>},
 }};
 
 }  // namespace

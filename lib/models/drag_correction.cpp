@@ -63,7 +63,7 @@ DragFactor behind_third(double trailing) {  // D_p/D_B = 3
 }
 
 /// The figure has two curves; between them over the logarithm of the diameter, our assumption.
-DragFactor knacke(double trailing, double diameter) {
+DragFactor knacke_wake(double trailing, double diameter) {
     const DragFactor narrow = behind_equal(trailing), wide = behind_third(trailing);
     const double share = std::clamp(std::log(diameter) / std::log(3.0), 0.0, 1.0);
     const bool between = diameter >= 1.0 && diameter <= 3.0;
@@ -73,7 +73,7 @@ DragFactor knacke(double trailing, double diameter) {
 
 constexpr std::array<ForebodyWakeModel, 1> wakes{{
     {"knacke", "Knacke NWC TP 6575, Fig. 5-21, by one digitisation",
-     "D_p/D_B from 1 to 3, the skirt 1.15 to 17.9 body diameters behind", knacke},
+     "D_p/D_B from 1 to 3, the skirt 1.15 to 17.9 body diameters behind", knacke_wake},
 }};
 
 }  // namespace

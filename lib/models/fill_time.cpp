@@ -71,7 +71,7 @@ double given(const FillTime& choice, const FillTimeInputs&) {
     return choice.given;
 }
 
-constexpr std::array<FillTimeModel, 7> models{{
+constexpr std::array<FillTimeModel, 7> fill_times{{
     {"fill-constant", "paper Eq. 13; Knacke NWC TP 6575, Table 5-6", "subsonic, n of the canopy's type",
      fill_constant, false, true},
     {"knacke-0.85", "Knacke NWC TP 6575, solid flat circular canopies, by two transcriptions that agree",
@@ -89,12 +89,12 @@ constexpr std::array<FillTimeModel, 7> models{{
 }  // namespace
 
 std::span<const FillTimeModel> fill_time_models() {
-    return models;
+    return fill_times;
 }
 
 const FillTimeModel* find_fill_time(std::string_view name) {
-    const auto row = std::ranges::find(models, name, &FillTimeModel::name);
-    return row == models.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(fill_times, name, &FillTimeModel::name);
+    return row == fill_times.end() ? nullptr : &*row;
 }
 
 }  // namespace twinchute

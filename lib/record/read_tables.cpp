@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "lib/record/json_node.hpp"
 #include "lib/record/record_parts.hpp"
 
 namespace twinchute {
@@ -36,14 +37,6 @@ struct Cell {
         return plain;
     }
 };
-
-/// Foreign text in a message: short, and no control characters.
-std::string shown(std::string_view text) {
-    std::string clean(text.substr(0, 40));
-    std::ranges::replace_if(
-        clean, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-    return text.size() > 40 ? clean + "..." : clean;
-}
 
 /// Walks through the cells of a table (RFC 4180; lines end in LF or CR LF).
 class Cells {

@@ -6,7 +6,7 @@
 namespace twinchute {
 namespace {
 
-constexpr std::array<DeploymentRow, 7> rows{{
+constexpr std::array<DeploymentRow, 7> ways_to_deploy{{
     {"static-line", DeployBy::static_line, "a static line from the apex pays out and lets go at snatch"},
     {"free", DeployBy::free, "drag and inertia alone draw it out"},
     {"extraction", DeployBy::extraction, "a prescribed force pulls it out"},
@@ -19,11 +19,11 @@ constexpr std::array<DeploymentRow, 7> rows{{
 }  // namespace
 
 std::span<const DeploymentRow> deployment_rows() {
-    return rows;
+    return ways_to_deploy;
 }
 
 std::string_view deployment_name(DeployBy by) {
-    return std::ranges::find(rows, by, &DeploymentRow::by)->name;
+    return std::ranges::find(ways_to_deploy, by, &DeploymentRow::by)->name;
 }
 
 double ForceHistory::at(double t) const {

@@ -12,8 +12,6 @@
 namespace twinchute {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// A time that has come, to round-off.
 bool is_due(double due, double time) {
     return std::isfinite(due) && due - time <= 64.0 * std::numeric_limits<double>::epsilon() * std::abs(due);

@@ -24,11 +24,9 @@
 #include "lib/solve/dense_output.hpp"
 
 namespace twinchute {
-namespace {
-
 /// SUNDIALS offers the same calls three times: for explicit and for implicit Runge-Kutta methods, and for
 /// multistep ones, which have no fixed steps (null here).
-struct Calls {
+struct SundialsCalls {
     decltype(&ERKStepFree) free;
     decltype(&ERKStepSetErrHandlerFn) set_error_handler;
     decltype(&ERKStepSetUserData) set_user_data;
@@ -46,16 +44,18 @@ struct Calls {
     decltype(&ERKStepGetNumSteps) steps;
 };
 
+namespace {
+
 #define TWINCHUTE_ARKODE_CALLS(step)                                                                    \
     {                                                                                                   \
         step##Free, step##SetErrHandlerFn, step##SetUserData, step##SVtolerances, step##SetMaxNumSteps, \
             step##Reset, step##SetInitStep, step##SetStopTime, step##SetFixedStep, step##SetMaxStep,    \
             step##Evolve, step##GetLastStep, step##GetCurrentTime, step##GetDky, step##GetNumSteps      \
     }
-constexpr Calls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
-constexpr Calls implicit_calls = TWINCHUTE_ARKODE_CALLS(ARKStep);
+constexpr SundialsCalls explicit_calls = TWINCHUTE_ARKODE_CALLS(ERKStep);
+constexpr SundialsCalls implicit_calls = TWINCHUTE_ARKODE_CALLS(ARKStep);
 #undef TWINCHUTE_ARKODE_CALLS
-constexpr Calls multistep_calls = {
+constexpr SundialsCalls multistep_calls = {
     CVodeFree,   CVodeSetErrHandlerFn, CVodeSetUserData,    CVodeSVtolerances, CVodeSetMaxNumSteps,
     CVodeReInit, CVodeSetInitStep,     CVodeSetStopTime,    nullptr,           CVodeSetMaxStep,
     CVode,       CVodeGetLastStep,     CVodeGetCurrentTime, CVodeGetDky,       CVodeGetNumSteps};
@@ -66,7 +66,7 @@ struct MethodRow {
     int number;  ///< of ARKODE's table, or of CVODE's family
 };
 
-constexpr std::array<MethodRow, 9> rows{{
+constexpr std::array<MethodRow, 9> method_rows{{
     {{"heun-euler", 2, false, false, "ARKODE HEUN_EULER_2_1_2"}, ARKODE_HEUN_EULER_2_1_2},
     {{"bogacki-shampine", 3, false, false, "ARKODE BOGACKI_SHAMPINE_4_2_3"}, ARKODE_BOGACKI_SHAMPINE_4_2_3},
     {{"zonneveld", 4, false, false, "ARKODE ZONNEVELD_5_3_4"}, ARKODE_ZONNEVELD_5_3_4},
@@ -79,8 +79,8 @@ constexpr std::array<MethodRow, 9> rows{{
 }};
 
 constexpr auto methods = [] {
-    std::array<OdeMethod, rows.size()> list{};
-    std::ranges::transform(rows, list.begin(), &MethodRow::method);
+    std::array<OdeMethod, method_rows.size()> list{};
+    std::ranges::transform(method_rows, list.begin(), &MethodRow::method);
     return list;
 }();
 constexpr auto explicit_count =
@@ -126,7 +126,7 @@ struct OdeSolver::Impl {
     SUNLinearSolver linear_solver = nullptr;
     SUNNonlinearSolver iteration = nullptr;
     bool implicit = false, multistep = false;
-    Calls calls = explicit_calls;
+    SundialsCalls calls = explicit_calls;
     void* memory = nullptr;
     Rhs rhs;
     int order = 1;  // of the step's start
@@ -397,8 +397,10 @@ OdeSolver::OdeSolver(const OdeMethod& method, Rhs rhs, double t0, std::span<cons
     std::ranges::copy(y0, values(s.y).begin());
     std::ranges::copy(atol, values(s.atol).begin());
 
-    const auto row = std::ranges::find(rows, method.name, [](const MethodRow& r) { return r.method.name; });
-    if (row == rows.end()) throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
+    const auto row =
+        std::ranges::find(method_rows, method.name, [](const MethodRow& r) { return r.method.name; });
+    if (row == method_rows.end())
+        throw std::invalid_argument(fmt::format("unknown method '{}'", method.name));
     s.create(*row, t0);
     s.require(s.calls.set_error_handler(s.memory, &Impl::keep_message, &s), "SetErrHandlerFn");
     s.require(s.calls.set_user_data(s.memory, &s), "SetUserData");

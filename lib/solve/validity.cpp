@@ -13,8 +13,6 @@
 namespace twinchute {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 bool always(const Scene&, const Parachute&) {
     return true;
 }
@@ -26,7 +24,7 @@ bool fills_by_speed(const Scene&, const Parachute& p) {
 }
 
 // clang-format off
-constexpr std::array rows{
+constexpr std::array correlations{
     CorrelationRow{"one drag area at all speeds", RangedQuantity::mach_number, 0.0, 0.5,
                    "stagnation pressure (1 + M^2/4 + ...) q, 6 % above q at 0.5: derived here",
                    KeyUser::both, true, [](const Scene&, const Parachute& p) { return !p.drag_area_mach_table; }},
@@ -173,7 +171,7 @@ public:
 
     void judge(RangedQuantity quantity, double value, bool of_parachute) {
         std::string beyond;
-        for (const CorrelationRow& row : rows) {
+        for (const CorrelationRow& row : correlations) {
             const bool asked = row.quantity == quantity && row.of_parachute == of_parachute &&
                                (row.user == KeyUser::both || user_name(row.user) == record_.fidelity);
             if (!asked || !row.used(scene_, chute_)) continue;
@@ -202,7 +200,7 @@ private:
 }  // namespace
 
 std::span<const CorrelationRow> correlation_rows() {
-    return rows;
+    return correlations;
 }
 
 void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& result) {

@@ -6,6 +6,8 @@
 
 namespace twinchute::test {
 
+inline constexpr double g = standard_gravity;  ///< [m/s^2]
+
 inline RunRecord run_rom(const Scene& scene) {
     Run control;
     return rom::run_rom(scene, control);

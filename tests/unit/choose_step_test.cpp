@@ -192,13 +192,13 @@ TEST(StepToFirstImpact, HalvesTheSlackInTwentySteps) {
     // An edge that lacks 0.4 of its length and lengthens by twice its length a second.
     EXPECT_DOUBLE_EQ(20.0 * 2.0 * step_to_first_impact(-0.4, 2.0), 0.2);
     EXPECT_DOUBLE_EQ(2.0 * step_to_first_impact(-0.01, 2.0), 0.005);
-    EXPECT_EQ(step_to_first_impact(0.01, 2.0), StepRules::never);
-    EXPECT_EQ(step_to_first_impact(-0.4, -1.0), StepRules::never);
+    EXPECT_EQ(step_to_first_impact(0.01, 2.0), infinity);
+    EXPECT_EQ(step_to_first_impact(-0.4, -1.0), infinity);
 }
 
 TEST(StepInImpacts, IsOneInWhichNothingOvershootsByMoreThanAFifthOfAPerCent) {
     EXPECT_DOUBLE_EQ(500.0 * step_in_impacts(500.0), 0.002);
-    EXPECT_EQ(step_in_impacts(0.0), StepRules::never);
+    EXPECT_EQ(step_in_impacts(0.0), infinity);
 }
 
 TEST(CostOf, IsThatOfAStepAndAnEighthForEachFurtherSubstep) {

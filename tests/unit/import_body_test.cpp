@@ -106,14 +106,14 @@ TEST(ImportBody, IsDrawnWhicheverEndOfARiserIsNamedFirst) {
         EXPECT_LE(i, mesh.payload());
 }
 
-struct Mistake {
+struct BodyMistake {
     const char* what;
     std::function<void(MeshSketch&)> make;
     const char* at;  // the element's line begins so
     std::vector<std::string> words;
 };
 
-const Mistake mistakes[] = {
+const BodyMistake body_mistakes[] = {
     {"inverted",
      [](auto& s) {
          s.element(62).nodes = {84, 82, 81, 83};
@@ -165,7 +165,7 @@ void expect_refused(const MeshSketch& sketch, const char* at, const std::vector<
 }
 
 TEST(ImportBody, RefusesEveryMistakeWithItsElement) {
-    for (const Mistake& mistake : mistakes) {
+    for (const BodyMistake& mistake : body_mistakes) {
         SCOPED_TRACE(mistake.what);
         MeshSketch sketch = sketch_with_body();
         mistake.make(sketch);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RunRecord small_record() {
+RunRecord record_of_one_row() {
     RunRecord record;
     record.fidelity = "rom";
     record.channels = {{"time", "s", {0, 0.1}},
@@ -45,14 +45,14 @@ private:
 
 TEST(RecordCsv, FirstLineNamesSecondLineUnitsThenRows) {
     // 1/3 in the shortest digits that read back; the NaN is an empty field.
-    EXPECT_EQ(history_csv(small_record()), "time,share\ns,1\n0,0.3333333333333333\n0.1,\n");
-    EXPECT_EQ(events_csv(small_record()),
+    EXPECT_EQ(history_csv(record_of_one_row()), "time,share\ns,1\n0,0.3333333333333333\n0.1,\n");
+    EXPECT_EQ(events_csv(record_of_one_row()),
               "name,time,altitude,speed\n-,s,m,m/s\n\"full, open \"\"main\"\"\",1.5,270,18\n");
 }
 
 TEST(RecordFiles, WritesThreeFilesAndLeavesNoTemporaryOnes) {
     const ScratchDir scratch;
-    write_record(small_record(), scratch / "a/b");
+    write_record(record_of_one_row(), scratch / "a/b");
     EXPECT_EQ(tree_of(scratch.path()),
               (std::set<std::string>{"a", "a/b", "a/b/history.csv", "a/b/events.csv", "a/b/summary.json"}));
 }
@@ -60,24 +60,24 @@ TEST(RecordFiles, WritesThreeFilesAndLeavesNoTemporaryOnes) {
 TEST(RecordFiles, ReplacesAnEarlierRecord) {
     const ScratchDir scratch;
     scratch.write("summary.json", "old");
-    write_record(small_record(), scratch.path());
+    write_record(record_of_one_row(), scratch.path());
     EXPECT_EQ(content_of(scratch / "summary.json").substr(0, 1), "{");
 }
 
 TEST(RecordFiles, AFileInTheWayIsAWriteError) {
     const ScratchDir scratch;
     scratch.write("file", "not a directory");
-    EXPECT_THROW(write_record(small_record(), scratch / "file/out"), WriteError);
+    EXPECT_THROW(write_record(record_of_one_row(), scratch / "file/out"), WriteError);
     EXPECT_EQ(tree_of(scratch.path()), (std::set<std::string>{"file"}));
 }
 
 TEST(RecordFiles, AFullDeviceLeavesEarlierResultsUntouched) {
     const ScratchDir scratch;
-    write_record(small_record(), scratch.path());
+    write_record(record_of_one_row(), scratch.path());
     const std::string before = content_of(scratch / "summary.json");
     const auto names = tree_of(scratch.path());
 
-    RunRecord larger = small_record();
+    RunRecord larger = record_of_one_row();
     larger.scene.name = std::string(5000, 'x');  // history and events fit, the summary does not
     {
         const FileSizeLimit limit(4000);
@@ -124,13 +124,13 @@ TEST(RecordFiles, ADirectoryUnderTheNameOfAFileIsFoundBeforeAnythingChanges) {
     const ScratchDir scratch;
     scratch.write("history.csv", "old");
     fs::create_directory(scratch / "summary.json");
-    EXPECT_THROW(write_record(small_record(), scratch.path()), WriteError);
+    EXPECT_THROW(write_record(record_of_one_row(), scratch.path()), WriteError);
     EXPECT_EQ(content_of(scratch / "history.csv"), "old");
 
     const ScratchDir other;
     other.write("summary.json", "old");
     fs::create_directory(other / "history.csv");
-    EXPECT_THROW(write_record(small_record(), other.path()), WriteError);
+    EXPECT_THROW(write_record(record_of_one_row(), other.path()), WriteError);
     EXPECT_EQ(content_of(other / "summary.json"), "old");
 }
 

@@ -21,7 +21,7 @@ std::set<std::string> keys_of(const json& object) {
     return keys;
 }
 
-RunRecord small_record() {
+RunRecord record_to_write() {
     RunRecord record;
     record.scene = {"a scene", "a.toml", "ff"};
     record.fidelity = "rom";
@@ -35,7 +35,7 @@ RunRecord small_record() {
 }
 
 TEST(RecordJson, HasTheTopLevelKeysOfTheContract) {
-    const json summary = json::parse(summary_json(small_record()));
+    const json summary = json::parse(summary_json(record_to_write()));
     EXPECT_EQ(keys_of(summary),
               (std::set<std::string>{"generator", "schema", "scene", "inputs", "fidelity", "status",
                                      "metrics", "standing", "cost", "warnings", "left_out", "provenance"}));
@@ -49,26 +49,26 @@ TEST(RecordJson, HasTheTopLevelKeysOfTheContract) {
 }
 
 TEST(RecordJson, NumbersReadBackToTheSameBits) {
-    const json summary = json::parse(summary_json(small_record()));
+    const json summary = json::parse(summary_json(record_to_write()));
     // 0.1 + 0.2 is the classic: 0.3 in 15 digits, 0.30000000000000004 in 17.
     EXPECT_EQ(summary["metrics"]["peak_force_N"].get<double>(), 0.1 + 0.2);
     EXPECT_NE(summary["metrics"]["peak_force_N"].get<double>(), 0.3);
 }
 
 TEST(RecordJson, InputsSayValueUnitAndOrigin) {
-    const json inputs = json::parse(summary_json(small_record()))["inputs"];
+    const json inputs = json::parse(summary_json(record_to_write()))["inputs"];
     EXPECT_EQ(inputs["payload.mass"], (json{{"value", 152.4}, {"unit", "kg"}, {"origin", "given"}}));
     EXPECT_EQ(inputs["parachute.fill_time.model"],
               (json{{"value", "fill-constant"}, {"origin", "default"}, {"source", "a book"}}));
 }
 
 TEST(RecordJson, SaysWhatIsInputAndWhatIsResult) {
-    const json standing = json::parse(summary_json(small_record()))["standing"];
+    const json standing = json::parse(summary_json(record_to_write()))["standing"];
     EXPECT_EQ(standing["peak_force_N"], (json{{"input_or_result", "mixed"}, {"note", "n is an input"}}));
 }
 
 TEST(RecordJson, PhysicsLeftOutHasNoKey) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_write();
     EXPECT_FALSE(json::parse(summary_json(record)).contains("energy"));
     record.energy = EnergyLedger{.kinetic = 1, .gravity_work = 3, .drag_work = -2, .residual_fraction = 0};
     const json summary = json::parse(summary_json(record));
@@ -86,7 +86,7 @@ TEST(RecordJson, PhysicsLeftOutHasNoKey) {
 }
 
 TEST(RecordJson, NeverWritesWhatIsNotFinite) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_write();
     record.add_metric("impulse_N_s", std::numeric_limits<double>::quiet_NaN());
     record.add_metric("load_factor", std::numeric_limits<double>::infinity());
     const std::string text = summary_json(record);
@@ -102,7 +102,7 @@ TEST(RecordJson, NeverWritesWhatIsNotFinite) {
 }
 
 TEST(RecordJson, SurvivesHostileText) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_write();
     record.scene.name = "a \"quoted\" \\ name\n\x1b[31m";
     record.scene.file = "not utf-8 \xff.toml";
     const json summary = json::parse(summary_json(record));

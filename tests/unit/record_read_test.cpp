@@ -31,7 +31,7 @@ RunRecord read_back(const RunRecord& record) {
     return read_record_text(summary_json(record), history_csv(record), events_csv(record));
 }
 
-RunRecord small_record() {
+RunRecord record_to_read() {
     RunRecord record = compare::synthetic_record("rom", 4800, 1.45, 4e-4);
     for (Channel& channel : record.channels)
         channel.values.resize(3);
@@ -72,7 +72,7 @@ TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
 }
 
 TEST(RecordRead, HardNumbersComeBackToTheLastBit) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_read();
     record.channels = {{"x", "m", hard}};
     for (std::size_t i = 0; i < hard.size(); ++i) {
         record.add_metric("metric_" + std::to_string(i), hard[i]);
@@ -85,7 +85,7 @@ TEST(RecordRead, HardNumbersComeBackToTheLastBit) {
 }
 
 TEST(RecordRead, EveryStatusComesBack) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_read();
     for (int code = 0; code <= static_cast<int>(StatusCode::time_limit); ++code) {
         record.status.code = static_cast<StatusCode>(code);
         EXPECT_EQ(record_difference(record, read_back(record)), "") << code;
@@ -102,7 +102,7 @@ TEST(RecordRead, NothingButTheNamesOfColumnsIsARecordToo) {
 }
 
 TEST(RecordRead, WhatCannotBeWrittenComesBackAsWritten) {
-    RunRecord record = small_record();
+    RunRecord record = record_to_read();
     record.add_metric("impulse_N_s", not_a_number);
     record.add_metric("load_factor", 3);
     record.add_metric("max_force_N", infinite);
@@ -166,23 +166,23 @@ std::string complaint(const std::string& summary, const std::string& history, co
 }
 
 std::string complaint_of_summary(const std::string& summary) {
-    return complaint(summary, history_csv(small_record()), events_csv(small_record()));
+    return complaint(summary, history_csv(record_to_read()), events_csv(record_to_read()));
 }
 std::string complaint_of_history(const std::string& history) {
-    return complaint(summary_json(small_record()), history, events_csv(small_record()));
+    return complaint(summary_json(record_to_read()), history, events_csv(record_to_read()));
 }
 std::string complaint_of_events(const std::string& events) {
-    return complaint(summary_json(small_record()), history_csv(small_record()), events);
+    return complaint(summary_json(record_to_read()), history_csv(record_to_read()), events);
 }
 
 /// The complaint about a summary in which the value at a pointer is another one.
 std::string complaint_with(const std::string& pointer, const ordered_json& value) {
-    ordered_json json = ordered_json::parse(summary_json(small_record()));
+    ordered_json json = ordered_json::parse(summary_json(record_to_read()));
     json[ordered_json::json_pointer(pointer)] = value;
     return complaint_of_summary(json.dump());
 }
 std::string complaint_without(const std::string& parent, const std::string& key) {
-    ordered_json json = ordered_json::parse(summary_json(small_record()));
+    ordered_json json = ordered_json::parse(summary_json(record_to_read()));
     json[ordered_json::json_pointer(parent)].erase(key);
     return complaint_of_summary(json.dump());
 }
@@ -192,14 +192,14 @@ bool has(const std::string& text, std::string_view part) {
 }
 
 TEST(RecordRead, KeysAndColumnsOfLaterVersionsAreSkipped) {
-    ordered_json json = ordered_json::parse(summary_json(small_record()));
+    ordered_json json = ordered_json::parse(summary_json(record_to_read()));
     const std::vector<std::string> objects{"",        "/scene", "/inputs/payload.mass",   "/status",
                                            "/energy", "/cost",  "/standing/peak_force_N", "/provenance"};
     for (const std::string& object : objects)
         json[ordered_json::json_pointer(object + "/later")] = {{"a", {1, nullptr, "b"}}};
     json["left_out"].push_back({{"what", "a"}, {"why", "b"}, {"later", true}});
     json["standing"]["of_no_metric"] = 1;
-    RunRecord wanted = small_record();
+    RunRecord wanted = record_to_read();
     wanted.left_out.push_back({"a", "b"});
     wanted.events = {{"snatch", 1, 2, 3}};
     const RunRecord read =
@@ -209,7 +209,7 @@ TEST(RecordRead, KeysAndColumnsOfLaterVersionsAreSkipped) {
 }
 
 TEST(RecordRead, LinesMayEndAsOnOtherSystems) {
-    RunRecord wanted = small_record();
+    RunRecord wanted = record_to_read();
     std::string history, events;
     for (const char c : history_csv(wanted))
         history += c == '\n' ? std::string("\r\n") : std::string(1, c);
@@ -257,7 +257,7 @@ TEST(RecordRead, WhatIsNotJsonIsRefusedWithLineAndColumn) {
     EXPECT_TRUE(has(complaint_of_summary("{\"a\": \"\xff\"}"), "is not JSON"));
     EXPECT_TRUE(has(complaint_of_summary("{\"a\": NaN}"), "is not JSON"));
     EXPECT_TRUE(has(complaint_of_summary("{\"a\": 1e999}"), "a number that is not finite"));
-    const std::string whole = summary_json(small_record());
+    const std::string whole = summary_json(record_to_read());
     for (std::size_t length = 0; length + 1 < whole.size(); length += 7)
         EXPECT_TRUE(has(complaint_of_summary(whole.substr(0, length)), "is not JSON")) << length;
 }
@@ -323,7 +323,7 @@ TEST(RecordRead, BrokenEventsAreRefusedWithLineAndColumn) {
 }
 
 TEST(RecordRead, ATableThatIsCutOffAnywhereIsRefusedOrShorterByWholeLines) {
-    const std::string whole = history_csv(small_record());
+    const std::string whole = history_csv(record_to_read());
     for (std::size_t length = 0; length < whole.size(); ++length) {
         const std::string cut = whole.substr(0, length);
         const bool two_lines = std::ranges::count(cut, '\n') >= 2;
@@ -336,7 +336,7 @@ TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     ShapeFrames frames{3, 0, {{0, 1, 2}}, {}, {}};
     frames.frames.push_back(quantised(0.5, std::vector<double>{0, 0, 1, 2, 0, 1, 0, 2, 1}, std::vector{7.0},
                                       {FabricFolds::taut}));
-    const auto whole = [&] { write_record(small_record(), scratch / "r", frames); };
+    const auto whole = [&] { write_record(record_to_read(), scratch / "r", frames); };
     const auto says = [&] {
         try {
             read_record(scratch / "r");
@@ -398,7 +398,7 @@ TEST(RecordRead, ADirectoryWithoutSummaryIsNotARecord) {
     };
     EXPECT_TRUE(has(says(scratch.path()), "is not a record (there is no summary.json in it), name"));
     EXPECT_TRUE(has(says(scratch / "none"), "no such directory, check the path"));
-    write_record(small_record(), scratch / "r");
+    write_record(record_to_read(), scratch / "r");
     EXPECT_EQ(says(scratch / "r"), "");
     EXPECT_TRUE(has(says(scratch / "r/summary.json"), "is not a directory"));
     std::filesystem::remove(scratch / "r/history.csv");

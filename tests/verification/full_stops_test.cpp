@@ -14,7 +14,7 @@ namespace {
 
 using test::run_full;
 
-Scene coarse_scene() {
+Scene coarse_opening() {
     Scene scene = test::c9_scene();
     scene.full.mesh = {1, 9, 8, 2};
     scene.stop = {Trigger::Kind::time, 1.0, 0.0};
@@ -30,7 +30,7 @@ void expect_finite(const RunRecord& record) {
 TEST(FullStops, AStepAboveTheLimitIsNamedAndItsNumbersAreDropped) {
     // The bound is 0.5 to 1 of the true limit, so four times the bound is at least twice the limit of
     // the open canopy; the slack one of the first tenths of a second can bear it.
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.full.time_step_factor = 4.0;
     const RunRecord record = run_full(scene);
     EXPECT_TRUE(is_numerical_failure(record.status.code)) << status_name(record.status.code);
@@ -42,7 +42,7 @@ TEST(FullStops, AStepAboveTheLimitIsNamedAndItsNumbersAreDropped) {
 }
 
 TEST(FullStops, NotANumberIsCaughtWithItsPlace) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.full.time_step_factor = 4.0;
     scene.full.strain_limit = 1e300;  // nothing else may catch it first but the ledger
     const RunRecord record = run_full(scene);
@@ -52,7 +52,7 @@ TEST(FullStops, NotANumberIsCaughtWithItsPlace) {
 }
 
 TEST(FullStops, StrainLimitNamesTheElement) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.full.strain_limit = 0.005;  // lines reach 1.4 % at the peak
     scene.stop = {Trigger::Kind::time, 2.0, 0.0};
     const RunRecord record = run_full(scene);
@@ -68,7 +68,7 @@ TEST(FullStops, AnOpenCanopyAtRestIsNoFault) {
     // positions, 1e-24 J. It falls as v_e tanh(g t/v_e), v_e^2 = 2 m g/(rho C_D S), m of payload and
     // parachute. Tolerance: what the mesh may weigh more or less than parachute.mass before a run warns, and
     // the bounce on the lines.
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.release.speed = 0.0;
     scene.parachutes.front().deploy.by = DeployBy::inflated;
     scene.aerodynamics.added_mass.reset();
@@ -82,13 +82,13 @@ TEST(FullStops, AnOpenCanopyAtRestIsNoFault) {
 TEST(FullStops, AStopRequestEndsCleanly) {
     std::stop_source source;
     source.request_stop();
-    const RunRecord record = run_full(coarse_scene(), source.get_token());
+    const RunRecord record = run_full(coarse_opening(), source.get_token());
     EXPECT_EQ(record.status.code, StatusCode::interrupted);
     EXPECT_LT(record.cost.steps, 60);
 }
 
 TEST(FullStops, GroundComesFirst) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.release.altitude = 10.0;
     const RunRecord record = run_full(scene);
     EXPECT_EQ(record.status.code, StatusCode::stopped_by_event);
@@ -99,7 +99,7 @@ TEST(FullStops, GroundComesFirst) {
 }
 
 TEST(FullStops, EventsComeExactlyAtTheirTimes) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.stop = {Trigger::Kind::time, 1.8, 0.0};
     const RunRecord record = run_full(scene);
     const double speed = 21.0;
@@ -111,7 +111,7 @@ TEST(FullStops, EventsComeExactlyAtTheirTimes) {
 
 TEST(FullStops, StepsEndOnTheKinksOfATable) {
     // A row of the history at every step: those at 1/4, 1 and 5/4 of the filling are there to the bit.
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     Parachute& chute = scene.parachutes.front();
     chute.drag_area_table.emplace("t.csv", std::vector<double>{0.0, 0.25, 0.25, 1.0, 1.0, 1.25, 1.25, 1.5},
                                   std::vector<double>{0.04, 0.1, 0.1, 1.0, 1.0, 1.2, 1.2, 1.0});
@@ -131,7 +131,7 @@ TEST(FullStops, StepsEndOnTheKinksOfATable) {
 }
 
 TEST(FullStops, ZeroStrengthPhysicsEqualsAbsentPhysics) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.stop = {Trigger::Kind::time, 0.3, 0.0};
     scene.aerodynamics.breathing_damping = 0.0;
     scene.payload.drag_area = 0.0;
@@ -186,7 +186,7 @@ constexpr Vanishing vanishing[] = {
 
 TEST(FullStops, EachPieceThatVanishesEqualsItsAbsence) {
     for (const Vanishing& piece : vanishing) {
-        Scene with = piece.packed ? test::packed_c9(DeployBy::static_line) : coarse_scene();
+        Scene with = piece.packed ? test::packed_c9(DeployBy::static_line) : coarse_opening();
         // A pack without folds' resistance ends at 46 ms, by its ledger.
         with.stop = {Trigger::Kind::time, piece.packed ? 0.02 : 0.1, 0.0};
         Scene without = with;
@@ -208,7 +208,7 @@ TEST(FullStops, EachPieceThatVanishesEqualsItsAbsence) {
 }
 
 TEST(FullStops, ABadMassIsSaid) {
-    Scene scene = coarse_scene();
+    Scene scene = coarse_opening();
     scene.stop = {Trigger::Kind::time, 0.01, 0.0};
     scene.parachutes.front().mass = 6.0;
     const RunRecord record = run_full(scene);
@@ -219,14 +219,14 @@ TEST(FullStops, ABadMassIsSaid) {
 }
 
 /// A line-stretch start that is quick to run.
-Scene coarse() {
+Scene coarse_stop() {
     Scene scene = test::c9_scene();
     scene.full.mesh = {1, 6, 10, 2};
     return scene;
 }
 
 TEST(Stops, AtAnAltitude) {
-    Scene scene = coarse();
+    Scene scene = coarse_stop();
     scene.stop = {Trigger::Kind::altitude, 280.0, 0.0};
     const RunRecord rom = test::run_rom(scene), full = test::run_full(scene);
     for (const RunRecord* r : {&rom, &full}) {
@@ -244,7 +244,7 @@ TEST(Stops, AtAnAltitude) {
 }
 
 TEST(Stops, AtLineStretchAndAtFullOpen) {
-    Scene scene = coarse();
+    Scene scene = coarse_stop();
     const double filling = 4.0 * 8.53 / 21.0;
     scene.stop = {Trigger::Kind::full_open, 0.0, 0.1};
     for (const RunRecord& r : {test::run_rom(scene), test::run_full(scene)}) {

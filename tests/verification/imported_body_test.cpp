@@ -37,7 +37,7 @@ std::string exported(const Scene& scene, GmshVersion version = GmshVersion::v4_1
     return gmsh_text(mesh, version, scene.name);
 }
 
-Scene with_mesh(Scene scene, const ScratchDir& directory, const std::string& text) {
+Scene with_body_mesh(Scene scene, const ScratchDir& directory, const std::string& text) {
     directory.write("own.msh", text);
     scene.parachutes.front().mesh = MeshFile{"own.msh", directory.path() / "own.msh"};
     scene.payload.body->shape = PayloadBody::Shape::mesh;
@@ -56,7 +56,8 @@ TEST(ImportedBody, IsTheOneThatWasWritten) {
                 const Scene scene = scene_with(shape, risers);
                 Mesh made = built_mesh(scene);
                 attach_payload(scene, made, Hang::as_made);
-                const Mesh read = import_mesh(with_mesh(scene, directory, exported(scene, version))).mesh;
+                const Mesh read =
+                    import_mesh(with_body_mesh(scene, directory, exported(scene, version))).mesh;
                 const Eigen::Matrix3d& inertia = made.body->lumped.inertia;
                 EXPECT_NEAR(read.body->lumped.volume, made.body->lumped.volume, 1e-13);
                 EXPECT_LT((read.body->lumped.inertia - inertia).norm(), 1e-13 * inertia.norm());
@@ -75,7 +76,7 @@ TEST(ImportedBody, StartsAndFliesAsTheOneThatWasWritten) {
     for (const PayloadBody& shape : shapes) {
         Scene scene = scene_with(shape, 4);
         scene.release.path_angle = 1.0;
-        const Scene read = with_mesh(scene, directory, exported(scene));
+        const Scene read = with_body_mesh(scene, directory, exported(scene));
         for (const DeployBy by : {DeployBy::line_stretch, DeployBy::inflated, DeployBy::free}) {
             const auto start = [&](Scene s) {
                 s.parachutes.front().deploy.by = by;

@@ -14,7 +14,6 @@ namespace {
 
 using namespace test;
 
-constexpr double g = standard_gravity;
 constexpr double lines = 7.31 + 1.22;                  // [m] and risers
 constexpr double crane_length = 12.2 + lines + 4.265;  // [m] 24.995: static line, lines, risers, D0/2
 constexpr double payload = 152.4, parachute = 5.19;    // [kg]

@@ -11,10 +11,11 @@
 namespace twinchute {
 namespace {
 
+using test::g;
 using test::last;
 using test::run_rom;
 
-constexpr double g = standard_gravity, mass = 152.4 + 5.19, drag_area = 42.56;
+constexpr double mass = 152.4 + 5.19, drag_area = 42.56;
 
 /// An open C-9 to the ground, without added mass; `height` [m] above it.
 Scene open_canopy(double height, double speed) {

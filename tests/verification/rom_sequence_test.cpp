@@ -19,8 +19,6 @@ namespace {
 
 using namespace test;
 
-constexpr double g = standard_gravity;
-
 double metric(const RunRecord& record, const std::string& key) {
     const auto value = record.metric(key);
     EXPECT_TRUE(value) << key << ", " << record.status.detail;

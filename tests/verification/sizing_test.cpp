@@ -11,6 +11,7 @@
 #include "lib/scene/write_scene.hpp"
 #include "rom/run_rom.hpp"
 #include "rom/size/size.hpp"
+#include "tests/support/runs.hpp"
 #include "tests/unit/scene_text.hpp"
 
 namespace twinchute::test {
@@ -19,7 +20,7 @@ namespace {
 using rom::Candidate;
 using rom::Sized;
 
-constexpr double g = 9.80665, density = 1.2;
+constexpr double density = 1.2;
 
 /// Straight down in uniform air, long enough for the descent to be steady to the last digit asked for.
 const std::string falling = R"(schema = 1

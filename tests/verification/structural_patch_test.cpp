@@ -18,18 +18,18 @@ using fullsim::NodeIndex;
 using fullsim::PlaneTensor;
 
 constexpr int count = 6;
-constexpr double side = 2.0;  // [m]
+constexpr double patch_side = 2.0;  // [m]
 
 /// A square of count x count panels in the plane z = 0, its inner nodes moved by up to a third of a panel.
 Mesh irregular_square() {
     Mesh mesh;
     mesh.fabric = {"fabric", 533.0, 4.3e8, 0.3, 1e-4};
     std::mt19937 generator(5);
-    std::uniform_real_distribution<double> shift(-0.33 * side / count, 0.33 * side / count);
+    std::uniform_real_distribution<double> shift(-0.33 * patch_side / count, 0.33 * patch_side / count);
     const auto node = [](int i, int j) { return static_cast<NodeIndex>(j * (count + 1) + i); };
     for (int j = 0; j <= count; ++j)
         for (int i = 0; i <= count; ++i) {
-            mesh.position.emplace_back(side * i / count, side * j / count, 0.0);
+            mesh.position.emplace_back(patch_side * i / count, patch_side * j / count, 0.0);
             if (i > 0 && i < count && j > 0 && j < count)
                 mesh.position.back() += Vec3(shift(generator), shift(generator), 0.0);
         }
@@ -46,7 +46,7 @@ Mesh irregular_square() {
 }
 
 bool on_border(const Vec3& x) {
-    return std::min(x.x(), x.y()) < 1e-9 || std::max(x.x(), x.y()) > side - 1e-9;
+    return std::min(x.x(), x.y()) < 1e-9 || std::max(x.x(), x.y()) > patch_side - 1e-9;
 }
 
 /// The affine motion of a test: stretch in the plane, then a turn and a shift in space.
@@ -68,14 +68,14 @@ Motion motion(double xx, double yy, double xy) {
 
 /// [N] that the border of a sheet under the uniform stress resultant `n` pulls with at x = side.
 Vec3 pull_on_right_side(const Motion& m, const PlaneTensor& n) {
-    return m.turn * (m.stretch * Vec3(n.xx, n.xy, 0.0)) * side;
+    return m.turn * (m.stretch * Vec3(n.xx, n.xy, 0.0)) * patch_side;
 }
 
 /// [N] that the held nodes at x = side feel.
 Vec3 reaction_on_right_side(const test::Structure& sheet) {
     Vec3 sum = Vec3::Zero();
     for (NodeIndex i = 0; i < sheet.mesh().node_count(); ++i)
-        if (sheet.mesh().position[i].x() > side - 1e-9) sum += sheet.reaction(i);
+        if (sheet.mesh().position[i].x() > patch_side - 1e-9) sum += sheet.reaction(i);
     return sum;
 }
 
@@ -133,7 +133,7 @@ TEST(StructuralPatch, WrinklesUniformlyInUniaxialTension) {
         EXPECT_NEAR(stress.yy, 0.0, 1e-9);
         for (NodeIndex i = 0; i < sheet.mesh().node_count(); ++i) {
             sheet.state.node[i].x = fullsim::to_lanes(m(sheet.mesh().position[i]));
-            if (sheet.mesh().position[i].x() < 1e-9 || sheet.mesh().position[i].x() > side - 1e-9)
+            if (sheet.mesh().position[i].x() < 1e-9 || sheet.mesh().position[i].x() > patch_side - 1e-9)
                 sheet.hold(i);
         }
         const auto relaxed = sheet.relax(1e-9, 1);
