@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "fullsim/canopy/canopy_geometry.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
-#include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
@@ -39,7 +39,8 @@ constexpr std::string_view vtk_file = ".vtu", gmsh_file = ".msh";
 /// For Gmsh: the parachute as it is made.
 View view_for_gmsh(const Scene& scene, const fs::path& file) {
     const Parachute& chute = scene.parachutes.front();
-    const double reach = gore_pattern(chute).skirt_radius;
+    const GoreOutline outline = canopy_geometry(chute).outline(chute);
+    const double reach = outline.seam_point(outline.skirt).radius;
     if (!chute.mesh && chute.line_length <= reach)
         throw UsageError(
             fmt::format("{}: the parachute cannot be laid flat for Gmsh (lines of {:g} m do not reach from "

@@ -3,117 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <unordered_map>
 #include <utility>
 
+#include "fullsim/mesh/gmsh_lines.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-struct Field {
-    std::string_view text;
-    int column = 1;
-};
-
-/// The lines of a file, split at blanks.
-class Lines {
-public:
-    Lines(std::string_view text, const std::string& file) : rest_(text), file_(file) {}
-
-    /// The next line that is not empty; false at the end.
-    bool next() {
-        while (!rest_.empty()) {
-            const std::size_t feed = std::min(rest_.find('\n'), rest_.size());
-            split(rest_.substr(0, feed));
-            rest_.remove_prefix(std::min(feed + 1, rest_.size()));
-            ++number_;
-            if (!fields_.empty()) return true;
-        }
-        fields_.clear();
-        return false;
-    }
-    /// The next line of a section, which has no end before it.
-    void need(std::string_view section) {
-        if (!next())
-            refuse(fmt::format("the file ends inside ${}", section), "it was cut off", "export it again");
-        if (fields_.front().text.starts_with("$End"))
-            refuse(fmt::format("${} ends too early", section), "it has fewer lines than it says",
-                   "export it again");
-    }
-
-    int number() const { return number_; }
-    std::size_t count() const { return fields_.size(); }
-    const Field& operator[](std::size_t i) const { return fields_[i]; }
-    /// The whole line, without blanks around it.
-    std::string_view all() const { return all_; }
-
-    [[noreturn]] void refuse(std::string problem, std::string why, std::string hint,
-                             std::size_t field = 0) const {
-        const int column = field < fields_.size() ? fields_[field].column : 1;
-        throw SceneError({file_, std::max(1, number_), column}, "", std::move(problem), std::move(why),
-                         std::move(hint));
-    }
-    void need_fields(std::size_t least, std::string_view what) const {
-        if (fields_.size() < least)
-            refuse(fmt::format("{} numbers where {} has at least {}", fields_.size(), what, least),
-                   "the line is cut off", "export it again", fields_.size());
-    }
-    std::int64_t whole(std::size_t field, std::string_view what, std::int64_t least,
-                       std::int64_t most = std::int64_t{1} << 40) const {
-        const std::string_view text = fields_[field].text;
-        std::int64_t value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc{} || end != text.data() + text.size() || value < least || value > most)
-            refuse(fmt::format("'{}' is not a {}", shown(text), what), fmt::format("{} or more", least),
-                   "export it again", field);
-        return value;
-    }
-    double real(std::size_t field) const {
-        const std::string_view text = fields_[field].text;
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        const bool read = error == std::errc{} && end == text.data() + text.size();
-        if (!read || !std::isfinite(value))
-            refuse(fmt::format("'{}' is not a {}", shown(text),
-                               read || error == std::errc::result_out_of_range ? "finite number" : "number"),
-                   "", "correct the mesh", field);
-        return value;
-    }
-
-private:
-    static std::string shown(std::string_view text) { return std::string(text.substr(0, 40)); }
-
-    void split(std::string_view line) {
-        const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-        fields_.clear();
-        std::size_t i = 0;
-        while (i < line.size()) {
-            while (i < line.size() && blank(line[i]))
-                ++i;
-            const std::size_t begin = i;
-            while (i < line.size() && !blank(line[i]))
-                ++i;
-            if (i > begin) fields_.push_back({line.substr(begin, i - begin), static_cast<int>(begin) + 1});
-        }
-        all_ = fields_.empty() ? std::string_view()
-                               : line.substr(static_cast<std::size_t>(fields_.front().column) - 1);
-        while (!all_.empty() && blank(all_.back()))
-            all_.remove_suffix(1);
-    }
-
-    std::string_view rest_, all_;
-    std::string file_;
-    int number_ = 0;
-    std::vector<Field> fields_;
-};
-
 constexpr double farthest = 1e6;  // [m] of a node; no parachute is as large
+constexpr std::int64_t lowest_tag = -GmshLines::largest;
 
-/// Gmsh's kinds of elements; those of `corners` 0 are not for us.
+/// Gmsh's kinds of elements; those of `corners` 0 are refused by their names.
 struct Kind {
     int type;
     int corners;
@@ -189,8 +93,7 @@ private:
 
     void end_of(const std::string& name) {
         const std::string end = "$End" + name;
-        if (!lines_.next())
-            lines_.refuse(fmt::format("the file ends inside ${}", name), "it was cut off", "export it again");
+        if (!lines_.next()) lines_.cut_off(name);
         if (lines_.all() != end)
             lines_.refuse(fmt::format("{} belongs here", end), "the section has more lines than it says",
                           "export it again");
@@ -199,12 +102,12 @@ private:
         const std::string end = "$End" + name;
         while (lines_.next())
             if (lines_.all() == end) return;
-        lines_.refuse(fmt::format("the file ends inside ${}", name), "it was cut off", "export it again");
+        lines_.cut_off(name);
     }
 
     void read_format() {
         lines_.need("MeshFormat");
-        const std::string version(lines_[0].text.substr(0, 20));
+        const std::string version(lines_[0].substr(0, 20));
         if (version != "2.2" && version != "4.1")
             lines_.refuse(fmt::format("unknown version '{}' of the Gmsh format", version),
                           "2.2 and 4.1 are known", "export with Mesh.MshFileVersion = 4.1");
@@ -248,14 +151,14 @@ private:
                 lines_.need("Entities");
                 const std::size_t box = d == 0 ? 3 : 6;  // a place, or two corners of a box
                 lines_.need_fields(box + 2, "an entity");
-                const Tagged entity{d, lines_.whole(0, "tag of an entity", -(std::int64_t{1} << 40))};
+                const Tagged entity{d, lines_.whole(0, "tag of an entity", lowest_tag)};
                 const std::int64_t groups = lines_.whole(box + 1, "number of groups", 0, 1 << 20);
                 lines_.need_fields(box + 2 + static_cast<std::size_t>(groups), "an entity");
                 std::vector<std::int64_t>& of = groups_of_[entity];
                 for (std::int64_t k = 0; k < groups; ++k)
                     // A negative one means the other orientation.
-                    of.push_back(std::abs(lines_.whole(box + 2 + static_cast<std::size_t>(k),
-                                                       "tag of a group", -(std::int64_t{1} << 40))));
+                    of.push_back(std::abs(
+                        lines_.whole(box + 2 + static_cast<std::size_t>(k), "tag of a group", lowest_tag)));
             }
     }
 
@@ -268,7 +171,7 @@ private:
             {tag, {lines_.real(first), lines_.real(first + 1), lines_.real(first + 2)}, line});
     }
 
-    /// In the order of their tags, so that nothing hangs on how blocks are arranged.
+    /// In the order of their tags, so that the order of blocks changes nothing.
     void sort_nodes() {
         std::ranges::stable_sort(mesh_.nodes, {}, &GmshNode::tag);
         node_of_.reserve(mesh_.nodes.size());
@@ -365,7 +268,7 @@ private:
             // The first of the tags is the group's; 0 is none.
             std::vector<std::int64_t> groups;
             if (tags > 0)
-                if (const std::int64_t group = lines_.whole(3, "tag of a group", -(std::int64_t{1} << 40)))
+                if (const std::int64_t group = lines_.whole(3, "tag of a group", lowest_tag))
                     groups.push_back(std::abs(group));
             add_element(tag, kind, 3 + static_cast<std::size_t>(tags), groups);
         }
@@ -379,7 +282,7 @@ private:
             lines_.need("Elements");
             lines_.need_fields(4, "a block of elements");
             const Tagged entity{static_cast<int>(lines_.whole(0, "dimension", 0, 3)),
-                                lines_.whole(1, "tag of an entity", -(std::int64_t{1} << 40))};
+                                lines_.whole(1, "tag of an entity", lowest_tag)};
             const Kind& kind = kind_of(lines_.whole(2, "type of an element", 1), 2);
             const std::int64_t in_block = lines_.whole(3, "number of elements", 0);
             if (kind.corners - 1 != entity.first)
@@ -415,7 +318,7 @@ private:
         }
     }
 
-    Lines lines_;
+    GmshLines lines_;
     bool modern_ = true;  // format 4.1
     GmshMesh mesh_;
     std::map<Tagged, std::size_t> group_of_;                  // index of mesh_.groups

@@ -4,45 +4,54 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fullsim/mesh/folded_canopy.hpp"
+#include "fullsim/canopy/canopy_geometry.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-/// Lays three points of the plane cut pattern out as Triangle wants them.
-Triangle flat_triangle(std::array<NodeIndex, 3> node, const std::array<Eigen::Vector2d, 3>& p) {
-    const Eigen::Vector2d e1 = p[1] - p[0], e2 = p[2] - p[0];
-    const double a = e1.norm();
-    return {node, a, e1.dot(e2) / a, std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / a};
+constexpr CableKind kind_of(TapeLine line) {
+    switch (line) {
+        case TapeLine::seam:
+            return CableKind::radial;
+        case TapeLine::skirt:
+            return CableKind::skirt;
+        case TapeLine::vent:
+            break;
+    }
+    return CableKind::vent;
 }
 
 class Builder {
 public:
-    Builder(const Parachute& chute, const MeshCounts& counts, const Vec3& axis, double mouth_area,
-            double load)
+    Builder(const Parachute& chute, const MeshCounts& counts)
         : chute_(chute),
           counts_(counts),
-          line_stretch_(1.0 + load / (chute.gores * chute.line.axial_stiffness())),
-          pattern_(gore_pattern(chute)),
-          canopy_(canopy_with_mouth(
-              chute.gores, pleats(), mouth_area / (pattern_.skirt_radius * pattern_.skirt_radius),
-              closed_stretch(chute.gores, counts.gore_columns, pattern_.skirt_radius, chute.fabric, load))) {
+          geometry_(canopy_geometry(chute)),
+          outline_(geometry_.outline(chute)) {
         lay_out_rows();
         mesh_.fabric = chute.fabric;
-        mesh_.cords = {chute.tapes.radial, chute.tapes.skirt, chute.tapes.vent,
-                       chute.line,         chute.line,        chute.line};
-        mesh_.axis = axis;
-        across_ = axis.unitOrthogonal();
-        along_ = axis.cross(across_);
+        mesh_.cords.fill(chute.line);
+        for (const Tape& tape : geometry_.tapes)
+            mesh_.cords[static_cast<std::size_t>(kind_of(tape.line))] = chute.tapes.*tape.cord;
     }
 
-    Mesh build(double payload_mass, bool as_built) {
-        if (as_built)
-            lay_canopy_flat();
-        else
-            place_canopy();
-        mesh_.line_stretch = as_built ? 1.0 : line_stretch_;
+    Mesh at_line_stretch(double payload_mass, const Vec3& axis, double mouth_area, double load) {
+        mesh_.axis = axis;
+        mesh_.line_stretch = 1.0 + load / (chute_.gores * chute_.line.axial_stiffness());
+        const Vec3 across = axis.unitOrthogonal();
+        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, chute_.fabric}), across,
+                     axis.cross(across));
+        return build(payload_mass);
+    }
+
+    Mesh constructed(double payload_mass) {
+        place_canopy(constructed_shape(outline_, rows_), Vec3::UnitX(), Vec3::UnitY());
+        return build(payload_mass);
+    }
+
+private:
+    Mesh build(double payload_mass) {
         sew_gores();
         sew_tapes();
         rig_lines();
@@ -53,31 +62,6 @@ public:
         return std::move(mesh_);
     }
 
-private:
-    /// Pleat lines a gore. Those of a graded canopy with an even number of columns are its seams and middles,
-    /// however many columns there are: no triangle at the vent lies across a pleat.
-    int pleats() const {
-        return counts_.grading == Grading::graded && counts_.gore_columns % 2 == 0 ? 2 : counts_.gore_columns;
-    }
-
-    /// The point of a column line at unit seam length; panels between pleats are flat.
-    Vec3 closed_point(int gore, int column) const {
-        if (pleats() == counts_.gore_columns) return canopy_.point(gore, column);
-        const int half = counts_.gore_columns / 2;
-        const Vec3 middle = canopy_.point(gore, 1);
-        const Vec3 seam = column < half ? canopy_.point(gore, 0) : canopy_.point(gore + 1, 0);
-        const double angle = pattern_.half_angle * std::abs(column - half) / half;
-        return middle + std::tan(angle) / std::tan(pattern_.half_angle) * (seam - middle);
-    }
-
-    /// A ring of canopy nodes.
-    struct Row {
-        double radius;        // seam length from the apex [m]
-        double start_radius;  // the same where the node starts [m]
-        int columns;          // elements across a gore
-        NodeIndex first_node;
-    };
-
     /// By how much the first row of a graded mesh is longer than the last ones [m]: four times the vent's
     /// edge, which suits two elements across. More of them are so much the narrower; where all are narrow for
     /// their height, those at the vent are lengthened in proportion, the same on meshes that are finer by as
@@ -85,101 +69,58 @@ private:
     /// the seam away.
     double lengthening_of_the_first(double seam, double all) const {
         if (counts_.grading == Grading::uniform) return 0.0;
-        const double edge_per_radius = 2.0 * std::sin(pattern_.half_angle);
-        const double width = pattern_.skirt_radius * edge_per_radius / counts_.gore_columns;
+        const double edge_per_radius = 2.0 * std::sin(outline_.half_angle);
+        const double width =
+            outline_.seam_point(outline_.skirt).radius * edge_per_radius / counts_.gore_columns;
         const double slender = seam / counts_.gore_rows / width;
         const double factor = std::clamp(slender, 1.0, std::max(1.0, 0.5 * counts_.gore_columns));
-        return std::min(4.0 * factor * pattern_.vent_radius * edge_per_radius, 0.5 * seam / all);
+        return std::min(4.0 * factor * outline_.seam_point(outline_.vent).radius * edge_per_radius,
+                        0.5 * seam / all);
     }
 
-    /// Rings from vent to skirt. On a graded mesh elements near the vent are longer than the rest, by less
+    /// Rows from vent to skirt. On a graded mesh elements near the vent are longer than the rest, by less
     /// from row to row: the smaller the width of an element, the longer it has to be to oscillate no faster
     /// than its neighbours.
     void lay_out_rows() {
-        const bool graded = counts_.grading == Grading::graded;
-        const double seam = pattern_.skirt_radius - pattern_.vent_radius;
-        const auto elongation_rate = [](int row) { return std::pow(row + 1.0, -1.5); };
+        const double seam = outline_.skirt - outline_.vent;
+        const auto lengthening = [](int row) { return std::pow(row + 1.0, -1.5); };
         double all = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row)
-            all += elongation_rate(row);
+            all += lengthening(row);
         const double first = lengthening_of_the_first(seam, all);
         const double plain = (seam - first * all) / counts_.gore_rows;
         double added = 0.0;
-        NodeIndex node = 0;
-        for (int row = 0; row <= counts_.gore_rows; ++row) {
-            const double radius =
-                row < counts_.gore_rows ? pattern_.vent_radius + plain * row + added : pattern_.skirt_radius;
-            const int columns = graded && row == 0 ? 1 : counts_.gore_columns;
-            rows_.push_back({radius, radius, columns, node});
-            added += first * elongation_rate(row);
-            node += chute_.gores * columns;
+        for (int row = 0; row < counts_.gore_rows; ++row) {
+            const bool narrow = row == 0 && counts_.grading == Grading::graded;
+            rows_.push_back({outline_.vent + plain * row + added, narrow ? 1 : counts_.gore_columns});
+            added += first * lengthening(row);
         }
-        if (rows_[0].columns < rows_[1].columns) rows_[0].start_radius = loose_vent();
+        rows_.push_back({outline_.skirt, counts_.gore_columns});
     }
 
     NodeIndex canopy_node(int gore, int row, int column) const {
-        const Row& r = rows_[row];
-        return r.first_node + (gore * r.columns + column) % (chute_.gores * r.columns);
+        const int columns = rows_[row].columns;
+        return mesh_.seam_rings[row].front() + (gore * columns + column) % (chute_.gores * columns);
     }
 
-    double loose_vent() const {
-        const Row& below = rows_[1];
-        const int columns = below.columns;
-        const Vec3 vent = 0.5 * (canopy_.point(0, 0) + canopy_.point(1, 0));
-        const Vec3 foot =
-            0.5 * below.radius * (closed_point(0, columns / 2) + closed_point(0, (columns + 1) / 2));
-        return loose_vent_radius(vent, foot,
-                                 (below.radius - rows_[0].radius) * std::cos(pattern_.half_angle));
-    }
-
-    /// ClosedCanopy's coordinates, z from the apex toward the payload, to world with the payload at 0.
-    Vec3 world(const Vec3& p) const {
-        return (apex_height_ - p.z()) * mesh_.axis + p.x() * across_ + p.y() * along_;
-    }
-
-    void place_canopy() {
+    /// across, along: directions of the shape's x and y. The payload is the origin.
+    void place_canopy(const CanopyShape& shape, const Vec3& across, const Vec3& along) {
         // Lines are straight and as long as they are: that gives the apex its height.
-        const Vec3 skirt = pattern_.skirt_radius * canopy_.point(0, 0);
-        const double skirt_radius = std::hypot(skirt.x(), skirt.y());
-        const double line = line_stretch_ * chute_.line_length;
-        link_height_ = line_stretch_ * chute_.riser_length;
-        apex_height_ = link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + skirt.z();
-        for (const Row& row : rows_) {
-            mesh_.seam_rings.emplace_back();
-            for (int gore = 0; gore < chute_.gores; ++gore)
-                for (int column = 0; column < row.columns; ++column) {
-                    if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
-                    mesh_.position.push_back(world(row.start_radius * closed_point(gore, column)));
-                }
-        }
-        mesh_.canopy_nodes = mesh_.node_count();
-    }
-
-    /// Gore beside gore, as they are cut: they close to a disc, the apex on the axis. Lines are straight.
-    void lay_canopy_flat() {
-        across_ = Vec3::UnitX();
-        along_ = Vec3::UnitY();
-        link_height_ = chute_.riser_length;
-        const double line = chute_.line_length, reach = pattern_.skirt_radius;
-        apex_height_ = link_height_ + std::sqrt(line * line - reach * reach);
+        const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
+        const double line = mesh_.line_stretch * chute_.line_length;
+        link_height_ = mesh_.line_stretch * chute_.riser_length;
+        const double apex =
+            link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + shape.skirt.z();
         for (std::size_t row = 0; row < rows_.size(); ++row) {
-            const int columns = rows_[row].columns;
             mesh_.seam_rings.emplace_back();
             for (int gore = 0; gore < chute_.gores; ++gore)
-                for (int column = 0; column < columns; ++column) {
+                for (int column = 0; column < rows_[row].columns; ++column) {
                     if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
-                    const double radius = pattern_point(static_cast<int>(row), column).norm();
-                    const double azimuth = 2.0 * pi * (gore * columns + column) / (chute_.gores * columns);
-                    mesh_.position.push_back(
-                        world({radius * std::cos(azimuth), radius * std::sin(azimuth), 0.0}));
+                    const Vec3 p = shape.node(static_cast<int>(row), gore, column);
+                    mesh_.position.push_back((apex - p.z()) * mesh_.axis + p.x() * across + p.y() * along);
                 }
         }
         mesh_.canopy_nodes = mesh_.node_count();
-    }
-
-    Eigen::Vector2d pattern_point(int row, int column) const {
-        const double angle = pattern_.half_angle * (2.0 * column / rows_[row].columns - 1.0);
-        return rows_[row].radius * std::cos(pattern_.half_angle) * Eigen::Vector2d(std::tan(angle), 1.0);
     }
 
     void sew_gores() {
@@ -223,31 +164,41 @@ private:
 
     void sew_triangle(int gore, const std::array<Corner, 3>& corner) {
         std::array<NodeIndex, 3> node;
-        std::array<Eigen::Vector2d, 3> flat;
+        std::array<Vec3, 3> cut;
         for (int k = 0; k < 3; ++k) {
             node[k] = canopy_node(gore, corner[k].row, corner[k].column);
-            flat[k] = pattern_point(corner[k].row, corner[k].column);
+            cut[k] << cut_point(outline_, rows_[corner[k].row], corner[k].column), 0.0;
         }
-        mesh_.triangles.push_back(flat_triangle(node, flat));
+        mesh_.triangles.push_back(laid_flat(node, cut));
     }
 
-    void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands = 1.0) {
+    void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands) {
         mesh_.cables.push_back({{a, b}, length, strands, kind});
     }
 
     void sew_tapes() {
-        const int rows = counts_.gore_rows;
+        for (const Tape& tape : geometry_.tapes)
+            if (tape.line == TapeLine::seam)
+                sew_along_seams(tape);
+            else
+                sew_around(tape, tape.line == TapeLine::skirt ? counts_.gore_rows : 0);
+    }
+
+    void sew_along_seams(const Tape& tape) {
         for (int gore = 0; gore < chute_.gores; ++gore)
-            for (int row = 0; row < rows; ++row)
+            for (int row = 0; row < counts_.gore_rows; ++row)
                 add_cable(canopy_node(gore, row, 0), canopy_node(gore, row + 1, 0),
-                          rows_[row + 1].radius - rows_[row].radius, CableKind::radial);
-        for (const auto& [row, kind] : {std::pair{rows, CableKind::skirt}, std::pair{0, CableKind::vent}}) {
-            for (int gore = 0; gore < chute_.gores; ++gore) {
-                for (int column = 0; column < rows_[row].columns; ++column)
-                    add_cable(canopy_node(gore, row, column), canopy_node(gore, row, column + 1),
-                              (pattern_point(row, column + 1) - pattern_point(row, column)).norm(), kind);
-                if (kind == CableKind::skirt && !chute_.reefing.empty()) reef(gore);
-            }
+                          rows_[row + 1].seam - rows_[row].seam, kind_of(tape.line), tape.strands);
+    }
+
+    void sew_around(const Tape& tape, int row) {
+        const NodeRow& at = rows_[row];
+        for (int gore = 0; gore < chute_.gores; ++gore) {
+            for (int column = 0; column < at.columns; ++column)
+                add_cable(canopy_node(gore, row, column), canopy_node(gore, row, column + 1),
+                          (cut_point(outline_, at, column + 1) - cut_point(outline_, at, column)).norm(),
+                          kind_of(tape.line), tape.strands);
+            if (tape.line == TapeLine::skirt && !chute_.reefing.empty()) reef(gore);
         }
     }
 
@@ -255,7 +206,7 @@ private:
     void reef(int gore) {
         mesh_.reefing_line.push_back(mesh_.cables.size());
         add_cable(canopy_node(gore, counts_.gore_rows, 0), canopy_node(gore + 1, counts_.gore_rows, 0),
-                  reefing_line_length(chute_, 0) / chute_.gores, CableKind::skirt);
+                  reefing_line_length(chute_, 0) / chute_.gores, CableKind::skirt, 1.0);
     }
 
     /// A chain of equal cables along a straight line, from a node to the node `to` at `end`.
@@ -291,35 +242,22 @@ private:
 
     const Parachute& chute_;
     const MeshCounts& counts_;
-    double line_stretch_;  // of lines and risers [-]
-    GorePattern pattern_;
-    ClosedCanopy canopy_;
-    std::vector<Row> rows_;  // vent to skirt
+    const CanopyGeometry& geometry_;
+    GoreOutline outline_;
+    std::vector<NodeRow> rows_;  // vent to skirt
     Mesh mesh_;
-    Vec3 across_, along_;
-    double link_height_ = 0.0, apex_height_ = 0.0;
+    double link_height_ = 0.0;  // [m] above the payload
 };
 
 }  // namespace
 
-GorePattern gore_pattern(const Parachute& chute) {
-    const double delta = pi / chute.gores;
-    // Area of a regular polygon of n sides over its circumradius squared.
-    const double polygon = 0.5 * chute.gores * std::sin(2.0 * delta);
-    const double nominal = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
-    const double vent = 0.25 * pi * chute.vent_diameter * chute.vent_diameter;
-    return {delta, std::sqrt(nominal / polygon), std::sqrt(vent / polygon)};
-}
-
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load) {
-    return Builder(chute, counts, axis, mouth_area, load).build(payload_mass, false);
+    return Builder(chute, counts).at_line_stretch(payload_mass, axis, mouth_area, load);
 }
 
-Mesh make_flat_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass) {
-    // The mouth says nothing of a canopy that lies flat; any will do.
-    return Builder(chute, counts, Vec3::UnitZ(), mouth_area_at_line_stretch(chute), 0.0)
-        .build(payload_mass, true);
+Mesh make_constructed_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass) {
+    return Builder(chute, counts).constructed(payload_mass);
 }
 
 }  // namespace twinchute::fullsim

@@ -5,11 +5,11 @@
 
 namespace twinchute::fullsim {
 
-/// As make_gore_mesh: drawn out along `axis` (payload to apex), the canopy folded to a mouth of mouth_area
-/// [m^2], all stretched so as to carry `load` [N]. Only canopies that lie flat in their file fold without
-/// strain, along seams at equal angles; where they do not, and inflated is false, throws SceneError at
-/// parachute.deploy.by.
-/// inflated: a canopy that does not lie flat has the shape of the file, without load.
+/// Draws an imported parachute out along `axis` (payload to apex) as make_gore_mesh does: the canopy folded
+/// to a mouth of mouth_area [m^2], all stretched so as to carry `load` [N]. Only a canopy that lies in its
+/// file as its canopy_geometry is constructed folds without strain; any other one, unless inflated, throws
+/// SceneError at parachute.deploy.by. inflated: a canopy that cannot be folded has the shape of the file,
+/// without load.
 Mesh line_stretch_configuration(const ImportedMesh& imported, const Scene& scene, const Vec3& axis,
                                 double mouth_area, double load, bool inflated);
 

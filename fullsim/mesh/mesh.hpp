@@ -25,6 +25,9 @@ struct Triangle {
     double area() const { return 0.5 * a * c; }  ///< [m^2]
 };
 
+/// The triangle of these corners, unstrained [m].
+Triangle laid_flat(const std::array<NodeIndex, 3>& node, const std::array<Vec3, 3>& corner);
+
 enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
 
 std::string_view cable_kind_name(CableKind kind);

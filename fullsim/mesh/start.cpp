@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fullsim/canopy/canopy_geometry.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/line_stretch_configuration.hpp"
@@ -98,7 +99,7 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
 /// [m] of the vent's seams, as cut.
 double cut_vent_radius(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
-    if (!chute.mesh) return gore_pattern(chute).vent_radius;
+    if (!chute.mesh) return canopy_geometry(chute).outline(chute).vent;
     const Mesh mesh = built_mesh(scene);
     double sum = 0.0;
     for (const NodeIndex i : mesh.seam_rings.front())
@@ -110,7 +111,8 @@ double cut_vent_radius(const Scene& scene) {
 
 Mesh built_mesh(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
-    return chute.mesh ? import_mesh(scene).mesh : make_flat_mesh(chute, scene.full.mesh, scene.payload.mass);
+    return chute.mesh ? import_mesh(scene).mesh
+                      : make_constructed_mesh(chute, scene.full.mesh, scene.payload.mass);
 }
 
 Scene weighed(const Scene& scene) {

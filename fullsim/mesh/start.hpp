@@ -14,8 +14,8 @@ Scene weighed(const Scene& scene);
 /// Unit vector straight behind the release, against the flight through the air; up where there is none.
 Vec3 trailing_direction(const Scene& scene);
 
-/// The parachute as it is made, without any strain: the generated one flat (make_flat_mesh), an imported one
-/// as its file has it.
+/// The parachute as it is made, without any strain: the generated one (make_constructed_mesh), an imported
+/// one as its file has it.
 Mesh built_mesh(const Scene& scene);
 
 /// The parachute drawn out along its axis without any load, mouth as at line stretch: the shape that is

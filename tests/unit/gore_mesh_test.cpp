@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "fullsim/canopy/canopy_geometry.hpp"
 #include "fullsim/forces/membrane.hpp"
 #include "tests/support/small_parachute.hpp"
 
@@ -165,8 +166,8 @@ TEST(GoreMesh, GradingNeverGivesMoreThanHalfOfTheSeamAway) {
                     longest = std::max(longest, c.rest_length);
                     sum += c.rest_length / gores;
                 }
-            const GorePattern cut = gore_pattern(chute);
-            EXPECT_NEAR(sum, cut.skirt_radius - cut.vent_radius, 1e-12);
+            const GoreOutline cut = canopy_geometry(chute).outline(chute);
+            EXPECT_NEAR(sum, cut.skirt - cut.vent, 1e-12);
             EXPECT_GE(shortest, 0.5 * sum / rows);
             EXPECT_LE(longest, 0.5 * sum / rows + 0.5 * sum);
             EXPECT_TRUE(std::ranges::all_of(mesh.position, [](const Vec3& x) { return x.allFinite(); }));
@@ -177,9 +178,9 @@ TEST(GoreMesh, NarrowElementsHaveALongerRowAtTheVent) {
     // Rows are longer than plain ones by first/(k + 1)^1.5, so that the first two tell `first`: four edges of
     // the vent, times height over width of the cut's elements at the skirt where there are more than two
     // across.
-    const GorePattern cut = gore_pattern(c9_scene().parachutes.front());
-    const double seam = cut.skirt_radius - cut.vent_radius,
-                 edge = 2.0 * cut.vent_radius * std::sin(pi / 28.0);
+    const Parachute chute = c9_scene().parachutes.front();
+    const GoreOutline cut = canopy_geometry(chute).outline(chute);
+    const double seam = cut.skirt - cut.vent, edge = 2.0 * cut.vent * std::sin(pi / 28.0);
     const auto first = [&](int columns, int rows) {
         std::vector<double> length;  // of a gore's radial tape, from the vent down
         for (const Cable& c : c9_mesh({columns, rows, 2, 1}, 1).cables)
@@ -189,7 +190,7 @@ TEST(GoreMesh, NarrowElementsHaveALongerRowAtTheVent) {
     EXPECT_NEAR(first(2, 17), 4.0 * edge, 1e-12);  // the default
     EXPECT_NEAR(first(2, 9), 4.0 * edge, 1e-12);   // no narrower at the vent, however few rows
     EXPECT_NEAR(first(4, 18), 4.0 * edge, 1e-12);  // wider than they are high
-    const double slender = (seam / 9.0) / (2.0 * cut.skirt_radius * std::sin(pi / 28.0) / 4.0);
+    const double slender = (seam / 9.0) / (2.0 * cut.skirt * std::sin(pi / 28.0) / 4.0);
     EXPECT_NEAR(slender, 1.79, 0.01);  // 0.428 m high, 0.240 m wide
     for (const int finer : {1, 2, 3})
         EXPECT_NEAR(first(4 * finer, 9 * finer), slender * 4.0 * edge, 1e-12) << finer;

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fullsim/mesh/folded_canopy.hpp"
+#include "fullsim/canopy/folded_canopy.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
@@ -225,7 +225,7 @@ TEST(ImportedMesh, IsDrawnOutOfItsPack) {
 TEST(ImportedMesh, AFlatCanopyFoldsWithoutGrowing) {
     // Any two points of the cloth come no further apart: folding is piecewise rigid. Over a gore of a pleated
     // canopy their distances along it stay (points on one panel).
-    const ClosedCanopy closed = canopy_with_mouth(28, 2, 0.05, 1.0);
+    const FoldedCanopy closed = canopy_with_mouth(28, 2, 0.05, 1.0);
     const auto flat = [](double r, double azimuth) {
         return Vec3(r * std::cos(azimuth), r * std::sin(azimuth), 0.0);
     };

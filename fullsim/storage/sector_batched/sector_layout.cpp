@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/storage/sector_batched/arrays.hpp"
 #include "fullsim/time/critical_step.hpp"

@@ -1,11 +1,11 @@
-#include "fullsim/mesh/folded_canopy.hpp"
+#include "fullsim/canopy/folded_canopy.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace twinchute::fullsim {
 
-ClosedCanopy::ClosedCanopy(int gores, int columns, double seam_angle, double stretch)
+FoldedCanopy::FoldedCanopy(int gores, int columns, double seam_angle, double stretch)
     : gores_(gores), columns_(columns), stretch_(stretch), inner_(seam_angle), outer_(seam_angle) {
     if (columns % 2 != 0) return;
     // Neighbouring rays keep the angle of the cut: A cos(outer) + B sin(outer) = cos(cut).
@@ -14,14 +14,14 @@ ClosedCanopy::ClosedCanopy(int gores, int columns, double seam_angle, double str
     outer_ = std::atan2(B, A) + std::acos(std::min(1.0, std::cos(cut) / std::hypot(A, B)));
 }
 
-Vec3 ClosedCanopy::point(int gore, int column) const {
+Vec3 FoldedCanopy::point(int gore, int column) const {
     const double azimuth = 2.0 * pi * (gore * columns_ + column) / (gores_ * columns_);
     const double cone = column % 2 == 0 ? inner_ : outer_;
     return stretch_ * column_length(gores_, columns_, column) *
            Vec3(std::sin(cone) * std::cos(azimuth), std::sin(cone) * std::sin(azimuth), std::cos(cone));
 }
 
-Vec3 ClosedCanopy::folded(double radius, double azimuth) const {
+Vec3 FoldedCanopy::folded(double radius, double azimuth) const {
     const double panel = 2.0 * pi / (gores_ * columns_);
     const int first = std::clamp(static_cast<int>(azimuth / panel), 0, gores_ * columns_ - 1);
     const int gore = first / columns_, column = first % columns_;
@@ -34,7 +34,7 @@ Vec3 ClosedCanopy::folded(double radius, double azimuth) const {
     return radius * (a * point(gore, column) + b * (last ? point(gore + 1, 0) : point(gore, column + 1)));
 }
 
-double ClosedCanopy::mouth() const {
+double FoldedCanopy::mouth() const {
     double twice = 0.0;
     for (int gore = 0; gore < gores_; ++gore)
         for (int column = 0; column < columns_; ++column) {
@@ -45,21 +45,21 @@ double ClosedCanopy::mouth() const {
     return 0.5 * twice;
 }
 
-double ClosedCanopy::column_length(int gores, int columns, int column) {
+double FoldedCanopy::column_length(int gores, int columns, int column) {
     const double delta = pi / gores;
     return std::cos(delta) / std::cos(delta * (2.0 * column / columns - 1.0));
 }
 
-ClosedCanopy canopy_with_mouth(int gores, int columns, double mouth, double stretch) {
+FoldedCanopy canopy_with_mouth(int gores, int columns, double mouth, double stretch) {
     double low = 0.0, high = 0.5 * pi;
     for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
-        (ClosedCanopy(gores, columns, middle, stretch).mouth() < mouth ? low : high) = middle;
+        (FoldedCanopy(gores, columns, middle, stretch).mouth() < mouth ? low : high) = middle;
     }
     return {gores, columns, 0.5 * (low + high), stretch};
 }
 
-double closed_stretch(int gores, int columns, double skirt_radius, const Fabric& fabric, double load) {
+double folded_stretch(int gores, int columns, double skirt_radius, const Fabric& fabric, double load) {
     if (columns % 2 == 0) return 1.0;
     const double half_angle = pi / gores;
     const double around = 2.0 * gores * skirt_radius * std::sin(half_angle);  // [m]
