@@ -255,7 +255,7 @@ Deployment deployment(const Values& v) {
     d.by = std::ranges::find(deployment_rows(), v.word(key("by")), &DeploymentRow::name)->by;
     if (d.by == DeployBy::static_line) {
         d.static_line_length = v.number(key("length"));
-        d.far_end_moves = v.word(key("far_end")) == "aircraft";
+        d.anchor_moves = v.word(key("far_end")) == "aircraft";
     }
     if (d.by == DeployBy::extraction) {
         d.extraction = extraction(v);
@@ -268,8 +268,8 @@ Deployment deployment(const Values& v) {
     if (d.by == DeployBy::pilot) d.pack_drag_area = v.number(key("pilot_drag_area"));
     if (d.by == DeployBy::mortar) d.muzzle_speed = v.number(key("muzzle_speed"));
     if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
-    d.fold_repulsion = v.number(key("fold_repulsion"));
-    d.fold_resistance = v.number(key("fold_resistance"));
+    d.compressive_stiffness_ratio = v.number(key("fold_repulsion"));
+    d.deployment_resistance = v.number(key("fold_resistance"));
     return d;
 }
 

@@ -79,7 +79,7 @@ void write_deployment(Writer& w, const Deployment& d) {
     w.words("deploy.by", deployment_name(d.by));
     if (d.by == DeployBy::static_line) {
         w.number("deploy.length", d.static_line_length);
-        w.words("deploy.far_end", d.far_end_moves ? "aircraft" : "fixed");
+        w.words("deploy.far_end", d.anchor_moves ? "aircraft" : "fixed");
     }
     if (d.by == DeployBy::extraction) {
         if (d.extraction.table.empty())
@@ -96,8 +96,8 @@ void write_deployment(Writer& w, const Deployment& d) {
     w.number("deploy.pack_ratio", d.pack_ratio);
     w.number("deploy.drag_coefficient", d.drag_coefficient);
     if (d.by != DeployBy::pilot) w.number("deploy.pack_drag_area", d.pack_drag_area);
-    w.number("deploy.fold_repulsion", d.fold_repulsion);
-    w.number("deploy.fold_resistance", d.fold_resistance);
+    w.number("deploy.fold_repulsion", d.compressive_stiffness_ratio);
+    w.number("deploy.fold_resistance", d.deployment_resistance);
 }
 
 void write_fill_time(Writer& w, const std::string& table, const FillTime& f) {

@@ -27,13 +27,13 @@ TEST_F(SceneDeployment, StaticLine) {
         read(deployed("by = \"static-line\", length = \"40 ft\", far_end = \"fixed\"")).parachutes[0].deploy;
     EXPECT_EQ(d.by, DeployBy::static_line);
     EXPECT_NEAR(d.static_line_length, 12.192, 1e-12);
-    EXPECT_FALSE(d.far_end_moves);
+    EXPECT_FALSE(d.anchor_moves);
     EXPECT_TRUE(d.starts_packed());
     EXPECT_EQ(d.pack_drag_area, 0.0);
     EXPECT_EQ(d.pack_ratio, 0.01);  // defaults
     EXPECT_EQ(d.drag_coefficient, 0.1);
-    EXPECT_EQ(d.fold_resistance, 2.0);
-    EXPECT_TRUE(read(deployed("by = \"static-line\", length = 3")).parachutes[0].deploy.far_end_moves);
+    EXPECT_EQ(d.deployment_resistance, 2.0);
+    EXPECT_TRUE(read(deployed("by = \"static-line\", length = 3")).parachutes[0].deploy.anchor_moves);
 }
 
 TEST_F(SceneDeployment, FreeAndInflated) {
