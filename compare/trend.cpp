@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "compare/metrics.hpp"
 #include "lib/math/vec.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
 
 namespace twinchute::compare {

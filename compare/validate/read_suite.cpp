@@ -8,9 +8,9 @@
 #include <sstream>
 #include <type_traits>
 
-#include "compare/metrics.hpp"
 #include "compare/validate/suite.hpp"
 #include "compare/validate/suite_table.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"

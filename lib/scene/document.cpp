@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 
@@ -306,7 +307,7 @@ private:
                    const SourcePlace& place) {
         const std::string_view name = std::string_view(path).substr(key.path.size() + 1);
         std::vector<std::string_view> names;
-        for (const ToleranceMetric& metric : tolerance_metrics())
+        for (const MetricRow& metric : judgeable_rows())
             names.push_back(metric.name);
         if (std::ranges::find(names, name) == names.end())
             refuse(place, path, "unknown metric", "", suggest(name, names));

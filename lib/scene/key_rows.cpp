@@ -12,6 +12,7 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/deployment.hpp"
 #include "lib/scene/keys.hpp"
 
@@ -68,10 +69,7 @@ Words radii() {
     return {"shape-once-open", "drag-area"};
 }
 Words metrics() {
-    Words names;
-    for (const ToleranceMetric& metric : tolerance_metrics())
-        if (!metric.name.ends_with("_history")) names.push_back(metric.name);
-    return names;
+    return names_of(metric_rows());
 }
 Words line_ratios() {
     return names_of(line_ratio_models());
@@ -476,24 +474,6 @@ constexpr Key material_rows[] = {
     {.path = "cord.strength", .unit = "N", .need = optional, .fallback = "no margin", .range = above(0, 1e8), .user = full,
      .meaning = "at which it breaks"},
 };
-
-constexpr ToleranceMetric metric_rows[] = {
-    {"line_stretch_time", "s"}, {"snatch_time", "s"}, {"payload_snatch_speed", "m/s"}, {"snatch_force", "N"},
-    {"snatch_speed", "m/s"}, {"mass_ratio", "1"}, {"froude_number", "1"}, {"operational_froude_number", "1"},
-    {"filling_time", "s"}, {"peak_force", "N"}, {"peak_force_raw", "N"}, {"max_force", "N"},
-    {"stage_1_peak_force", "N"}, {"stage_2_peak_force", "N"}, {"stage_3_peak_force", "N"}, {"stage_4_peak_force", "N"},
-    {"peak_force_ratio", "1"}, {"load_factor", "1"}, {"time_to_peak_force", "s"},
-    {"opening_shock_coefficient", "1"}, {"impulse", "N s"}, {"max_deceleration", "g0"},
-    {"descent_rate", "m/s"}, {"descent_rate_amplitude", "1"}, {"descent_rate_remaining_change", "1"},
-    {"descent_altitude", "m"}, {"altitude_loss", "m"}, {"flight_time", "s"},
-    {"landing_east", "m"}, {"landing_north", "m"}, {"projected_diameter_ratio", "1"},
-    {"seam_diameter_ratio", "1"}, {"canopy_depth_ratio", "1"}, {"signed_area_ratio", "1"},
-    {"max_line_tension", "N"}, {"max_membrane_stress", "N/m"},
-    {"line_strength_margin", "1"}, {"membrane_strength_margin", "1"},
-    {"peak_canopy_force", "N"}, {"max_canopy_force", "N"}, {"unopened_parachutes", "1"},
-    {"force_history", "1"}, {"speed_history", "1"}, {"acceleration_history", "1"}, {"drag_area_history", "1"},
-    {"projected_area_history", "1"},
-};
 // clang-format on
 
 }  // namespace
@@ -584,9 +564,6 @@ std::span<const Key> fabric_keys() {
 
 std::span<const Key> cord_keys() {
     return material_keys().subspan(fabric_keys().size());
-}
-std::span<const ToleranceMetric> tolerance_metrics() {
-    return metric_rows;
 }
 
 }  // namespace twinchute

@@ -106,14 +106,6 @@ std::string beside(std::string_view row, std::string_view like);
 /// The number in a default, whatever the locale: defaults are plain SI, so that none needs a unit.
 double plain_number(std::string_view fallback);
 
-/// A metric that may carry a tolerance.
-struct ToleranceMetric {
-    std::string_view name;  ///< without its unit, e.g. "peak_force"
-    std::string_view unit;  ///< SI, "1" for ratios, "g0" for decelerations in standard gravities
-};
-
-std::span<const ToleranceMetric> tolerance_metrics();
-
 /// "required", or the default with its unit, or "left out".
 std::string default_text(const Key& key);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/units.hpp"
@@ -165,19 +166,18 @@ std::vector<std::string> Values::checked_list(const std::string& path, const Ent
 
 void Values::read_tolerance(const std::string& path, const Entry& entry) {
     const std::string name = path.substr(path.rfind('.') + 1);
-    const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
+    const std::string_view unit = find_judgeable_row(name)->tolerance_unit();
     const auto* text = std::get_if<std::string>(&entry.value);
     if (!text)
         refuse(entry.value_place, path, "a tolerance without a unit",
-               "a bare number could be a share or a value",
-               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+               "a bare number could be a share or a value", fmt::format("write \"10 %\" or \"1 {}\"", unit));
     Tolerance tolerance;
     tolerance.relative = text->ends_with('%') || text->ends_with("percent");
     try {
-        tolerance.value = to_si(*text, tolerance.relative ? "1" : metric->unit);
+        tolerance.value = to_si(*text, tolerance.relative ? "1" : unit);
     } catch (const UnitError& error) {
         refuse(entry.value_place, path, error.problem(), error.why(),
-               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+               fmt::format("write \"10 %\" or \"1 {}\"", unit));
     }
     if (!entry.key->range.contains(tolerance.value))
         refuse(entry.value_place, path, fmt::format("{} is out of range", *text), allowed_text(*entry.key),

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string_view>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/units.hpp"
@@ -294,8 +294,8 @@ void write_tolerances(Writer& w, const std::map<std::string, Tolerance>& toleran
     if (tolerances.empty()) return;
     w.table("[compare.tolerance]");
     for (const auto& [name, tolerance] : tolerances) {
-        const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
-        const std::string_view unit = metric == tolerance_metrics().end() ? "1" : metric->unit;
+        const MetricRow* metric = find_judgeable_row(name);
+        const std::string_view unit = metric == nullptr ? "1" : metric->tolerance_unit();
         w.words(name, tolerance.relative ? per_cent(tolerance.value)
                       : unit == "1"      ? fmt::format("{}", tolerance.value)
                                          : fmt::format("{} {}", tolerance.value, unit));

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "lib/models/atmosphere.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/units.hpp"
@@ -114,8 +115,9 @@ TEST(Keys, TextsOfARow) {
 }
 
 TEST(Keys, ToleranceUnitsAreUnits) {
-    for (const ToleranceMetric& metric : tolerance_metrics())
-        EXPECT_EQ(to_si("3 " + std::string(metric.unit), metric.unit), 3.0) << metric.name;
+    for (const MetricRow& metric : judgeable_rows())
+        EXPECT_EQ(to_si("3 " + std::string(metric.tolerance_unit()), metric.tolerance_unit()), 3.0)
+            << metric.name;
 }
 
 TEST(Nearest, CountsEdits) {
