@@ -7,6 +7,11 @@
 
 namespace twinchute {
 
+bool is_below(std::string_view path, std::string_view table) {
+    return table.empty() ||
+           (path.size() > table.size() && path[table.size()] == '.' && path.starts_with(table));
+}
+
 std::vector<std::string_view> words_of(std::string_view list) {
     std::vector<std::string_view> words;
     while (!list.empty()) {

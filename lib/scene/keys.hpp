@@ -1,10 +1,13 @@
 // The one table of what a scene may say. It serves the reader, `twinchute list keys` and the docs.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace twinchute {
@@ -46,8 +49,30 @@ struct KeyRange {
     }
 };
 
+/// A value of a key in SI; of a quantity_or_word either.
+using KeyValue =
+    std::variant<double, std::int64_t, std::string, std::vector<std::string>, std::vector<double>>;
+
+/// How a key's value goes into an object of a scene and comes out of it again.
+template <class Object>
+struct BindingOf {
+    void (*set)(Object& object, const KeyValue& value) = nullptr;    ///< null: the reader knows how
+    std::optional<KeyValue> (*get)(const Object& object) = nullptr;  ///< nothing: absent; null: never written
+};
+
+struct Scene;
+struct Parachute;
+struct Reefing;
+struct FillTime;
+struct Trigger;
+struct Fabric;
+struct Cord;
+using Binding = std::variant<std::monostate, BindingOf<Scene>, BindingOf<Parachute>, BindingOf<Reefing>,
+                             BindingOf<FillTime>, BindingOf<Trigger>, BindingOf<Fabric>, BindingOf<Cord>>;
+
 struct Key {
     std::string_view path;  ///< e.g. "parachute.fill_time.n"; [[parachute]] counts as a table
+    Binding binding = {};   ///< see binding.hpp; none: what is not a value of the scene
     KeyKind kind = KeyKind::quantity;
     std::string_view unit = {};  ///< SI; "1" for ratios, empty for words and whole numbers
     KeyNeed need = KeyNeed::required;
@@ -73,6 +98,9 @@ struct Key {
     /// The unit to write to a record: empty for ratios.
     std::string_view record_unit() const { return unit == "1" ? std::string_view{} : unit; }
 };
+
+/// "a.b.c" below "a" and "a.b"; everything below "".
+bool is_below(std::string_view path, std::string_view table);
 
 /// The words of a list "a|b|c".
 std::vector<std::string_view> words_of(std::string_view list);

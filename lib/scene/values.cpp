@@ -14,11 +14,6 @@
 namespace twinchute {
 namespace {
 
-/// "a.b.c" below "a" and "a.b".
-bool is_below(std::string_view path, std::string_view table) {
-    return path.size() > table.size() && path[table.size()] == '.' && path.starts_with(table);
-}
-
 std::string with_unit(double value, const Key& key) {
     const bool bare = key.record_unit().empty();
     return bare ? fmt::format("{}", value) : fmt::format("{} {}", value, key.unit);
@@ -286,8 +281,11 @@ const Values::Value& Values::at(std::string_view path) const {
 double Values::number(std::string_view path) const {
     return std::get<double>(at(path).value);
 }
-std::int64_t Values::integer(std::string_view path) const {
-    return std::get<std::int64_t>(at(path).value);
+std::vector<double> Values::numbers(std::string_view path) const {
+    std::vector<double> all;
+    for (int i = 1; i <= count(path); ++i)
+        all.push_back(number(fmt::format("{}.{}", path, i)));
+    return all;
 }
 const std::string& Values::word(std::string_view path) const {
     return std::get<std::string>(at(path).value);
@@ -305,10 +303,6 @@ bool Values::given(std::string_view path) const {
 bool Values::is_designed(std::string_view path) const {
     const auto found = values_.find(path);
     return found != values_.end() && found->second.origin == InputOrigin::design;
-}
-
-bool Values::is_word(std::string_view path) const {
-    return std::holds_alternative<std::string>(at(path).value);
 }
 
 bool Values::has_table(std::string_view path) const {
