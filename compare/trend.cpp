@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lib/record/metrics.hpp"
+#include "lib/scene/keys.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -156,7 +157,9 @@ bool same_value(const Input& one, const Input& other) {
     return one.value == other.value || (a && b && std::isnan(*a) && std::isnan(*b));
 }
 
-std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now) {
+std::vector<OtherChange> input_changes(std::vector<Input> before, const std::vector<Input>& now) {
+    for (Input& input : before)  // of a record that is older than the name of a key
+        if (const Key* successor = find_successor(scene_keys(), input.key)) input.key = successor->path;
     const auto find = [](const std::vector<Input>& inputs, const std::string& key) {
         const auto found = std::ranges::find(inputs, key, &Input::key);
         return found == inputs.end() ? nullptr : &*found;

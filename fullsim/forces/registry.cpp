@@ -115,8 +115,8 @@ constexpr std::array<ForceBlock, 16> blocks{{
          return stage == Stage::deployment && deployment(s).deployment_resistance > 0.0;
      },
      [](const Scene& s) {
-         return deployed(s,
-                         strength("parachute.deploy.fold_resistance", deployment(s).deployment_resistance));
+         return deployed(
+             s, strength("parachute.deploy.deployment_resistance", deployment(s).deployment_resistance));
      },
      [](const Scene& s, const Mesh& m) {
          return make_fold_resistance(m, deployment(s).deployment_resistance);

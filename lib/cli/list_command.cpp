@@ -65,6 +65,7 @@ std::string keys_text(std::string_view path) {
 std::string key_path(const std::string& given) {
     std::string path = row_path(scene_keys(), given);
     if (!keys_below(path).empty()) return path;
+    if (const Key* successor = find_successor(scene_keys(), given)) return std::string(successor->path);
     std::vector<std::string_view> known;
     for (const Key* key : keys_below(""))
         known.push_back(key->path);

@@ -69,6 +69,11 @@ const Key* find_key(std::span<const Key> keys, std::string_view path) {
     return has_number ? plain_row(keys, row_path(keys, path)) : plain_row(keys, path);
 }
 
+const Key* find_successor(std::span<const Key> keys, std::string_view path) {
+    const auto row = std::ranges::find(keys, row_path(keys, path), &Key::formerly);
+    return row == keys.end() || path.empty() ? nullptr : &*row;
+}
+
 std::string beside(std::string_view row, std::string_view like) {
     std::string path(row);
     for (std::size_t at = 0; (at = like.find('.', at)) != std::string_view::npos; ++at) {

@@ -84,7 +84,8 @@ struct Key {
     std::string_view only_with = {};   ///< used only with these words, "a|b", of the selector beside it
     KeyUser user = KeyUser::both;
     std::string_view meaning = {};
-    std::string_view source = {};  ///< of the definition or of the default
+    std::string_view source = {};    ///< of the definition or of the default
+    std::string_view formerly = {};  ///< retired path, which is read with a warning
 
     /// A whole number or a quantity, as opposed to words.
     bool is_number() const {
@@ -122,6 +123,9 @@ const Key* selector_of(std::span<const Key> keys, const Key& key);
 
 /// The row of a path in a table of keys, or null; the numbers of a list's members are not part of a row.
 const Key* find_key(std::span<const Key> keys, std::string_view path);
+
+/// The row whose retired path this is, or null.
+const Key* find_successor(std::span<const Key> keys, std::string_view path);
 
 /// The path without the numbers of list members: "parachute.reefing.2.until.at" to
 /// "parachute.reefing.until.at".

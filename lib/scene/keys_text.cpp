@@ -193,7 +193,7 @@ std::string keys_wrapped(const std::vector<const Key*>& keys, std::size_t width)
 
 std::string key_page(const Key& key, std::size_t width) {
     const Key* selector = key.only_with.empty() ? nullptr : selector_of(scene_keys(), key);
-    const std::array<std::pair<std::string_view, std::string>, 8> lines{{
+    const std::array<std::pair<std::string_view, std::string>, 9> lines{{
         {"meaning", std::string(key.meaning)},
         {"unit", std::string(key.unit)},
         {"default", default_text(key)},
@@ -203,6 +203,7 @@ std::string key_page(const Key& key, std::size_t width) {
         {"only with",
          selector ? fmt::format("{} = {}", selector->path, fmt::join(words_of(key.only_with), ", ")) : ""},
         {"source", std::string(key.source)},
+        {"formerly", std::string(key.formerly)},
     }};
     std::string text = std::string(key.path) + "\n";
     for (const auto& [name, value] : lines)

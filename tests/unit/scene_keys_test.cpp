@@ -46,6 +46,10 @@ TEST(Keys, RowsAreConsistent) {
             const auto back = words_of(other->instead_of);
             EXPECT_EQ(std::ranges::count(back, key.path), 1);
         }
+        if (!key.formerly.empty()) {
+            EXPECT_EQ(find_key(scene_keys(), key.formerly), nullptr);
+            EXPECT_EQ(find_successor(scene_keys(), key.formerly)->path, key.path);
+        }
         if (key.need != KeyNeed::defaulted) continue;
         ASSERT_FALSE(key.fallback.empty());
         if (key.is_number()) {
