@@ -158,8 +158,13 @@ bool same_value(const Input& one, const Input& other) {
 }
 
 std::vector<OtherChange> input_changes(std::vector<Input> before, const std::vector<Input>& now) {
-    for (Input& input : before)  // of a record that is older than the name of a key
-        if (const Key* successor = find_successor(scene_keys(), input.key)) input.key = successor->path;
+    for (const Key& key : scene_keys()) {  // of a record that is older than the name of a key
+        if (key.formerly.empty()) continue;
+        const auto below = [](std::string_view path) { return path.substr(path.find('.')); };
+        for (Input& input : before)  // several parachutes have theirs as parachute.NAME.*
+            if (const std::string_view tail = below(key.formerly); input.key.ends_with(tail))
+                input.key.replace(input.key.size() - tail.size(), tail.size(), below(key.path));
+    }
     const auto find = [](const std::vector<Input>& inputs, const std::string& key) {
         const auto found = std::ranges::find(inputs, key, &Input::key);
         return found == inputs.end() ? nullptr : &*found;

@@ -129,7 +129,7 @@ void wait_for_another(const Values& v, const std::string& key, Trigger& t) {
     t.of = text.substr(0, dot);
 }
 
-/// What is more than a value of its own. `table`: the keys stand below it.
+/// Conditions that take more than their value. `table`: the keys stand below it.
 void finish_trigger(const Values& v, const std::string& table, const Environment& environment, Trigger& t) {
     if (const std::string key = table + ".height"; v.given(key)) {
         t.kind = Trigger::Kind::altitude;
@@ -179,7 +179,7 @@ void finish_structure(const Values& v, Materials& materials, Parachute& p) {
     if (p.mesh) p.mesh->file = table_file(v, "parachute.mesh");
 }
 
-/// Of a table the law's name means nothing; it begins where the table does.
+/// A table stands in place of the law and says where the growth begins.
 void finish_growth(const Values& v, Parachute& p) {
     read_table(v, "parachute.drag_area_table", p.drag_area_table, read_drag_area_table);
     if (!p.drag_area_table) return;

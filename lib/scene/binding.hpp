@@ -1,4 +1,5 @@
-// From a row of the table of keys to a member of a scene, and back.
+// From a row of the table of keys to a member of a scene, and back. A codec turns a value of the table into
+// one of the scene with set(to, from), and back with get(from).
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct Word {
     T value;
 };
 
-/// What `choices` of a row asks for.
+/// Names of the words, for `choices` of a row.
 template <const auto& words>
 std::vector<std::string_view> words_in() {
     std::vector<std::string_view> names;
@@ -31,28 +32,28 @@ std::vector<std::string_view> words_in() {
 /// Numbers as they are; an empty text or list is absent.
 struct AsIs {
     template <class T>
-    static void take(T& to, const KeyValue& from) {
+    static void set(T& to, const KeyValue& from) {
         if constexpr (std::is_integral_v<T>)
             to = static_cast<T>(std::get<std::int64_t>(from));
         else
             to = std::get<T>(from);
     }
     template <class T>
-    static std::optional<KeyValue> tell(const T& from) {
+    static OptionalValue get(const T& from) {
         if constexpr (std::is_integral_v<T>)
             return static_cast<std::int64_t>(from);
         else if constexpr (std::is_floating_point_v<T>)
             return from;
         else
-            return from.empty() ? std::nullopt : std::optional<KeyValue>(from);
+            return from.empty() ? std::nullopt : OptionalValue(from);
     }
 };
 
 /// Numbers of which 0 means absent.
 struct UnlessZero : AsIs {
     template <class T>
-    static std::optional<KeyValue> tell(const T& from) {
-        return from > T{} ? AsIs::tell(from) : std::nullopt;
+    static OptionalValue get(const T& from) {
+        return from > T{} ? AsIs::get(from) : std::nullopt;
     }
 };
 
@@ -60,11 +61,11 @@ struct UnlessZero : AsIs {
 template <const auto& words>
 struct OneOf {
     template <class T>
-    static void take(T& to, const KeyValue& from) {
+    static void set(T& to, const KeyValue& from) {
         to = std::ranges::find(words, std::get<std::string>(from), &Word<T>::name)->value;
     }
     template <class T>
-    static std::optional<KeyValue> tell(const T& from) {
+    static OptionalValue get(const T& from) {
         return std::string(std::ranges::find(words, from, &Word<T>::value)->name);
     }
 };
@@ -73,68 +74,70 @@ struct OneOf {
 template <auto find>
 struct RowOf {
     template <class T>
-    static void take(T& to, const KeyValue& from) {
+    static void set(T& to, const KeyValue& from) {
         to = find(std::get<std::string>(from));
     }
     template <class T>
-    static std::optional<KeyValue> tell(const T& from) {
-        return from ? std::optional<KeyValue>(std::string(from->name)) : std::nullopt;
+    static OptionalValue get(const T& from) {
+        return from ? OptionalValue(std::string(from->name)) : std::nullopt;
     }
 };
 
+/// The part itself; an optional one is made where it is empty.
 template <class T>
-T& made(T& part) {
+T& ensured(T& part) {
     return part;
 }
 template <class T>
-T& made(std::optional<T>& part) {
+T& ensured(std::optional<T>& part) {
     return part ? *part : part.emplace();
 }
+/// Null where an optional part is empty.
 template <class T>
-const T* found(const T& part) {
+const T* pointer_to(const T& part) {
     return &part;
 }
 template <class T>
-const T* found(const std::optional<T>& part) {
+const T* pointer_to(const std::optional<T>& part) {
     return part ? &*part : nullptr;
 }
 
-/// A member, or a member of a member and so on. Optional ones are made when a value goes in; nothing comes
-/// out of an empty one.
+/// A codec for a member, or a member of a member and so on. Reading makes the optional ones on the way.
 template <class Codec, auto... members>
-struct Along : Codec {};
+struct Chain : Codec {};
 
 template <class Codec, auto member, auto... rest>
-struct Along<Codec, member, rest...> {
+struct Chain<Codec, member, rest...> {
     template <class T>
-    static void take(T& object, const KeyValue& from) {
-        Along<Codec, rest...>::take(made(object.*member), from);
+    static void set(T& object, const KeyValue& from) {
+        Chain<Codec, rest...>::set(ensured(object.*member), from);
     }
     template <class T>
-    static std::optional<KeyValue> tell(const T& object) {
-        const auto* part = found(object.*member);
-        return part ? Along<Codec, rest...>::tell(*part) : std::nullopt;
+    static OptionalValue get(const T& object) {
+        const auto* part = pointer_to(object.*member);
+        return part ? Chain<Codec, rest...>::get(*part) : std::nullopt;
     }
 };
 
+/// Binding of an object by a codec of its own.
 template <class Codec, class Object>
-constexpr BindingOf<Object> bound{[](Object& object, const KeyValue& value) { Codec::take(object, value); },
-                                  [](const Object& object) { return Codec::tell(object); }};
+constexpr BindingOf<Object> bound{[](Object& object, const KeyValue& value) { Codec::set(object, value); },
+                                  [](const Object& object) { return Codec::get(object); }};
 
 template <class Object, class Member>
 Object owner_of(Member Object::*member);
 
 template <class Codec, auto first, auto... rest>
-constexpr auto along = bound<Along<Codec, first, rest...>, decltype(owner_of(first))>;
+constexpr auto chain = bound<Chain<Codec, first, rest...>, decltype(owner_of(first))>;
 
 // Bindings of rows: the members lead from Scene, Parachute, ... to the value.
 template <auto... members>
-constexpr auto member = along<AsIs, members...>;
+constexpr auto member = chain<AsIs, members...>;
 template <auto... members>
-constexpr auto unless_zero = along<UnlessZero, members...>;
+constexpr auto unless_zero = chain<UnlessZero, members...>;
 template <const auto& words, auto... members>
-constexpr auto word_of = along<OneOf<words>, members...>;
+constexpr auto word_of = chain<OneOf<words>, members...>;
 template <auto find, auto... members>
-constexpr auto row_of = along<RowOf<find>, members...>;
+constexpr auto row_of = chain<RowOf<find>, members...>;
 
 }  // namespace twinchute

@@ -87,7 +87,7 @@ constexpr Word<Structure> structures[] = {{"msd-fe", Structure::msd_fe}, {"fe", 
 constexpr Word<bool> alpha_begins[] = {{"snatch", false}, {"release", true}};
 
 // clang-format off
-// Bindings of what stands together.
+// Bindings below one table.
 template <auto... m> constexpr auto of_air = member<&Scene::environment, &Environment::atmosphere, m...>;
 template <auto... m> constexpr auto of_body = member<&Scene::payload, &Payload::body, m...>;
 template <auto... m> constexpr auto of_release = member<&Scene::release, m...>;
@@ -100,39 +100,37 @@ template <auto... m> constexpr auto of_series = member<&Scene::series, m...>;
 template <auto... m> constexpr auto of_size = member<&Scene::size, m...>;
 // clang-format on
 
-// Bindings of what is more than a member.
-using Told = std::optional<KeyValue>;
-
-Told text_or_none(std::string text) {
-    return text.empty() ? Told{} : Told{std::move(text)};
+// Bindings that are more than a member.
+OptionalValue optional_text(std::string text) {
+    return text.empty() ? OptionalValue{} : OptionalValue{std::move(text)};
 }
 
 /// The CSV file that a table came from; the reader makes the table.
 template <auto table, class Object = decltype(owner_of(table))>
 constexpr BindingOf<Object> file_of{.get = [](const Object& object) {
-    return object.*table ? text_or_none((object.*table)->file()) : Told{};
+    return object.*table ? optional_text((object.*table)->file()) : OptionalValue{};
 }};
 
-constexpr BindingOf<Scene> wind_model{.get = [](const Scene& s) -> Told {
+constexpr BindingOf<Scene> wind_model{.get = [](const Scene& s) -> OptionalValue {
     if (!s.environment.wind) return {};
     return std::string(s.environment.wind->table.empty() ? "components" : "table");
 }};
 
 template <int axis>
 constexpr BindingOf<Scene> wind_component{
-    .get = [](const Scene& s) -> Told { return s.environment.wind->levels.front().velocity[axis]; }};
+    .get = [](const Scene& s) -> OptionalValue { return s.environment.wind->levels.front().velocity[axis]; }};
 
 /// Without a drag area nothing is left of the table either.
 constexpr BindingOf<Scene> attitude_table{.get = [](const Scene& s) {
     const Payload& p = s.payload;
-    return p.drag_area && p.drag_area_table ? text_or_none(p.drag_area_table->file()) : Told{};
+    return p.drag_area && p.drag_area_table ? optional_text(p.drag_area_table->file()) : OptionalValue{};
 }};
 
 constexpr BindingOf<Scene> line_drag{
     [](Scene& s, const KeyValue&) { s.aerodynamics.line_drag.emplace(); },
-    [](const Scene& s) { return text_or_none(s.aerodynamics.line_drag ? "cylinder" : ""); }};
+    [](const Scene& s) { return optional_text(s.aerodynamics.line_drag ? "cylinder" : ""); }};
 
-constexpr BindingOf<Scene> size_types{.get = [](const Scene& s) -> Told {
+constexpr BindingOf<Scene> size_types{.get = [](const Scene& s) -> OptionalValue {
     if (!s.size || s.size->types.empty()) return {};
     std::vector<std::string> names;
     for (const CanopyType& type : s.size->types)
@@ -141,24 +139,24 @@ constexpr BindingOf<Scene> size_types{.get = [](const Scene& s) -> Told {
 }};
 
 constexpr BindingOf<Parachute> canopy_type{
-    .get = [](const Parachute& p) { return text_or_none(p.type ? p.type->name : ""); }};
+    .get = [](const Parachute& p) { return optional_text(p.type ? p.type->name : ""); }};
 
 constexpr BindingOf<Parachute> deploy_by{
     [](Parachute& p, const KeyValue& word) {
         p.deploy.by =
             std::ranges::find(deployment_rows(), std::get<std::string>(word), &DeploymentRow::name)->by;
     },
-    [](const Parachute& p) -> Told { return std::string(deployment_name(p.deploy.by)); }};
+    [](const Parachute& p) -> OptionalValue { return std::string(deployment_name(p.deploy.by)); }};
 
 constexpr BindingOf<Parachute> extraction_force{
-    .get = [](const Parachute& p) -> Told { return p.deploy.extraction.force.front(); }};
+    .get = [](const Parachute& p) -> OptionalValue { return p.deploy.extraction.force.front(); }};
 
 constexpr BindingOf<Parachute> initial_phase{
     [](Parachute& p, const KeyValue& value) {
         const auto* seconds = std::get_if<double>(&value);
         p.initial_phase = {seconds == nullptr, seconds == nullptr ? 0.0 : *seconds};
     },
-    [](const Parachute& p) -> Told {
+    [](const Parachute& p) -> OptionalValue {
         if (p.initial_phase.transit) return std::string("transit");
         return p.initial_phase.seconds;
     }};
@@ -166,24 +164,26 @@ constexpr BindingOf<Parachute> initial_phase{
 /// A condition of a trigger with a value.
 template <Trigger::Kind kind>
 struct Condition {
-    static void take(Trigger& t, const KeyValue& from) {
+    static void set(Trigger& t, const KeyValue& from) {
         t.kind = kind;
         t.value = std::get<double>(from);
     }
-    static Told tell(const Trigger& t) { return t.kind == kind ? Told{t.value} : Told{}; }
+    static OptionalValue get(const Trigger& t) {
+        return t.kind == kind ? OptionalValue{t.value} : OptionalValue{};
+    }
 };
 
 /// An event of one's own.
 struct AtEvent {
-    static void take(Trigger& t, const KeyValue& from) { t.kind = *find_event(std::get<std::string>(from)); }
-    static Told tell(const Trigger& t) {
-        return t.of.empty() ? text_or_none(std::string(event_name(t.kind))) : Told{};
+    static void set(Trigger& t, const KeyValue& from) { t.kind = *find_event(std::get<std::string>(from)); }
+    static OptionalValue get(const Trigger& t) {
+        return t.of.empty() ? optional_text(std::string(event_name(t.kind))) : OptionalValue{};
     }
 };
 
 /// An event of another parachute; the reader takes it apart.
 constexpr BindingOf<Trigger> after_event{.get = [](const Trigger& t) {
-    return text_or_none(t.of.empty() ? "" : fmt::format("{}.{}", t.of, event_name(t.kind)));
+    return optional_text(t.of.empty() ? "" : fmt::format("{}.{}", t.of, event_name(t.kind)));
 }};
 
 // clang-format off
@@ -224,7 +224,7 @@ constexpr Key fill_time_rows[] = {
 };
 
 constexpr Key scene_rows[] = {
-    {.path = "schema", .binding = BindingOf<Scene>{.get = [](const Scene&) -> Told { return std::int64_t{1}; }}, .kind = integer, .range = from(1, 1), .meaning = "version of this list of keys"},
+    {.path = "schema", .binding = BindingOf<Scene>{.get = [](const Scene&) -> OptionalValue { return std::int64_t{1}; }}, .kind = integer, .range = from(1, 1), .meaning = "version of this list of keys"},
     {.path = "name", .binding = member<&Scene::name>, .kind = text, .meaning = "what the scene is called in tables and reports"},
 
     {.path = "base", .kind = text, .need = optional, .fallback = "all keys given here",
@@ -302,7 +302,7 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.cluster_drag_ratio", .binding = member<&Parachute::cluster_drag_ratio>, .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1.5), .user = rom,
      .meaning = "drag coefficient of one in the cluster over that of one alone", .source = "nothing taken off: our assumption; spread canopies lose some drag"},
     {.path = "parachute.nominal_diameter", .binding = member<&Parachute::nominal_diameter>, .unit = "m", .range = above(0, 200), .meaning = "D0"},
-    {.path = "parachute.drag_area", .binding = BindingOf<Parachute>{.get = [](const Parachute& p) -> Told { return stated_drag_area(p); }}, .unit = "m^2", .range = above(0, 1e5), .instead_of = "parachute.drag_coefficient",
+    {.path = "parachute.drag_area", .binding = BindingOf<Parachute>{.get = [](const Parachute& p) -> OptionalValue { return stated_drag_area(p); }}, .unit = "m^2", .range = above(0, 1e5), .instead_of = "parachute.drag_coefficient",
      .meaning = "(C_D S)_0 of the steady canopy"},
     {.path = "parachute.drag_coefficient", .unit = "1", .range = above(0, 5), .instead_of = "parachute.drag_area",
      .meaning = "C_D0 on the nominal area pi/4 D0^2"},
@@ -431,11 +431,11 @@ constexpr Key scene_rows[] = {
      .kind = word, .need = defaulted, .fallback = "knacke", .choices = names_of<forebody_wake_models>,
      .meaning = "loss against distance and size", .source = "Knacke NWC TP 6575, Fig. 5-21"},
 
-    {.path = "stop.at", .binding = along<AtEvent, &Scene::stop>, .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = listed<stops>,
+    {.path = "stop.at", .binding = chain<AtEvent, &Scene::stop>, .kind = word, .need = defaulted, .fallback = "steady-descent", .choices = listed<stops>,
      .instead_of = "stop.time|stop.altitude|stop.height", .meaning = "the event that ends the run; line-stretch: the snatch"},
-    {.path = "stop.time", .binding = along<Condition<Trigger::Kind::time>, &Scene::stop>, .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000),
+    {.path = "stop.time", .binding = chain<Condition<Trigger::Kind::time>, &Scene::stop>, .unit = "s", .need = optional, .fallback = "stop.at", .range = above(0, 36000),
      .instead_of = "stop.at|stop.altitude|stop.height", .meaning = "since release"},
-    {.path = "stop.altitude", .binding = along<Condition<Trigger::Kind::altitude>, &Scene::stop>, .unit = "m", .need = optional, .fallback = "stop.at", .range = from(-5000, 86000),
+    {.path = "stop.altitude", .binding = chain<Condition<Trigger::Kind::altitude>, &Scene::stop>, .unit = "m", .need = optional, .fallback = "stop.at", .range = from(-5000, 86000),
      .instead_of = "stop.at|stop.time|stop.height", .meaning = "above sea level that the payload falls to"},
     {.path = "stop.height", .unit = "m", .need = optional, .fallback = "stop.at", .range = from(0, 86000),
      .instead_of = "stop.at|stop.time|stop.altitude", .meaning = "above ground that the payload falls to"},

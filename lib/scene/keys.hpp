@@ -52,12 +52,13 @@ struct KeyRange {
 /// A value of a key in SI; of a quantity_or_word either.
 using KeyValue =
     std::variant<double, std::int64_t, std::string, std::vector<std::string>, std::vector<double>>;
+using OptionalValue = std::optional<KeyValue>;  ///< nothing: absent
 
 /// How a key's value goes into an object of a scene and comes out of it again.
 template <class Object>
 struct BindingOf {
-    void (*set)(Object& object, const KeyValue& value) = nullptr;    ///< null: the reader knows how
-    std::optional<KeyValue> (*get)(const Object& object) = nullptr;  ///< nothing: absent; null: never written
+    void (*set)(Object& object, const KeyValue& value) = nullptr;  ///< null: the reader knows how
+    OptionalValue (*get)(const Object& object) = nullptr;          ///< nothing: absent; null: never written
 };
 
 struct Scene;

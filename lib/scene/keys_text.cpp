@@ -84,19 +84,8 @@ std::string escaped(std::string text) {
 }  // namespace
 
 std::string_view user_name(KeyUser user) {
-    switch (user) {
-        case KeyUser::both:
-            return "both";
-        case KeyUser::rom:
-            return "rom";
-        case KeyUser::full:
-            return "full";
-        case KeyUser::compare:
-            return "compare";
-        case KeyUser::size:
-            return "size";
-    }
-    return "";
+    constexpr std::array<std::string_view, 5> names{"both", "rom", "full", "compare", "size"};
+    return names[static_cast<std::size_t>(user)];
 }
 
 std::string default_text(const Key& key) {

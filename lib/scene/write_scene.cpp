@@ -69,7 +69,7 @@ public:
         line(key.path, std::visit([](const auto& v) { return toml(v); }, *value));
     }
 
-    /// What is bound in the object, below a table.
+    /// Every key that is bound in the object, below a table.
     template <class Object>
     void keys(const Object& object, std::string_view table) {
         for (const Key& row : scene_keys())
@@ -87,7 +87,7 @@ public:
 
 private:
     template <class Object>
-    std::optional<KeyValue> value_of(const Object& object, const Key& key) const {
+    OptionalValue value_of(const Object& object, const Key& key) const {
         const auto* binding = std::get_if<BindingOf<Object>>(&key.binding);
         if (!binding || !binding->get) return {};
         if (!key.only_with.empty()) {
