@@ -228,10 +228,10 @@ TEST(PressureLaw, PushesAlongTheFlowAndAcrossIt) {
     // Along an axis upwards or downwards, the short form, of a triangle that faces the air and of one that
     // does not.
     for (const double up : {1.0, -1.0})
-        for (const Vec3& a : {area, Vec3(-area)}) {
-            const auto general = law::pushed_area(a, Vec3(0.0, 0.0, up), 1.0 / 3.0, phi / 3.0);
+        for (const Vec3& triangle : {area, Vec3(-area)}) {
+            const auto general = law::pushed_area(triangle, Vec3(0.0, 0.0, up), 1.0 / 3.0, phi / 3.0);
             const auto axial =
-                law::pushed_area(Lanes3{splat(a.x()), splat(a.y()), splat(a.z())},
+                law::pushed_area(Lanes3{splat(triangle.x()), splat(triangle.y()), splat(triangle.z())},
                                  law::AxialFlow<Lanes>{splat(up)}, splat(1.0 / 3.0), splat(phi / 3.0));
             const Vec3 on_corner(axial.on_corner.x[0], axial.on_corner.y[0], axial.on_corner.z[0]);
             EXPECT_LT((general.on_corner - on_corner).norm(), 1e-15);
@@ -282,14 +282,14 @@ TEST(NodeLaw, LeapfrogIsExactUnderAConstantForce) {
 TEST(NodeLaw, KineticEnergyOfBothHalfStepsIsThatOfLeapfrog) {
     // v^n is the mean of both half steps, so for a constant step the power of a force over it is the change
     // of m v^{n-1/2} v^{n+1/2} / 2 between two instants: a (v^n + v^{n+1})/2 dt.
-    const Lanes a{0.5, -9.0, 2.0, 0.0}, before{3.0, -1.0, 2.0, 0.0};
+    const Lanes acceleration{0.5, -9.0, 2.0, 0.0}, before{3.0, -1.0, 2.0, 0.0};
     const double dt = 0.1, m = 0.25;
-    const Lanes after = law::kicked(before, a, dt), later = law::kicked(after, a, dt);
+    const Lanes after = law::kicked(before, acceleration, dt), later = law::kicked(after, acceleration, dt);
     const Lanes now = law::middle_of(before, after), next = law::middle_of(after, later);
     for (int k = 0; k < 3; ++k) {
-        EXPECT_DOUBLE_EQ(now[k], before[k] + 0.5 * dt * a[k]);
+        EXPECT_DOUBLE_EQ(now[k], before[k] + 0.5 * dt * acceleration[k]);
         EXPECT_NEAR(0.5 * m * (after[k] * later[k] - before[k] * after[k]),
-                    m * a[k] * 0.5 * (now[k] + next[k]) * dt, 1e-15);
+                    m * acceleration[k] * 0.5 * (now[k] + next[k]) * dt, 1e-15);
     }
 }
 
