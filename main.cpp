@@ -1,10 +1,8 @@
 // twinchute: one parachute scene at two fidelities, and the gap between them.
 #include <array>
-#include <vector>
 
 #include "compare/compare_command.hpp"
 #include "compare/ladder_command.hpp"
-#include "compare/metrics.hpp"
 #include "compare/report_command.hpp"
 #include "compare/stability_command.hpp"
 #include "compare/validate/validate_command.hpp"
@@ -23,9 +21,6 @@ int main(int argc, char** argv) {
     const Fidelity& rom = rom::rom_fidelity();
     const Fidelity& full = fullsim::full_fidelity();
 
-    std::vector<ListTopic> topics = library_topics();
-    topics.push_back(compare::metrics_topic());
-
     const std::array commands{
         compare::compare_command(full, rom),
         rom::rom_command(full),
@@ -37,7 +32,7 @@ int main(int argc, char** argv) {
         compare::validate_command({&rom, &full}),
         fullsim::mesh_command(),
         plan_command({&rom, &full}),
-        list_command(std::move(topics)),
+        list_command(),
     };
     return run_program(commands, argc, argv);
 }

@@ -14,8 +14,8 @@ constexpr double longest = 36000.0;  // [s]
 
 std::vector<CsvColumn> columns() {
     std::vector<CsvColumn> known{{"time", "s", {-longest, longest}}};
-    for (const HistoryRow& row : history_rows())
-        known.push_back({row.channel, row.unit, {-1e9, 1e9}});
+    for (const MetricRow& row : history_rows())
+        known.push_back({row.key, row.unit, {-1e9, 1e9}});
     return known;
 }
 
@@ -33,8 +33,8 @@ std::optional<double> distance(const Curve& test, const std::optional<Curve>& ru
 
 std::string test_channels() {
     std::string text;
-    for (const HistoryRow& row : history_rows())
-        text += (text.empty() ? "" : ", ") + std::string(row.channel);
+    for (const MetricRow& row : history_rows())
+        text += (text.empty() ? "" : ", ") + std::string(row.key);
     return text;
 }
 
@@ -46,9 +46,8 @@ const Curve* DropTestHistories::find(std::string_view channel) const {
 DropTestHistories read_test_histories(std::string_view text, const std::string& file) {
     const CsvTable table = read_csv_table(text, file, columns());
     DropTestHistories test{file, {}};
-    for (const HistoryRow& row : history_rows())
-        if (table.has(row.channel))
-            test.curves.emplace(row.channel, Curve{table.at("time"), table.at(row.channel)});
+    for (const MetricRow& row : history_rows())
+        if (table.has(row.key)) test.curves.emplace(row.key, Curve{table.at("time"), table.at(row.key)});
     if (test.curves.empty())
         throw SceneError({file, 1, 1}, "", "there is nothing beside the time",
                          "a test is drawn over the histories of the runs",
@@ -59,12 +58,12 @@ DropTestHistories read_test_histories(std::string_view text, const std::string& 
 std::vector<TestScore> test_scores(const DropTestHistories& test,
                                    const std::array<const RunRecord*, 2>& records) {
     std::vector<TestScore> scores;
-    for (const HistoryRow& row : history_rows()) {
-        const Curve* measured = test.find(row.channel);
+    for (const MetricRow& row : history_rows()) {
+        const Curve* measured = test.find(row.key);
         if (measured == nullptr) continue;
         TestScore score{&row, std::ranges::max(measured->value), {}};
         for (std::size_t s = 0; s < 2; ++s)
-            score.l2[s] = distance(*measured, curve_of(*records[s], row.channel));
+            score.l2[s] = distance(*measured, curve_of(*records[s], row.key));
         scores.push_back(score);
     }
     return scores;

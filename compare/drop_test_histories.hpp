@@ -28,7 +28,7 @@ std::string test_channels();
 
 /// A measured history and how far two records are from it, over the time that all three have.
 struct TestScore {
-    const HistoryRow* row = nullptr;
+    const MetricRow* row = nullptr;
     double largest = 0.0;                     ///< of what was measured, in the row's unit
     std::array<std::optional<double>, 2> l2;  ///< by record: that of the difference over that of the test
 };

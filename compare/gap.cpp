@@ -99,7 +99,7 @@ std::vector<HistoryGap> histories_of(const RunRecord& reference, const RunRecord
                                      const std::map<std::string, Tolerance>& tolerances,
                                      const Names& of_command_line, bool both_ended) {
     std::vector<HistoryGap> histories;
-    for (const HistoryRow& row : history_rows()) {
+    for (const MetricRow& row : history_rows()) {
         HistoryGap history;
         history.row = &row;
         history.phases = score_history(reference, candidate, row);

@@ -11,9 +11,9 @@
 #include "compare/attribution.hpp"
 #include "compare/drop_test_histories.hpp"
 #include "compare/histories.hpp"
-#include "compare/metrics.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/frames.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
 
@@ -56,7 +56,7 @@ struct MetricGap {
 
 /// A history that both sides have, or that a tolerance is asked for.
 struct HistoryGap {
-    const HistoryRow* row = nullptr;
+    const MetricRow* row = nullptr;
     std::vector<PhaseScore> phases;
     std::optional<double> score;         ///< judged_score of the phases
     std::optional<Tolerance> tolerance;  ///< where asked for; "10 %" and "0.1" are the same, of a norm

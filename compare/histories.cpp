@@ -1,20 +1,11 @@
 #include "compare/histories.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 namespace twinchute::compare {
 namespace {
-
-constexpr std::array rows{
-    HistoryRow{"force_history", "force", "N", "Opening force"},
-    HistoryRow{"speed_history", "speed", "m/s", "Speed of the payload"},
-    HistoryRow{"acceleration_history", "acceleration", "m/s^2", "Acceleration of the payload"},
-    HistoryRow{"drag_area_history", "drag_area", "m^2", "Drag area"},
-    HistoryRow{"projected_area_history", "projected_area", "m^2", "Projected area"},
-};
 
 /// Value on segment i, between its points i and i + 1.
 double on_segment(const Curve& curve, std::size_t i, double time) {
@@ -136,10 +127,6 @@ double infinity_norm(const Curve& curve) {
     return most;
 }
 
-std::span<const HistoryRow> history_rows() {
-    return rows;
-}
-
 std::string_view phase_name(HistoryPhase phase) {
     switch (phase) {
         case HistoryPhase::deployment:
@@ -169,9 +156,9 @@ std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel)
 }
 
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
-                                      const HistoryRow& row) {
-    const std::optional<Curve> one = since_snatch(reference, row.channel),
-                               other = since_snatch(candidate, row.channel);
+                                      const MetricRow& row) {
+    const std::optional<Curve> one = since_snatch(reference, row.key),
+                               other = since_snatch(candidate, row.key);
     if (!one || !other) return {};
     constexpr double ever = std::numeric_limits<double>::infinity();
     const Event* open = event_of(reference, {"full-open"});

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lib/record/metrics.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute::compare {
@@ -36,16 +37,6 @@ double l2_norm(const Curve& curve);
 /// Largest absolute value.
 double infinity_norm(const Curve& curve);
 
-/// A quantity that both records may have over time.
-struct HistoryRow {
-    std::string_view name;     ///< as on the command line and in a scene, e.g. "force_history"
-    std::string_view channel;  ///< of a record
-    std::string_view unit, title;
-};
-
-/// In the order of the report.
-std::span<const HistoryRow> history_rows();
-
 enum class HistoryPhase { deployment, inflation, descent };
 
 /// "deployment": before snatch; "inflation": from there until the reference's drag area is full; "descent":
@@ -72,7 +63,7 @@ std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel)
 /// One score a phase of which both records have some time, in order, aligned at snatch. Empty when a record
 /// lacks the channel, holds a value that is not finite, or the reference is zero throughout.
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
-                                      const HistoryRow& row);
+                                      const MetricRow& row);
 
 /// The score that a tolerance is held against: the larger l2 of inflation and descent. Before snatch the
 /// models do not mean the same by a force, so that deployment is shown and not judged.

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "compare/levels.hpp"
-#include "compare/metrics.hpp"
 #include "compare/test_reference.hpp"
 #include "lib/cli/exit_code.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/solve/fidelity.hpp"
 

@@ -9,11 +9,10 @@
 #include <optional>
 #include <string_view>
 
-#include "compare/metrics.hpp"
 #include "compare/render/escape.hpp"
 #include "compare/render/table.hpp"
 #include "lib/cli/record_text.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::compare {

@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "compare/metrics.hpp"
 #include "compare/render/escape.hpp"
 #include "compare/render/table.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 namespace {

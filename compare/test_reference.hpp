@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare/metrics.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "lib/cli/text.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_error.hpp"
-#include "lib/scene/keys.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 
@@ -63,9 +63,7 @@ std::map<std::string, Tolerance> recorded_tolerances(const RunRecord& record, co
     for (const Input& input : record.inputs) {
         const std::string_view key = input.key;
         if (!key.starts_with(prefix)) continue;
-        const auto known =
-            std::ranges::find(tolerance_metrics(), key.substr(prefix.size()), &ToleranceMetric::name);
-        if (known != tolerance_metrics().end()) overrides.push_back(override_text(input, file));
+        if (find_judgeable_row(key.substr(prefix.size()))) overrides.push_back(override_text(input, file));
     }
     try {
         return read_tolerances(overrides);

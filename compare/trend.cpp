@@ -9,7 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
+#include "lib/scene/keys.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -156,7 +157,14 @@ bool same_value(const Input& one, const Input& other) {
     return one.value == other.value || (a && b && std::isnan(*a) && std::isnan(*b));
 }
 
-std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now) {
+std::vector<OtherChange> input_changes(std::vector<Input> before, const std::vector<Input>& now) {
+    for (const Key& key : scene_keys()) {  // of a record that is older than the name of a key
+        if (key.formerly.empty()) continue;
+        const auto below = [](std::string_view path) { return path.substr(path.find('.')); };
+        for (Input& input : before)  // several parachutes have theirs as parachute.NAME.*
+            if (const std::string_view tail = below(key.formerly); input.key.ends_with(tail))
+                input.key.replace(input.key.size() - tail.size(), tail.size(), below(key.path));
+    }
     const auto find = [](const std::vector<Input>& inputs, const std::string& key) {
         const auto found = std::ranges::find(inputs, key, &Input::key);
         return found == inputs.end() ? nullptr : &*found;

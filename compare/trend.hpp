@@ -43,7 +43,7 @@ struct Trend {
 bool same_value(const Input& one, const Input& other);
 
 /// Inputs that differ, those of `now` first and in its order. A tolerance that is asked for is none.
-std::vector<OtherChange> input_changes(const std::vector<Input>& before, const std::vector<Input>& now);
+std::vector<OtherChange> input_changes(std::vector<Input> before, const std::vector<Input>& now);
 
 /// [-] A relative change up to this is none: the last digits that a rearranged sum may move.
 inline constexpr double trend_threshold = 1e-6;

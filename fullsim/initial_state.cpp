@@ -72,7 +72,7 @@ State first_state(const Scene& scene, const Mesh& mesh) {
     for (std::size_t k = 0; k < tether.position.size(); ++k) {
         const std::size_t i = mesh.first_static_line_node() + k;
         const bool anchor = k + 1 == tether.position.size();
-        const Vec3 v = anchor && !scene.parachutes.front().deploy.far_end_moves ? Vec3::Zero() : velocity;
+        const Vec3 v = anchor && !scene.parachutes.front().deploy.anchor_moves ? Vec3::Zero() : velocity;
         state.node[i] = {to_lanes(origin + tether.position[k]), to_lanes(v)};
         state.v_half[i].value = to_lanes(v);
     }

@@ -66,7 +66,7 @@ public:
         if (chute_.deploy.by == DeployBy::mortar) eject_from_mortar(y);
         const bool tied = chute_.deploy.by == DeployBy::static_line;
         model_.phase = tied ? DeploymentPhase::static_line : DeploymentPhase::free_pack;
-        if (tied && !chute_.deploy.far_end_moves)  // it stands still, and so does the parachute
+        if (tied && !chute_.deploy.anchor_moves)  // it stands still, and so does the parachute
             for (int i = 0; i < dimensions; ++i)
                 y[3 * dimensions + i] = -y[dimensions + i];
         context_.observer.watch([this](double t, std::span<const double> state) { return row(t, state); });

@@ -101,14 +101,14 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     std::vector<std::array<Curve, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;
     std::vector<double> peaks, jumps;
-    for (const HistoryRow& row : history_rows()) {
+    for (const MetricRow& row : history_rows()) {
         std::array<Curve, 2> both;
-        AlignedChannel channel{row.channel, row.title, {}, {}, {}, {}};
+        AlignedChannel channel{row.key, row.title, {}, {}, {}, {}};
         for (std::size_t s = 0; s < 2; ++s) {
-            both[s] = rows_of(*sides[s].record, row.channel, clock.zero[s]);
+            both[s] = rows_of(*sides[s].record, row.key, clock.zero[s]);
             if (both[s].time.empty()) continue;
             channel.there[s] = true;
-            channel.unit = sides[s].record->find_channel(row.channel)->unit;
+            channel.unit = sides[s].record->find_channel(row.key)->unit;
             first = std::min(first, both[s].time.front());
             last = std::max(last, both[s].time.back());
             const auto at = std::ranges::max_element(both[s].value) - both[s].value.begin();

@@ -50,7 +50,7 @@ Json metric_json(const MetricGap& metric) {
 
 Json history_json(const HistoryGap& history) {
     Json json;
-    json["channel"] = history.row->channel;
+    json["channel"] = history.row->key;
     for (const PhaseScore& phase : history.phases)
         json[std::string(phase_name(phase.phase))] = {{"from_s", phase.from},
                                                       {"to_s", phase.to},
@@ -80,7 +80,7 @@ Json test_json(const Comparison& comparison) {
     json["file"] = comparison.test->file;
     Json& channels = json["channels"] = Json::object();
     for (const TestScore& score : scores_of_test(comparison)) {
-        Json& channel = channels[std::string(score.row->channel)];
+        Json& channel = channels[std::string(score.row->key)];
         channel["largest"] = score.largest;
         channel["unit"] = score.row->unit;
         put(channel, "candidate", score.l2[0]);

@@ -9,7 +9,7 @@
 #include "compare/render/escape.hpp"
 #include "compare/report/trend_text.hpp"
 #include "compare/report/words.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 namespace {

@@ -12,7 +12,7 @@
 #include "compare/render/escape.hpp"
 #include "compare/report/gap_tables.hpp"
 #include "compare/report/words.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 namespace {

@@ -75,11 +75,11 @@ Scene c9_snatch_in_empty_space() {
     Deployment& deploy = scene.parachutes.front().deploy;
     deploy.by = DeployBy::static_line;
     deploy.static_line_length = 12.2;
-    deploy.far_end_moves = false;
+    deploy.anchor_moves = false;
     deploy.pack_ratio = 0.01;
     deploy.drag_coefficient = 0.1;
-    deploy.fold_repulsion = 1e-5;
-    deploy.fold_resistance = 2.0;
+    deploy.compressive_stiffness_ratio = 1e-5;
+    deploy.deployment_resistance = 2.0;
     scene.stop = {Trigger::Kind::time, 2.0, 0.0};
     return scene;
 }

@@ -7,9 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "compare/metrics.hpp"
 #include "lib/math/vec.hpp"
-#include "lib/scene/keys.hpp"
+#include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -247,9 +246,8 @@ std::optional<double> quantity_value(std::string_view name, const RunRecord& rec
 
 std::string_view quantity_unit(std::string_view name) {
     if (const Quantity* row = find_quantity(name)) return row->unit;
-    for (const ToleranceMetric& metric : tolerance_metrics())
-        if (metric.name == name) return metric.unit;
-    return {};
+    const MetricRow* metric = find_judgeable_row(name);
+    return metric == nullptr ? std::string_view{} : metric->tolerance_unit();
 }
 
 std::string quantity_words(std::string_view name, const QuantityArguments& a) {

@@ -8,9 +8,9 @@
 #include <sstream>
 #include <type_traits>
 
-#include "compare/metrics.hpp"
 #include "compare/validate/suite.hpp"
 #include "compare/validate/suite_table.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
@@ -62,6 +62,7 @@ std::vector<std::string> overrides(SuiteTable& reader) {
 
 const Key& number_key(const SuiteTable& reader, std::string_view owner, std::string_view path) {
     const Key* key = find_key(scene_keys(), path);
+    if (!key) key = find_successor(scene_keys(), path);
     if (!key || (key->kind != KeyKind::quantity && key->kind != KeyKind::quantity_or_word &&
                  key->kind != KeyKind::integer))
         reader.refuse(owner, fmt::format("'{}' is no number of a scene", path), "",

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/metrics.hpp"
 #include "compare/validate/parallel.hpp"
 #include "lib/cli/exit_code.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
 
 namespace twinchute::compare {

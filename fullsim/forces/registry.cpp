@@ -64,7 +64,8 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      },
      [](const Scene& s) { return deployed(s, structure(s)); },
      [](const Scene& s, const Mesh& m) {
-         return make_fabric_springs(m, deployment(s).fold_repulsion, s.full.bulk_viscosity, s.full.beta);
+         return make_fabric_springs(m, deployment(s).compressive_stiffness_ratio, s.full.bulk_viscosity,
+                                    s.full.beta);
      }},
     {Block::tapes, "tapes", "paper, 2.2 and Eq. 3", true, true, true, true, false, false, &always,
      &every_parachute,
@@ -118,12 +119,15 @@ constexpr std::array<ForceBlock, block_count> blocks{{
     {Block::fold_resistance, "fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true,
      true, false, false,
      [](const Scene& s, Stage stage) {
-         return stage == Stage::deployment && deployment(s).fold_resistance > 0.0;
+         return stage == Stage::deployment && deployment(s).deployment_resistance > 0.0;
      },
      [](const Scene& s) {
-         return deployed(s, strength("parachute.deploy.fold_resistance", deployment(s).fold_resistance));
+         return deployed(
+             s, strength("parachute.deploy.deployment_resistance", deployment(s).deployment_resistance));
      },
-     [](const Scene& s, const Mesh& m) { return make_fold_resistance(m, deployment(s).fold_resistance); }},
+     [](const Scene& s, const Mesh& m) {
+         return make_fold_resistance(m, deployment(s).deployment_resistance);
+     }},
     {Block::extraction, "extraction", "paper, 2.1", false, false, false, false, true, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).by == DeployBy::extraction;

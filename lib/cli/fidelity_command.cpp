@@ -11,7 +11,7 @@
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/record/write_record.hpp"
 

@@ -10,11 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/data_files.hpp"
@@ -63,6 +65,7 @@ std::string keys_text(std::string_view path) {
 std::string key_path(const std::string& given) {
     std::string path = row_path(scene_keys(), given);
     if (!keys_below(path).empty()) return path;
+    if (const Key* successor = find_successor(scene_keys(), given)) return std::string(successor->path);
     std::vector<std::string_view> known;
     for (const Key* key : keys_below(""))
         known.push_back(key->path);
@@ -142,7 +145,38 @@ std::string table_json(const Table& table) {
     return json_text(json);
 }
 
-ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& arguments) {
+Table metrics() {
+    Table table;
+    table.header = {"metric", "unit", "record key", "default tolerance", "meaning"};
+    for (const MetricRow& row : metric_rows())
+        table.rows.push_back(
+            {std::string(row.name), row.unit.empty() ? "1" : std::string(row.unit), std::string(row.key),
+             row.tolerance ? tolerance_text(*row.tolerance, row.unit) : "-", std::string(row.title)});
+    for (const MetricRow& row : history_rows())
+        table.rows.push_back({std::string(row.name), "1", "-", "-",
+                              std::string(row.title) + " over time: relative L2 norm of the difference"});
+    return table;
+}
+
+struct Topic {
+    std::string_view name;     ///< e.g. "laws"
+    std::string_view summary;  ///< one line
+    Table (*table)();
+    std::string (*text)() = nullptr;  ///< for reading; null: the table, aligned
+};
+
+constexpr Topic topics[] = {
+    {"keys", "what a scene or a material file may say", [] { return keys_at(""); },
+     [] { return keys_text(""); }},
+    {"laws", "rows of the model tables and the keys that choose them", laws},
+    {"materials", "fabrics and cords by name", [] { return files_in("materials"); }},
+    {"parachutes", "designs by name", [] { return files_in("parachutes"); }},
+    {"types", "types of canopy and what handbooks say of them", types, types_text},
+    {"scenes", "scenes to start from", [] { return files_in("scenes"); }},
+    {"metrics", "what two fidelities are compared in, and the tolerances", metrics},
+};
+
+ExitCode run_list(const Arguments& arguments) {
     const bool as_json = arguments.has("json");
     const std::vector<std::string>& words = arguments.operands;
     const bool of_keys = !words.empty() && words[0] == "keys";
@@ -159,13 +193,13 @@ ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& argumen
     }
     if (arguments.operand.empty()) {
         table.header = {"topic", "what it lists"};
-        for (const ListTopic& topic : topics)
-            table.rows.push_back({topic.name, topic.summary});
+        for (const Topic& topic : topics)
+            table.rows.push_back({std::string(topic.name), std::string(topic.summary)});
     } else {
-        const auto topic = std::ranges::find(topics, arguments.operand, &ListTopic::name);
-        if (topic == topics.end()) {
+        const auto topic = std::ranges::find(topics, arguments.operand, &Topic::name);
+        if (topic == std::end(topics)) {
             std::vector<std::string_view> known;
-            for (const ListTopic& row : topics)
+            for (const Topic& row : topics)
                 known.push_back(row.name);
             throw UsageError(fmt::format("there is no list of '{}', {}", arguments.operand,
                                          suggest(arguments.operand, known)));
@@ -182,28 +216,14 @@ ExitCode run_list(const std::vector<ListTopic>& topics, const Arguments& argumen
 
 }  // namespace
 
-std::vector<ListTopic> library_topics() {
-    return {
-        {"keys", "what a scene or a material file may say", [] { return keys_at(""); },
-         [] { return keys_text(""); }},
-        {"laws", "rows of the model tables and the keys that choose them", laws},
-        {"materials", "fabrics and cords by name", [] { return files_in("materials"); }},
-        {"parachutes", "designs by name", [] { return files_in("parachutes"); }},
-        {"types", "types of canopy and what handbooks say of them", types, types_text},
-        {"scenes", "scenes to start from", [] { return files_in("scenes"); }},
-    };
-}
-
-Command list_command(std::vector<ListTopic> topics) {
+Command list_command() {
     Command command;
     command.name = "list";
     command.summary = "what there is: keys, laws, types, materials, scenes, metrics";
     command.operand = "[TOPIC [KEY]...]";
     command.example = "twinchute list keys parachute.deploy";
     command.options = {{"json", "", "print the table as JSON"}};
-    command.run = [topics = std::move(topics)](const Arguments& arguments) {
-        return run_list(topics, arguments);
-    };
+    command.run = run_list;
     return command;
 }
 

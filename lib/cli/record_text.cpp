@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/progress.hpp"
+#include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -110,11 +111,14 @@ void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
     std::vector<std::string> texts;
     for (const Scene& scene : scenes) {
         const SceneId id{scene.name, scene.file.string(), scene.sha256};
-        texts.push_back(json_text({{"generator", "twinchute"}, {"scene", scene_json(id)}, {"valid", true}}));
+        texts.push_back(json_text({{"generator", "twinchute"},
+                                   {"scene", scene_json(id)},
+                                   {"valid", true},
+                                   {"warnings", warnings_json(scene.warnings)}}));
         if (arguments.has("json") || arguments.has("quiet")) continue;
         print(printable(fmt::format("{}: the scene '{}' is valid; nothing was run", scene.file.string(),
                                     scene.name)) +
-              "\n");
+              "\n" + warnings_text(scene.warnings, "", output_style()));
     }
     if (arguments.has("json")) print(joined_json(scenes, texts));
 }

@@ -29,15 +29,8 @@ std::vector<Metric> read_metrics(const JsonNode& values, const JsonNode& standin
 
 EnergyLedger read_energy(const JsonNode& node) {
     EnergyLedger energy;
-    energy.kinetic = node.number_at("kinetic_J", not_a_number);
-    energy.elastic = node.number_at("elastic_J", 0.0);
-    energy.gravity_work = node.number_at("gravity_work_J", not_a_number);
-    energy.drag_work = node.number_at("drag_work_J", 0.0);
-    energy.damping = node.number_at("damping_J", 0.0);
-    energy.added_mass = node.number_at("added_mass_J", 0.0);
-    energy.ramp = node.number_at("ramp_J", 0.0);
-    energy.external_work = node.number_at("external_work_J", 0.0);
-    energy.residual_fraction = node.number_at("residual_fraction", not_a_number);
+    for (const EnergyTerm& row : energy_terms)
+        energy.*row.term = node.number_at(row.key, row.absent());
     return energy;
 }
 

@@ -4,6 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "lib/record/record_parts.hpp"
+
 namespace twinchute {
 namespace {
 
@@ -14,11 +16,6 @@ bool put(Json& object, const std::string& key, double value) {
     if (!std::isfinite(value)) return false;
     object[key] = value;
     return true;
-}
-
-/// For quantities that are exactly zero only when there is nothing behind them.
-void put_unless_zero(Json& object, const std::string& key, double value) {
-    if (value != 0.0) put(object, key, value);
 }
 
 Json metrics_json(const std::vector<Metric>& metrics) {
@@ -62,15 +59,8 @@ Json standing_json(const std::vector<Metric>& metrics) {
 
 Json energy_json(const EnergyLedger& energy) {
     Json json = Json::object();
-    put(json, "kinetic_J", energy.kinetic);
-    put_unless_zero(json, "elastic_J", energy.elastic);
-    put(json, "gravity_work_J", energy.gravity_work);
-    put_unless_zero(json, "drag_work_J", energy.drag_work);
-    put_unless_zero(json, "damping_J", energy.damping);
-    put_unless_zero(json, "added_mass_J", energy.added_mass);
-    put_unless_zero(json, "ramp_J", energy.ramp);
-    put_unless_zero(json, "external_work_J", energy.external_work);
-    put(json, "residual_fraction", energy.residual_fraction);
+    for (const EnergyTerm& row : energy_terms)
+        if (energy.*row.term != 0.0 || !row.zero_is_absent) put(json, row.key, energy.*row.term);
     return json;
 }
 
@@ -196,14 +186,9 @@ RunRecord as_written(RunRecord record) {
     leave_out_not_finite(record.metrics, record.missing, record.warnings);
     for (Input& input : record.inputs)
         if (auto* number = std::get_if<double>(&input.value)) tell(*number);
-    if (record.energy) {
-        EnergyLedger& energy = *record.energy;
-        for (double* term : {&energy.kinetic, &energy.gravity_work, &energy.residual_fraction})
-            tell(*term);
-        for (double* term : {&energy.elastic, &energy.drag_work, &energy.damping, &energy.added_mass,
-                             &energy.ramp, &energy.external_work})
-            tell(*term, 0.0);
-    }
+    if (record.energy)
+        for (const EnergyTerm& row : energy_terms)
+            tell(*record.energy.*row.term, row.absent());
     std::erase_if(record.estimates, [](const Estimate& estimate) { return !std::isfinite(estimate.value); });
     Cost& cost = record.cost;
     for (double* value :

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,28 @@
 namespace twinchute {
 
 class JsonNode;
+
+/// A term of the energy ledger in summary.json. Zero is written only where it says something.
+struct EnergyTerm {
+    const char* key;  ///< with unit
+    double EnergyLedger::*term;
+    bool zero_is_absent;
+
+    /// The value where the key is absent.
+    double absent() const { return zero_is_absent ? 0.0 : std::numeric_limits<double>::quiet_NaN(); }
+};
+
+inline constexpr EnergyTerm energy_terms[] = {
+    {"kinetic_J", &EnergyLedger::kinetic, false},
+    {"elastic_J", &EnergyLedger::elastic, true},
+    {"gravity_work_J", &EnergyLedger::gravity_work, false},
+    {"drag_work_J", &EnergyLedger::drag_work, true},
+    {"damping_J", &EnergyLedger::damping, true},
+    {"added_mass_J", &EnergyLedger::added_mass, true},
+    {"ramp_J", &EnergyLedger::ramp, true},
+    {"external_work_J", &EnergyLedger::external_work, true},
+    {"residual_fraction", &EnergyLedger::residual_fraction, false},
+};
 
 /// The bytes of a file that belongs to a record. Only regular files are read, a pipe would be waited for, and
 /// none beyond `largest` [bytes]. Throws RecordError.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "lib/math/vec.hpp"
@@ -14,48 +15,34 @@
 #include "lib/scene/opening_tables.hpp"
 #include "lib/scene/scale_canopy.hpp"
 #include "lib/scene/soundings.hpp"
+#include "lib/scene/trigger.hpp"
 
 namespace twinchute {
 namespace {
-
-std::optional<double> optional_number(const Values& v, std::string_view key) {
-    return v.given(key) ? std::optional(v.number(key)) : std::nullopt;
-}
 
 /// Materials as a scene names them, each file read once a key.
 class Materials {
 public:
     Materials(const Values& values, std::vector<Input>& inputs) : values_(values), inputs_(inputs) {}
 
-    Fabric fabric(const std::string& key) {
-        const Values m = read(key, {fabric_keys(), "fabric.", InputOrigin::design, key});
-        return {values_.word(key),
-                m.number("fabric.density"),
-                m.number("fabric.youngs_modulus"),
-                m.number("fabric.poisson_ratio"),
-                m.number("fabric.thickness"),
-                optional_number(m, "fabric.strength")};
-    }
-
-    Cord cord(const std::string& key) {
-        const Values m = read(key, {cord_keys(), "cord.", InputOrigin::design, key});
-        return {values_.word(key), m.number("cord.density"), m.number("cord.youngs_modulus"),
-                m.number("cord.diameter"), optional_number(m, "cord.strength")};
-    }
-
-private:
-    /// Reads the file that a key names; its values become inputs below that key.
-    Values read(const std::string& key, const DocumentKind& kind) {
+    /// Reads the file that a key names, of the keys of a Fabric or Cord. An absent key changes nothing.
+    template <class Material>
+    void read(Material& material, const std::string& key) {
+        if (!values_.given(key)) return;
+        constexpr bool is_fabric = std::is_same_v<Material, Fabric>;
+        const DocumentKind kind{is_fabric ? fabric_keys() : cord_keys(), is_fabric ? "fabric." : "cord.",
+                                InputOrigin::design, key};
         const auto file =
             data_file("materials", values_.word(key), key, values_.place(key), values_.directory(key));
-        Values values(read_document(read_text_file(file), file.string(), kind), kind);
+        const Values values(read_document(read_text_file(file), file.string(), kind), kind);
+        values.read_into(material);
         for (Input input : values.inputs()) {
             input.key = key + "." + input.key.substr(kind.prefix.size());
             if (!input.key.ends_with(".kind")) inputs_.push_back(std::move(input));
         }
-        return values;
     }
 
+private:
     const Values& values_;
     std::vector<Input>& inputs_;
 };
@@ -75,118 +62,62 @@ std::filesystem::path table_file(const Values& v, std::string_view key) {
                      fmt::format("looked in {}", fmt::join(places, ", ")), "put the file beside the scene");
 }
 
-Atmosphere atmosphere(const Values& v) {
-    Atmosphere a;
-    a.model = find_atmosphere(v.word("environment.atmosphere.model"));
-    if (v.is_effective("environment.atmosphere.density"))
-        a.constant_density = v.number("environment.atmosphere.density");
-    if (v.is_effective("environment.atmosphere.temperature_offset"))
-        a.temperature_offset = v.number("environment.atmosphere.temperature_offset");
-    if (constexpr const char* key = "environment.atmosphere.table"; v.is_effective(key)) {
-        const auto file = table_file(v, key);
-        a.table = read_air_table(read_text_file(file), file.string(), v.word(key));
-    }
-    return a;
+/// The file of the table that a key names, if it does, read by `read(text, file, name)` into `to`.
+void read_table(const Values& v, std::string_view key, auto& to, const auto& read) {
+    if (!v.given(key)) return;
+    const auto file = table_file(v, key);
+    to = read(read_text_file(file), file.string(), v.word(key));
 }
 
-Wind wind(const Values& v) {
+void finish_environment(const Values& v, Environment& e) {
+    read_table(v, "environment.atmosphere.table", e.atmosphere.table, read_air_table);
+    if (!v.has_table("environment.wind")) return;
     const std::string& model = v.word("environment.wind.model");
     if (model == "uniform")
-        return uniform_wind(wind_from(v.number("environment.wind.speed"), v.number("environment.wind.from")));
+        e.wind =
+            uniform_wind(wind_from(v.number("environment.wind.speed"), v.number("environment.wind.from")));
     if (model == "components")
-        return uniform_wind({v.number("environment.wind.east"), v.number("environment.wind.north"),
-                             v.number("environment.wind.up")});
-    const auto file = table_file(v, "environment.wind.table");
-    return read_wind_table(read_text_file(file), file.string(), v.word("environment.wind.table"));
+        e.wind = uniform_wind({v.number("environment.wind.east"), v.number("environment.wind.north"),
+                               v.number("environment.wind.up")});
+    read_table(v, "environment.wind.table", e.wind, read_wind_table);
 }
 
-Environment environment(const Values& v) {
-    Environment e;
-    e.atmosphere = atmosphere(v);
-    e.gravity = v.number("environment.gravity");
-    e.ground = v.number("environment.ground");
-    if (v.has_table("environment.wind")) e.wind = wind(v);
-    return e;
-}
-
-PayloadBody payload_body(const Values& v) {
-    PayloadBody body;
-    const std::string& shape = v.word("payload.body.shape");
-    if (shape == "cylinder") body.shape = PayloadBody::Shape::cylinder;
-    if (shape == "mesh") body.shape = PayloadBody::Shape::mesh;
-    for (int i = 1; i <= v.count("payload.body.size"); ++i)
-        body.size.push_back(v.number(fmt::format("payload.body.size.{}", i)));
+void check_body(const Values& v, const PayloadBody& body) {
     constexpr std::size_t lengths[] = {3, 2, 0};  // in the order of shapes
     const std::size_t wanted = lengths[static_cast<std::size_t>(body.shape)];
     if (body.size.size() != wanted)
         throw SceneError(v.place("payload.body.shape"), "payload.body.size",
-                         fmt::format("{} lengths for a {}", body.size.size(), shape), "",
+                         fmt::format("{} lengths for a {}", body.size.size(), v.word("payload.body.shape")),
+                         "",
                          wanted == 3   ? "give its three edges, the last along the parachute"
                          : wanted == 2 ? "give diameter and height"
                                        : "leave size out, the file of parachute.mesh has it");
-    if (v.has_table("payload.body.elasticity"))
-        body.elasticity = Elasticity{v.number("payload.body.elasticity.youngs_modulus"),
-                                     v.number("payload.body.elasticity.poisson_ratio")};
-    return body;
 }
 
-Release release(const Values& v, const Environment& environment) {
-    Release r;
-    r.altitude = v.given("release.altitude") ? v.number("release.altitude")
-                                             : environment.ground + v.number("release.height");
+void finish_release(const Values& v, Release& r, const Environment& environment) {
+    if (!v.given("release.altitude")) r.altitude = environment.ground + v.number("release.height");
     const bool over_ground = v.given("release.speed");
     const char* key = over_ground ? "release.speed" : "release.airspeed";
     r.speed = v.number(key);
-    if (v.given("release.path_angle")) {
-        r.path_angle = v.number("release.path_angle");
-    } else if (r.speed > 0.0) {
-        throw SceneError(v.place(key), "release.path_angle", "is missing", "a speed needs a direction",
-                         "add e.g. path_angle = \"90 deg\" for straight down");
-    } else {
+    if (!v.given("release.path_angle")) {
+        if (r.speed > 0.0)
+            throw SceneError(v.place(key), "release.path_angle", "is missing", "a speed needs a direction",
+                             "add e.g. path_angle = \"90 deg\" for straight down");
         r.path_angle = 0.5 * pi;
     }
-    r.heading = v.number("release.heading");
-    if (!over_ground && environment.wind) return carried_by(environment.wind->at(r.altitude), r);
-    return r;
+    if (!over_ground && environment.wind) r = carried_by(environment.wind->at(r.altitude), r);
 }
 
 /// `table`: the keys stand below it.
 FillTime fill_time(const Values& v, const std::string& table) {
-    const auto key = [&](const char* name) { return table + "." + name; };
     FillTime f;
-    f.model = find_fill_time(v.word(key("model")));
-    if (const std::string csv = key("table"); v.is_effective(csv)) {
-        const auto file = table_file(v, csv);
-        f.table = read_fill_table(read_text_file(file), file.string(), v.word(csv));
-    }
-    if (f.model->name == "ludtke")
-        f.balance = {optional_number(v, key("volume")), optional_number(v, key("mouth_area")),
-                     v.number(key("permeability")), v.number(key("pressure_coefficient"))};
-    if (v.is_effective(key("n"))) {
-        f.n = v.number(key("n"));
-        f.density_exponent = v.number(key("density_exponent"));
-    }
-    if (v.is_effective(key("geometric_porosity"))) f.porosity = v.number(key("geometric_porosity"));
-    if (v.is_effective(key("time"))) f.given = v.number(key("time"));
+    v.read_into(f, table);
+    read_table(v, table + ".table", f.table, read_fill_table);
     return f;
 }
 
-constexpr std::pair<std::string_view, Trigger::Kind> occurrences[] = {
-    {"steady-descent", Trigger::Kind::steady_descent},
-    {"peak-force", Trigger::Kind::peak_force},
-    {"full-open", Trigger::Kind::full_open},
-    {"line-stretch", Trigger::Kind::line_stretch},
-    {"ground", Trigger::Kind::ground},
-    {"release", Trigger::Kind::release},
-    {"apogee", Trigger::Kind::apogee},
-    {"cut", Trigger::Kind::cut}};
-
-Trigger::Kind occurrence(std::string_view word) {
-    return std::ranges::find(occurrences, word, [](const auto& k) { return k.first; })->second;
-}
-
 /// "drogue.full-open": what happens to another parachute.
-Trigger of_another(const Values& v, const std::string& key) {
+void wait_for_another(const Values& v, const std::string& key, Trigger& t) {
     const std::string& text = v.word(key);
     const std::size_t dot = std::min(text.rfind('.'), text.size());
     const std::string_view event = std::string_view(text).substr(std::min(dot + 1, text.size()));
@@ -194,32 +125,23 @@ Trigger of_another(const Values& v, const std::string& key) {
         throw SceneError(v.place(key), key, fmt::format("'{}' is not an event of a parachute", text),
                          "its name, a dot and line-stretch, full-open or cut",
                          "write e.g. \"drogue.full-open\"");
-    Trigger t;
-    t.kind = occurrence(event);
+    t.kind = *find_event(event);
     t.of = text.substr(0, dot);
-    return t;
 }
 
-/// `table`: the keys stand below it.
-Trigger trigger(const Values& v, const std::string& table, const Environment& environment) {
-    const auto key = [&](const char* name) { return table + "." + name; };
-    Trigger t;
-    if (v.given(key("time"))) {
-        t.kind = Trigger::Kind::time;
-        t.value = v.number(key("time"));
-    } else if (v.given(key("altitude")) || v.given(key("height"))) {
+/// Conditions that take more than their value. `table`: the keys stand below it.
+void finish_trigger(const Values& v, const std::string& table, const Environment& environment, Trigger& t) {
+    if (const std::string key = table + ".height"; v.given(key)) {
         t.kind = Trigger::Kind::altitude;
-        t.value = v.given(key("altitude")) ? v.number(key("altitude"))
-                                           : environment.ground + v.number(key("height"));
-    } else if (v.given(key("dynamic_pressure"))) {
-        t.kind = Trigger::Kind::dynamic_pressure;
-        t.value = v.number(key("dynamic_pressure"));
-    } else if (v.given(key("after"))) {
-        t = of_another(v, key("after"));
-    } else {
-        t.kind = occurrence(v.word(key("at")));
+        t.value = environment.ground + v.number(key);
     }
-    t.delay = v.number(key("delay"));
+    if (const std::string key = table + ".after"; v.given(key)) wait_for_another(v, key, t);
+}
+
+Trigger trigger(const Values& v, const std::string& table, const Environment& environment) {
+    Trigger t;
+    v.read_into(t, table);
+    finish_trigger(v, table, environment, t);
     return t;
 }
 
@@ -228,105 +150,53 @@ std::vector<Reefing> reefing(const Values& v, const Environment& environment) {
     for (int i = 1; i <= v.count("parachute.reefing"); ++i) {
         const std::string table = fmt::format("parachute.reefing.{}", i);
         Reefing& stage = stages.emplace_back();
-        stage.drag_area_ratio = v.number(table + ".drag_area_ratio");
-        stage.line_length = optional_number(v, table + ".line_length");
+        v.read_into(stage, table);
         if (v.has_table(table + ".fill_time")) stage.fill_time = fill_time(v, table + ".fill_time");
         stage.until = trigger(v, table + ".until", environment);
     }
     return stages;
 }
 
-ForceHistory extraction(const Values& v) {
-    ForceHistory f;
-    f.duration = v.number("parachute.deploy.duration");
-    if (constexpr const char* key = "parachute.deploy.force_table"; v.is_effective(key)) {
+/// A table, or one force for a while.
+void finish_extraction(const Values& v, ForceHistory& f) {
+    if (constexpr const char* key = "parachute.deploy.force_table"; v.given(key)) {
         const auto file = table_file(v, key);
-        return read_force_table(read_text_file(file), file.string(), v.word(key), f.duration);
+        f = read_force_table(read_text_file(file), file.string(), v.word(key), f.duration);
+        return;
     }
     const double force = v.number("parachute.deploy.force");
     f.time = {0.0, f.duration};
     f.force = {force, force};
-    return f;
 }
 
-Deployment deployment(const Values& v) {
-    const auto key = [](const char* name) { return std::string("parachute.deploy.") + name; };
-    Deployment d;
-    d.by = std::ranges::find(deployment_rows(), v.word(key("by")), &DeploymentRow::name)->by;
-    if (d.by == DeployBy::static_line) {
-        d.static_line_length = v.number(key("length"));
-        d.far_end_moves = v.word(key("far_end")) == "aircraft";
-    }
-    if (d.by == DeployBy::extraction) {
-        d.extraction = extraction(v);
-        d.extraction_on_apex = v.word(key("load")) == "point";
-    }
-    if (!d.starts_packed()) return d;
-    d.pitch = v.number(key("pitch"));
-    d.pack_ratio = v.number(key("pack_ratio"));
-    d.drag_coefficient = v.number(key("drag_coefficient"));
-    if (d.by == DeployBy::pilot) d.pack_drag_area = v.number(key("pilot_drag_area"));
-    if (d.by == DeployBy::mortar) d.muzzle_speed = v.number(key("muzzle_speed"));
-    if (v.given(key("pack_drag_area"))) d.pack_drag_area = v.number(key("pack_drag_area"));
-    d.fold_repulsion = v.number(key("fold_repulsion"));
-    d.fold_resistance = v.number(key("fold_resistance"));
-    return d;
+/// Materials and mesh of a structure, as far as they are given.
+void finish_structure(const Values& v, Materials& materials, Parachute& p) {
+    materials.read(p.fabric, "parachute.fabric");
+    materials.read(p.line, "parachute.line");
+    materials.read(p.tapes.radial, "parachute.tapes.radial");
+    materials.read(p.tapes.skirt, "parachute.tapes.skirt");
+    materials.read(p.tapes.vent, "parachute.tapes.vent");
+    if (p.mesh) p.mesh->file = table_file(v, "parachute.mesh");
 }
 
-/// What is given of the sizes and materials that a structure is made of.
-void add_structure(const Values& v, Materials& materials, Parachute& p) {
-    const auto number = [&](std::string_view key) { return optional_number(v, key).value_or(0.0); };
-    const auto count = [&](std::string_view key) {
-        return v.given(key) ? static_cast<int>(v.integer(key)) : 0;
-    };
-    const auto cord = [&](const char* key) { return v.given(key) ? materials.cord(key) : Cord{}; };
-    p.projected_diameter_ratio = number("parachute.projected_diameter_ratio");
-    p.gores = count("parachute.gores");
-    p.vent_diameter = number("parachute.vent_diameter");
-    p.line_length = number("parachute.line_length");
-    p.riser_length = number("parachute.riser_length");
-    p.risers = count("parachute.risers");
-    if (v.given("parachute.fabric")) p.fabric = materials.fabric("parachute.fabric");
-    p.line = cord("parachute.line");
-    p.tapes = {cord("parachute.tapes.radial"), cord("parachute.tapes.skirt"), cord("parachute.tapes.vent")};
-    if (constexpr const char* key = "parachute.mesh"; v.given(key))
-        p.mesh = MeshFile{v.word(key), table_file(v, key)};
-}
-
-/// Of a table the law's name means nothing; it begins where the table does.
-void add_growth(const Values& v, Parachute& p) {
-    constexpr const char* key = "parachute.drag_area_table";
-    if (!v.given(key)) {
-        p.drag_area_law = find_drag_area_law(v.word("parachute.drag_area_law"));
-        p.initial_drag_area_ratio = v.number("parachute.initial_drag_area_ratio");
-        return;
-    }
-    const auto file = table_file(v, key);
+/// A table stands in place of the law and says where the growth begins.
+void finish_growth(const Values& v, Parachute& p) {
+    read_table(v, "parachute.drag_area_table", p.drag_area_table, read_drag_area_table);
+    if (!p.drag_area_table) return;
     p.drag_area_law = &drag_area_laws().front();
-    p.drag_area_table = read_drag_area_table(read_text_file(file), file.string(), v.word(key));
     p.initial_drag_area_ratio = p.drag_area_table->start_ratio();
 }
 
 Parachute parachute(const Values& v, Materials& materials, const Environment& environment) {
     Parachute p;
-    p.name = v.word("parachute.name");
+    v.read_into(p);
     if (constexpr const char* key = "parachute.type"; v.given(key))
         p.type = read_canopy_type(v.word(key), key, v.place(key), v.directory(key));
-    p.nominal_diameter = v.number("parachute.nominal_diameter");
     p.drag_area = v.given("parachute.drag_area") ? v.number("parachute.drag_area")
                                                  : v.number("parachute.drag_coefficient") * 0.25 * pi *
                                                        p.nominal_diameter * p.nominal_diameter;
-    if (v.given("parachute.opening_force_coefficient"))
-        p.opening_force_coefficient = v.number("parachute.opening_force_coefficient");
-    p.mass = v.number("parachute.mass");
-    add_structure(v, materials, p);
-    p.strength = {v.number("parachute.joint_efficiency"), v.number("parachute.design_factor")};
-
-    p.deploy = deployment(v);
-    p.count = static_cast<int>(v.integer("parachute.count"));
-    for (int i = 1; i <= v.count("parachute.lag"); ++i)
-        p.lag.push_back(v.number(fmt::format("parachute.lag.{}", i)));
-    p.cluster_drag_ratio = v.number("parachute.cluster_drag_ratio");
+    finish_structure(v, materials, p);
+    if (p.deploy.by == DeployBy::extraction) finish_extraction(v, p.deploy.extraction);
     if (v.has_table("parachute.deploy.when"))
         p.deploy_when = trigger(v, "parachute.deploy.when", environment);
     if (v.has_table("parachute.cut")) p.cut = trigger(v, "parachute.cut", environment);
@@ -339,13 +209,8 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
     for (Reefing& stage : p.reefing)
         is_own(stage.until);
     p.fill_time = fill_time(v, "parachute.fill_time");
-    add_growth(v, p);
-    p.initial_phase.transit = v.is_word("parachute.initial_phase");
-    if (!p.initial_phase.transit) p.initial_phase.seconds = v.number("parachute.initial_phase");
-    if (constexpr const char* key = "parachute.drag_area_mach_table"; v.given(key)) {
-        const auto file = table_file(v, key);
-        p.drag_area_mach_table = read_mach_drag(read_text_file(file), file.string(), v.word(key));
-    }
+    finish_growth(v, p);
+    read_table(v, "parachute.drag_area_mach_table", p.drag_area_mach_table, read_mach_drag);
     return p;
 }
 
@@ -375,85 +240,10 @@ void scale_design(const Values& v, Parachute& p, std::vector<Input>& inputs, std
          "a canopy of another size is seldom sewn of the same cloth: give what differs"});
 }
 
-Aerodynamics aerodynamics(const Values& v) {
-    Aerodynamics a;
-    if (v.has_table("aerodynamics.added_mass") && v.word("aerodynamics.added_mass.model") != "none") {
-        AddedMassSpec& spec = a.added_mass.emplace();
-        spec.model = find_added_mass(v.word("aerodynamics.added_mass.model"));
-        if (v.word("aerodynamics.added_mass.momentum") == "accreting")
-            spec.momentum = AddedMassMomentum::accreting;
-        if (v.word("aerodynamics.added_mass.radius") == "drag-area")
-            spec.open_radius = AddedMassRadius::drag_area;
-        if (v.is_effective("aerodynamics.added_mass.depth_ratio"))
-            spec.depth_ratio = v.number("aerodynamics.added_mass.depth_ratio");
-        if (v.is_effective("aerodynamics.added_mass.porosity"))
-            spec.porosity = v.number("aerodynamics.added_mass.porosity");
-    }
-    if (v.has_table("aerodynamics.line_drag")) a.line_drag = LineDrag{};
-    if (v.has_table("aerodynamics.breathing_damping"))
-        a.breathing_damping = v.number("aerodynamics.breathing_damping.k");
-    if (v.has_table("aerodynamics.line_ratio"))
-        a.line_ratio = find_line_ratio(v.word("aerodynamics.line_ratio.model"));
-    if (v.has_table("aerodynamics.forebody_wake"))
-        a.forebody_wake = find_forebody_wake(v.word("aerodynamics.forebody_wake.model"));
-    a.radial_pressure = v.number("aerodynamics.radial_pressure");
-    return a;
-}
-
-FullSettings full(const Values& v) {
-    FullSettings f;
-    f.mesh.gore_columns = static_cast<int>(v.integer("full.mesh.gore_columns"));
-    f.mesh.gore_rows = static_cast<int>(v.integer("full.mesh.gore_rows"));
-    f.mesh.grading = v.word("full.mesh.grading") == "graded" ? Grading::graded : Grading::uniform;
-    f.mesh.line_elements = static_cast<int>(v.integer("full.mesh.line_elements"));
-    f.mesh.riser_elements = static_cast<int>(v.integer("full.mesh.riser_elements"));
-    f.symmetry = v.word("full.symmetry") == "sector" ? Symmetry::sector : Symmetry::none;
-    f.structure = v.word("full.structure") == "fe" ? Structure::fe : Structure::msd_fe;
-    f.contact = v.word("full.contact") == "gores" ? Contact::gores : Contact::none;
-    f.switch_area_ratio = v.number("full.switch_area_ratio");
-    if (v.given("full.ramp_time")) f.ramp_time = v.number("full.ramp_time");
-    f.beta = v.number("full.beta");
-    f.alpha = v.number("full.alpha");
-    f.alpha_from_release = v.word("full.alpha_from") == "release";
-    f.bulk_viscosity = v.number("full.bulk_viscosity");
-    f.time_step_factor = v.number("full.time_step_factor");
-    f.line_substeps = static_cast<int>(v.integer("full.line_substeps"));
-    f.mass_scaling = v.number("full.mass_scaling");
-    f.strain_limit = v.number("full.strain_limit");
-    f.output_rate = v.number("full.output_rate");
-    if (v.given("full.fields_rate")) f.fields_rate = v.number("full.fields_rate");
-    f.checkpoint_interval = v.number("full.checkpoint_interval");
-    if (v.has_table("full.noise"))
-        f.noise = {v.number("full.noise.amplitude"),
-                   static_cast<std::uint64_t>(v.integer("full.noise.seed"))};
-    return f;
-}
-
-SizeSpec size(const Values& v) {
-    SizeSpec s;
-    s.max_descent_rate = optional_number(v, "size.max_descent_rate");
-    s.max_force = optional_number(v, "size.max_force");
-    s.max_canopy_force = optional_number(v, "size.max_canopy_force");
-    s.max_deceleration = optional_number(v, "size.max_deceleration");
-    if (v.given("size.parachute")) s.parachute = v.word("size.parachute");
-    s.vary = v.list("size.vary");
-    if (constexpr const char* key = "size.types"; v.given(key))
-        for (const std::string& name : v.list(key))
-            s.types.push_back(read_canopy_type(name, key, v.place(key), v.directory(key)));
-    return s;
-}
-
-SeriesSpec series(const Values& v) {
-    SeriesSpec s;
-    s.x = v.word("series.x");
-    s.y = v.word("series.y");
-    if (v.given("series.group")) s.group = v.word("series.group");
-    if (constexpr const char* key = "series.test"; v.given(key)) {
-        const auto file = table_file(v, key);
-        s.test = v.word(key);
-        std::tie(s.test_x, s.test_y) = read_test_points(read_text_file(file), file.string(), s.x, s.y);
-    }
-    return s;
+void finish_series(const Values& v, SeriesSpec& s) {
+    if (s.test.empty()) return;
+    const auto file = table_file(v, "series.test");
+    std::tie(s.test_x, s.test_y) = read_test_points(read_text_file(file), file.string(), s.x, s.y);
 }
 
 }  // namespace
@@ -469,30 +259,25 @@ Release carried_by(const Vec3& wind, const Release& through_air) {
 
 Scene assemble_scene(const Values& v) {
     Scene scene;
-    scene.name = v.word("name");
+    v.read_into(scene);
     scene.inputs = v.inputs();
     Materials materials(v, scene.inputs);
-    scene.environment = environment(v);
-    scene.payload.mass = v.number("payload.mass");
-    if (v.given("payload.drag_area")) scene.payload.drag_area = v.number("payload.drag_area");
-    if (constexpr const char* key = "payload.drag_area_table"; v.given(key)) {
-        const auto file = table_file(v, key);
-        scene.payload.drag_area_table = read_attitude_drag(read_text_file(file), file.string(), v.word(key));
-        scene.payload.drag_area = scene.payload.drag_area_table->drag_area(0.0);
-    }
-    scene.release = release(v, scene.environment);
-    scene.payload.diameter = optional_number(v, "payload.diameter");
-    if (v.has_table("payload.body")) scene.payload.body = payload_body(v);
+    finish_environment(v, scene.environment);
+    Payload& payload = scene.payload;
+    read_table(v, "payload.drag_area_table", payload.drag_area_table, read_attitude_drag);
+    if (payload.drag_area_table) payload.drag_area = payload.drag_area_table->drag_area(0.0);
+    finish_release(v, scene.release, scene.environment);
+    if (payload.body) check_body(v, *payload.body);
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scale_design(v, scene.parachutes.back(), scene.inputs, scene.warnings);
-    scene.aerodynamics = aerodynamics(v);
-    scene.stop = trigger(v, "stop", scene.environment);
-    if (v.given("stop.then")) scene.then = v.word("stop.then");
-    scene.rom = {v.word("rom.method"), v.number("rom.rtol")};
-    scene.full = full(v);
+    std::optional<AddedMassSpec>& added_mass = scene.aerodynamics.added_mass;
+    if (added_mass && !added_mass->model) added_mass.reset();  // the word "none"
+    finish_trigger(v, "stop", scene.environment, scene.stop);
     scene.tolerances = v.tolerances();
-    if (v.has_table("size")) scene.size = size(v);
-    if (v.has_table("series")) scene.series = series(v);
+    if (constexpr const char* key = "size.types"; v.given(key))
+        for (const std::string& name : v.list(key))
+            scene.size->types.push_back(read_canopy_type(name, key, v.place(key), v.directory(key)));
+    if (scene.series) finish_series(v, *scene.series);
     return scene;
 }
 

@@ -44,7 +44,7 @@ struct Deployment {
     DeployBy by = DeployBy::line_stretch;
 
     double static_line_length = 0.0;  ///< [m] anchor to apex
-    bool far_end_moves = true;        ///< with the velocity of the release; otherwise it stands still
+    bool anchor_moves = true;         ///< with the velocity of the release; otherwise it stands still
 
     ForceHistory extraction;         ///< straight behind the release
     bool extraction_on_apex = true;  ///< otherwise on the whole canopy, by area
@@ -55,8 +55,8 @@ struct Deployment {
     double pack_drag_area = 0.0;    ///< C_D S of the pack [m^2] (rom); needed by a free deployment; of the
                                     ///< pilot chute, where one draws it out
     double muzzle_speed = 0.0;      ///< [m/s] of the pack relative to the payload (rom)
-    double fold_repulsion = 0.0;    ///< stiffness of folded cloth over that in tension [-] (full)
-    double fold_resistance = 0.0;   ///< [N/m] of folded cloth against being drawn out (full)
+    double compressive_stiffness_ratio = 0.0;  ///< stiffness of folded cloth over that in tension [-] (full)
+    double deployment_resistance = 0.0;        ///< [N/m] of folded cloth against being drawn out (full)
 
     bool starts_packed() const { return by != DeployBy::line_stretch && by != DeployBy::inflated; }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 
@@ -130,6 +131,15 @@ private:
         // A dot inside a quoted key would look like a path.
         const bool plain = (is_path || name.str().find('.') == std::string_view::npos) && !name.str().empty();
         const Key* key = plain ? find_key(kind_.keys, path) : nullptr;
+        if (plain && !key)
+            if (const Key* successor = find_successor(kind_.keys, path)) {
+                warn_of_retired(path, beside(successor->path, path), place);
+                return visit(name, node, beside(successor->path, path), is_path);
+            }
+        if (key && !key->formerly.empty() && document_.entries.contains(path))
+            refuse(place, path, "is given twice",
+                   fmt::format("{} is its retired name", shown_path(key->formerly, kind_.prefix)),
+                   fmt::format("keep {} alone", last_of(path)));
         if (overriding_ && (path == "base" || path == "case" || path.starts_with("case.")))
             refuse(place, path, "cannot be overridden", "", "write it at the top of a scene");
         if (is_path)
@@ -153,6 +163,15 @@ private:
         } else {
             refuse(place, path, "unknown key", "", plain ? suggestion(path) : "write keys without quotes");
         }
+    }
+
+    void warn_of_retired(std::string_view path, std::string_view now, const SourcePlace& place) {
+        const std::string file = std::filesystem::path(place.file).filename().string();
+        document_.warnings.push_back(
+            {fmt::format("key '{}' is now '{}'", shown_path(path, kind_.prefix),
+                         shown_path(now, kind_.prefix)),
+             place.line > 0 ? fmt::format("line {} of {}", place.line, file) : place.file,
+             "rename it: the next version of the schema refuses the old name"});
     }
 
     void branch(const toml::node& node, const std::string& path, const SourcePlace& place) {
@@ -306,7 +325,7 @@ private:
                    const SourcePlace& place) {
         const std::string_view name = std::string_view(path).substr(key.path.size() + 1);
         std::vector<std::string_view> names;
-        for (const ToleranceMetric& metric : tolerance_metrics())
+        for (const MetricRow& metric : judgeable_rows())
             names.push_back(metric.name);
         if (std::ranges::find(names, name) == names.end())
             refuse(place, path, "unknown metric", "", suggest(name, names));

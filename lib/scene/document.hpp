@@ -45,6 +45,7 @@ struct Document {
     std::vector<Document> parachutes;
     std::map<std::string, Document> named_parachutes;
     std::vector<DocumentCase> cases;  ///< a series, see [[case]]
+    std::vector<Warning> warnings;    ///< about keys that are read by their retired paths
     /// [m] D0 of the design below, where the scene has another key of it.
     std::optional<double> design_diameter = {};
 };

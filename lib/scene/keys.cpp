@@ -7,6 +7,11 @@
 
 namespace twinchute {
 
+bool is_below(std::string_view path, std::string_view table) {
+    return table.empty() ||
+           (path.size() > table.size() && path[table.size()] == '.' && path.starts_with(table));
+}
+
 std::vector<std::string_view> words_of(std::string_view list) {
     std::vector<std::string_view> words;
     while (!list.empty()) {
@@ -62,6 +67,11 @@ std::string row_path(std::span<const Key> keys, std::string_view path) {
 const Key* find_key(std::span<const Key> keys, std::string_view path) {
     const bool has_number = path.find_first_of("123456789") != std::string_view::npos;
     return has_number ? plain_row(keys, row_path(keys, path)) : plain_row(keys, path);
+}
+
+const Key* find_successor(std::span<const Key> keys, std::string_view path) {
+    const auto row = std::ranges::find(keys, row_path(keys, path), &Key::formerly);
+    return row == keys.end() || path.empty() ? nullptr : &*row;
 }
 
 std::string beside(std::string_view row, std::string_view like) {

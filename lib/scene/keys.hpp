@@ -1,10 +1,13 @@
 // The one table of what a scene may say. It serves the reader, `twinchute list keys` and the docs.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace twinchute {
@@ -46,8 +49,31 @@ struct KeyRange {
     }
 };
 
+/// A value of a key in SI; of a quantity_or_word either.
+using KeyValue =
+    std::variant<double, std::int64_t, std::string, std::vector<std::string>, std::vector<double>>;
+using OptionalValue = std::optional<KeyValue>;  ///< nothing: absent
+
+/// How a key's value goes into an object of a scene and comes out of it again.
+template <class Object>
+struct BindingOf {
+    void (*set)(Object& object, const KeyValue& value) = nullptr;  ///< null: the reader knows how
+    OptionalValue (*get)(const Object& object) = nullptr;          ///< nothing: absent; null: never written
+};
+
+struct Scene;
+struct Parachute;
+struct Reefing;
+struct FillTime;
+struct Trigger;
+struct Fabric;
+struct Cord;
+using Binding = std::variant<std::monostate, BindingOf<Scene>, BindingOf<Parachute>, BindingOf<Reefing>,
+                             BindingOf<FillTime>, BindingOf<Trigger>, BindingOf<Fabric>, BindingOf<Cord>>;
+
 struct Key {
     std::string_view path;  ///< e.g. "parachute.fill_time.n"; [[parachute]] counts as a table
+    Binding binding = {};   ///< see binding.hpp; none: what is not a value of the scene
     KeyKind kind = KeyKind::quantity;
     std::string_view unit = {};  ///< SI; "1" for ratios, empty for words and whole numbers
     KeyNeed need = KeyNeed::required;
@@ -59,7 +85,8 @@ struct Key {
     std::string_view only_with = {};   ///< used only with these words, "a|b", of the selector beside it
     KeyUser user = KeyUser::both;
     std::string_view meaning = {};
-    std::string_view source = {};  ///< of the definition or of the default
+    std::string_view source = {};    ///< of the definition or of the default
+    std::string_view formerly = {};  ///< retired path, which is read with a warning
 
     /// A whole number or a quantity, as opposed to words.
     bool is_number() const {
@@ -73,6 +100,9 @@ struct Key {
     /// The unit to write to a record: empty for ratios.
     std::string_view record_unit() const { return unit == "1" ? std::string_view{} : unit; }
 };
+
+/// "a.b.c" below "a" and "a.b"; everything below "".
+bool is_below(std::string_view path, std::string_view table);
 
 /// The words of a list "a|b|c".
 std::vector<std::string_view> words_of(std::string_view list);
@@ -95,6 +125,9 @@ const Key* selector_of(std::span<const Key> keys, const Key& key);
 /// The row of a path in a table of keys, or null; the numbers of a list's members are not part of a row.
 const Key* find_key(std::span<const Key> keys, std::string_view path);
 
+/// The row whose retired path this is, or null.
+const Key* find_successor(std::span<const Key> keys, std::string_view path);
+
 /// The path without the numbers of list members: "parachute.reefing.2.until.at" to
 /// "parachute.reefing.until.at".
 std::string row_path(std::span<const Key> keys, std::string_view path);
@@ -105,14 +138,6 @@ std::string beside(std::string_view row, std::string_view like);
 
 /// The number in a default, whatever the locale: defaults are plain SI, so that none needs a unit.
 double plain_number(std::string_view fallback);
-
-/// A metric that may carry a tolerance.
-struct ToleranceMetric {
-    std::string_view name;  ///< without its unit, e.g. "peak_force"
-    std::string_view unit;  ///< SI, "1" for ratios, "g0" for decelerations in standard gravities
-};
-
-std::span<const ToleranceMetric> tolerance_metrics();
 
 /// "required", or the default with its unit, or "left out".
 std::string default_text(const Key& key);

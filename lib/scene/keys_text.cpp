@@ -84,19 +84,8 @@ std::string escaped(std::string text) {
 }  // namespace
 
 std::string_view user_name(KeyUser user) {
-    switch (user) {
-        case KeyUser::both:
-            return "both";
-        case KeyUser::rom:
-            return "rom";
-        case KeyUser::full:
-            return "full";
-        case KeyUser::compare:
-            return "compare";
-        case KeyUser::size:
-            return "size";
-    }
-    return "";
+    constexpr std::array<std::string_view, 5> names{"both", "rom", "full", "compare", "size"};
+    return names[static_cast<std::size_t>(user)];
 }
 
 std::string default_text(const Key& key) {
@@ -193,7 +182,7 @@ std::string keys_wrapped(const std::vector<const Key*>& keys, std::size_t width)
 
 std::string key_page(const Key& key, std::size_t width) {
     const Key* selector = key.only_with.empty() ? nullptr : selector_of(scene_keys(), key);
-    const std::array<std::pair<std::string_view, std::string>, 8> lines{{
+    const std::array<std::pair<std::string_view, std::string>, 9> lines{{
         {"meaning", std::string(key.meaning)},
         {"unit", std::string(key.unit)},
         {"default", default_text(key)},
@@ -203,6 +192,7 @@ std::string key_page(const Key& key, std::size_t width) {
         {"only with",
          selector ? fmt::format("{} = {}", selector->path, fmt::join(words_of(key.only_with), ", ")) : ""},
         {"source", std::string(key.source)},
+        {"formerly", std::string(key.formerly)},
     }};
     std::string text = std::string(key.path) + "\n";
     for (const auto& [name, value] : lines)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "lib/scene/keys.hpp"
+
 namespace twinchute {
 namespace {
 
@@ -10,28 +12,30 @@ struct PartKey {
     const char* key;
     bool of_lines;
     bool in_mesh;  ///< a mesh of one's own says it
-    bool (*given)(const Parachute& p);
+
+    bool is_given(const Parachute& chute) const {
+        return std::get<BindingOf<Parachute>>(find_key(scene_keys(), key)->binding).get(chute).has_value();
+    }
 };
 
 constexpr PartKey part_keys[] = {
-    {"parachute.gores", true, true, [](const Parachute& p) { return p.gores > 0; }},
-    {"parachute.line_length", true, true, [](const Parachute& p) { return p.line_length > 0.0; }},
-    {"parachute.riser_length", true, true, [](const Parachute& p) { return p.riser_length > 0.0; }},
-    {"parachute.line", true, false, [](const Parachute& p) { return !p.line.name.empty(); }},
-    {"parachute.projected_diameter_ratio", false, false,
-     [](const Parachute& p) { return p.projected_diameter_ratio > 0.0; }},
-    {"parachute.vent_diameter", false, true, [](const Parachute& p) { return p.vent_diameter > 0.0; }},
-    {"parachute.risers", false, true, [](const Parachute& p) { return p.risers > 0; }},
-    {"parachute.fabric", false, false, [](const Parachute& p) { return !p.fabric.name.empty(); }},
-    {"parachute.tapes.radial", false, true, [](const Parachute& p) { return !p.tapes.radial.name.empty(); }},
-    {"parachute.tapes.skirt", false, true, [](const Parachute& p) { return !p.tapes.skirt.name.empty(); }},
-    {"parachute.tapes.vent", false, true, [](const Parachute& p) { return !p.tapes.vent.name.empty(); }},
+    {"parachute.gores", true, true},
+    {"parachute.line_length", true, true},
+    {"parachute.riser_length", true, true},
+    {"parachute.line", true, false},
+    {"parachute.projected_diameter_ratio", false, false},
+    {"parachute.vent_diameter", false, true},
+    {"parachute.risers", false, true},
+    {"parachute.fabric", false, false},
+    {"parachute.tapes.radial", false, true},
+    {"parachute.tapes.skirt", false, true},
+    {"parachute.tapes.vent", false, true},
 };
 
 std::vector<std::string> missing(const Parachute& chute, bool only_lines) {
     std::vector<std::string> keys;
     for (const PartKey& part : part_keys)
-        if ((only_lines ? part.of_lines : !(part.in_mesh && chute.mesh)) && !part.given(chute))
+        if ((only_lines ? part.of_lines : !(part.in_mesh && chute.mesh)) && !part.is_given(chute))
             keys.emplace_back(part.key);
     return keys;
 }

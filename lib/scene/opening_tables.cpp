@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lib/math/vec.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/csv_table.hpp"
 
 namespace twinchute {
@@ -132,8 +133,8 @@ std::pair<std::vector<double>, std::vector<double>> read_test_points(std::string
                                                                      const std::string& x,
                                                                      const std::string& y) {
     const auto column = [](const std::string& name) {
-        const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
-        return CsvColumn{metric->name, metric->unit};
+        const MetricRow& metric = *find_metric_row(name);
+        return CsvColumn{metric.name, metric.tolerance_unit()};
     };
     const std::array<CsvColumn, 2> known{column(x), column(y)};
     const CsvTable table = read_csv_table(text, file, known);

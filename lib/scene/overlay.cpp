@@ -108,6 +108,7 @@ void overlay(Document& lower, const Document& upper) {
         lower.entries.insert_or_assign(path, entry);
     for (const auto& [path, place] : upper.tables)
         lower.tables.insert_or_assign(path, place);
+    lower.warnings.insert(lower.warnings.end(), upper.warnings.begin(), upper.warnings.end());
     for (const auto& [name, parachute] : upper.named_parachutes)
         overlay(parachute_of(lower, name, parachute), parachute);
 }

@@ -49,6 +49,7 @@ void add_design(Document& document) {
     overlay(below, document);
     document.entries = std::move(below.entries);
     document.tables = std::move(below.tables);
+    document.warnings = std::move(below.warnings);
 }
 
 /// The file that `base` names: seen from the file it stands in, or among the scenes of the data.
@@ -118,6 +119,7 @@ Document alone(const Document& document, const Document& parachute) {
         one.entries.insert_or_assign(path, entry);
     for (const auto& [path, place] : parachute.tables)
         one.tables.insert_or_assign(path, place);
+    one.warnings = parachute.warnings;
     return one;
 }
 
@@ -155,6 +157,9 @@ Scene finished(Document document, const std::vector<Document>& overrides) {
     for (const Document& other : others)
         add_parachute(scene, values.emplace_back(other, kind));
     check_scene(scene, values);
+    others.push_back(std::move(document));
+    for (const Document& one : others)
+        scene.warnings.insert(scene.warnings.end(), one.warnings.begin(), one.warnings.end());
     return scene;
 }
 

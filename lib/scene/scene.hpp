@@ -21,6 +21,7 @@
 #include "lib/models/mach_drag.hpp"
 #include "lib/models/material.hpp"
 #include "lib/models/wind.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/deployment.hpp"
 
@@ -274,14 +275,6 @@ struct FullSettings {
     double checkpoint_interval = 0.0;  ///< [s] of wall time from one checkpoint to the next; 0: none
 
     bool operator==(const FullSettings&) const = default;
-};
-
-/// How far two fidelities may be apart in one metric.
-struct Tolerance {
-    double value = 0.0;
-    bool relative = true;  ///< of the reference; otherwise in the metric's own SI unit
-
-    bool operator==(const Tolerance&) const = default;
 };
 
 /// What `size` has to meet and what it may change for it.

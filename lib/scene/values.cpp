@@ -6,17 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/units.hpp"
 
 namespace twinchute {
 namespace {
-
-/// "a.b.c" below "a" and "a.b".
-bool is_below(std::string_view path, std::string_view table) {
-    return path.size() > table.size() && path[table.size()] == '.' && path.starts_with(table);
-}
 
 std::string with_unit(double value, const Key& key) {
     const bool bare = key.record_unit().empty();
@@ -165,19 +161,18 @@ std::vector<std::string> Values::checked_list(const std::string& path, const Ent
 
 void Values::read_tolerance(const std::string& path, const Entry& entry) {
     const std::string name = path.substr(path.rfind('.') + 1);
-    const auto metric = std::ranges::find(tolerance_metrics(), name, &ToleranceMetric::name);
+    const std::string_view unit = find_judgeable_row(name)->tolerance_unit();
     const auto* text = std::get_if<std::string>(&entry.value);
     if (!text)
         refuse(entry.value_place, path, "a tolerance without a unit",
-               "a bare number could be a share or a value",
-               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+               "a bare number could be a share or a value", fmt::format("write \"10 %\" or \"1 {}\"", unit));
     Tolerance tolerance;
     tolerance.relative = text->ends_with('%') || text->ends_with("percent");
     try {
-        tolerance.value = to_si(*text, tolerance.relative ? "1" : metric->unit);
+        tolerance.value = to_si(*text, tolerance.relative ? "1" : unit);
     } catch (const UnitError& error) {
         refuse(entry.value_place, path, error.problem(), error.why(),
-               fmt::format("write \"10 %\" or \"1 {}\"", metric->unit));
+               fmt::format("write \"10 %\" or \"1 {}\"", unit));
     }
     if (!entry.key->range.contains(tolerance.value))
         refuse(entry.value_place, path, fmt::format("{} is out of range", *text), allowed_text(*entry.key),
@@ -286,8 +281,11 @@ const Values::Value& Values::at(std::string_view path) const {
 double Values::number(std::string_view path) const {
     return std::get<double>(at(path).value);
 }
-std::int64_t Values::integer(std::string_view path) const {
-    return std::get<std::int64_t>(at(path).value);
+std::vector<double> Values::numbers(std::string_view path) const {
+    std::vector<double> all;
+    for (int i = 1; i <= count(path); ++i)
+        all.push_back(number(fmt::format("{}.{}", path, i)));
+    return all;
 }
 const std::string& Values::word(std::string_view path) const {
     return std::get<std::string>(at(path).value);
@@ -305,10 +303,6 @@ bool Values::given(std::string_view path) const {
 bool Values::is_designed(std::string_view path) const {
     const auto found = values_.find(path);
     return found != values_.end() && found->second.origin == InputOrigin::design;
-}
-
-bool Values::is_word(std::string_view path) const {
-    return std::holds_alternative<std::string>(at(path).value);
 }
 
 bool Values::has_table(std::string_view path) const {

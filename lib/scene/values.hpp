@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "lib/record/run_record.hpp"
@@ -24,18 +23,29 @@ public:
     Values(const Document& document, const DocumentKind& kind);
 
     // The value of a key that is effective; asking for another is a programmer's mistake.
-    double number(std::string_view path) const;  ///< in SI
-    std::int64_t integer(std::string_view path) const;
-    const std::string& word(std::string_view path) const;  ///< a word, text or name of a file
+    double number(std::string_view path) const;                ///< in SI
+    std::vector<double> numbers(std::string_view path) const;  ///< of a list; empty where it is absent
+    const std::string& word(std::string_view path) const;      ///< a word, text or name of a file
 
     const std::vector<std::string>& list(std::string_view path) const;
+
+    /// Puts the effective keys below `table` where the table of keys binds them in an object of this kind.
+    template <class Object>
+    void read_into(Object& object, std::string_view table = "") const {
+        for (const auto& [path, value] : values_) {
+            const auto* binding = std::get_if<BindingOf<Object>>(&value.key->binding);
+            if (!binding || !binding->set || !is_below(path, table)) continue;
+            if (value.key->kind != KeyKind::quantities)
+                binding->set(object, value.value);
+            else if (path.ends_with(".1"))
+                binding->set(object, numbers(value.key->path));
+        }
+    }
 
     /// Given, by the scene or a design: not a default.
     bool given(std::string_view path) const;
     /// Given or defaulted; keys of a model that was not chosen are neither.
     bool is_effective(std::string_view path) const { return values_.contains(path); }
-    /// The key holds a word and not a quantity.
-    bool is_word(std::string_view path) const;
     /// The table of optional physics is present.
     bool has_table(std::string_view path) const;
     /// From a design file, or from a type's.
@@ -58,7 +68,7 @@ public:
 private:
     struct Value {
         const Key* key = nullptr;
-        std::variant<double, std::int64_t, std::string, std::vector<std::string>> value;
+        KeyValue value;
         SourcePlace place;
         std::string source;
         InputOrigin origin = InputOrigin::fallback;

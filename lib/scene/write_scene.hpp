@@ -12,9 +12,6 @@ namespace twinchute {
 /// by name; designs, bases and cases have been resolved.
 std::string write_scene(const Scene& scene);
 
-/// A trigger in words: "altitude 150 m", "drogue.full-open", "line-stretch and 2 s".
-std::string trigger_text(const Trigger& trigger);
-
 /// Equal in everything that a solver or a comparison sees: all but file, sha256, the name of the case, and
 /// the lists of inputs and warnings, which say where values came from.
 bool same_scene(const Scene& a, const Scene& b);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lib/record/metrics.hpp"
 #include "lib/scene/line_stretch.hpp"
 
 namespace twinchute {
@@ -218,17 +219,16 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
 }
 
 void add_strength_margins(RunRecord& record, const Parachute& chute) {
-    const auto add = [&](const char* key, const char* load_key, const std::optional<double>& strength,
-                         std::string_view unit) {
+    const auto add = [&](const char* key, const char* load_key, const std::optional<double>& strength) {
         const std::optional<double> load = record.metric(load_key);
         if (!strength || !load || !(*load > 0.0)) return;
-        record.add_metric(
-            key, strength_margin(*strength, chute.strength, *load), Standing::result,
-            fmt::format("strength {:.5g} {}, joint efficiency {:g}, design factor {:g}", *strength, unit,
-                        chute.strength.joint_efficiency, chute.strength.design_factor));
+        record.add_metric(key, strength_margin(*strength, chute.strength, *load), Standing::result,
+                          fmt::format("strength {:.5g} {}, joint efficiency {:g}, design factor {:g}",
+                                      *strength, split_metric_key(load_key).unit,
+                                      chute.strength.joint_efficiency, chute.strength.design_factor));
     };
-    add("line_strength_margin", "max_line_tension_N", chute.line.strength, "N");
-    add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength, "N/m");
+    add("line_strength_margin", "max_line_tension_N", chute.line.strength);
+    add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength);
 }
 
 namespace {

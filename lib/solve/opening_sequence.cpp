@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "lib/scene/write_scene.hpp"
+#include "lib/scene/trigger.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute {

@@ -11,7 +11,7 @@
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/sensitivity.hpp"

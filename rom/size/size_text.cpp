@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/record_text.hpp"
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute::rom {

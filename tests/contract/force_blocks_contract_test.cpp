@@ -27,8 +27,8 @@ Scene full_scene(DeployBy by) {
     deploy.static_line_length = 2.0;
     deploy.extraction = {"", {0.0, 1.0}, {100.0, 100.0}, 1.0};
     deploy.drag_coefficient = 0.1;
-    deploy.fold_repulsion = 1e-5;
-    deploy.fold_resistance = 2.0;
+    deploy.compressive_stiffness_ratio = 1e-5;
+    deploy.deployment_resistance = 2.0;
     scene.payload.drag_area = 0.4;
     scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{1e5, 0.3}};
     scene.full.alpha = 2.0;

@@ -52,7 +52,7 @@ protected:
 };
 
 TEST_F(GeneratedRuns, RomEndsSoundly) {
-    SceneGenerator generator(4);
+    SceneGenerator generator(12);
     std::map<StatusCode, int> endings;
     int deployed = 0;
     for (int i = 0; i < 2000; ++i) {

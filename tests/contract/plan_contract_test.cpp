@@ -52,7 +52,7 @@ Scene bare_from_the_pack() {
     const Scene packed = test::packed_c9(DeployBy::static_line);
     scene.parachutes = packed.parachutes;
     scene.parachutes.front().deploy.drag_coefficient = 0.0;
-    scene.parachutes.front().deploy.fold_resistance = 0.0;
+    scene.parachutes.front().deploy.deployment_resistance = 0.0;
     scene.release = packed.release;
     scene.full.structure = Structure::fe;
     scene.aerodynamics.breathing_damping = 0.5;

@@ -42,7 +42,7 @@ TEST_F(GeneratedScenes, ValidOnesAreRead) {
     // Some keys of these are written, as a list or a table in one line.
     for (const char* whole : {"parachute.reefing", "parachute.deploy.when", "parachute.cut"})
         EXPECT_TRUE(seen.contains(whole)) << whole;
-    for (const ToleranceMetric& metric : tolerance_metrics())
+    for (const MetricRow& metric : judgeable_rows())
         EXPECT_TRUE(seen.contains("compare.tolerance." + std::string(metric.name))) << metric.name;
 }
 

@@ -49,8 +49,8 @@ inline Scene packed_c9(DeployBy by, bool coarse = true) {
     if (by == DeployBy::static_line) chute.deploy.static_line_length = 12.2;
     chute.deploy.pack_ratio = 0.01;
     chute.deploy.drag_coefficient = 0.1;
-    chute.deploy.fold_repulsion = 1e-5;
-    chute.deploy.fold_resistance = 2.0;
+    chute.deploy.compressive_stiffness_ratio = 1e-5;
+    chute.deploy.deployment_resistance = 2.0;
     scene.full.noise = Noise{1e-4, 1};
     scene.full.structure = Structure::msd_fe;
     scene.full.switch_area_ratio = 0.12;

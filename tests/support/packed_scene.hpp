@@ -13,7 +13,7 @@ inline Scene packed_scene() {
     Deployment& deploy = scene.parachutes.front().deploy;
     deploy.pack_ratio = 0.01;
     deploy.drag_coefficient = 0.1;
-    deploy.fold_resistance = 2.0;
+    deploy.deployment_resistance = 2.0;
     return scene;
 }
 
@@ -23,7 +23,7 @@ inline Scene crane_drop() {
     Deployment& deploy = scene.parachutes.front().deploy;
     deploy.by = DeployBy::static_line;
     deploy.static_line_length = 12.2;
-    deploy.far_end_moves = false;
+    deploy.anchor_moves = false;
     return scene;
 }
 

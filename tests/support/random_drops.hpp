@@ -254,7 +254,7 @@ inline void DropGenerator::put_deployment() {
     const double length = line_ + riser_ + 0.5 * diameter_;
     if (by_ == "static-line") {
         key("length", in(0.3, 1.3) * length);
-        if (fixed_end_) keys += ", far_end = \"fixed\"";
+        if (fixed_end_) keys += ", anchor = \"fixed\"";
     }
     if (by_ == "extraction") {
         const double parting = log_in(8.0, 70.0);
@@ -266,7 +266,7 @@ inline void DropGenerator::put_deployment() {
     if (by_ == "free" || by_ == "extraction" || (!full_ && packed_ && by_ != "pilot" && random_bool(0.5)))
         key("pack_drag_area", in(0.002, 0.02) * drag_area());
     // Cloth is stowed the more firmly the heavier it is: the C-9's 2 N/m, by its weight and size.
-    if (full_ && packed_) key("fold_resistance", 2.0 * diameter_ / 8.53 * fabric_ / 0.1);
+    if (full_ && packed_) key("deployment_resistance", 2.0 * diameter_ / 8.53 * fabric_ / 0.1);
     if (full_ && packed_ && random_bool(0.2)) key("pitch", in(-0.3, 0.3));
     if (drogue_)
         keys += random_bool(0.5) ? fmt::format(", when = {{ after = \"drogue.full-open\", delay = {} }}",

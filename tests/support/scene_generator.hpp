@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lib/math/vec.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/units.hpp"
 #include "tests/support/random.hpp"
@@ -328,10 +329,11 @@ inline void SceneGenerator::put_limits(std::string_view stop) {
 }
 
 inline void SceneGenerator::put_tolerances() {
-    for (const ToleranceMetric& metric : tolerance_metrics()) {
+    for (const MetricRow& metric : judgeable_rows()) {
         if (!random_bool(0.1)) continue;
         const double value = number_in(0.0, 1000.0);
-        const std::string unit = random_bool(0.5) ? "%" : metric.unit == "1" ? "" : std::string(metric.unit);
+        const std::string_view own = metric.tolerance_unit() == "1" ? "" : metric.tolerance_unit();
+        const std::string_view unit = random_bool(0.5) ? "%" : own;
         put("compare.tolerance." + std::string(metric.name), fmt::format("\"{} {}\"", value, unit));
     }
 }

@@ -59,7 +59,7 @@ TEST(DropTestHistories, RunsAreAsFarAwayAsTheirDifferenceIsLarge) {
                     without = straight("speed", 1.0, 1.0);
     const auto scores = test_scores(test, {&level, &tilted});
     ASSERT_EQ(scores.size(), 1u);
-    EXPECT_EQ(scores[0].row->channel, "force");
+    EXPECT_EQ(scores[0].row->key, "force");
     EXPECT_EQ(scores[0].largest, 10.0);
     EXPECT_NEAR(*scores[0].l2[0], 0.1, 1e-12);
     EXPECT_NEAR(*scores[0].l2[1], std::sqrt(2.25 / 300.0), 1e-12);

@@ -31,7 +31,7 @@ RunRecord with_history(const Curve& curve, double snatch, double full) {
     return record;
 }
 
-const HistoryRow& force_row() {
+const MetricRow& force_row() {
     return history_rows().front();
 }
 

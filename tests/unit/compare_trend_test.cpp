@@ -145,6 +145,18 @@ TEST(CompareTrend, AnInputWithoutANumberHasNotMovedFromItself) {
     EXPECT_EQ(measure_trend(before, now, {}).inputs.size(), 1u);
 }
 
+TEST(CompareTrend, KeysThatWereRenamedAreNoOtherInputs) {
+    const auto named = [](const char* key) { return Input{key, 2.0, "N/m", InputOrigin::given, ""}; };
+    const std::vector<Input> before{named("parachute.deploy.fold_resistance"),
+                                    named("parachute.drogue.deploy.fold_resistance")};
+    std::vector<Input> now{named("parachute.deploy.deployment_resistance"),
+                           named("parachute.drogue.deploy.deployment_resistance")};
+    EXPECT_TRUE(input_changes(before, now).empty());
+    now.back().value = 3.0;
+    ASSERT_EQ(input_changes(before, now).size(), 1u);
+    EXPECT_EQ(input_changes(before, now)[0].before, "2 N/m");
+}
+
 TEST(CompareTrend, NamesInputsProgramAndMachineThatDiffer) {
     Comparison now = synthetic_comparison();
     now.reference.inputs[0].value = 160.0;

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "lib/record/metric_key.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 
 namespace twinchute {

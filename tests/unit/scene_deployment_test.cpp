@@ -24,16 +24,16 @@ protected:
 
 TEST_F(SceneDeployment, StaticLine) {
     const Deployment d =
-        read(deployed("by = \"static-line\", length = \"40 ft\", far_end = \"fixed\"")).parachutes[0].deploy;
+        read(deployed("by = \"static-line\", length = \"40 ft\", anchor = \"fixed\"")).parachutes[0].deploy;
     EXPECT_EQ(d.by, DeployBy::static_line);
     EXPECT_NEAR(d.static_line_length, 12.192, 1e-12);
-    EXPECT_FALSE(d.far_end_moves);
+    EXPECT_FALSE(d.anchor_moves);
     EXPECT_TRUE(d.starts_packed());
     EXPECT_EQ(d.pack_drag_area, 0.0);
     EXPECT_EQ(d.pack_ratio, 0.01);  // defaults
     EXPECT_EQ(d.drag_coefficient, 0.1);
-    EXPECT_EQ(d.fold_resistance, 2.0);
-    EXPECT_TRUE(read(deployed("by = \"static-line\", length = 3")).parachutes[0].deploy.far_end_moves);
+    EXPECT_EQ(d.deployment_resistance, 2.0);
+    EXPECT_TRUE(read(deployed("by = \"static-line\", length = 3")).parachutes[0].deploy.anchor_moves);
 }
 
 TEST_F(SceneDeployment, FreeAndInflated) {
@@ -68,8 +68,8 @@ TEST_F(SceneDeployment, IsWrittenAndReadBack) {
     for (const char* by :
          {"by = \"line-stretch\"", "by = \"inflated\"", "by = \"free\"",
           "by = \"free\", pack_drag_area = 0.3", "by = \"static-line\", length = 12.2",
-          "by = \"static-line\", length = 0.1, far_end = \"fixed\", pitch = -1",
-          "by = \"extraction\", force = 700, load = \"distributed\", fold_resistance = 0",
+          "by = \"static-line\", length = 0.1, anchor = \"fixed\", pitch = -1",
+          "by = \"extraction\", force = 700, load = \"distributed\", deployment_resistance = 0",
           "by = \"extraction\", force_table = \"pull.csv\", duration = 0.3, pack_ratio = 0.2"}) {
         const Scene scene = read(deployed(by));
         const std::string text = write_scene(scene);
@@ -78,9 +78,56 @@ TEST_F(SceneDeployment, IsWrittenAndReadBack) {
     }
 }
 
+TEST_F(SceneDeployment, RetiredNamesAreReadWithAWarning) {
+    const Scene now =
+        read(deployed("by = \"static-line\", length = 12.2, anchor = \"fixed\", "
+                      "compressive_stiffness_ratio = 1e-4, deployment_resistance = 3"));
+    EXPECT_TRUE(now.warnings.empty());
+    const Scene scene =
+        read(deployed("by = \"static-line\", length = 12.2, far_end = \"fixed\", "
+                      "fold_repulsion = 1e-4, fold_resistance = 3"));
+    EXPECT_TRUE(same_scene(scene, now));
+    EXPECT_NE(find_input(scene, "parachute.deploy.anchor"), nullptr);
+    EXPECT_EQ(find_input(scene, "parachute.deploy.far_end"), nullptr);
+    ASSERT_EQ(scene.warnings.size(), 3u);
+    EXPECT_EQ(scene.warnings[0].what, "key 'parachute.deploy.far_end' is now 'parachute.deploy.anchor'");
+    EXPECT_EQ(scene.warnings[0].why, "line 13 of test.toml");
+    EXPECT_EQ(scene.warnings[1].what,
+              "key 'parachute.deploy.fold_repulsion' is now 'parachute.deploy.compressive_stiffness_ratio'");
+}
+
+TEST_F(SceneDeployment, RetiredNamesMayOverrideAndBeOverridden) {
+    const std::string old = deployed("by = \"free\", fold_resistance = 3");
+    const auto resistances = [&](const std::string& text, const std::vector<std::string>& overrides) {
+        std::vector<double> all;
+        for (const Scene& scene : read_scenes_text(text, "test.toml", here_.path(), overrides))
+            for (const Parachute& chute : scene.parachutes)
+                all.push_back(chute.deploy.deployment_resistance);
+        return all;
+    };
+    EXPECT_EQ(resistances(old, {"parachute.deploy.deployment_resistance=4"}), std::vector{4.0});
+    EXPECT_EQ(resistances(old, {"parachute.deploy.fold_resistance=5"}), std::vector{5.0});
+    EXPECT_EQ(resistances(old + "[[case]]\nname = \"a\"\nset = { \"parachute.deploy.fold_resistance\" = 6 }\n"
+                                "[[case]]\nname = \"b\"\n",
+                          {}),
+              (std::vector{6.0, 3.0}));
+    const Scene set = read_text(deployed("by = \"free\""), {"parachute.deploy.fold_resistance=5"});
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_EQ(set.warnings[0].why, "--set");
+    // Each parachute warns once, whichever of several it is.
+    const std::string second =
+        "[[parachute]]\nname = \"second\"\ndesign = \"usaf-c9\"\n"
+        "deploy = { by = \"free\", fold_resistance = 7, when = { time = 2 } }\n"
+        "fill_time = { model = \"fill-constant\", n = 4.0 }\n";
+    const std::string two = edited(edited(old, "[[parachute]]\n", "[[parachute]]\nname = \"first\"\n"),
+                                   "[aerodynamics]", second + "[aerodynamics]");
+    EXPECT_EQ(resistances(two, {"parachute.second.deploy.fold_resistance=8"}), (std::vector{3.0, 8.0}));
+    EXPECT_EQ(read(two).warnings.size(), 2u);
+}
+
 TEST_F(SceneDeployment, AnotherKindInACaseDropsWhatGoesWithTheFirst) {
     const std::string text =
-        deployed("by = \"static-line\", length = 12.2, far_end = \"fixed\", pitch = 0.5") +
+        deployed("by = \"static-line\", length = 12.2, anchor = \"fixed\", pitch = 0.5") +
         "[[case]]\nname = \"crane\"\n"
         "[[case]]\nname = \"free\"\nset = { \"parachute.deploy.by\" = \"free\", "
         "\"parachute.deploy.pack_drag_area\" = 0.2 }\n"

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "lib/models/atmosphere.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/units.hpp"
@@ -44,6 +45,10 @@ TEST(Keys, RowsAreConsistent) {
             ASSERT_NE(other, nullptr);
             const auto back = words_of(other->instead_of);
             EXPECT_EQ(std::ranges::count(back, key.path), 1);
+        }
+        if (!key.formerly.empty()) {
+            EXPECT_EQ(find_key(scene_keys(), key.formerly), nullptr);
+            EXPECT_EQ(find_successor(scene_keys(), key.formerly)->path, key.path);
         }
         if (key.need != KeyNeed::defaulted) continue;
         ASSERT_FALSE(key.fallback.empty());
@@ -114,8 +119,9 @@ TEST(Keys, TextsOfARow) {
 }
 
 TEST(Keys, ToleranceUnitsAreUnits) {
-    for (const ToleranceMetric& metric : tolerance_metrics())
-        EXPECT_EQ(to_si("3 " + std::string(metric.unit), metric.unit), 3.0) << metric.name;
+    for (const MetricRow& metric : judgeable_rows())
+        EXPECT_EQ(to_si("3 " + std::string(metric.tolerance_unit()), metric.tolerance_unit()), 3.0)
+            << metric.name;
 }
 
 TEST(Nearest, CountsEdits) {

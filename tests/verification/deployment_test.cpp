@@ -320,7 +320,7 @@ TEST(Deployment, NoSnatchIsSaidSo) {
     // No air and nothing that pulls: payload and pack fall side by side.
     Scene scene = packed_c9(DeployBy::free);
     scene.environment.atmosphere.constant_density = 0.0;
-    scene.parachutes.front().deploy.fold_resistance = 20.0;
+    scene.parachutes.front().deploy.deployment_resistance = 20.0;
     scene.release.altitude = -20.0;  // 20 m above the ground
     const RunRecord record = run_full(scene);
     EXPECT_EQ(record.status.code, StatusCode::not_opened);

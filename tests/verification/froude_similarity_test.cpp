@@ -44,7 +44,7 @@ Scene enlarged(Scene scene) {
     chute.line = enlarged(chute.line);
     for (Cord* tape : {&chute.tapes.radial, &chute.tapes.skirt, &chute.tapes.vent})
         *tape = enlarged(*tape);
-    chute.deploy.fold_resistance *= k * k;  // a force per width
+    chute.deploy.deployment_resistance *= k * k;  // a force per width
     scene.full.output_rate /= root_k;
     if (scene.full.noise) scene.full.noise->amplitude *= k;
     return scene;

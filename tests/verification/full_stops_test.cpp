@@ -180,8 +180,8 @@ constexpr Vanishing vanishing[] = {
      }},
     {"cloth drag", true, [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = weakest; },
      [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = 0.0; }},
-    {"fold resistance", true, [](Scene& s) { s.parachutes.front().deploy.fold_resistance = weakest; },
-     [](Scene& s) { s.parachutes.front().deploy.fold_resistance = 0.0; }},
+    {"fold resistance", true, [](Scene& s) { s.parachutes.front().deploy.deployment_resistance = weakest; },
+     [](Scene& s) { s.parachutes.front().deploy.deployment_resistance = 0.0; }},
 };
 
 TEST(FullStops, EachPieceThatVanishesEqualsItsAbsence) {

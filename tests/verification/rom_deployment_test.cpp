@@ -198,7 +198,7 @@ TEST(RomDeployment, MovingFarEndIsAChangeOfFrame) {
     take_away_air(crane);
     run_for(crane, 3.0);
     Scene aircraft = crane;
-    aircraft.parachutes.front().deploy.far_end_moves = true;
+    aircraft.parachutes.front().deploy.anchor_moves = true;
     aircraft.release = {85.0, 60.0, 0.0, 1.0};
     // Filling would differ: it goes by the speed through the air.
     for (Scene* scene : {&crane, &aircraft})

@@ -637,9 +637,11 @@ private:
                                 modulus * e.section,
                                 spring_growth(e.hardening),
                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
-                                deploy().fold_resistance * e.section / mesh_.fabric.thickness});
+                                deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
     }
-    SpringPass edges() const { return {deploy().fold_repulsion, has_.springs, has_.folds, folded_}; }
+    SpringPass edges() const {
+        return {deploy().compressive_stiffness_ratio, has_.springs, has_.folds, folded_};
+    }
     ElementSums stretch_edges(const GoreFrame& part) const {
         return kernels_.springs(part, springs_, edges());
     }

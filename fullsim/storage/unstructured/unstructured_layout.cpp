@@ -443,7 +443,7 @@ private:
     void prepare_springs() { springs_.springs = true; }
     void prepare_folds() { springs_.folds = true; }
     void prepare_edges() {
-        springs_.repulsion = deploy().fold_repulsion;
+        springs_.repulsion = deploy().compressive_stiffness_ratio;
         const double modulus = mesh_.fabric.youngs_modulus;
         const double impedance = scene_.full.bulk_viscosity * std::sqrt(modulus * mesh_.fabric.density);
         const std::vector<FabricEdge> edges = fabric_edges(mesh_);
@@ -455,7 +455,7 @@ private:
                        Constants{1.0 / e.rest_length, modulus * e.section,
                                  (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
                                  spring_growth(e.hardening),
-                                 deploy().fold_resistance * e.section / mesh_.fabric.thickness});
+                                 deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
         }
     }
     SpringPass springs_of(const State& state) const {

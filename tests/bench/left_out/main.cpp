@@ -41,7 +41,7 @@ Scene bare(bool packed) {
     scene.full.alpha = 0.0;
     scene.full.noise.reset();
     scene.parachutes.front().deploy.drag_coefficient = 0.0;
-    scene.parachutes.front().deploy.fold_resistance = 0.0;
+    scene.parachutes.front().deploy.deployment_resistance = 0.0;
     return scene;
 }
 

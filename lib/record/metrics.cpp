@@ -1,0 +1,139 @@
+#include "lib/record/metrics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace twinchute {
+namespace {
+
+struct Suffix {
+    std::string_view suffix, unit;
+};
+
+// Longer ones first: "_N_s" also ends in "_s".
+constexpr std::array suffixes{
+    Suffix{"_m_s", "m/s"}, Suffix{"_N_s", "N s"}, Suffix{"_N_m", "N/m"}, Suffix{"_N", "N"},
+    Suffix{"_s", "s"},     Suffix{"_m", "m"},     Suffix{"_g", "g"},
+};
+
+constexpr MetricKey split(std::string_view key) {
+    for (const auto& [suffix, unit] : suffixes)
+        if (key.size() > suffix.size() && key.ends_with(suffix))
+            return {key.substr(0, key.size() - suffix.size()), unit};
+    return {key, {}};
+}
+
+// Judged by default are the three that size a system: how long it takes, how hard it pulls, how fast
+// it lands. 10 % is the scatter between repeated drops that the field accepts; whoever knows better says so.
+constexpr Tolerance ten_percent{0.10, true};
+constexpr std::optional<Tolerance> none;
+
+/// The key says name and unit.
+constexpr MetricRow number(std::string_view key, std::string_view title,
+                           std::optional<Tolerance> tolerance = none, Show show = Show::always) {
+    return {split(key).name, key, split(key).unit, title, tolerance, show};
+}
+
+// clang-format off
+constexpr std::array rows{
+    number("line_stretch_time_s", "Line stretch"),
+    number("snatch_time_s", "Snatch"),
+    number("payload_snatch_speed_m_s", "Payload's speed at snatch", none, Show::when_judged),
+    number("snatch_force_N", "Snatch force"),
+    number("snatch_speed_m_s", "Snatch speed"),
+    number("filling_time_s", "Filling time", ten_percent),
+    number("peak_force_N", "Peak opening force", ten_percent),
+    number("peak_canopy_force_N", "Peak force of one canopy"),
+    number("stage_1_peak_force_N", "Peak opening force, stage 1"),
+    number("stage_2_peak_force_N", "Peak opening force, stage 2"),
+    number("stage_3_peak_force_N", "Peak opening force, stage 3"),
+    number("stage_4_peak_force_N", "Peak opening force, stage 4"),
+    number("time_to_peak_force_s", "Time to peak force"),
+    number("peak_force_ratio", "Peak force ratio X_p"),
+    number("opening_shock_coefficient", "Opening shock coefficient"),
+    number("load_factor", "Load factor"),
+    number("max_deceleration_g", "Maximum deceleration"),
+    number("impulse_N_s", "Impulse"),
+    number("descent_rate_m_s", "Descent rate", ten_percent),
+    number("descent_rate_amplitude", "Amplitude of the descent rate", none, Show::when_judged),
+    number("descent_rate_remaining_change", "Change of the descent rate that remains", none, Show::when_judged),
+    number("altitude_loss_m", "Altitude loss"),
+    number("projected_diameter_ratio", "Projected diameter ratio D_p/D0"),
+    number("mass_ratio", "Mass ratio"),
+    number("froude_number", "Froude number"),
+    number("operational_froude_number", "Operational Froude number", none, Show::when_judged),
+    number("peak_force_raw_N", "Peak opening force, unfiltered", none, Show::when_judged),
+    number("max_force_N", "Maximum force", none, Show::when_judged),
+    number("max_canopy_force_N", "Maximum force of one canopy", none, Show::when_judged),
+    number("unopened_parachutes", "Parachutes that never opened"),
+    number("descent_altitude_m", "Altitude of steady descent", none, Show::when_judged),
+    number("flight_time_s", "Flight time"),
+    number("landing_east_m", "Landing point, east"),
+    number("landing_north_m", "Landing point, north"),
+    number("seam_diameter_ratio", "Seam diameter ratio", none, Show::when_judged),
+    number("canopy_depth_ratio", "Canopy depth ratio h/D_p", none, Show::when_judged),
+    number("signed_area_ratio", "Signed area ratio", none, Show::when_judged),
+    number("max_line_tension_N", "Maximum line tension"),
+    number("line_strength_margin", "Margin to the lines' strength"),
+    number("max_membrane_stress_N_m", "Maximum membrane stress"),
+    number("membrane_strength_margin", "Margin to the fabric's strength"),
+    MetricRow{"force_history", "force", "N", "Opening force"},
+    MetricRow{"speed_history", "speed", "m/s", "Speed of the payload"},
+    MetricRow{"acceleration_history", "acceleration", "m/s^2", "Acceleration of the payload"},
+    MetricRow{"drag_area_history", "drag_area", "m^2", "Drag area"},
+    MetricRow{"projected_area_history", "projected_area", "m^2", "Projected area"},
+};
+// clang-format on
+
+constexpr auto numbers = std::ranges::find_if(rows, &MetricRow::is_history) - rows.begin();
+
+const MetricRow* find_row(std::span<const MetricRow> among, std::string_view name) {
+    const auto row = std::ranges::find(among, name, &MetricRow::name);
+    return row == among.end() ? nullptr : &*row;
+}
+
+}  // namespace
+
+std::string_view MetricRow::tolerance_unit() const {
+    if (is_history() || unit.empty()) return "1";
+    return unit == "g" ? "g0" : unit;
+}
+
+std::span<const MetricRow> judgeable_rows() {
+    return rows;
+}
+
+std::span<const MetricRow> metric_rows() {
+    return judgeable_rows().first(numbers);
+}
+
+std::span<const MetricRow> history_rows() {
+    return judgeable_rows().subspan(numbers);
+}
+
+const MetricRow* find_judgeable_row(std::string_view name) {
+    return find_row(judgeable_rows(), name);
+}
+
+const MetricRow* find_metric_row(std::string_view name) {
+    return find_row(metric_rows(), name);
+}
+
+std::string tolerance_text(const Tolerance& tolerance, std::string_view unit) {
+    if (tolerance.relative) return fmt::format("{:.6g} %", 100 * tolerance.value);
+    return fmt::format("{:.6g}{}{}", tolerance.value, unit.empty() ? "" : " ", unit);
+}
+
+MetricKey split_metric_key(std::string_view key) {
+    return split(key);
+}
+
+std::string metric_words(std::string_view key) {
+    std::string words(split(key).name);
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
+}  // namespace twinchute
