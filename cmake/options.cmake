@@ -23,17 +23,14 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
-# twinchute_module(NAME LIBS...): one static library from every source below this folder, installed
-# with its headers and exported as twinchute::NAME.
-function(twinchute_module name)
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  add_library(twinchute_${name} STATIC ${sources})
+# twinchute_library(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): a static library, exported as twinchute::NAME.
+function(twinchute_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(twinchute_${name} STATIC ${ARG_SOURCES})
   add_library(twinchute::${name} ALIAS twinchute_${name})
   set_target_properties(twinchute_${name} PROPERTIES EXPORT_NAME ${name})
-  target_link_libraries(twinchute_${name} PUBLIC $<BUILD_INTERFACE:twinchute_options> ${ARGN})
+  target_link_libraries(twinchute_${name} PUBLIC $<BUILD_INTERFACE:twinchute_options> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   target_compile_features(twinchute_${name} PUBLIC cxx_std_20)
   target_include_directories(twinchute_${name} INTERFACE $<INSTALL_INTERFACE:${TWINCHUTE_INCLUDE_DIR}>)
   install(TARGETS twinchute_${name} EXPORT twinchute)
-  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} DESTINATION ${TWINCHUTE_INCLUDE_DIR}
-    FILES_MATCHING PATTERN "*.hpp")
 endfunction()

@@ -7,5 +7,5 @@ if(BASH)
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM
     COMMENT "clang-tidy over the whole tree")
   # It reads the generated sources as well.
-  add_dependencies(tidy twinchute_lib_build_info)
+  add_dependencies(tidy twinchute_record_build_info)
 endif()

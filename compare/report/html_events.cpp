@@ -13,8 +13,8 @@
 namespace twinchute::compare {
 namespace {
 
-constexpr double width = 960, left = 70, opening_right = 750, right = 830;  // [px]
-constexpr double row_height = 18, letter = 6.7;                             // [px] of a label
+constexpr double timeline_width = 960, left = 70, opening_right = 750, right = 830;  // [px]
+constexpr double row_height = 18, letter = 6.7;                                      // [px] of a label
 constexpr std::size_t longest_label = 28, most_labels = 24;
 
 /// As much of a name as there is room for.
@@ -102,7 +102,8 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
     std::vector<Label> labels;
     for (const EventPair& pair : all)
         if (std::isfinite(pair.first) && labels.size() < most_labels)
-            labels.push_back({words_of(pair.name, width - axis.at(pair.first) - 10), axis.at(pair.first)});
+            labels.push_back(
+                {words_of(pair.name, timeline_width - axis.at(pair.first) - 10), axis.at(pair.first)});
     const double top = row_height * (stack_labels(labels) + 1) + 12;
     const std::array<double, 2> lane{top + 14, top + 52};
     const double axis_y = top + 76, height = axis_y + 44;
@@ -110,7 +111,7 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
         "<svg class=\"timeline\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Events of both "
         "sides along time; the "
         "table below has the numbers\">\n",
-        width, height);
+        timeline_width, height);
     for (const Label& label : labels) {
         const double y = top - row_height * label.level - 6;
         svg += fmt::format(

@@ -26,7 +26,7 @@ Eigen::Vector2d cut_point(const GoreOutline& outline, const NodeRow& row, int co
     return {chord_distance(outline, seam) * std::tan(column_angle(outline, row, column)), seam.centre};
 }
 
-CanopyShape constructed_shape(const GoreOutline& outline, std::span<const NodeRow> rows) {
+CanopyNodes constructed_shape(const GoreOutline& outline, std::span<const NodeRow> rows) {
     const SeamPoint skirt = outline.seam_point(outline.skirt);
     return {{skirt.radius, 0.0, skirt.depth}, [=](int row, int gore, int column) {
                 const NodeRow& at = rows[static_cast<std::size_t>(row)];

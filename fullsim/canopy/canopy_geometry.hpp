@@ -43,13 +43,13 @@ Eigen::Vector2d cut_point(const GoreOutline& outline, const NodeRow& row, int co
 
 /// Nodes of a canopy in one of its shapes [m], apex at the origin: z along the axis toward the payload, x and
 /// y across, the first seam toward x. The rows that it was made from have to outlive it.
-struct CanopyShape {
+struct CanopyNodes {
     Vec3 skirt;  ///< end of the first seam
     std::function<Vec3(int row, int gore, int column)> node;
 };
 
 /// The canopy as it is sewn, without any strain.
-CanopyShape constructed_shape(const GoreOutline& outline, std::span<const NodeRow> rows);
+CanopyNodes constructed_shape(const GoreOutline& outline, std::span<const NodeRow> rows);
 
 /// State in which a canopy is folded.
 struct Folding {
@@ -81,10 +81,10 @@ struct CanopyGeometry {
     std::span<const Tape> tapes;  ///< in the order of their cables
 
     /// The canopy closed to a mouth, rows from vent to skirt.
-    CanopyShape (*fold)(const GoreOutline& outline, std::span<const NodeRow> rows, const Folding& folding);
+    CanopyNodes (*fold)(const GoreOutline& outline, std::span<const NodeRow> rows, const Folding& folding);
     /// Why a canopy is not of this geometry; empty where it is.
     std::string (*mismatch)(const GivenCanopy& canopy);
-    /// Nodes of a canopy of this geometry when it is folded [m], axes as in CanopyShape.
+    /// Nodes of a canopy of this geometry when it is folded [m], axes as in CanopyNodes.
     std::vector<Vec3> (*fold_given)(const GivenCanopy& canopy, const Folding& folding);
 };
 

@@ -56,7 +56,7 @@ double loose_vent(const FoldedCanopy& canopy, double vent, double below, double 
     return loose_vent_radius(middle, foot, (below - vent) * std::cos(half_angle));
 }
 
-CanopyShape fold(const GoreOutline& gore, std::span<const NodeRow> rows, const Folding& folding) {
+CanopyNodes fold(const GoreOutline& gore, std::span<const NodeRow> rows, const Folding& folding) {
     const int columns = rows.back().columns, at_vent = rows.front().columns;
     const FoldedCanopy canopy = fold_disc(gore.gores, columns, at_vent, gore.skirt, folding);
     const double delta = gore.half_angle;

@@ -104,7 +104,7 @@ private:
     }
 
     /// across, along: directions of the shape's x and y. The payload is the origin.
-    void place_canopy(const CanopyShape& shape, const Vec3& across, const Vec3& along) {
+    void place_canopy(const CanopyNodes& shape, const Vec3& across, const Vec3& along) {
         // Lines are straight and as long as they are: that gives the apex its height.
         const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
         const double line = mesh_.line_stretch * chute_.line_length;

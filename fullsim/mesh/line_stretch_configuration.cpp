@@ -42,7 +42,7 @@ public:
 
     Mesh constructed() { return along_axis(); }
 
-    /// folded: nodes of the canopy, axes as in CanopyShape [m].
+    /// folded: nodes of the canopy, axes as in CanopyNodes [m].
     Mesh folded(const std::vector<Vec3>& folded, const Scene& scene, double load) {
         const double gores = static_cast<double>(imported_.lines.size());
         const double line_stretch = 1.0 + load / (gores * scene.parachutes.front().line.axial_stiffness());

@@ -16,16 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 
 // The number goes up with what the parts below mean; what a fidelity keeps is told apart by the program.
-constexpr std::string_view magic = "twinchute checkpoint 1\n";
+constexpr std::string_view checkpoint_magic = "twinchute checkpoint 1\n";
 constexpr std::size_t hash_digits = 64;
-constexpr std::size_t max_frames = 10'000'000;
+constexpr std::size_t max_field_frames = 10'000'000;
 constexpr std::size_t largest = std::size_t{4} << 30;  // [bytes]: a hundred times what the finest meshes take
 
 void serialize(Archive& archive, Checkpoint& c) {
     archive.text("program", c.of.program);
     archive.text("fidelity", c.of.fidelity);
     archive.text("scene", c.of.scene);
-    archive.length("frames", c.frames, max_frames);
+    archive.length("frames", c.frames, max_field_frames);
     for (WrittenFrame& frame : c.frames) {
         auto& [time, file, temporary, sha256] = frame;
         archive.number("time", time);
@@ -51,19 +51,20 @@ std::string checkpoint_bytes(const Checkpoint& checkpoint) {
     Checkpoint copy = checkpoint;
     Archive archive;
     serialize(archive, copy);
-    std::string bytes = std::string(magic) + archive.take();
+    std::string bytes = std::string(checkpoint_magic) + archive.take();
     return bytes + sha256_hex(bytes);
 }
 
 Checkpoint read_checkpoint_bytes(std::string_view bytes, const std::string& file) {
-    if (!bytes.starts_with(magic.substr(0, bytes.size())) || bytes.empty())
+    if (!bytes.starts_with(checkpoint_magic.substr(0, bytes.size())) || bytes.empty())
         refuse(file, "is no checkpoint of this version", "it begins otherwise");
-    if (bytes.size() < magic.size() + hash_digits) refuse(file, "ends too early", "a part of it is missing");
+    if (bytes.size() < checkpoint_magic.size() + hash_digits)
+        refuse(file, "ends too early", "a part of it is missing");
     const std::string_view rest = bytes.substr(0, bytes.size() - hash_digits);
     if (sha256_hex(rest) != bytes.substr(rest.size()))
         refuse(file, "is not the checkpoint that was written",
                "its SHA-256 is not the one at its end: it was cut short or changed");
-    Archive archive(rest.substr(magic.size()), file);
+    Archive archive(rest.substr(checkpoint_magic.size()), file);
     Checkpoint checkpoint;
     serialize(archive, checkpoint);
     archive.end();
@@ -90,8 +91,8 @@ bool is_checkpoint(const fs::path& file) {
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) return false;  // a pipe would be waited for
     std::ifstream stream(file, std::ios::binary);
-    std::string begin(magic.size(), '\0');
-    return stream.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == magic;
+    std::string begin(checkpoint_magic.size(), '\0');
+    return stream.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == checkpoint_magic;
 }
 
 std::optional<Checkpoint> read_checkpoint(const fs::path& directory) {

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* folder = "parachutes/types";
-constexpr std::string_view prefix = "type.";
+constexpr std::string_view type_prefix = "type.";
 
 std::vector<std::string_view> grades() {
     return {"A", "B", "C", "R"};
@@ -70,7 +70,7 @@ std::span<const Key> type_keys() {
                                .meaning = "what sets the type apart from a flat circular canopy"}};
         for (const RangeRow& range : ranges) {
             const auto path = [&](const char* last) -> std::string_view {
-                return paths.emplace_back(fmt::format("{}{}{}", prefix, range.name, last));
+                return paths.emplace_back(fmt::format("{}{}{}", type_prefix, range.name, last));
             };
             const KeyRange limits{0.0, range.highest, false, false};
             keys.push_back({.path = path(""),
@@ -95,7 +95,7 @@ TypeRange range_of(const Values& v, const std::string& path) {
     TypeRange range{v.number(path + ".low"), v.number(path + ".high"), v.word(path + ".source"),
                     v.word(path + ".grade")};
     if (range.low > range.high)
-        throw SceneError(v.place(path + ".low"), path.substr(prefix.size()) + ".low", "is above high",
+        throw SceneError(v.place(path + ".low"), path.substr(type_prefix.size()) + ".low", "is above high",
                          fmt::format("{} and {}", range.low, range.high), "write the smaller one here");
     return range;
 }
@@ -186,7 +186,7 @@ std::vector<std::string> canopy_type_names(const fs::path& scene_directory) {
 CanopyType read_canopy_type(const std::string& name, std::string_view key, const SourcePlace& place,
                             const fs::path& directory) {
     const fs::path file = data_file(folder, name, key, place, directory);
-    const DocumentKind kind{type_keys(), std::string(prefix), InputOrigin::design, std::string(key),
+    const DocumentKind kind{type_keys(), std::string(type_prefix), InputOrigin::design, std::string(key),
                             directory};
     const Values values(read_document(read_text_file(file), file.string(), kind), kind);
     CanopyType type;
@@ -194,7 +194,7 @@ CanopyType read_canopy_type(const std::string& name, std::string_view key, const
     type.title = values.word("type.title");
     if (values.has_table("type.full_model")) type.meshed = meshed_canopy(values);
     for (const RangeRow& range : ranges) {
-        const std::string path = fmt::format("{}{}", prefix, range.name);
+        const std::string path = fmt::format("{}{}", type_prefix, range.name);
         if (values.has_table(path)) type.*range.member = range_of(values, path);
     }
     return type;

@@ -12,7 +12,7 @@
 namespace twinchute::rom {
 namespace {
 
-constexpr std::array<LimitRow, 4> rows{{
+constexpr std::array<LimitRow, 4> limits_table{{
     {"max_descent_rate", "m/s", "descent rate", &SizeSpec::max_descent_rate, "descent_rate_m_s", 1.0, false},
     {"max_force", "N", "largest force", &SizeSpec::max_force, "max_force_N", 1.0, true},
     {"max_canopy_force", "N", "largest force of a canopy", &SizeSpec::max_canopy_force, "max_canopy_force_N",
@@ -24,7 +24,7 @@ constexpr std::array<LimitRow, 4> rows{{
 }  // namespace
 
 std::span<const LimitRow> limit_rows() {
-    return rows;
+    return limits_table;
 }
 
 const Met* Judged::binding() const {
@@ -45,7 +45,7 @@ Judged judge(const Scene& scene, const std::stop_token& stop) {
     Judged judged;
     judged.record = run_rom(scene, run);
     const RunStatus& status = judged.record.status;
-    for (const LimitRow& row : rows) {
+    for (const LimitRow& row : limits_table) {
         const auto limit = (*scene.size).*row.limit;
         if (!limit) continue;
         auto value = judged.record.metric(row.metric);

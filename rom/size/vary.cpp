@@ -80,7 +80,7 @@ Bounds bounds_of_ratio(const Scene& scene) {
     return {std::max(1.01 * p.initial_drag_area_ratio, 0.005), 0.95 * next};
 }
 
-constexpr std::array<VaryRow, 4> rows{{
+constexpr std::array<VaryRow, 4> vary_table{{
     {"nominal_diameter", "m", "nominal diameter D0",
      "vent, lines, risers, reefing lines and drag area grow with it, C_D0 and gores stay", always_available,
      goal_of_diameter, bounds_of_diameter, diameter, set_diameter},
@@ -110,12 +110,12 @@ constexpr std::array<VaryRow, 4> rows{{
 }  // namespace
 
 std::span<const VaryRow> vary_rows() {
-    return rows;
+    return vary_table;
 }
 
 const VaryRow* find_vary(std::string_view name) {
-    const auto row = std::ranges::find(rows, name, &VaryRow::name);
-    return row == rows.end() ? nullptr : &*row;
+    const auto row = std::ranges::find(vary_table, name, &VaryRow::name);
+    return row == vary_table.end() ? nullptr : &*row;
 }
 
 const Parachute& sized_parachute(const Scene& scene) {

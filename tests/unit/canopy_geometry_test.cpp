@@ -31,7 +31,7 @@ std::vector<NodeRow> rows_of(const GoreOutline& outline, int columns) {
 }
 
 /// Edges of the cut along both diagonals, both seams and the row, against the same in a shape.
-double largest_change(const CanopyShape& shape, const GoreOutline& outline,
+double largest_change(const CanopyNodes& shape, const GoreOutline& outline,
                       const std::vector<NodeRow>& rows) {
     struct Step {
         int row, column;
@@ -105,7 +105,7 @@ TEST(CanopyGeometry, TheConstructedShapeIsUnstrained) {
     for (const CanopyGeometry& geometry : canopy_geometries()) {
         const GoreOutline outline = geometry.outline(c9());
         const std::vector<NodeRow> rows = rows_of(outline, 4);
-        const CanopyShape shape = constructed_shape(outline, rows);
+        const CanopyNodes shape = constructed_shape(outline, rows);
         EXPECT_LT(largest_change(shape, outline, rows), 1e-14) << geometry.name;
         EXPECT_LT((shape.skirt - shape.node(row_count - 1, 0, 0)).norm(), 1e-14) << geometry.name;
         // The last column line of a gore is the seam to the next one.
@@ -116,7 +116,7 @@ TEST(CanopyGeometry, TheConstructedShapeIsUnstrained) {
 TEST(CanopyGeometry, AFlatCircularCanopyIsConstructedPlane) {
     const GoreOutline outline = c9_outline();
     const std::vector<NodeRow> rows = rows_of(outline, 3);
-    const CanopyShape shape = constructed_shape(outline, rows);
+    const CanopyNodes shape = constructed_shape(outline, rows);
     for (int row = 0; row < row_count; ++row)
         for (int gore = 0; gore < 28; ++gore) {
             for (int column = 0; column < 3; ++column)
@@ -130,7 +130,7 @@ TEST(CanopyGeometry, AFoldedCanopyIsUnstrainedAndHasItsMouth) {
     for (const CanopyGeometry& geometry : canopy_geometries()) {
         const GoreOutline outline = geometry.outline(c9());
         const std::vector<NodeRow> rows = rows_of(outline, 4);
-        const CanopyShape shape = geometry.fold(outline, rows, {mouth, 0.0, c9().fabric});
+        const CanopyNodes shape = geometry.fold(outline, rows, {mouth, 0.0, c9().fabric});
         EXPECT_LT(largest_change(shape, outline, rows), 1e-14) << geometry.name;
         EXPECT_LT((shape.skirt - shape.node(row_count - 1, 0, 0)).norm(), 1e-14) << geometry.name;
         double twice = 0.0;
