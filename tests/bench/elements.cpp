@@ -99,7 +99,7 @@ public:
     void step(int count) {
         using fullsim::Stage;
         Simulation& s = *simulation_;
-        const SystemState& now = s.system();
+        const fullsim::SystemState& now = s.system();
         for (int n = 0; n < count; ++n) {
             s.evaluate_forces();
             if (now.stage != Stage::deployment && now.time >= s.inflation().end_of(now.phase))

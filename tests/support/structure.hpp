@@ -51,7 +51,7 @@ public:
     FollowerPressure(const fullsim::Mesh& mesh, double pressure)
         : triangles_(mesh.triangles), pressure_(pressure) {}
 
-    std::string_view name() const override { return "follower pressure"; }
+    fullsim::Block block() const override { return fullsim::Block::canopy_pressure; }
 
     void add_forces(fullsim::State& state) const override {
         for (const fullsim::Triangle& t : triangles_) {

@@ -59,11 +59,11 @@ RunRecord dear(const Scene& scene, Run& run) {
 std::vector<std::string> all_physics(const Scene&) {
     return {};
 }
-const Fidelity rom_row{"rom", "synthetic quick model", &quick, &all_physics};
-const Fidelity full_row{"full", "synthetic dear model", &dear, &all_physics};
+const Fidelity quick_row{"rom", "synthetic quick model", &quick, &all_physics};
+const Fidelity dear_row{"full", "synthetic dear model", &dear, &all_physics};
 
-Comparison compared(const Scene& scene, const Fidelity& reference = full_row,
-                    const Fidelity& candidate = rom_row) {
+Comparison compared(const Scene& scene, const Fidelity& reference = dear_row,
+                    const Fidelity& candidate = quick_row) {
     Comparison comparison;
     Run run;
     comparison.reference = reference.run(scene, run);
@@ -73,7 +73,7 @@ Comparison compared(const Scene& scene, const Fidelity& reference = full_row,
 }
 
 Attribution attributed(const Scene& scene, const AttributionOptions& options = {},
-                       const Fidelity& reference = full_row, const Fidelity& candidate = rom_row) {
+                       const Fidelity& reference = dear_row, const Fidelity& candidate = quick_row) {
     return attribute(compared(scene, reference, candidate), scene, reference, candidate, options);
 }
 
@@ -142,7 +142,7 @@ TEST(CompareAttribution, OnlyJudgedMetricsAreAttributed) {
     Comparison comparison = compared(scene);
     std::erase_if(comparison.gap.metrics, [](const MetricGap& m) { return m.row->name != "peak_force"; });
     comparison.gap.metrics.front().tolerance.reset();
-    EXPECT_TRUE(attribute(comparison, scene, full_row, rom_row, {}).metrics.empty());
+    EXPECT_TRUE(attribute(comparison, scene, dear_row, quick_row, {}).metrics.empty());
 }
 
 TEST(CompareAttribution, SeedsGiveTheScatter) {
@@ -200,7 +200,7 @@ TEST(CompareAttribution, ASideThatBrokeOffHasNoGapToAttribute) {
     const Scene scene = test::c9_scene();
     Comparison comparison = compared(scene);
     comparison.candidate.status = {StatusCode::solver_failed, "x"};
-    const Attribution attribution = attribute(comparison, scene, full_row, rom_row, {});
+    const Attribution attribution = attribute(comparison, scene, dear_row, quick_row, {});
     EXPECT_TRUE(attribution.metrics.empty());
     ASSERT_EQ(attribution.notes.size(), 1u);
     EXPECT_NE(attribution.notes[0].find("rom ended as solver_failed"), std::string::npos);
@@ -212,7 +212,7 @@ TEST(CompareAttribution, AnInterruptAttributesNothing) {
     AttributionOptions options;
     options.stop = stop.get_token();
     const Scene scene = test::c9_scene();
-    const Attribution attribution = attribute(compared(scene), scene, full_row, rom_row, options);
+    const Attribution attribution = attribute(compared(scene), scene, dear_row, quick_row, options);
     EXPECT_TRUE(attribution.metrics.empty());
     ASSERT_EQ(attribution.notes.size(), 1u);
     EXPECT_NE(attribution.notes[0].find("interrupted"), std::string::npos);
@@ -229,7 +229,7 @@ TEST(CompareAttribution, WhatARunThrowsIsThrown) {
 
 TEST(CompareAttribution, ProgressOfAllRunsTogetherEndsAtOne) {
     double last = 0.0;
-    const std::vector<RunJob> jobs(5, RunJob{&rom_row, test::c9_scene()});
+    const std::vector<RunJob> jobs(5, RunJob{&quick_row, test::c9_scene()});
     run_jobs(jobs, 3, {}, [&](const Progress& progress) {
         EXPECT_GE(progress.share, last - 1e-12);
         last = progress.share;
