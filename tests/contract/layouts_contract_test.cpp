@@ -202,6 +202,73 @@ Mesh made_uneven(Mesh mesh) {
     return mesh;
 }
 
+/// A block that no batched layout has a row for: springs from canopy nodes to where they are at the start,
+/// and a breeze on all nodes.
+class BlockWithoutRow final : public ForceModel {
+public:
+    BlockWithoutRow(const State& state, const Mesh& mesh, bool springs) : mesh_(mesh), springs_(springs) {
+        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+            start_.push_back(state.node[i].x + Lanes{0.01, -0.02, 0.005 * (i % 7), 0.0});
+    }
+
+    Block block() const override { return Block::payload_tetrahedra; }
+    void add_forces(State& state) const override {
+        for (std::size_t i = 0; springs_ && i < start_.size(); ++i)
+            state.force[i].value += stiffness_ * (start_[i] - state.node[i].x);
+        for (NodeIndex i = 0; !springs_ && i < mesh_.payload(); ++i)
+            state.aero[i].value += Lanes{0.03, 0.01 * (i % 5), 0.02, 0.0};
+    }
+    void add_row_sums(const State&, GershgorinSums& sums) const override {
+        for (std::size_t i = 0; springs_ && i < start_.size(); ++i)
+            sums.stiffness[i] += stiffness_;
+    }
+    double energy(const State& state) const override {
+        double twice = 0.0;
+        for (std::size_t i = 0; springs_ && i < start_.size(); ++i) {
+            const Lanes d = start_[i] - state.node[i].x;
+            twice += stiffness_ * sum3(d * d);
+        }
+        return 0.5 * twice;
+    }
+
+private:
+    const Mesh& mesh_;
+    const bool springs_;
+    const double stiffness_ = 3.0;  // [N/m]
+    std::vector<Lanes> start_;      // [m]
+};
+
+TEST(Layouts, ABlockWithoutARowActsByItsOwnLoop) {
+    const Scene scene = read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                                   {"full.mesh.gore_rows=6"});
+    Simulation simulation(scene);
+    for (int step = 0; step < 300; ++step) {
+        simulation.evaluate_forces();
+        simulation.step_to(1e9);
+    }
+    const Mesh& mesh = simulation.mesh();
+    const State& state = simulation.synchronised_state();
+    auto structure = make_structure(scene, mesh, state.stage), loads = make_loads(scene, mesh, state.stage);
+    structure.push_back(std::make_unique<BlockWithoutRow>(state, mesh, true));
+    loads.insert(loads.begin(), std::make_unique<BlockWithoutRow>(state, mesh, false));
+    const NodeConstants& constants = simulation.constants();
+    const auto answer = [&](Layout& layout) {
+        Answer a = answer_of(layout, state, constants, structure, loads);
+        a.stable = {a.stable.all, a.stable.all, a.stable.all};  // such a block takes part in no subcycles
+        return a;
+    };
+    const Answer reference = answer(*make_reference_layout(mesh, constants));
+    const Answer without =
+        answer_of(*make_reference_layout(mesh, constants), state, constants,
+                  make_structure(scene, mesh, state.stage), make_loads(scene, mesh, state.stage));
+    EXPECT_GT((reference.force[0] - without.force[0]).norm(), 0.01);  // it acts at all
+    EXPECT_GT(reference.levels.elastic, without.levels.elastic);
+    for (const auto& [name, layout] : layouts_of(scene, mesh, constants)) {
+        SCOPED_TRACE(name);
+        expect_same(reference, answer(*layout), stiffest_cable(scene));
+    }
+}
+
 TEST(Layouts, AgreeOnAnUnevenMeshWhateverItsCounts) {
     // Elements are taken away one by one, so that none, some or all but one lane of the last group are
     // filled.

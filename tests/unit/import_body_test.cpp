@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <functional>
 
-#include "fullsim/run/fields.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
+#include "fullsim/run/fields.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/mesh_sketch.hpp"

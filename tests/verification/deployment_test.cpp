@@ -80,9 +80,10 @@ TEST(Deployment, ConservesMomentumInAVacuum) {
         run_to(end);
         double longest = 0.0;
         for (const int i : simulation.mesh().seam_rings.back())
-            longest = std::max(longest, (to_vec3(simulation.synchronised_state().node[i].x) -
-                                         to_vec3(simulation.synchronised_state().node[simulation.mesh().payload()].x))
-                                            .norm());
+            longest = std::max(longest,
+                               (to_vec3(simulation.synchronised_state().node[i].x) -
+                                to_vec3(simulation.synchronised_state().node[simulation.mesh().payload()].x))
+                                   .norm());
         taut = taut || longest > 8.4;  // of 8.53 m
     }
     EXPECT_TRUE(taut);
@@ -283,13 +284,15 @@ TEST(Deployment, WhatIsOverCostsNothing) {
     // After the ramp neither springs nor static line exist: no block, no node, no entry in any array.
     Scene scene = packed_c9(DeployBy::static_line);
     Simulation simulation(scene);
-    EXPECT_GT(simulation.synchronised_state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    EXPECT_GT(simulation.synchronised_state().node.size(),
+              static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
     while (!simulation.lines_are_taut()) {
         simulation.step_to(10.0);
         simulation.evaluate_forces();
     }
     ASSERT_FALSE(simulation.snatch());
-    EXPECT_EQ(simulation.synchronised_state().node.size(), static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
+    EXPECT_EQ(simulation.synchronised_state().node.size(),
+              static_cast<std::size_t>(simulation.mesh().node_count()) + 1);
     EXPECT_TRUE(simulation.mesh().static_line.cables.empty());
     simulation.begin_ramp();
     while (simulation.system().time < simulation.ramp_end()) {
