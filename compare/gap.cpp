@@ -16,7 +16,7 @@ constexpr double round_off = 1e-12;
 std::optional<SideValue> side_value(const RunRecord& record, std::string_view key) {
     const Metric* metric = record.find_metric(key);
     if (metric == nullptr || !std::isfinite(metric->value)) return {};
-    return SideValue{metric->value, metric->standing, metric->note};
+    return SideValue{metric->value, metric->kind, metric->note};
 }
 
 /// Why a record has no value of a metric that it should have; null where it says nothing of it.
@@ -57,7 +57,7 @@ std::string note_of(const MetricGap& gap, const RunRecord& reference, const RunR
     if (!gap.reference) return fmt::format("only {} has it", candidate.fidelity) + why();
     if (!gap.candidate) return fmt::format("only {} has it", reference.fidelity) + why();
     if (gap.difference && !gap.relative && gap.reference->value != 0) return "zero but for rounding";
-    if (gap.reference->standing == Standing::input && gap.candidate->standing == Standing::input) {
+    if (gap.reference->kind == MetricKind::input && gap.candidate->kind == MetricKind::input) {
         return "an input of both: the difference says nothing about the models";
     }
     if (gap.reference->value == 0 && gap.tolerance && gap.tolerance->relative) {

@@ -39,7 +39,7 @@ std::string_view origin_name(ToleranceOrigin origin);
 /// One side's value, or nothing when its physics was left out or the run did not get that far.
 struct SideValue {
     double value = 0.0;
-    Standing standing = Standing::result;
+    MetricKind kind = MetricKind::result;
     std::string note;
 };
 

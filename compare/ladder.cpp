@@ -33,7 +33,7 @@ std::optional<LevelMetric> metric_of(const RunRecord& record, const MetricRow& r
     LevelMetric found;
     found.row = &row;
     found.value = found.low = found.high = metric->value;
-    found.standing = metric->standing;
+    found.kind = metric->kind;
     return found;
 }
 

@@ -31,7 +31,7 @@ struct LevelMetric {
     const MetricRow* row = nullptr;
     double value = 0.0;            ///< median over seeds
     double low = 0.0, high = 0.0;  ///< over seeds
-    Standing standing = Standing::result;
+    MetricKind kind = MetricKind::result;
     /// Relative, against the reference of the same physics. Absent: other physics, no such reference, or the
     /// level is the reference.
     std::optional<double> error;
@@ -80,7 +80,7 @@ struct LadderReference {
     std::string_view fidelity;
     const MetricRow* row = nullptr;
     double value = 0.0;
-    Standing standing = Standing::result;
+    MetricKind kind = MetricKind::result;
     std::string how;    ///< e.g. "Richardson extrapolation, order 1.9, of ..." or "rom, rtol 1e-13"
     std::string level;  ///< the one that is the reference itself; empty where it is extrapolated
 };

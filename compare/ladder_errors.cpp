@@ -44,7 +44,7 @@ std::optional<LadderReference> reference_of(Ladder& ladder, std::string_view fid
     if (levels.empty()) return {};
     const LevelResult& finest = *levels.back();
     const LevelMetric& metric = *finest.find(row.name);
-    LadderReference reference{fidelity,         &row, metric.value, metric.standing, finest.level.name,
+    LadderReference reference{fidelity,         &row, metric.value, metric.kind, finest.level.name,
                               finest.level.name};
     if (sequence != "mesh") return reference;
     if (levels.size() < 3) {
@@ -166,7 +166,7 @@ void sum_up(const Ladder& ladder, LevelResult& result) {
                 at->second = Worst{gap.value, metric.row->name};
         }
         if (metric.effect) take(result.effect, *metric.effect, metric.row->name);
-        if (metric.standing == Standing::input) continue;
+        if (metric.kind == MetricKind::input) continue;
         if (metric.error) take(result.error, *metric.error, metric.row->name);
         if (metric.estimate) take(result.estimate, *metric.estimate, metric.row->name);
         const LadderReference* reference = find_reference(ladder, result.level.fidelity, metric.row);

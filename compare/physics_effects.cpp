@@ -67,7 +67,7 @@ constexpr std::array effects{
           [](const Scene& s) { return s.aerodynamics.breathing_damping.has_value(); },
           [](Scene& s) { s.aerodynamics.breathing_damping.reset(); }, 1.0, Switching::alone,
           [](Scene& s) { s.aerodynamics.breathing_damping = stifled; }, "off: stifled, k_b = 2"},
-    // Never switched in an attribution: what effects do to cloth that passes through cloth is no part of a gap.
+    // Never switched in an attribution: what effects do to fabric that passes through fabric is no part of a gap.
     PhysicsEffect{"gore-contact", "Gore contact", "no gore contact", "what it does that gores do not pass through each other", false,
           [](const Scene& s) { return s.full.contact == Contact::gores; },
           [](Scene& s) { s.full.contact = Contact::none; }},

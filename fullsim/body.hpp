@@ -1,5 +1,5 @@
-// A payload that is a body on the risers: what carries its places along. Its centre of mass is the payload's
-// node and moves like any other node.
+// A payload that is a body on the risers: what carries its attachments along. Its centre of mass is the
+// payload's node and moves like any other node.
 #pragma once
 
 #include <memory>
@@ -18,20 +18,20 @@ public:
     /// As it hangs along `axis` at the start, at rest: what of it is in state.body.
     virtual void start(State& state, const Vec3& axis) const = 0;
 
-    /// What acts on its places [N] goes to the payload's node as well; state.riser_force is the risers' sum.
-    /// After all forces are in the state.
-    virtual void gather(State& state, NodeIndex payload, NodeIndex first_place) const = 0;
+    /// What acts on its attachments [N] goes to the payload's node as well; state.riser_force is the risers'
+    /// sum. After all forces are in the state.
+    virtual void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const = 0;
 
     /// From t to t + dt after the payload's node has moved there. kick: [s] from the middle of the step
     /// before to that of this one.
-    virtual void advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+    virtual void advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
                          double dt) const = 0;
 
     /// Kinetic [J], beyond that of the payload's node, at the time of the velocities in the node records.
-    virtual double inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const = 0;
+    virtual double inner_energy(const State& state, NodeIndex payload, NodeIndex first_attachment) const = 0;
 
-    /// [s] bound on the step where risers of that stiffness [N/m] hold its places.
-    virtual double critical_step(const State& state, const ForceModels& structure, NodeIndex first_place,
+    /// [s] bound on the step where risers of that stiffness [N/m] hold its attachments.
+    virtual double critical_step(const State& state, const ForceModels& structure, NodeIndex first_attachment,
                                  double riser) const = 0;
 };
 

@@ -52,11 +52,11 @@ void DeformableBody::start(State& state, const Vec3& axis) const {
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 
-void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_place) const {
+void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_attachment) const {
     const Lanes aero = state.aero[payload].value / splat(mass_);
     Lanes sum = splat(0.0);
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
         sum += state.force[i].value;
         state.aero[i].value = node_mass_[k] * aero;
     }
@@ -65,11 +65,11 @@ void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_pla
     state.force[payload].value += sum;
 }
 
-void DeformableBody::advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+void DeformableBody::advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
                              double dt) const {
     const Lanes fall{0.0, 0.0, -gravity_, 0.0};
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
         const Lanes acceleration = (state.force[i].value + state.aero[i].value) / splat(node_mass_[k]) + fall;
         Lanes& half = state.v_half[i].value;
         half += kick * acceleration;
@@ -77,14 +77,14 @@ void DeformableBody::advance(State& state, NodeIndex payload, NodeIndex first_pl
         state.node[i].v = half + (0.5 * dt) * acceleration;
         state.force[i].value = state.aero[i].value = splat(0.0);
     }
-    turn(state, payload, first_place);
+    turn(state, payload, first_attachment);
 }
 
-void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_place) const {
+void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_attachment) const {
     const Vec3 centre = to_vec3(state.node[payload].x);
     Eigen::Matrix3d shape = Eigen::Matrix3d::Zero();
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
         shape += node_mass_[k] * (to_vec3(state.node[i].x) - centre) * rest_[k].transpose();
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(shape, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -98,21 +98,21 @@ void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_place
     state.body->attitude = {q.w(), q.x(), q.y(), q.z()};
 }
 
-double DeformableBody::inner_energy(const State& state, NodeIndex payload, NodeIndex first_place) const {
+double DeformableBody::inner_energy(const State& state, NodeIndex payload, NodeIndex first_attachment) const {
     const Lanes mean = state.node[payload].v;
     double twice = 0.0;
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const Lanes v = state.node[static_cast<std::size_t>(first_place) + k].v - mean;
+        const Lanes v = state.node[static_cast<std::size_t>(first_attachment) + k].v - mean;
         twice += node_mass_[k] * sum3(v * v);
     }
     return 0.5 * twice;
 }
 
-double DeformableBody::critical_step(const State& state, const ForceModels& structure, NodeIndex first_place,
-                                     double riser) const {
-    const auto first = static_cast<std::size_t>(first_place);
+double DeformableBody::critical_step(const State& state, const ForceModels& structure,
+                                     NodeIndex first_attachment, double riser) const {
+    const auto first = static_cast<std::size_t>(first_attachment);
     std::vector<double> weights(state.node.size(), 1.0);
-    std::ranges::copy(weight_, weights.begin() + first_place);
+    std::ranges::copy(weight_, weights.begin() + first_attachment);
     GershgorinSums sums = no_rows(state, weights);
     for (const auto& model : structure)
         if (model->block() == Block::payload_tetrahedra) model->add_row_sums(state, sums);

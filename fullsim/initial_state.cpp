@@ -64,9 +64,9 @@ State first_state(const Scene& scene, const Mesh& mesh) {
     const NodeIndex dummy = mesh.dummy();
     state.node[dummy] = {splat(0.0), splat(0.0)};
     state.v_half[dummy].value = splat(0.0);
-    for (std::size_t k = 0; k < mesh.places.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(mesh.first_place()) + k;
-        state.node[i] = {to_lanes(origin + mesh.places[k]), to_lanes(velocity)};
+    for (std::size_t k = 0; k < mesh.attachments.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(mesh.first_attachment()) + k;
+        state.node[i] = {to_lanes(origin + mesh.attachments[k]), to_lanes(velocity)};
         state.v_half[i].value = to_lanes(velocity);
     }
     for (std::size_t k = 0; k < tether.position.size(); ++k) {

@@ -19,8 +19,8 @@ Eigen::Quaterniond turn_of(const BodyState& body) {
 RigidBody::RigidBody(double mass, const BodyMesh& body)
     : mass_(mass), principal_(principal_axes(body.lumped)) {
     moments_ = (principal_.transpose() * body.lumped.inertia * principal_).diagonal();
-    for (const Vec3& place : body.places())
-        places_.emplace_back(principal_.transpose() * place);
+    for (const Vec3& place : body.attachments())
+        attachments_.emplace_back(principal_.transpose() * place);
 }
 
 void RigidBody::start(State& state, const Vec3& axis) const {
@@ -28,11 +28,11 @@ void RigidBody::start(State& state, const Vec3& axis) const {
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 
-void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_place) const {
+void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_attachment) const {
     const Vec3 centre = to_vec3(state.node[payload].x);
     Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
+    for (std::size_t k = 0; k < attachments_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
         const Vec3 force = to_vec3(state.force[i].value);
         sum += force;
         torque += (to_vec3(state.node[i].x) - centre).cross(force);
@@ -43,7 +43,7 @@ void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_place) c
     state.body->torque = torque;
 }
 
-void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
                         double dt) const {
     BodyState& body = *state.body;
     body.half_momentum += kick * body.torque;
@@ -63,18 +63,18 @@ void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_place, 
     turn.normalize();
     body.attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
     body.momentum = body.half_momentum + 0.5 * dt * body.torque;
-    place(state, payload, first_place);
+    place(state, payload, first_attachment);
 }
 
-void RigidBody::place(State& state, NodeIndex payload, NodeIndex first_place) const {
+void RigidBody::place(State& state, NodeIndex payload, NodeIndex first_attachment) const {
     const BodyState& body = *state.body;
     const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
     const Vec3 own = frame.transpose() * body.momentum;
     const Vec3 spin = frame * own.cwiseQuotient(moments_);
     const NodeRecord& centre = state.node[payload];
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_place) + k;
-        const Vec3 arm = frame * places_[k];
+    for (std::size_t k = 0; k < attachments_.size(); ++k) {
+        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
+        const Vec3 arm = frame * attachments_[k];
         state.node[i] = {centre.x + to_lanes(arm), centre.v + to_lanes(spin.cross(arm))};
         state.v_half[i].value = state.node[i].v;
     }
@@ -87,11 +87,11 @@ double RigidBody::turning_energy(const BodyState& body) const {
 
 double RigidBody::critical_step(double riser) const {
     double arm = 0.0;
-    for (const Vec3& p : places_)
+    for (const Vec3& p : attachments_)
         arm = std::max(arm, p.norm());
     const double give = 1.0 / mass_ + arm * arm / moments_.minCoeff();
-    // All places at once may pull on the same motion.
-    const double all = riser * static_cast<double>(places_.size());
+    // All attachments at once may pull on the same motion.
+    const double all = riser * static_cast<double>(attachments_.size());
     return all > 0.0 ? 2.0 / std::sqrt(all * give) : std::numeric_limits<double>::infinity();
 }
 

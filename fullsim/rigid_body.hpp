@@ -11,31 +11,31 @@ namespace twinchute::fullsim {
 class RigidBody final : public Body {
 public:
     RigidBody(double mass, const BodyMesh& body);
-    /// Any body: principal moments of inertia [kg m^2] about its own axes, places [m] from its centre of
+    /// Any body: principal moments of inertia [kg m^2] about its own axes, attachments [m] from its centre of
     /// mass.
-    RigidBody(double mass, const Vec3& moments, std::vector<Vec3> places)
-        : mass_(mass), moments_(moments), places_(std::move(places)) {}
+    RigidBody(double mass, const Vec3& moments, std::vector<Vec3> attachments)
+        : mass_(mass), moments_(moments), attachments_(std::move(attachments)) {}
 
     /// Of the risers' ends from the centre of mass, along the principal axes [m].
-    const std::vector<Vec3>& places() const { return places_; }
+    const std::vector<Vec3>& attachments() const { return attachments_; }
     const Vec3& moments() const { return moments_; }
 
     /// The body's z axis along `axis`, x along its unitOrthogonal, as meshes are drawn out.
     void start(State& state, const Vec3& axis) const override;
 
-    /// What risers pull at its places is taken from them to the payload's node, and to state.body as a
+    /// What risers pull at its attachments is taken from them to the payload's node, and to state.body as a
     /// torque.
-    void gather(State& state, NodeIndex payload, NodeIndex first_place) const override;
+    void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const override;
 
-    /// The angular momentum as velocities by the midpoint rule, L += kick torque, and the attitude by turns
-    /// about the principal axes one after the other, forth and back (Dullweber, Leimkuhler and McLachlan
-    /// 1997, J. Chem. Phys. 107, 5840): of second order, exact in L, without drift in energy. The quaternion
-    /// is brought to length 1 after each step.
-    void advance(State& state, NodeIndex payload, NodeIndex first_place, double kick,
+    /// The angular momentum as velocities by the central difference scheme, L += kick torque, and the
+    /// attitude by turns about the principal axes one after the other, forth and back (Dullweber, Leimkuhler
+    /// and McLachlan 1997, J. Chem. Phys. 107, 5840): of second order, exact in L, without drift in energy.
+    /// The quaternion is brought to length 1 after each step.
+    void advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
                  double dt) const override;
 
-    /// The places and their velocities from the payload's node and state.body.
-    void place(State& state, NodeIndex payload, NodeIndex first_place) const;
+    /// The attachments and their velocities from the payload's node and state.body.
+    void place(State& state, NodeIndex payload, NodeIndex first_attachment) const;
 
     /// [J] of the turning.
     double inner_energy(const State& state, NodeIndex, NodeIndex) const override {
@@ -52,7 +52,7 @@ public:
 private:
     double mass_;   // [kg]
     Vec3 moments_;  // [kg m^2]
-    std::vector<Vec3> places_;
+    std::vector<Vec3> attachments_;
     Eigen::Matrix3d principal_ = Eigen::Matrix3d::Identity();
 };
 

@@ -78,7 +78,7 @@ void Simulation::evaluate_forces() {
     if (state_.stage == Stage::ramp) grow_ramp();
     clock_.begin_step(state_.step % StepControl::steps_between_bounds == 0);
     layout_->evaluate(state_, clock_);
-    if (body_) body_->gather(state_, mesh_.payload(), mesh_.first_place());
+    if (body_) body_->gather(state_, mesh_.payload(), mesh_.first_attachment());
     if (state_.air.pressure_capped) ++state_.capped_steps;
 }
 
@@ -89,7 +89,7 @@ void Simulation::step_to(double end) {
     state_.in_subcycles = {};
     const double kick = 0.5 * (next.dt + state_.dt);
     layout_->advance(state_, next.dt, next.subcycles, added_mass_after(next.dt).value);
-    if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_place(), kick, next.dt);
+    if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_attachment(), kick, next.dt);
     state_.time = next.last ? end : before.time + next.dt;
     element_steps_ +=
         static_cast<std::int64_t>(elements_.all + (next.subcycles - 1) * elements_.in_subcycles);

@@ -10,10 +10,10 @@
 #include "fullsim/body.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "fullsim/time/critical_step.hpp"
 #include "fullsim/time/energy.hpp"
 #include "fullsim/time/mass_scaling.hpp"
-#include "fullsim/time/midpoint.hpp"
 #include "fullsim/time/step_control.hpp"
 #include "lib/models/inflation.hpp"
 #include "lib/record/run_record.hpp"
@@ -101,7 +101,7 @@ public:
     CriticalStep bound() const;
     ChosenStep step() const { return steps_.chosen(); }
     /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
-    /// stiffness, no cloth were folded and nothing else were different. For forecasts: weights of the bound
+    /// stiffness, no fabric were folded and nothing else were different. For forecasts: weights of the bound
     /// may change with it.
     ChosenStep step_with(double added_mass, double fe_weight);
     /// Steps so far: shortest, longest [s], most subcycles of lines.
@@ -164,7 +164,7 @@ private:
     }
     /// [J] of a payload that is a body.
     double turning() const {
-        return body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_place()) : 0.0;
+        return body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_attachment()) : 0.0;
     }
     std::optional<RunStatus> find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& ledger,
                                            double time, std::int64_t step);

@@ -76,7 +76,7 @@ inline Lanes to_lanes(const Vec3& a) {
 /// begins in flight; one without springs goes from deployment to flight.
 enum class Stage {
     deployment,  ///< from the pack to snatch
-    springs,     ///< the canopy begins to fill, its cloth still springs and dashpots
+    springs,     ///< the canopy begins to fill, its fabric still springs and dashpots
     ramp,        ///< finite elements take over
     flight       ///< finite elements alone
 };
@@ -119,7 +119,7 @@ struct AeroState {
     bool pressure_capped = false;         ///< D/S_p was above c_max q
 };
 
-/// Works since the start, as EnergyLedger signs them. The midpoint rule books them from half step
+/// Works since the start, as EnergyLedger signs them. The central difference scheme books them from half step
 /// to half step: a work up to `time` is the booked one plus half a step of the last power.
 struct EnergyBook {
     double kinetic_start = 0.0, elastic_start = 0.0;                              // [J]
@@ -174,7 +174,7 @@ struct SystemState {
     std::int64_t step = 0;
     Phase phase = Phase::initial;
     Stage stage = Stage::flight;
-    /// Cloth is folded so far that no edge of it comes taut within the next step: what it does in tension
+    /// Fabric is folded so far that no edge of it comes taut within the next step: what it does in tension
     /// sets no bound on that.
     bool folded = false;
     double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have

@@ -67,19 +67,19 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     parts.add(physics, "several parachutes", "one after the other, or in clusters", several,
               several ? "the scene has them" : "the scene has one parachute");
     if (packed) {
-        parts.add(physics, "drawing out of cloth and lines", "their motion until snatch", false,
+        parts.add(physics, "drawing out of fabric and lines", "their motion until snatch", false,
                   "payload and parachute are two point masses until snatch");
         parts.optional("drag of the pack", "until snatch", "parachute.deploy.pack_drag_area",
                        deploy.pack_drag_area > 0.0);
     }
-    parts.add(physics, "canopy structure", "cloth and lines with stresses", false,
+    parts.add(physics, "canopy structure", "fabric and lines with stresses", false,
               packed ? "this model moves payload and parachute as one rigid body from snatch on"
                      : "this model moves payload and parachute as one rigid body");
     if (scene.aerodynamics.line_drag)
         parts.add(physics, "line drag", "of the suspension lines", false,
                   "this model has no lines; the full model has");
     if (scene.aerodynamics.breathing_damping)
-        parts.add(physics, "breathing damping", "of cloth against air", false,
+        parts.add(physics, "breathing damping", "of fabric against air", false,
                   "this model has no canopy shape");
     if (scene.payload.body)
         parts.add(physics, "turning of the payload", "of its body", false,

@@ -60,11 +60,11 @@ void add_snatch_forms(RunRecord& record, const Scene& scene, const Parachute& ch
             "snatch_force_mass_spring_N",
             snatch_force_mass_spring(separation_speed, line_stiffness(chute),
                                      reduced_mass(scene.payload.mass, chute.count * chute.mass)),
-            Standing::result, "closed form dv sqrt(k m_red) " + dv);
+            MetricKind::result, "closed form dv sqrt(k m_red) " + dv);
         record.add_metric("snatch_force_wave_N",
                           snatch_force_wave(separation_speed, strands * chute.line.axial_stiffness(),
                                             strands * chute.line.linear_density()),
-                          Standing::result,
+                          MetricKind::result,
                           "closed form dv sqrt(EA mu), the first wave along the lines " + dv);
     }
     if (stretch > breaking_strain)

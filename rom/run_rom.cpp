@@ -95,8 +95,8 @@ std::string filling_note(const Parachute& chute) {
 }
 
 void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result) {
-    const Metric filling{"", 0.0, Standing::input, filling_note(scene.parachutes.front())};
-    const Metric descent{"", 0.0, Standing::mixed,
+    const Metric filling{"", 0.0, MetricKind::input, filling_note(scene.parachutes.front())};
+    const Metric descent{"", 0.0, MetricKind::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record, scene, result, filling, descent);
     if (!result.descent) warn_of_unsteady_descent(record, scene, result.last_window);

@@ -38,7 +38,7 @@ Json metric_json(const MetricGap& metric) {
     Json notes = Json::object();
     const auto side = [&](const char* name, const std::optional<SideValue>& value) {
         if (!value) return;
-        standing[name] = standing_name(value->standing);
+        standing[name] = metric_kind_name(value->kind);
         if (!value->note.empty()) notes[name] = value->note;
     };
     side("reference", metric.reference);

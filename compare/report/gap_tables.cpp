@@ -73,8 +73,8 @@ Table metrics_table(const Comparison& comparison) {
     for (const MetricGap& metric : comparison.gap.metrics) {
         const std::string_view unit = metric.row->unit;
         const bool repeats_inputs = metric.candidate && metric.reference &&
-                                    metric.candidate->standing == Standing::input &&
-                                    metric.reference->standing == Standing::input;
+                                    metric.candidate->kind == MetricKind::input &&
+                                    metric.reference->kind == MetricKind::input;
         table.rows.push_back(
             {{metric.row->title, metric.verdict != Verdict::not_judged ? Tone::strong
                                  : repeats_inputs                      ? Tone::quiet

@@ -33,7 +33,7 @@ Json metric_json(const LevelMetric& metric) {
     Json json;
     json["value"] = metric.value;
     if (!metric.row->unit.empty()) json["unit"] = metric.row->unit;
-    json["input_or_result"] = standing_name(metric.standing);
+    json["input_or_result"] = metric_kind_name(metric.kind);
     if (metric.low != metric.high) json["range"] = {metric.low, metric.high};
     if (metric.error) json["error"] = *metric.error;
     if (metric.estimate) json["error_estimate"] = *metric.estimate;
@@ -114,7 +114,7 @@ std::string ladder_csv(const Ladder& ladder) {
             const LadderReference* reference = reference_for(ladder, result, metric.row);
             std::vector<Cell>& cells = table.rows.emplace_back(front);
             cells.insert(cells.end(), {metric.row->name, metric.row->unit.empty() ? "1" : metric.row->unit,
-                                       standing_name(metric.standing), fmt::format("{}", metric.value),
+                                       metric_kind_name(metric.kind), fmt::format("{}", metric.value),
                                        fmt::format("{}", metric.low), fmt::format("{}", metric.high),
                                        reference ? exact(reference->value) : "", exact(metric.error),
                                        exact(metric.estimate)});
@@ -146,7 +146,7 @@ std::string ladder_json(const Ladder& ladder) {
         Json& row = references[std::string(reference.fidelity)][std::string(reference.row->key)];
         row["value"] = reference.value;
         row["how"] = reference.how;
-        row["input_or_result"] = standing_name(reference.standing);
+        row["input_or_result"] = metric_kind_name(reference.kind);
     }
     if (ladder.test) {
         Json& test = json["test"];

@@ -120,7 +120,7 @@ Table references_table(const Ladder& ladder, bool all) {
     table.add_words({"reference"});
     for (const LadderReference& reference : ladder.references) {
         if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
-        const std::string note = reference.standing == Standing::input ? " (an input: it has no error)" : "";
+        const std::string note = reference.kind == MetricKind::input ? " (an input: it has no error)" : "";
         table.rows.push_back({reference.fidelity, reference.row->title,
                               with_unit(reference.value, reference.row->unit), reference.how + note});
     }

@@ -99,7 +99,7 @@ void read_references(Ladder& ladder, const JsonNode& node, Words fidelities) {
             const auto row = std::ranges::find(metric_rows(), key, &MetricRow::key);
             if (row == metric_rows().end()) return;
             ladder.references.push_back({fidelity, &*row, reference.at("value").number(),
-                                         json_word(reference.at("input_or_result"), standing_name),
+                                         json_word(reference.at("input_or_result"), metric_kind_name),
                                          reference.text_at("how"), ""});
         });
     }

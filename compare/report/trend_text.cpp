@@ -23,7 +23,7 @@ constexpr int trend_schema = 1;
 constexpr std::size_t most_lines = 12;  ///< of changes on a terminal; the report has all
 
 std::string value_or_dash(const std::optional<double>& value, std::string_view unit) {
-    return value_text(value ? std::optional(SideValue{*value, Standing::result, {}}) : std::nullopt, unit);
+    return value_text(value ? std::optional(SideValue{*value, MetricKind::result, {}}) : std::nullopt, unit);
 }
 
 /// Small changes are what a trend is about: as many digits as it takes.

@@ -50,7 +50,7 @@ std::string_view origin_text(ToleranceOrigin origin) {
 }
 
 std::string standing_text(const std::optional<SideValue>& side) {
-    return side ? std::string(standing_name(side->standing)) : "-";
+    return side ? std::string(metric_kind_name(side->kind)) : "-";
 }
 
 std::string failure_text(const MetricGap& metric, const Comparison& comparison) {

@@ -80,7 +80,7 @@ class Frame:
 
 
 def shaded(colour, nodes):
-    """A lamp at the eye: cloth that is seen edge-on is darker."""
+    """A lamp at the eye: fabric that is seen edge-on is darker."""
     a, b, c = nodes
     u, v = [b[k] - a[k] for k in range(3)], [c[k] - a[k] for k in range(3)]
     normal = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
@@ -186,7 +186,7 @@ def main():
     parser.add_argument("collection", help="fields.pvd of a full run")
     parser.add_argument("picture", help="the PNG to write")
     parser.add_argument("--times", type=float, nargs="+", help="[s] of the frames; default: six over the run")
-    parser.add_argument("--by", choices=sorted(FIELDS), default="stress", help="what colours the cloth")
+    parser.add_argument("--by", choices=sorted(FIELDS), default="stress", help="what colours the fabric")
     parser.add_argument("--top", type=float, help="value of the brightest colour; default: the 98th percentile")
     parser.add_argument("--azimuth", type=float, default=0.0,
                         help="heading in which the eye looks, degrees clockwise from north (default: 0)")

@@ -20,7 +20,7 @@ enum class Block {
     payload_tetrahedra,
     canopy_pressure,
     fabric_drag,
-    fold_resistance,
+    deployment_resistance,
     extraction,
     line_drag,
     breathing_damping,
@@ -36,8 +36,8 @@ std::string_view block_name(Block block);
 class ForceModel;
 
 std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity);
-/// Cloth as springs and dashpots along its edges (paper, 2.1). repulsion: of folded cloth over its stiffness
-/// in tension; beta: [s].
+/// Fabric as springs and dashpots along its edges (paper, 2.1). repulsion: of folded fabric over its
+/// stiffness in tension; beta: [s].
 std::unique_ptr<const ForceModel> make_fabric_springs(const Mesh& mesh, double repulsion,
                                                       double bulk_viscosity, double beta);
 /// EA [N], and (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed c1 = sqrt(E/rho) (paper, Eq. 3).
@@ -52,13 +52,13 @@ std::unique_ptr<const ForceModel> make_lines(const Mesh& mesh, double bulk_visco
 /// Cables of a list, which is kept by reference, for a block.
 std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vector<Cable>& cables, Block block,
                                               double bulk_viscosity, double beta);
-/// Neighbouring gores of a generated mesh keep their cloth apart (fullsim/mesh/gore_contacts.hpp).
+/// Neighbouring gores of a generated mesh keep their fabric apart (fullsim/mesh/gore_contacts.hpp).
 std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
-/// Of the canopy as a piece of cloth, until snatch (paper, 3.2.1).
-std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient);
+/// Of the canopy as a piece of fabric, until snatch (paper, 3.2.1).
+std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient);
 /// resistance: [N/m] of width.
-std::unique_ptr<const ForceModel> make_fold_resistance(const Mesh& mesh, double resistance);
+std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, double resistance);
 /// direction: unit vector. The history is kept by reference.
 std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
                                                   const Vec3& direction);

@@ -1,4 +1,4 @@
-// What acts on a parachute only until snatch: drag of its cloth, resistance of its folds, extraction.
+// What acts on a parachute only until snatch: drag of its fabric, resistance of its folds, extraction.
 #include "fullsim/elements/fabric_spring.hpp"
 #include "fullsim/elements/membrane.hpp"
 #include "fullsim/forces/lanes_view.hpp"
@@ -13,9 +13,9 @@ namespace {
 
 /// 1/2 rho C_D |A.e| V^2 e on each triangle, a third to each corner: V e is the air's velocity relative to
 /// the triangle's own mean (paper, 3.2.1; Eqs 11 and 12 with phi = 0).
-class ClothDrag final : public ForceModel {
+class FabricDragBlock final : public ForceModel {
 public:
-    ClothDrag(const Mesh& mesh, double coefficient) : mesh_(mesh), coefficient_(coefficient) {}
+    FabricDragBlock(const Mesh& mesh, double coefficient) : mesh_(mesh), coefficient_(coefficient) {}
 
     Block block() const override { return Block::fabric_drag; }
     std::size_t elements() const override { return mesh_.triangles.size(); }
@@ -53,14 +53,14 @@ public:
     HWY_INLINE Lanes fold_force() const { return g_.force; }
 };
 
-/// A force per width that holds folded cloth against being drawn out, so that the lines come first (paper,
+/// A force per width that holds folded fabric against being drawn out, so that the lines come first (paper,
 /// 5.2): along every edge shorter than unfolded, while it lengthens. It only takes energy. The paper's acts
 /// at rest, too; that would draw a pack together into a point.
-class FoldResistance final : public ForceModel {
+class DeploymentResistance final : public ForceModel {
 public:
-    FoldResistance(const Mesh& mesh, double resistance) : mesh_(mesh), resistance_(resistance) {}
+    DeploymentResistance(const Mesh& mesh, double resistance) : mesh_(mesh), resistance_(resistance) {}
 
-    Block block() const override { return Block::fold_resistance; }
+    Block block() const override { return Block::deployment_resistance; }
     std::size_t elements() const override { return edges().size(); }
 
     void add_forces(State& state) const override {
@@ -155,12 +155,12 @@ private:
 
 }  // namespace
 
-std::unique_ptr<const ForceModel> make_cloth_drag(const Mesh& mesh, double coefficient) {
-    return std::make_unique<ClothDrag>(mesh, coefficient);
+std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient) {
+    return std::make_unique<FabricDragBlock>(mesh, coefficient);
 }
 
-std::unique_ptr<const ForceModel> make_fold_resistance(const Mesh& mesh, double resistance) {
-    return std::make_unique<FoldResistance>(mesh, resistance);
+std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, double resistance) {
+    return std::make_unique<DeploymentResistance>(mesh, resistance);
 }
 
 std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,

@@ -1,5 +1,5 @@
-// Contact between neighbouring gores: cloth does not pass through cloth where folds of one gore meet those of
-// the next.
+// Contact between neighbouring gores: fabric does not pass through fabric where folds of one gore meet those
+// of the next.
 #include <numeric>
 
 #include <Eigen/Geometry>

@@ -92,7 +92,7 @@ public:
             const double first = first_principal(strain_of(state, triangles_[i]));
             if (first > most.strain) most = {first, i};
         }
-        // Cloth that is held by springs still may look strained to an element: it carries its share only.
+        // Fabric that is held by springs still may look strained to an element: it carries its share only.
         most.strain *= state.fe_weight;
         return most;
     }

@@ -86,7 +86,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      },
      [](const Scene& s) {
          return std::string("full.contact is ") +
-                (s.full.contact == Contact::gores ? "\"gores\"" : "\"none\": cloth passes through cloth");
+                (s.full.contact == Contact::gores ? "\"gores\"" : "\"none\": fabric passes through fabric");
      },
      [](const Scene&, const Mesh& m) { return make_gore_contact(m); }},
     {Block::payload_tetrahedra, "payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true,
@@ -99,7 +99,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
                     : std::string("payload.body.elasticity is absent: they are lumped into a rigid body");
      },
      [](const Scene& s, const Mesh& m) {
-         return make_tetrahedra(m.body->solid, solid_law(s, *m.body), m.first_place());
+         return make_tetrahedra(m.body->solid, solid_law(s, *m.body), m.first_attachment());
      }},
     {Block::canopy_pressure, "canopy pressure", "paper, Eqs 11-12", false, false, true, false, false, false,
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
@@ -107,7 +107,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      [](const Scene& s, const Mesh& m) {
          return make_canopy_pressure(m, smallest_projected_area(s.parachutes.front()));
      }},
-    {Block::fabric_drag, "cloth drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false,
+    {Block::fabric_drag, "fabric drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false,
      false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).drag_coefficient > 0.0;
@@ -115,9 +115,9 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      [](const Scene& s) {
          return deployed(s, strength("parachute.deploy.drag_coefficient", deployment(s).drag_coefficient));
      },
-     [](const Scene& s, const Mesh& m) { return make_cloth_drag(m, deployment(s).drag_coefficient); }},
-    {Block::fold_resistance, "fold resistance", "paper, 5.2; docs/theory/deployment.md", false, true, true,
-     true, false, false,
+     [](const Scene& s, const Mesh& m) { return make_fabric_drag(m, deployment(s).drag_coefficient); }},
+    {Block::deployment_resistance, "deployment resistance", "paper, 5.2; docs/theory/deployment.md", false,
+     true, true, true, false, false,
      [](const Scene& s, Stage stage) {
          return stage == Stage::deployment && deployment(s).deployment_resistance > 0.0;
      },
@@ -126,7 +126,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
              s, strength("parachute.deploy.deployment_resistance", deployment(s).deployment_resistance));
      },
      [](const Scene& s, const Mesh& m) {
-         return make_fold_resistance(m, deployment(s).deployment_resistance);
+         return make_deployment_resistance(m, deployment(s).deployment_resistance);
      }},
     {Block::extraction, "extraction", "paper, 2.1", false, false, false, false, true, false,
      [](const Scene& s, Stage stage) {

@@ -1,4 +1,4 @@
-// The canopy's cloth as springs and dashpots along the edges of its triangles (paper, 2.1).
+// The canopy's fabric as springs and dashpots along the edges of its triangles (paper, 2.1).
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -63,8 +63,9 @@ public:
             const double unstrained = modulus_ * e.section / e.rest_length;
             // Any edge may come taut any time, unless all are folded.
             const double tangent =
-                state.folded ? repulsion_ * unstrained
-                             : unstrained * law::spring_tangent(strain(state, e), spring_growth(e.hardening));
+                state.folded
+                    ? repulsion_ * unstrained
+                    : unstrained * law::spring_tangent(strain(state, e), hardening_coefficient(e.hardening));
             const double damping = state.folded ? 0.0 : dashpot(e);
             for (int end = 0; end < 2; ++end) {
                 const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
@@ -78,7 +79,7 @@ public:
         double total = 0.0;
         for (const FabricEdge& e : edges_)
             total += modulus_ * e.section * e.rest_length *
-                     law::spring_energy(strain(state, e), spring_growth(e.hardening), repulsion_);
+                     law::spring_energy(strain(state, e), hardening_coefficient(e.hardening), repulsion_);
         return total;
     }
 
@@ -102,7 +103,7 @@ private:
                     g.node[end][k] = padding ? dummy_ : edges_[first + k].node[end];
                 g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
                 g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
-                g.growth[k] = padding ? 0.0 : spring_growth(edges_[first + k].hardening);
+                g.growth[k] = padding ? 0.0 : hardening_coefficient(edges_[first + k].hardening);
                 g.dashpot[k] = padding ? 0.0 : dashpot(edges_[first + k]);
             }
             groups.push_back(g);
@@ -120,7 +121,7 @@ private:
         return law::span_strain(1.0 / e.rest_length, d);
     }
 
-    double repulsion_;  // of folded cloth over the stiffness in tension [-]
+    double repulsion_;  // of folded fabric over the stiffness in tension [-]
     double modulus_;    // [Pa]
     std::vector<FabricEdge> edges_;
     NodeIndex dummy_;
@@ -148,23 +149,23 @@ std::vector<FabricEdge> fabric_edges(const Mesh& mesh) {
     for (const auto& [nodes, edge] : found)
         edges.push_back(edge);
 
-    // Gershgorin row sums of cloth and of cables, unstrained, and the row that sets the step.
+    // Gershgorin row sums of fabric and of cables, unstrained, and the row that sets the step.
     const std::size_t count = mesh.mass.size();
-    std::vector<double> cloth(count, 0.0), cables(count, 0.0);
+    std::vector<double> fabric(count, 0.0), cables(count, 0.0);
     for (const FabricEdge& e : edges)
         for (const NodeIndex i : e.node)
-            cloth[i] += 2.0 * mesh.fabric.youngs_modulus * e.section / e.rest_length;
+            fabric[i] += 2.0 * mesh.fabric.youngs_modulus * e.section / e.rest_length;
     for (const Cable& c : mesh.cables)
         for (const NodeIndex i : c.node)
             if (i < mesh.node_count())  // not a place on a body
                 cables[i] += 2.0 * mesh.cord(c.kind).axial_stiffness() * c.strands / c.rest_length;
     double fastest = 0.0;
     for (std::size_t i = 0; i < count; ++i)
-        fastest = std::max(fastest, (cloth[i] + cables[i]) / mesh.mass[i]);
+        fastest = std::max(fastest, (fabric[i] + cables[i]) / mesh.mass[i]);
     for (FabricEdge& e : edges) {
         e.hardening = largest_hardening;
         for (const NodeIndex i : e.node)
-            e.hardening = std::min(e.hardening, (fastest * mesh.mass[i] - cables[i]) / cloth[i]);
+            e.hardening = std::min(e.hardening, (fastest * mesh.mass[i] - cables[i]) / fabric[i]);
         e.hardening = std::max(1.0, e.hardening);
     }
     return edges;

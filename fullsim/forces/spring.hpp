@@ -5,17 +5,17 @@
 
 namespace twinchute::fullsim {
 
-/// [-] strain up to which an edge's stiffness grows: cloth seldom stretches further (paper, 2.1).
+/// [-] strain up to which an edge's stiffness grows: fabric seldom stretches further (paper, 2.1).
 inline constexpr double full_hardening_strain = 0.05;
 
-/// [-] growth that keeps cloth below that strain at any load of an opening.
+/// [-] growth that keeps fabric below that strain at any load of an opening.
 inline constexpr double largest_hardening = 10.0;
 
 /// [m/s] elongation rate from which folded fabric resists fully; below, the force is less.
 inline constexpr double full_fold_speed = 1.0;
 
 /// Growth g of an edge that hardens by H: EA (e + g e^2) up to full_hardening_strain, of slope H beyond [-].
-constexpr double spring_growth(double hardening) {
+constexpr double hardening_coefficient(double hardening) {
     return (hardening - 1.0) / (2.0 * full_hardening_strain);
 }
 

@@ -90,15 +90,15 @@ std::vector<std::size_t> order_of(const std::vector<double>& angles) {
 }
 
 /// The place of each chain: around the axis in the same order, turned so that they are nearest.
-std::vector<std::size_t> matched(const std::vector<double>& chains, const std::vector<double>& places) {
-    const std::vector<std::size_t> chain = order_of(chains), place = order_of(places);
+std::vector<std::size_t> matched(const std::vector<double>& chains, const std::vector<double>& attachments) {
+    const std::vector<std::size_t> chain = order_of(chains), place = order_of(attachments);
     const std::size_t count = chain.size();
     std::size_t best = 0;
     double nearest = -std::numeric_limits<double>::infinity();
     for (std::size_t shift = 0; shift < count; ++shift) {
         double near = 0.0;
         for (std::size_t k = 0; k < count; ++k)
-            near += std::cos(chains[chain[k]] - places[place[(k + shift) % count]]);
+            near += std::cos(chains[chain[k]] - attachments[place[(k + shift) % count]]);
         if (near > nearest + 1e-9) nearest = near, best = shift;
     }
     std::vector<std::size_t> of(count);
@@ -108,7 +108,7 @@ std::vector<std::size_t> matched(const std::vector<double>& chains, const std::v
 }
 
 /// Of a scene's shape, about its centre [m].
-std::vector<Vec3> places_on(const Scene& scene, std::size_t risers) {
+std::vector<Vec3> attachments_on(const Scene& scene, std::size_t risers) {
     const PayloadBody& body = *scene.payload.body;
     const bool box = body.shape == PayloadBody::Shape::box;
     const double top = 0.5 * body.size.back();
@@ -118,16 +118,16 @@ std::vector<Vec3> places_on(const Scene& scene, std::size_t risers) {
                          fmt::format("a box on {} risers", risers),
                          "it has four upper corners, or one middle",
                          "write parachute.risers = 4 or 1, or shape = \"cylinder\"");
-    std::vector<Vec3> places;
+    std::vector<Vec3> attachments;
     for (std::size_t r = 0; r < risers; ++r) {
         // Each riser's lines lie around this direction.
         const double angle = 2.0 * pi * (static_cast<double>(r) + 0.5) / static_cast<double>(risers);
         const double x = std::cos(angle), y = std::sin(angle);
-        places.push_back(
+        attachments.push_back(
             box ? Vec3(std::copysign(0.5 * body.size[0], x), std::copysign(0.5 * body.size[1], y), top)
                 : Vec3(0.5 * body.size[0] * x, 0.5 * body.size[0] * y, top));
     }
-    return places;
+    return attachments;
 }
 
 int node_at(const SolidMesh& solid, const Vec3& place) {
@@ -140,7 +140,7 @@ int node_at(const SolidMesh& solid, const Vec3& place) {
 BodyMesh body_of_scene(const Scene& scene, const Mesh& mesh, const std::vector<RiserChain>& chains,
                        const Eigen::Matrix3d& frame) {
     const PayloadBody& shape = *scene.payload.body;
-    const std::vector<Vec3> places = places_on(scene, chains.size());
+    const std::vector<Vec3> attachments = attachments_on(scene, chains.size());
     const int risers = static_cast<int>(chains.size());
     BodyMesh body;
     body.deformable = shape.elasticity.has_value();
@@ -148,10 +148,10 @@ BodyMesh body_of_scene(const Scene& scene, const Mesh& mesh, const std::vector<R
     body.lumped = lump(solid_of(fine), scene.payload.mass);
     body.solid = body.deformable ? make_coarse_solid(shape, risers) : fine;
     std::vector<double> at;
-    for (const Vec3& place : places)
+    for (const Vec3& place : attachments)
         at.push_back(std::atan2(place.y(), place.x()));
     for (const std::size_t k : matched(azimuths_of(mesh, chains, frame), at))
-        body.end.push_back(node_at(body.solid, places[k]));
+        body.end.push_back(node_at(body.solid, attachments[k]));
     return body;
 }
 
@@ -171,8 +171,8 @@ void attach_payload(const Scene& scene, Mesh& mesh, Hang hang) {
         hang == Hang::as_made ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : frame_along(mesh.axis);
     if (!mesh.body) mesh.body = body_of_scene(scene, mesh, chains, frame);
     const BodyMesh& body = *mesh.body;
-    for (const Vec3& place : body.places())
-        mesh.places.push_back(frame * place);
+    for (const Vec3& place : body.attachments())
+        mesh.attachments.push_back(frame * place);
     const auto end_of = [&](std::size_t k) { return static_cast<std::size_t>(body.place_of(k)); };
     if (body.middle) {
         // As the file has it: its centre may lie beside the axis of the parachute.
@@ -183,7 +183,7 @@ void attach_payload(const Scene& scene, Mesh& mesh, Hang hang) {
     const bool packed = hang == Hang::packed;
     double lift = packed ? 0.0 : std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < chains.size(); ++k) {
-        const Vec3 place = mesh.places[end_of(k)], link = mesh.position[chains[k].nodes.back()];
+        const Vec3 place = mesh.attachments[end_of(k)], link = mesh.position[chains[k].nodes.back()];
         const double height = place.dot(mesh.axis), across = (place - link).cross(mesh.axis).norm();
         const double length = chains[k].rest_length * (packed ? 1.0 : mesh.line_stretch);
         if (!(across < length))
@@ -201,10 +201,10 @@ void attach_payload(const Scene& scene, Mesh& mesh, Hang hang) {
         mesh.position[i] += lift * mesh.axis;
     for (std::size_t k = 0; k < chains.size(); ++k) {
         const RiserChain& chain = chains[k];
-        const NodeIndex end = mesh.first_place() + body.place_of(k);
+        const NodeIndex end = mesh.first_attachment() + body.place_of(k);
         for (NodeIndex& i : mesh.cables[chain.cables.front()].node)
             if (i == mesh.payload()) i = end;
-        const Vec3 place = mesh.places[end_of(k)], link = mesh.position[chain.nodes.back()];
+        const Vec3 place = mesh.attachments[end_of(k)], link = mesh.position[chain.nodes.back()];
         double length = 0.0;
         for (std::size_t n = 0; n + 1 < chain.nodes.size(); ++n) {
             length += mesh.cables[chain.cables[n]].rest_length;

@@ -30,12 +30,12 @@ GmshGroupIndex group_of(const Mesh& mesh, std::size_t cable) {
 
 /// A body that the parachute hangs on.
 const BodyMesh* body_of(const Mesh& mesh) {
-    return mesh.places.empty() ? nullptr : &*mesh.body;
+    return mesh.attachments.empty() ? nullptr : &*mesh.body;
 }
 
 /// The number in the file of what a cable ends at: a body's nodes take the place of the payload's.
 NodeIndex in_file(const Mesh& mesh, NodeIndex i) {
-    return i < mesh.first_place() ? i : mesh.payload() + mesh.body->node_of(i - mesh.first_place());
+    return i < mesh.first_attachment() ? i : mesh.payload() + mesh.body->node_of(i - mesh.first_attachment());
 }
 
 std::vector<Block> blocks_of(const Mesh& mesh) {

@@ -19,10 +19,10 @@ struct ContactPair {
 };
 
 /// Of a generated mesh, gore after gore, the same number in each: in every row a gore's two seams, and every
-/// node between them with either. So the cloth of a gore stays between the half planes of its seams, where it
-/// meets that of the next gore. K: a quarter of the fabric's E t, shared by the pairs that end at a seam on
-/// one side. A canopy's pressure strains fabric by a per cent at most, so that nodes pass each other by a few
-/// per cent of a gore's width, and twice or half of it changes nothing (docs/theory/full-model.md).
+/// node between them with either. So the fabric of a gore stays between the half planes of its seams, where
+/// it meets that of the next gore. K: a quarter of the fabric's E t, shared by the pairs that end at a seam
+/// on one side. A canopy's pressure strains fabric by a per cent at most, so that nodes pass each other by a
+/// few per cent of a gore's width, and twice or half of it changes nothing (docs/theory/full-model.md).
 ///
 /// visit(pair) for each.
 template <class Visit>

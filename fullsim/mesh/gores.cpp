@@ -28,7 +28,7 @@ public:
     explicit Finder(const Mesh& mesh) : mesh_(mesh), place_(mesh.position.size()) {}
 
     Gores find() {
-        require(mesh_.places.empty(), "the payload is a body, which turns as it likes");
+        require(mesh_.attachments.empty(), "the payload is a body, which turns as it likes");
         require(!mesh_.seam_rings.empty(), "there are no seams");
         gores_.count = static_cast<int>(mesh_.seam_rings.front().size());
         require(gores_.count >= 3, "fewer than three gores are each other's neighbours on both sides");

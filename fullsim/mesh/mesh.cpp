@@ -18,7 +18,7 @@ std::string_view cable_kind_name(CableKind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
-std::vector<Vec3> BodyMesh::places() const {
+std::vector<Vec3> BodyMesh::attachments() const {
     if (deformable) return solid.node;
     std::vector<Vec3> ends;
     for (const int i : end)
@@ -58,7 +58,7 @@ void lump_masses(Mesh& mesh, double payload_mass) {
         for (const NodeIndex i : mesh.cables[c].node)
             mesh.mass[std::min(i, mesh.payload())] += 0.5 * mesh.cable_mass(c);
     mesh.mass[mesh.payload()] += payload_mass;
-    // Cloth has no other nodes.
+    // Fabric has no other nodes.
     mesh.tributary_area.resize(mesh.canopy_nodes);
     mesh.tributary_area.shrink_to_fit();
 }

@@ -63,7 +63,7 @@ struct BodyMesh {
     std::optional<Vec3> middle = {};
 
     /// Where nodes move with it, or by themselves: ends of risers, all nodes of one that is deformable [m].
-    std::vector<Vec3> places() const;
+    std::vector<Vec3> attachments() const;
     /// Of these the one that a riser ends at.
     int place_of(std::size_t riser) const { return deformable ? end[riser] : static_cast<int>(riser); }
     /// And back: the node of the solid.
@@ -79,8 +79,10 @@ public:
     NodeIndex dummy() const { return node_count(); }
     /// Where risers are tied to a payload that is a body, and its other nodes where it is deformable: after
     /// the dummy, nothing but the body moves them.
-    NodeIndex first_place() const { return node_count() + 1; }
-    NodeIndex first_static_line_node() const { return first_place() + static_cast<NodeIndex>(places.size()); }
+    NodeIndex first_attachment() const { return node_count() + 1; }
+    NodeIndex first_static_line_node() const {
+        return first_attachment() + static_cast<NodeIndex>(attachments.size());
+    }
     bool is_canopy(NodeIndex i) const { return i < canopy_nodes; }
     const Cord& cord(CableKind kind) const { return cords[static_cast<std::size_t>(kind)]; }
 
@@ -100,8 +102,8 @@ public:
     std::vector<Triangle> triangles;
     std::vector<Cable> cables;
     Fabric fabric;
-    std::array<Cord, 6> cords;  ///< by CableKind
-    std::vector<Vec3> places;   ///< [m] of the body, as position; empty: the payload is a point mass
+    std::array<Cord, 6> cords;      ///< by CableKind
+    std::vector<Vec3> attachments;  ///< [m] of the body, as position; empty: the payload is a point mass
     /// Of a payload that is one. An imported mesh has it before it hangs, a scene's is made to hang it.
     std::optional<BodyMesh> body;
     double line_stretch = 1.0;  ///< [-] of lines and risers at the start, by the load that they carry

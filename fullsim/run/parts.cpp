@@ -69,7 +69,7 @@ using enum PlanPart::Kind;
 
 constexpr std::array pieces{
     Piece{dimension, "three dimensions", "places and velocities of all nodes", &always,
-          [](const Scene&) { return std::string("cloth folds in all directions"); }},
+          [](const Scene&) { return std::string("fabric folds in all directions"); }},
     Piece{
         dimension, "folds that differ from gore to gore", "all gores are computed, not one sector",
         [](const Scene& s) { return s.full.symmetry == Symmetry::none; },

@@ -21,11 +21,11 @@
 namespace twinchute::fullsim {
 namespace {
 
-constexpr int parts_of_stage = 32;  // of the midpoint rule over a stage
+constexpr int parts_of_stage = 32;  // of the central difference scheme over a stage
 /// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
 /// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.
 constexpr double mouth_share = 0.4;
-/// Of the time to snatch in which all cloth is folded: 0.40 in the crane drop, 0.39 in the free deployment.
+/// Of the time to snatch in which all fabric is folded: 0.40 in the crane drop, 0.39 in the free deployment.
 constexpr double folded_share = 0.4;
 
 /// What a run's stages last, as far as that can be known beforehand.

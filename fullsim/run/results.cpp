@@ -84,13 +84,13 @@ void add_past_events(const RunView& run, const OpeningResult& result, RunRecord&
 void add_shape(const RunView& run, double steady_area, RunRecord& record) {
     const double nominal = run.parachute().nominal_diameter, diameter = 2.0 * std::sqrt(steady_area / pi);
     const auto mean = [&](double HistoryRow::*column) { return run.observer.mean(column, shape_average); };
-    record.add_metric("projected_diameter_ratio", diameter / nominal, Standing::result,
+    record.add_metric("projected_diameter_ratio", diameter / nominal, MetricKind::result,
                       "equal-area diameter over D0, mean of the last 2 s");
-    record.add_metric("seam_diameter_ratio", mean(&HistoryRow::seam_diameter) / nominal, Standing::result,
+    record.add_metric("seam_diameter_ratio", mean(&HistoryRow::seam_diameter) / nominal, MetricKind::result,
                       "widest ring of seam nodes over D0");
-    record.add_metric("canopy_depth_ratio", mean(&HistoryRow::depth) / diameter, Standing::result,
+    record.add_metric("canopy_depth_ratio", mean(&HistoryRow::depth) / diameter, MetricKind::result,
                       "vent to skirt over the equal-area diameter");
-    record.add_metric("signed_area_ratio", mean(&HistoryRow::signed_area) / steady_area, Standing::result,
+    record.add_metric("signed_area_ratio", mean(&HistoryRow::signed_area) / steady_area, MetricKind::result,
                       "1 when no gore lies inside out");
 }
 
@@ -120,22 +120,22 @@ void fill_results(const RunView& run, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
     const OpeningResult result = opening_of(run, steady_area);
     const Metric filling{
-        "", 0.0, Standing::result,
+        "", 0.0, MetricKind::result,
         fmt::format("projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
                     100.0 * filled_share, run.simulation.inflation().filling_time)};
-    const Metric descent{"", 0.0, Standing::mixed,
+    const Metric descent{"", 0.0, MetricKind::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record, run.scene, result, filling, descent);
     if (result.peak_force)
-        record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, Standing::result,
+        record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
                           "without the 5 ms average");
     add_past_events(run, result, record);
     if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
         add_shape(run, *steady_area, record);
-    record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, Standing::result,
+    record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
     record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
-                      Standing::result, "first principal, elastic, of all triangles and steps");
+                      MetricKind::result, "first principal, elastic, of all triangles and steps");
     add_strength_margins(record, run.parachute());
     record.energy = run.simulation.ledger();
     record.channels = run.observer.channels();

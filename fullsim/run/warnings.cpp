@@ -44,7 +44,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
             warn(
                 fmt::format("the peak force comes {:.3g} s after snatch, at {:.0f} % of the steady drag area",
                             time - inflation.snatch, 100.0 * ratio),
-                "the snatch still rings: payload and canopy bounce on the lines, and little but the cloth "
+                "the snatch still rings: payload and canopy bounce on the lines, and little but the fabric "
                 "damps it",
                 "take it for a snatch force, or give full.alpha a value");
     }
@@ -90,11 +90,11 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "compare filling times of such a canopy with a wide tolerance");
     }
     if (state.capped_steps > 0)
-        warn(
-            fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
-                        100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
-            "the projected area was too small for the prescribed drag; the rest acted as drag of loose cloth",
-            "give the canopy a larger initial_drag_area_ratio if this matters");
+        warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
+                         100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
+             "the projected area was too small for the prescribed drag; the rest acted as drag of loose "
+             "fabric",
+             "give the canopy a larger initial_drag_area_ratio if this matters");
     if (opened && !run.findings.descent_altitude)
         warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
     if (record.status.code != StatusCode::completed || !opened) return;

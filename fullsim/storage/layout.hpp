@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "fullsim/forces/force_model.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "fullsim/time/critical_step.hpp"
-#include "fullsim/time/midpoint.hpp"
 #include "lib/record/archive.hpp"
 #include "lib/record/run_record.hpp"
 #include "lib/scene/scene.hpp"
@@ -111,7 +111,7 @@ public:
     virtual double membrane_energy(State& state) const = 0;
     /// Of all nodes and elements as they are now, without store.
     virtual EnergiesAndStrains levels(const State& state) const = 0;
-    /// [-] largest of fabric springs and tapes: below zero where cloth is folded.
+    /// [-] largest of fabric springs and tapes: below zero where fabric is folded.
     virtual double fabric_strain(const State& state) const = 0;
 
     /// All forces at state.time. Sets state.riser_force, and state.air's areas and pressure; state.largest
@@ -119,8 +119,8 @@ public:
     virtual void evaluate(State& state, BlockClock& clock) = 0;
     virtual CriticalSteps critical_steps(const State& state) = 0;
 
-    /// One step with these forces (see advance in midpoint.hpp), in which lines, risers and payload take
-    /// `subcycles` (subcycles.hpp). What risers do to the payload in subcycles after the first goes to
+    /// One step with these forces (see advance in central_difference.hpp), in which lines, risers and payload
+    /// take `subcycles` (subcycles.hpp). What risers do to the payload in subcycles after the first goes to
     /// state.in_subcycles, which is empty.
     virtual void advance(State& state, double dt, int subcycles, double next_added_mass) = 0;
 

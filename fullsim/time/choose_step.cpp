@@ -7,10 +7,10 @@ namespace twinchute::fullsim {
 namespace {
 
 constexpr double subcycle_cost = 0.12;  // of a subcycle of lines over a step of everything
-/// Before finite elements carry the cloth alone, springs slap taut and slack all the time: what that adds to
-/// the energy grows with the step, and so do lines. Where lines take subcycles, either takes no more than
-/// this share of its own bound.
-constexpr double share_while_slapping = 0.5;
+/// Before finite elements carry the fabric alone, springs chatter between taut and slack all the time: what
+/// that adds to the energy grows with the step, and so do lines. Where lines take subcycles, either takes no
+/// more than this share of its own bound.
+constexpr double share_while_chattering = 0.5;
 /// Of the largest residual: what impacts may use of it, and from how little left on steps become shorter.
 /// A crane drop uses 0.56 and keeps its steps.
 constexpr double most_used = 0.9, careful_from = 0.33;
@@ -58,7 +58,7 @@ void ImpactWatch::look(double used_up, double dissipated, double tolerated) {
 
 ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules) {
     const double left = rules.share;
-    const double share = rules.slaps ? std::min(1.0, share_while_slapping / rules.factor) : 1.0;
+    const double share = rules.chatters ? std::min(1.0, share_while_chattering / rules.factor) : 1.0;
     const double quiet = rules.quiet / rules.factor;
     int subcycles = 1;
     double step = left * stable.all, cost = 1.0 / step;

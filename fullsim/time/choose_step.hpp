@@ -17,7 +17,7 @@ struct ChosenStep {
 struct StepRules {
     double factor = 1.0;     ///< full.time_step_factor
     int most_subcycles = 1;  ///< full.line_substeps; 1 under a body, which moves with the canopy
-    bool slaps = false;      ///< cloth comes taut and slack: before flight, unless all of it is folded
+    bool chatters = false;   ///< fabric comes taut and slack: before flight, unless all of it is folded
     double share = 1.0;      ///< of every bound, see ImpactWatch
     double quiet =
         infinity;  ///< [s] the longest, factor and all, in which lines do not ring (resonance_limit)
@@ -29,21 +29,21 @@ ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules);
 /// Of a step with so many subcycles over one without.
 double cost_of(int subcycles);
 
-/// Longest step [s] while cloth that is still slack is drawn out to its length: its largest strain [-] and
+/// Longest step [s] while fabric that is still slack is drawn out to its length: its largest strain [-] and
 /// the rate of that [1/s]. In 20 steps half of the slack is left, and what comes taut at last does so by half
 /// a per cent in a step. Infinite where nothing is about to come taut.
 double step_to_first_impact(double strain, double rate);
 
-/// Longest step [s] while cloth slaps taut and slack: `rate` [1/s] is how fast its largest strain has changed
-/// lately. What an edge that comes taut within a step makes of an error grows with the square of the strain
-/// that it overshoots by, a fifth of a per cent at most.
+/// Longest step [s] while fabric chatters between taut and slack: `rate` [1/s] is how fast its largest strain
+/// has changed lately. What an edge that comes taut within a step makes of an error grows with the square of
+/// the strain that it overshoots by, a fifth of a per cent at most.
 double step_in_impacts(double rate);
 
-/// How much of its step a run is given, by what its books lose and gain. An element that comes taut at speed,
-/// or goes slack, within a step makes an error of the energy in proportion to that step: its dashpot begins
-/// to act somewhere within, and is booked with the speed from before. It is not a matter of stability, and no
-/// stiffness tells it. But impacts dissipate, which is known after every step: whenever a little has been
-/// dissipated the books are looked at.
+/// How much of its step a run is given, by what its energy balance loses and gains. An element that comes
+/// taut at speed, or goes slack, within a step makes an error of the energy in proportion to that step: its
+/// dashpot begins to act somewhere within, and is booked with the speed from before. It is not a matter of
+/// stability, and no stiffness tells it. But impacts dissipate, which is known after every step: whenever a
+/// little has been dissipated the balance is looked at.
 class ImpactWatch {
 public:
     double share() const { return share_; }
@@ -54,7 +54,7 @@ public:
     bool is_due(double dissipated, double changed_hands) const {
         return dissipated - dissipated_ > between_looks * changed_hands;
     }
-    /// Impacts are about to begin: of cloth that has been folded until now.
+    /// Impacts are about to begin: of fabric that has been folded until now.
     void expect() { share_ = expecting; }
     /// used_up: what does not add up over the largest residual at which a run goes on. What is used of it up
     /// to `tolerated` changes no step.

@@ -31,7 +31,8 @@ std::vector<double> inertia_of(const State& state, const NodeConstants& c) {
     std::vector<double> inertia = c.mass;
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i)
         inertia[i] += c.share[i] * state.added_mass;
-    // Neither the dummy nor the anchor of a static line is accelerated, and a body moves its places.
+    // Neither the dummy nor the anchor of a static line is accelerated, and a body moves its attachment
+    // points.
     inertia.resize(c.first_static_line(), infinity);
     if (const auto& line = c.static_line_mass; !line.empty()) {
         inertia.insert(inertia.end(), line.begin(), line.end());

@@ -1,10 +1,10 @@
-// The largest time step at which the explicit midpoint rule is stable, from below.
+// The largest time step at which the central difference scheme is stable, from below.
 #pragma once
 
 #include <cmath>
 
 #include "fullsim/forces/force_model.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "lib/record/archive.hpp"
 
 namespace twinchute::fullsim {
@@ -33,7 +33,7 @@ CriticalStep critical_step(const GershgorinSums& sums, const std::vector<double>
 /// matrix of norms, which is as far down as row sums can come: any weights bound it from above, and those of
 /// its own eigenvector (Perron's) exactly (Collatz 1942). Some power iterations from equal weights, on what
 /// is unstrained and without lines, so that gores that are alike have the same. Before flight all are equal:
-/// cloth slaps taut and slack then, and what that adds to the energy grows with the step.
+/// fabric chatters between taut and slack then, and what that adds to the energy grows with the step.
 class PerronScaling {
 public:
     /// Anew for these blocks, at the state's added mass. `lines` as below.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fullsim/forces/force_model.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute::fullsim {
@@ -22,11 +22,11 @@ double elastic_energy(const State& state, const ForceModels& structure);
 /// a step of what that changes in power.
 EnergyLedger energy_ledger(const State& state, double kinetic, double elastic);
 
-/// The same for the beginning of the step that led to `state`, exactly as the midpoint rule has it: the step
-/// was asked to weigh what moves (EnergyBook). With b the velocity half a step before the time and a the
-/// acceleration at it, 1/2 m b (b + dt a) + elastic energy is what forces linear in the positions keep to the
-/// last bit, however long the step. elastic, turning, added_mass: [J] stored in blocks, in the turning of a
-/// body and in the book then.
+/// The same for the beginning of the step that led to `state`, exactly as the central difference scheme has
+/// it: the step was asked to weigh what moves (EnergyBook). With b the velocity half a step before the time
+/// and a the acceleration at it, 1/2 m b (b + dt a) + elastic energy is what forces linear in the positions
+/// keep to the last bit, however long the step. elastic, turning, added_mass: [J] stored in blocks, in the
+/// turning of a body and in the book then.
 EnergyLedger ledger_before(const State& state, double elastic, double turning, double added_mass);
 
 /// [J] What a residual is held against: the energy at the start with the works of gravity, drag and forces

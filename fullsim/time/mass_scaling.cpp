@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "fullsim/time/critical_step.hpp"
-#include "fullsim/time/midpoint.hpp"
 
 namespace twinchute::fullsim {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fullsim/laws/node.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
 

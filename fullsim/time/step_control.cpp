@@ -14,9 +14,9 @@ constexpr double few_impacts = 0.4;  // of the largest residual, which impacts o
 }  // namespace
 
 StepControl::StepControl(const Scene& scene, const Mesh& mesh, const NodeConstants& constants)
-    : scene_(scene), constants_(constants), first_place_(mesh.first_place()) {
+    : scene_(scene), constants_(constants), first_attachment_(mesh.first_attachment()) {
     for (const Cable& c : mesh.cables)
-        if (std::max(c.node[0], c.node[1]) >= first_place_)
+        if (std::max(c.node[0], c.node[1]) >= first_attachment_)
             riser_stiffness_ =
                 std::max(riser_stiffness_, c.strands * mesh.cord(c.kind).axial_stiffness() / c.rest_length);
     line_waves_ = line_waves(mesh, constants, scene.parachutes.front().line_length, scene.full.bulk_viscosity,
@@ -48,13 +48,14 @@ ChosenStep StepControl::choose(const State& state, const StepInputs& inputs, dou
     const CriticalSteps stable = inputs.layout.critical_steps(state);
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
-    rules.slaps = chatters_in(state);
+    rules.chatters = chatters_in(state);
     rules.share = share;
     // In a pack that only falls lines are slack.
     if (!state.folded) rules.quiet = resonance_limit(line_waves_, state.added_mass, stable.canopy);
     // A body takes steps with the canopy, and so does what hangs on it.
     if (inputs.body)
-        rules.payload = inputs.body->critical_step(state, inputs.structure, first_place_, riser_stiffness_);
+        rules.payload =
+            inputs.body->critical_step(state, inputs.structure, first_attachment_, riser_stiffness_);
     else
         rules.most_subcycles = scene_.full.line_substeps;
     return choose_step(stable, rules);

@@ -3,14 +3,15 @@
 //
 // What canopy and air do to a node comes as one impulse at the beginning of a step; under lines and risers
 // alone it then takes its subcycles, and the canopy's own nodes one drift (impulse form of the method of
-// multiple time steps, Tuckerman, Berne and Martyna 1992, here with the midpoint rule's half steps).
+// multiple time steps, Tuckerman, Berne and Martyna 1992, here with the central difference scheme's half
+// steps).
 #pragma once
 
 #include <functional>
 #include <utility>
 #include <vector>
 
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
 
@@ -53,8 +54,8 @@ private:
 /// What pulls on lines: adds its forces to a state's, and says what they dissipate [W].
 using LinePulls = std::function<double(State&)>;
 
-/// All nodes from time t to t + dt as advance in midpoint.hpp; those of `pulled` in `count` > 1 subcycles.
-/// The forces at t are in the state, what lines dissipate at t is `damping` [W].
+/// All nodes from time t to t + dt as advance in central_difference.hpp; those of `pulled` in `count` > 1
+/// subcycles. The forces at t are in the state, what lines dissipate at t is `damping` [W].
 void advance_in_subcycles(State& state, const NodeConstants& constants, double dt, int count,
                           double next_added_mass, SubcycledNodes& pulled, double damping,
                           const LinePulls& lines);

@@ -20,7 +20,7 @@ std::string metrics_text(const std::vector<Metric>& metrics) {
     for (const Metric& metric : metrics) {
         table.rows.push_back({metric_words(metric.key), readable(metric.value),
                               std::string(split_metric_key(metric.key).unit),
-                              std::string(standing_name(metric.standing)), printable(metric.note)});
+                              std::string(metric_kind_name(metric.kind)), printable(metric.note)});
     }
     return aligned(table, {}, 2);
 }

@@ -50,18 +50,18 @@ double tabulated(const FillTime& choice, const FillTimeInputs& in) {
     return Between(table.at, at).linear(table.n) * in.nominal_diameter / in.snatch_speed;
 }
 
-/// The canopy is full once its mouth has taken in V_0 more than its cloth has let through, while mouth, cloth
-/// and drag area grow with t^6 and nothing but drag brakes:
+/// The canopy is full once its mouth has taken in V_0 more than its fabric has let through, while mouth,
+/// fabric and drag area grow with t^6 and nothing but drag brakes:
 ///   t_f = 14 m/(rho v_s (C_D S)_0) {exp[rho V_0 (C_D S)_0/(2 m A)] - 1},  A = A_M0 - S_0 k sqrt(C_p rho/2),
-/// with the permeability v = k sqrt(pressure). Infinite where the cloth lets through all that enters.
+/// with the permeability v = k sqrt(pressure). Infinite where the fabric lets through all that enters.
 double ludtke(const FillTime& choice, const FillTimeInputs& in) {
     const FillBalance& balance = *choice.balance;
     const double R = in.steady_radius;
     const double volume = balance.volume.value_or(2.0 / 3.0 * pi * R * R * R);
     const double mouth = balance.mouth_area.value_or(pi * R * R);
-    const double cloth = 0.25 * pi * in.nominal_diameter * in.nominal_diameter;
+    const double fabric = 0.25 * pi * in.nominal_diameter * in.nominal_diameter;
     const double k = balance.permeability / std::sqrt(permeability_pressure);
-    const double taking = mouth - cloth * k * std::sqrt(0.5 * balance.pressure_coefficient * in.density);
+    const double taking = mouth - fabric * k * std::sqrt(0.5 * balance.pressure_coefficient * in.density);
     if (!(taking > 0.0)) return std::numeric_limits<double>::infinity();
     const double braking = in.density * in.drag_area / (2.0 * in.mass);  // [1/m]
     return 7.0 / (braking * in.snatch_speed) * std::expm1(braking * volume / taking);
@@ -81,7 +81,7 @@ constexpr std::array<FillTimeModel, 7> fill_times{{
     {"ribbon", "Knacke NWC TP 6575, ribbon canopies, by two transcriptions that agree",
      "preliminary design; geometric porosity lambda_g", ribbon, false, true},
     {"ludtke", "balance of mass in the manner of Ludtke (NOLTR 72-146), derived anew",
-     "solid cloth; drag area growing with t^6, gravity left out", ludtke},
+     "solid fabric; drag area growing with t^6, gravity left out", ludtke},
     {"table", "a CSV file of the scene", "between its points", tabulated},
     {"given", "a measured or otherwise known time", "any", given},
 }};

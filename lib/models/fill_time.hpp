@@ -63,13 +63,13 @@ struct FillTable {
 struct FillBalance {
     std::optional<double> volume;       ///< V_0 [m^3]; absent: half a sphere, 2/3 pi R_0^3
     std::optional<double> mouth_area;   ///< A_M0 [m^2]; absent: pi R_0^2
-    double permeability = 0.0;          ///< [m/s] through the cloth at `permeability_pressure`
-    double pressure_coefficient = 1.0;  ///< C_p [-] of the pressure across the cloth
+    double permeability = 0.0;          ///< [m/s] through the fabric at `permeability_pressure`
+    double pressure_coefficient = 1.0;  ///< C_p [-] of the pressure across the fabric
 
     bool operator==(const FillBalance&) const = default;
 };
 
-/// [Pa] half an inch of water, at which cloth is tested.
+/// [Pa] half an inch of water, at which fabric is tested.
 inline constexpr double permeability_pressure = 0.5 * 249.08891;
 
 /// A choice of row with its parameters.

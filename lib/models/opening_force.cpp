@@ -37,7 +37,7 @@ double loading(const OpeningForceInputs& in) {
     return in.mass * in.gravity / in.drag_area;
 }
 
-/// Solid cloth by Fig. 5-51, unless the scene chose a power of its own.
+/// Solid fabric by Fig. 5-51, unless the scene chose a power of its own.
 const DragAreaLaw& power_law(const OpeningForceInputs& in) {
     return in.law != nullptr && in.law->name.starts_with("power") ? *in.law : *find_drag_area_law("power-2");
 }

@@ -18,9 +18,9 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 std::vector<Metric> read_metrics(const JsonNode& values, const JsonNode& standings) {
     std::vector<Metric> metrics;
     values.each_key([&](const std::string& key, const JsonNode& value) {
-        Metric metric{key, value.number(), Standing::result, ""};
+        Metric metric{key, value.number(), MetricKind::result, ""};
         const JsonNode row = standings.at(key);
-        metric.standing = json_word(row.at("input_or_result"), standing_name);
+        metric.kind = json_word(row.at("input_or_result"), metric_kind_name);
         if (const auto note = row.find("note")) metric.note = note->text();
         metrics.push_back(std::move(metric));
     });

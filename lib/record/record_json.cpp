@@ -50,7 +50,7 @@ void tell(std::string& text) {
 Json standing_json(const std::vector<Metric>& metrics) {
     Json json = Json::object();
     for (const Metric& metric : metrics) {
-        Json row{{"input_or_result", standing_name(metric.standing)}};
+        Json row{{"input_or_result", metric_kind_name(metric.kind)}};
         if (!metric.note.empty()) row["note"] = metric.note;
         json[metric.key] = std::move(row);
     }

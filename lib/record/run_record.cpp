@@ -68,13 +68,13 @@ bool is_numerical_failure(StatusCode code) {
     return true;
 }
 
-std::string_view standing_name(Standing standing) {
+std::string_view metric_kind_name(MetricKind kind) {
     switch (standing) {
-        case Standing::input:
+        case MetricKind::input:
             return "input";
-        case Standing::result:
+        case MetricKind::result:
             return "result";
-        case Standing::mixed:
+        case MetricKind::mixed:
             return "mixed";
     }
     return "unknown";
@@ -116,7 +116,7 @@ const Event* RunRecord::find_event(std::string_view name) const {
     return find_by(events, &Event::name, name);
 }
 
-void RunRecord::add_metric(std::string key, double value, Standing standing, std::string note) {
+void RunRecord::add_metric(std::string key, double value, MetricKind kind, std::string note) {
     Metric row{std::move(key), value, standing, std::move(note)};
     const auto existing = std::ranges::find(metrics, row.key, &Metric::key);
     if (existing == metrics.end()) {

@@ -61,15 +61,15 @@ struct Input {
 
 /// Whether a metric says something about the model or only repeats what it was told.
 /// A comparison of two inputs is no comparison; the report prints this beside every number.
-enum class Standing { input, result, mixed };
+enum class MetricKind { input, result, mixed };
 
-std::string_view standing_name(Standing standing);
+std::string_view metric_kind_name(MetricKind kind);
 
 struct Metric {
     std::string key;  ///< name with unit suffix, e.g. "peak_force_N"
     double value = 0.0;
-    Standing standing = Standing::result;
-    std::string note;  ///< which part is input and which is result, for Standing::mixed and input
+    MetricKind kind = MetricKind::result;
+    std::string note;  ///< which part is input and which is result, for MetricKind::mixed and input
 };
 
 /// A metric that a run of its scene is judged by and does not have.
@@ -193,7 +193,7 @@ struct RunRecord {
     const Event* find_event(std::string_view name) const;
 
     /// Adds a metric, or replaces the one of that key.
-    void add_metric(std::string key, double value, Standing standing = Standing::result,
+    void add_metric(std::string key, double value, MetricKind kind = MetricKind::result,
                     std::string note = {});
 };
 

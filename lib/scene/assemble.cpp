@@ -237,7 +237,7 @@ void scale_design(const Values& v, Parachute& p, std::vector<Input>& inputs, std
         {fmt::format("{}: design {} of D0 = {:g} m is scaled to {:g} m", p.name, design, *designed, wanted),
          fmt::format("of the same shape: {} go along; gores, risers and materials stay",
                      fmt::join(names, ", ")),
-         "a canopy of another size is seldom sewn of the same cloth: give what differs"});
+         "a canopy of another size is seldom sewn of the same fabric: give what differs"});
 }
 
 void finish_series(const Values& v, SeriesSpec& s) {

@@ -92,7 +92,7 @@ void check_needs(const Scene& scene, const Parachute& p, const Complain& complai
     if (scene.aerodynamics.added_mass && !(p.projected_diameter_ratio > 0.0))
         complain.about("parachute.projected_diameter_ratio", "is missing",
                        "it sets the air that moves with the canopy, aerodynamics.added_mass",
-                       "give it (0.6 to 0.7 for solid cloth), or leave added_mass out");
+                       "give it (0.6 to 0.7 for solid fabric), or leave added_mass out");
 }
 
 /// Corrects the drag area where the scene asks for it.

@@ -51,12 +51,12 @@ struct Deployment {
 
     double pitch = 0.0;             ///< [rad] of the pack from the line straight behind the release, apex up
     double pack_ratio = 0.0;        ///< length of the pack over that of the parachute drawn out [-]
-    double drag_coefficient = 0.0;  ///< of cloth until snatch, on its area across the air [-] (full)
+    double drag_coefficient = 0.0;  ///< of fabric until snatch, on its area across the air [-] (full)
     double pack_drag_area = 0.0;    ///< C_D S of the pack [m^2] (rom); needed by a free deployment; of the
                                     ///< pilot chute, where one draws it out
     double muzzle_speed = 0.0;      ///< [m/s] of the pack relative to the payload (rom)
-    double compressive_stiffness_ratio = 0.0;  ///< stiffness of folded cloth over that in tension [-] (full)
-    double deployment_resistance = 0.0;        ///< [N/m] of folded cloth against being drawn out (full)
+    double compressive_stiffness_ratio = 0.0;  ///< stiffness of folded fabric over that in tension [-] (full)
+    double deployment_resistance = 0.0;        ///< [N/m] of folded fabric against being drawn out (full)
 
     bool starts_packed() const { return by != DeployBy::line_stretch && by != DeployBy::inflated; }
 

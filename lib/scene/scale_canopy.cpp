@@ -25,7 +25,7 @@ constexpr SizeRow size_rows[] = {
     {"parachute.drag_area", 2, &Parachute::drag_area},
 };
 
-/// Mass [kg] of cloth, tapes, lines and risers; what a nominal area alone has to stand for, in m^2, where
+/// Mass [kg] of fabric, tapes, lines and risers; what a nominal area alone has to stand for, in m^2, where
 /// they are not all given. Only its ratio for two diameters is used.
 double mass_measure(const Parachute& p) {
     const double d = p.nominal_diameter, v = p.vent_diameter;

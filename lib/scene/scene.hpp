@@ -247,10 +247,10 @@ enum class Symmetry {
     sector  ///< the smallest part that a turn about the axis brings onto the rest; the rest moves as it does
 };
 
-/// What keeps cloth from passing through cloth.
+/// What keeps fabric from passing through fabric.
 enum class Contact {
     none,  ///< nothing, as in the paper
-    gores  ///< the cloth of a gore stays between its seams, in the order of the gores around the axis
+    gores  ///< the fabric of a gore stays between its seams, in the order of the gores around the axis
 };
 
 struct FullSettings {

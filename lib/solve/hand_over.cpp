@@ -92,7 +92,7 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
         std::string note =
             fmt::format("by {} from t = {:.4g} s on, where its time begins", rest.fidelity, made.time);
         if (!metric->note.empty()) note += "; " + metric->note;
-        first.add_metric(key, metric->value + more, metric->standing, std::move(note));
+        first.add_metric(key, metric->value + more, metric->kind, std::move(note));
         made.metrics.emplace_back(key);
     }
     // Metrics that the first part did not reach come from the rest.

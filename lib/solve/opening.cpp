@@ -96,7 +96,7 @@ void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningR
         const Parachute& chute = scene.parachutes[p.index];
         const std::string head = metric_head(several ? chute.name : "");
         const auto add = [&](const std::string& key, double value) {
-            record.add_metric(head + key, value, Standing::result, "");
+            record.add_metric(head + key, value, MetricKind::result, "");
         };
         const bool opens = chute.deploy.by != DeployBy::inflated;
         if (several && opens) {
@@ -133,7 +133,7 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     const double weight = scene.payload.mass * scene.environment.gravity;
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
-    const auto add = [&](const char* key, double value, Standing standing = Standing::result,
+    const auto add = [&](const char* key, double value, MetricKind kind = MetricKind::result,
                          const char* note = "") { record.add_metric(key, value, standing, note); };
 
     if (r.line_stretch_time && one) add("line_stretch_time_s", *r.line_stretch_time);
@@ -142,14 +142,14 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         add("snatch_speed_m_s", r.snatch_speed);
         if (packed) add("payload_snatch_speed_m_s", r.payload_snatch_speed);
         if (r.snatch_force)
-            add("snatch_force_N", *r.snatch_force, Standing::result, "until the end of the initial phase");
+            add("snatch_force_N", *r.snatch_force, MetricKind::result, "until the end of the initial phase");
     } else if (r.snatched && one) {
-        add("snatch_speed_m_s", r.snatch_speed, Standing::input, "line-stretch start: the release speed");
+        add("snatch_speed_m_s", r.snatch_speed, MetricKind::input, "line-stretch start: the release speed");
     }
     if (r.filling_time && one)
-        record.add_metric("filling_time_s", *r.filling_time, filling.standing, filling.note);
+        record.add_metric("filling_time_s", *r.filling_time, filling.kind, filling.note);
     const auto add_canopy_peak = [&](const char* key, const std::optional<CanopyPeak>& peak) {
-        if (peak) record.add_metric(key, peak->force, Standing::result, peak->note);
+        if (peak) record.add_metric(key, peak->force, MetricKind::result, peak->note);
     };
     if (r.peak_force) add("peak_force_N", *r.peak_force);
     add_canopy_peak("peak_canopy_force_N", r.peak_canopy_force);
@@ -163,36 +163,36 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     }
     if (r.snatched && one) {
         const FillTimeInputs in = fill_inputs(scene, chute, r.snatch_speed, r.snatch_density);
-        add("mass_ratio", in.mass_ratio(), Standing::input,
+        add("mass_ratio", in.mass_ratio(), MetricKind::input,
             chute.count == 1 ? "m_l/(rho D0^3) at snatch"
                              : "m_l/(rho D0^3) at snatch, of each parachute's share of the payload");
-        const Standing standing = in_flight ? Standing::result : Standing::input;
+        const MetricKind kind = in_flight ? MetricKind::result : MetricKind::input;
         add("froude_number", in.froude_number(), standing, "v_s^2/(g D0)");
         if (r.snatch_path_angle > smallest_path_angle)
             add("operational_froude_number", in.froude_number() / std::sin(r.snatch_path_angle), standing,
                 "v_s^2/(g D0 sin gamma)");
     }
     if (r.impulse && one)
-        add("impulse_N_s", *r.impulse, Standing::result,
+        add("impulse_N_s", *r.impulse, MetricKind::result,
             "of the opening force, from snatch until the drag area is full");
     add_parachute_metrics(record, scene, r);
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
     if (r.descent) {
         const DescentWindow& w = *r.descent;
         record.add_metric(
-            "descent_rate_m_s", w.rate, descent.standing,
+            "descent_rate_m_s", w.rate, descent.kind,
             fmt::format("{}; mean from {:.4g} to {:.4g} s{}", descent.note, w.from, w.to,
                         w.amplitude < steady_descent_amplitude
                             ? ""
                             : fmt::format(", about which it swings by {:.2g} %", 100.0 * w.amplitude)));
-        add("descent_rate_amplitude", w.amplitude, Standing::result,
+        add("descent_rate_amplitude", w.amplitude, MetricKind::result,
             "half the range of v sqrt(rho) over that time, over its mean");
-        add("descent_rate_remaining_change", w.remaining, Standing::result,
+        add("descent_rate_remaining_change", w.remaining, MetricKind::result,
             "estimate of what the rate is still off, at equal density");
     }
     if (r.descent_altitude) {
         add("descent_altitude_m", *r.descent_altitude);
-        add("altitude_loss_m", scene.release.altitude - *r.descent_altitude, Standing::result,
+        add("altitude_loss_m", scene.release.altitude - *r.descent_altitude, MetricKind::result,
             "from release to steady descent");
     }
     if (r.landing_time) {
@@ -222,7 +222,7 @@ void add_strength_margins(RunRecord& record, const Parachute& chute) {
     const auto add = [&](const char* key, const char* load_key, const std::optional<double>& strength) {
         const std::optional<double> load = record.metric(load_key);
         if (!strength || !load || !(*load > 0.0)) return;
-        record.add_metric(key, strength_margin(*strength, chute.strength, *load), Standing::result,
+        record.add_metric(key, strength_margin(*strength, chute.strength, *load), MetricKind::result,
                           fmt::format("strength {:.5g} {}, joint efficiency {:g}, design factor {:g}",
                                       *strength, split_metric_key(load_key).unit,
                                       chute.strength.joint_efficiency, chute.strength.design_factor));

@@ -45,7 +45,7 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
                                    one.why + " when it was on the ground",
                                    "check what it waits for, the height that this takes, and stop"});
     }
-    record.add_metric("unopened_parachutes", count, Standing::result, names);
+    record.add_metric("unopened_parachutes", count, MetricKind::result, names);
     status = {StatusCode::not_opened, status.detail + why};
 }
 

@@ -223,12 +223,12 @@ void add_validity(RunRecord& record, const Scene& scene, const OpeningResult& re
             const bool in_flight = out.chute->deploy.starts_packed() || out.chute->deploy_when;
             if (flown.has_sound())
                 record.add_metric(metric_head(out.name) + "snatch_mach_number", *out.snatch_mach,
-                                  in_flight ? Standing::result : Standing::input);
+                                  in_flight ? MetricKind::result : MetricKind::input);
             judge.judge(snatch_mach_number, *out.snatch_mach, true);
         }
         if (!has_lines) continue;
         const double reynolds = out.chute->line.diameter * flown.reynolds_per_length(out.begin, out.end);
-        record.add_metric("max_line_reynolds_number", reynolds, Standing::result,
+        record.add_metric("max_line_reynolds_number", reynolds, MetricKind::result,
                           "of a suspension line across the air");
         judge.judge(line_reynolds, reynolds, true);
     }

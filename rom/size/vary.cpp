@@ -173,7 +173,7 @@ Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::str
 
 std::string mass_text(const Parachute& chute) {
     return missing_structure(chute).empty()
-               ? "the scene's mass, scaled by cloth, tapes, lines and risers of its materials"
+               ? "the scene's mass, scaled by fabric, tapes, lines and risers of its materials"
                : "the scene's mass, scaled by the nominal area: a canopy for larger loads is heavier for its "
                  "area";
 }

@@ -48,7 +48,7 @@ constexpr Size sizes[] = {
     {"120000", 16, 136, 248, open, 20},
 };
 
-constexpr int packed_steps = 2000;  // of a pack: lines and cloth begin to be drawn out
+constexpr int packed_steps = 2000;  // of a pack: lines and fabric begin to be drawn out
 
 constexpr const char* inflation = "c9-inflation.toml";
 constexpr const char* crane_drop = "paper/crane-drop.toml";

@@ -34,7 +34,7 @@ CRANE_DROP = "data/scenes/paper/crane-drop.toml"
 # What is run, and why: command, scene, keys, and the function that is counted where it is not the whole program.
 RUNS = {
     "inflation": ("full", INFLATION, MESH + UNINTERRUPTED + ["stop.time=0.01"], "twinchute::fullsim::run_fullsim*"),  # finite elements, pressure, lines
-    "deployment": ("full", CRANE_DROP, MESH + UNINTERRUPTED + ["stop.time=0.04"], "twinchute::fullsim::run_fullsim*"),  # springs, static line, cloth drag
+    "deployment": ("full", CRANE_DROP, MESH + UNINTERRUPTED + ["stop.time=0.04"], "twinchute::fullsim::run_fullsim*"),  # springs, static line, fabric drag
     "stages": ("full", CRANE_DROP, SMALL_MESH + UNINTERRUPTED + ["stop.time=3.3"], "twinchute::fullsim::run_fullsim*"),  # all: snatch, switch, ramp
     "rom": ("rom", INFLATION, [], "twinchute::rom::run_rom*"),
     "start": ("rom", INFLATION, [], None),  # libraries, unit database, scene

@@ -217,8 +217,9 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
     std::mt19937 generator(11);
     const bool solid = row().name == "payload tetrahedra";
     const auto random_node = [&] {
-        const std::size_t first = solid ? static_cast<std::size_t>(mesh_.first_place()) : 0;
-        const std::size_t count = solid ? mesh_.places.size() : static_cast<std::size_t>(mesh_.node_count());
+        const std::size_t first = solid ? static_cast<std::size_t>(mesh_.first_attachment()) : 0;
+        const std::size_t count =
+            solid ? mesh_.attachments.size() : static_cast<std::size_t>(mesh_.node_count());
         return first + static_cast<std::size_t>(generator()) % count;
     };
     for (int trial = 0; trial < 60; ++trial) {
@@ -251,7 +252,7 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
         const bool sheet = row().name == "membrane" || row().name == "fabric springs";
         const auto corner = [&](std::size_t c) {
             const auto& tetrahedra = mesh_.body->solid.tetrahedron;
-            if (solid) return mesh_.first_place() + tetrahedra[e % tetrahedra.size()][c];
+            if (solid) return mesh_.first_attachment() + tetrahedra[e % tetrahedra.size()][c];
             return sheet ? mesh_.triangles[e % mesh_.triangles.size()].node[c]
                          : mesh_.cables[e % mesh_.cables.size()].node[c];
         };
@@ -283,8 +284,8 @@ TEST(Registry, EveryStageHasItsOwnBlocks) {
     using Names = std::vector<std::string>;
     const Scene scene = full_scene(DeployBy::static_line);
     EXPECT_EQ(names(scene, Stage::deployment),
-              (Names{"fabric springs", "tapes", "lines", "static line", "payload tetrahedra", "cloth drag",
-                     "fold resistance", "line drag", "payload drag"}));
+              (Names{"fabric springs", "tapes", "lines", "static line", "payload tetrahedra", "fabric drag",
+                     "deployment resistance", "line drag", "payload drag"}));
     EXPECT_EQ(
         names(scene, Stage::springs),
         (Names{"fabric springs", "tapes", "lines", "gore contact", "payload tetrahedra", "canopy pressure",
@@ -297,8 +298,8 @@ TEST(Registry, EveryStageHasItsOwnBlocks) {
     elements.full.structure = Structure::fe;
     elements.full.alpha_from_release = true;
     EXPECT_EQ(names(elements, Stage::deployment),
-              (Names{"membrane", "tapes", "lines", "payload tetrahedra", "cloth drag", "fold resistance",
-                     "extraction", "line drag", "payload drag", "mass damping"}));
+              (Names{"membrane", "tapes", "lines", "payload tetrahedra", "fabric drag",
+                     "deployment resistance", "extraction", "line drag", "payload drag", "mass damping"}));
 }
 
 }  // namespace

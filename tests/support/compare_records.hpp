@@ -18,7 +18,7 @@ inline RunRecord synthetic_record(const std::string& fidelity, double peak, doub
     record.inputs = {{"payload.mass", 152.4, "kg", InputOrigin::given, ""},
                      {"parachute.fill_time.n", 4.0, "", InputOrigin::given, "an assumption"},
                      {"parachute.drag_area_law", std::string("ludtke"), "", InputOrigin::fallback, ""}};
-    record.add_metric("snatch_speed_m_s", 21, Standing::input, "the release speed");
+    record.add_metric("snatch_speed_m_s", 21, MetricKind::input, "the release speed");
     record.add_metric("filling_time_s", peak_time + 0.1);
     record.add_metric("peak_force_N", peak);
     record.add_metric("time_to_peak_force_s", peak_time);

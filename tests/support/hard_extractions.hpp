@@ -11,7 +11,7 @@
 namespace twinchute::test {
 
 /// The C-9 of the demo under an extraction force of 1 to 12 kN, at 20 to 60 m/s in any direction from level
-/// to straight down, with 40 to 150 kg, each with noise of its own. Three of sixty strain some cloth by more
+/// to straight down, with 40 to 150 kg, each with noise of its own. Three of sixty strain some fabric by more
 /// than half as they open, which would be another end: they are let to. The same number is the same scene.
 inline Scene hard_extraction(std::size_t k, std::vector<std::string> overrides = {}) {
     Random random(1000 + k);

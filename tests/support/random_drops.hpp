@@ -18,7 +18,7 @@
 
 namespace twinchute::test {
 
-/// Materials of these drops: nylon as data/materials has it, in sizes that cloth and cord are made in.
+/// Materials of these drops: nylon as data/materials has it, in sizes that fabric and cord are made in.
 struct DropMaterials {
     static constexpr std::array cord_mm{0.3, 0.5, 0.8, 1.2, 1.8, 2.5, 4.0, 6.0, 9.0, 13.0, 19.0, 28.0, 40.0};
     static constexpr std::array fabric_mm{0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6};
@@ -176,7 +176,7 @@ inline double DropGenerator::opening_force() const {
     return largest;
 }
 
-/// Lines strained by 8 % at most, cloth by 5 %, at 1.5 times the opening force, and lines by 15 % at snatch;
+/// Lines strained by 8 % at most, fabric by 5 %, at 1.5 times the opening force, and lines by 15 % at snatch;
 /// then the masses.
 inline void DropGenerator::size_materials() {
     using M = DropMaterials;
@@ -194,14 +194,14 @@ inline void DropGenerator::size_materials() {
         const double mouth = 0.25 * pi * std::pow(projected_ * diameter_, 2);
         const double tension = force / mouth * 0.25 * projected_ * diameter_;  // [N/m] of a sphere
         fabric_ = least(M::fabric_mm, 1e3 * tension / (0.05 * M::fabric_modulus));
-        const double cloth = area() * 1e-3 * fabric_ * M::fabric_density;
+        const double fabric = area() * 1e-3 * fabric_ * M::fabric_density;
         const double parting = 0.5 * speed_ + std::sqrt(2.0 * g * length);
         const double stiffness =  // [N] E A of all lines
-            std::max(force / 0.08, packed_ ? cloth * parting * parting / (0.15 * 0.15 * length) : 0.0);
+            std::max(force / 0.08, packed_ ? fabric * parting * parting / (0.15 * 0.15 * length) : 0.0);
         cord_ = least(M::cord_mm, 1e3 * std::sqrt(4.0 * stiffness / (gores_ * M::cord_modulus * pi)));
         const double per_metre = 0.25 * pi * 1e-6 * cord_ * cord_ * M::cord_density;
         const double tapes = gores_ * 0.5 * diameter_ + 1.1 * pi * diameter_;
-        chute_mass_ = cloth + per_metre * (gores_ * line_ + risers_ * riser_ + tapes);
+        chute_mass_ = fabric + per_metre * (gores_ * line_ + risers_ * riser_ + tapes);
         payload_mass_ = std::max(terminal_mass - count_ * chute_mass_, 2.0 * count_ * chute_mass_);
     }
     out_.terminal_speed =
@@ -265,7 +265,7 @@ inline void DropGenerator::put_deployment() {
     if (by_ == "mortar") key("muzzle_speed", in(15.0, 50.0));
     if (by_ == "free" || by_ == "extraction" || (!full_ && packed_ && by_ != "pilot" && random_bool(0.5)))
         key("pack_drag_area", in(0.002, 0.02) * drag_area());
-    // Cloth is stowed the more firmly the heavier it is: the C-9's 2 N/m, by its weight and size.
+    // Fabric is stowed the more firmly the heavier it is: the C-9's 2 N/m, by its weight and size.
     if (full_ && packed_) key("deployment_resistance", 2.0 * diameter_ / 8.53 * fabric_ / 0.1);
     if (full_ && packed_ && random_bool(0.2)) key("pitch", in(-0.3, 0.3));
     if (drogue_)

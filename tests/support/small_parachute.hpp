@@ -5,7 +5,7 @@
 
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/state.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "tests/support/c9_scene.hpp"
 
@@ -45,14 +45,14 @@ inline void add_body(fullsim::Mesh& mesh) {
     body.solid = fullsim::make_box({0.6, 0.4, 0.9}, {2, 2, 2});
     body.lumped = fullsim::lump(fullsim::solid_of(body.solid), 88.0);
     body.deformable = true;
-    mesh.places = body.places();
+    mesh.attachments = body.attachments();
 }
 
 /// The mesh at its own positions, moving with `velocity`, in air of 1.225 kg/m^3 from below.
 inline fullsim::State state_of(const fullsim::Mesh& mesh, const Vec3& velocity = Vec3::Zero()) {
     fullsim::State state;
     const auto dummy = static_cast<std::size_t>(mesh.dummy());
-    std::vector<Vec3> after = mesh.places;
+    std::vector<Vec3> after = mesh.attachments;
     after.insert(after.end(), mesh.static_line.position.begin(), mesh.static_line.position.end());
     const std::size_t count = dummy + 1 + after.size();
     state.node.resize(count, {splat(0.0), splat(0.0)});

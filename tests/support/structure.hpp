@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::test {
@@ -123,7 +123,7 @@ public:
             block->add_forces(state);
     }
 
-    /// One step of the explicit midpoint rule from the forces at state.time.
+    /// One step of the central difference scheme from the forces at state.time.
     void step(double dt) {
         evaluate();
         hold_nodes(constants_);

@@ -33,7 +33,7 @@ inline RunRecord synthetic(const Fidelity& fidelity, const Scene& scene) {
         record.cost.wall_s = 1.0 / (h * h * h);
         record.cost.steps = 1000;
     }
-    record.add_metric("filling_time_s", 1.6, Standing::input);
+    record.add_metric("filling_time_s", 1.6, MetricKind::input);
     return record;
 }
 

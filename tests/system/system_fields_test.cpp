@@ -23,7 +23,7 @@ constexpr double nominal_diameter = 8.53, vent_diameter = 0.853;  // [m]
 constexpr double fabric_area =
     0.25 * std::numbers::pi * (nominal_diameter * nominal_diameter - vent_diameter * vent_diameter);
 
-/// No cloth is strained or hidden in folds at the start of a uniform mesh of two columns a gore.
+/// No fabric is strained or hidden in folds at the start of a uniform mesh of two columns a gore.
 const Words uniform{"--set", "full.mesh.grading=uniform"};
 /// A full run of a moment: few elements, short flight.
 const Words coarse = uniform + Words{"--set", "full.mesh.gore_columns=2", "--set", "full.mesh.gore_rows=4",
@@ -116,7 +116,7 @@ TEST_F(SystemFields, VtkReadsBackWhatTheRunWrote) {
 TEST_F(SystemFields, ArraysHaveTheirNamesUnitsAndRanges) {
     NEEDS_VTK();
     ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "2"} + quick).code, 0);
-    const json frame = read("o/fields.pvd").back();  // half a second in: cloth under tension
+    const json frame = read("o/fields.pvd").back();  // half a second in: fabric under tension
     const std::map<std::string, std::string> cell_types{
         {"kind", "signed char"},      {"stress_first_N_m", "float"}, {"stress_second_N_m", "float"},
         {"strain_first", "float"},    {"strain_second", "float"},    {"wrinkling_state", "signed char"},

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -33,8 +33,8 @@ TEST(Solid, ABoxHasItsInertia) {
 }
 
 TEST(Solid, InertiaMovesAndTurnsWithTheSolid) {
-    // About its own centre of mass wherever it lies; J' = R J R^T. 1e-12: places of 10 m, squared, over 0.1
-    // m2.
+    // About its own centre of mass wherever it lies; J' = R J R^T. 1e-12: positions of 10 m, squared, over
+    // 0.1 m2.
     const Solid box = solid_of(make_box({0.6, 0.5, 0.9}, {2, 1, 1}));
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     Solid moved = box;

@@ -71,7 +71,7 @@ TEST(ChooseStep, KeepsLinesFromRinging) {
 
 TEST(ChooseStep, SlappingClothWithSubstepsTakesHalfOfEitherBound) {
     StepRules rules = rules_with(12);
-    rules.slaps = true;
+    rules.chatters = true;
     const ChosenStep step = choose_step(light_lines, rules);
     EXPECT_DOUBLE_EQ(step.dt, 2.5e-5);
     EXPECT_EQ(step.subcycles, 5);
@@ -89,7 +89,7 @@ TEST(ChooseStep, GivesImpactsTheirShareOfEveryBound) {
     StepRules rules = rules_with(12);
     rules.share = 0.3;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 5e-5);
-    rules.slaps = true;
+    rules.chatters = true;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 2.5e-5);
     rules.most_subcycles = 1;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 1e-5);
@@ -110,7 +110,7 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
         stable.all = std::min(stable.canopy, stable.lines) * share(random);
         StepRules rules = rules_with(1 + k % 12);
         rules.factor = share(random);
-        rules.slaps = k % 2 == 0;
+        rules.chatters = k % 2 == 0;
         rules.share = share(random);
         if (k % 3 == 0) rules.quiet = std::pow(10.0, decade(random));
         const ChosenStep step = choose_step(stable, rules);

@@ -53,7 +53,7 @@ TEST(CliRecordText, ShowsFiguresWithUnitAndStanding) {
     RunRecord record;
     record.scene.name = "a scene";
     record.status = {StatusCode::not_finite, "node 7"};
-    record.add_metric("snatch_speed_m_s", 21, Standing::input, "given");
+    record.add_metric("snatch_speed_m_s", 21, MetricKind::input, "given");
     record.left_out = {{"line drag", "no table"}};
     const std::string text = record_text(record, "a model", {});
     EXPECT_NE(text.find("not_finite: node 7"), std::string::npos);

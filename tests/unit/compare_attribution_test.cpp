@@ -29,7 +29,7 @@ RunRecord begun(const char* name) {
 RunRecord quick(const Scene& scene, Run&) {
     RunRecord record = begun("rom");
     record.add_metric("peak_force_N", 4800.0 + (scene.aerodynamics.added_mass ? 50.0 : 0.0));
-    record.add_metric("filling_time_s", 1.6, Standing::input);
+    record.add_metric("filling_time_s", 1.6, MetricKind::input);
     record.events = {{"line-stretch", 0.0, 300.0, 21.0}, {"full-open", 1.6, 280.0, 10.0}};
     return record;
 }

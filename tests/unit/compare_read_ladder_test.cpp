@@ -25,7 +25,7 @@ Ladder ladder_of_everything() {
     int runs = 0;
     const RunOne fragile = [&](const Fidelity& fidelity, const Scene& scene) {
         RunRecord record = synthetic(fidelity, scene);
-        if (++runs == 7) record.status = {StatusCode::strain_limit, "cloth <b>broke</b>"};
+        if (++runs == 7) record.status = {StatusCode::strain_limit, "fabric <b>broke</b>"};
         if (fidelity.name == "full" && scene.full.time_step_factor < 0.3)
             record.status = {StatusCode::interrupted, ""};
         return record;

@@ -60,12 +60,12 @@ TEST(FillingTimeCsv, DensityExponent) {
     EXPECT_NEAR(by_density.seconds(high) / plain.seconds(high), std::pow(0.643 / 1.225, 0.8), 1e-14);
 }
 
-/// Volume [m^3] that a canopy takes in over t_f while mouth, cloth and drag area grow with (t/t_f)^6 and drag
-/// alone brakes, by the midpoint rule.
+/// Volume [m^3] that a canopy takes in over t_f while mouth, fabric and drag area grow with (t/t_f)^6 and
+/// drag alone brakes, by the central difference scheme.
 double taken_in(const FillTimeInputs& in, double t_f, double permeability) {
     constexpr int steps = 200000;
     const double mouth = pi * in.steady_radius * in.steady_radius;
-    const double cloth = 0.25 * pi * in.nominal_diameter * in.nominal_diameter;
+    const double fabric = 0.25 * pi * in.nominal_diameter * in.nominal_diameter;
     const double dt = t_f / steps;
     double v = in.snatch_speed, volume = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -75,7 +75,7 @@ double taken_in(const FillTimeInputs& in, double t_f, double permeability) {
         };
         const double half = v + 0.5 * dt * braked(v);
         const double leak = permeability * std::sqrt(0.5 * in.density * half * half / permeability_pressure);
-        volume += dt * open * (mouth * half - cloth * leak);
+        volume += dt * open * (mouth * half - fabric * leak);
         v += dt * braked(half);
     }
     return volume;
@@ -95,10 +95,10 @@ TEST(FillingTimeCsv, LudtkeOfAnInfiniteMass) {
     // (C_D S)_0/(4 m A) = 1.6e-9 of it at 1e12 kg.
     FillTimeInputs heavy = c9;
     heavy.mass = 1e12;
-    const double R = c9.steady_radius, cloth = 0.25 * pi * 8.53 * 8.53;
+    const double R = c9.steady_radius, fabric = 0.25 * pi * 8.53 * 8.53;
     const double k = 2.0 / std::sqrt(permeability_pressure);
     const double expected =
-        7.0 * 2.0 / 3.0 * pi * R * R * R / (21.0 * (pi * R * R - cloth * k * std::sqrt(0.5 * 1.225)));
+        7.0 * 2.0 / 3.0 * pi * R * R * R / (21.0 * (pi * R * R - fabric * k * std::sqrt(0.5 * 1.225)));
     EXPECT_NEAR(ludtke(2.0).seconds(heavy) / expected, 1.0, 1e-8);
     FillTime given = ludtke(0.0);
     given.balance->volume = 10.0;

@@ -51,7 +51,7 @@ TEST(ImportBody, LumpsItsTetrahedra) {
         0.5 * body.lumped.inertia.trace() * Eigen::Matrix3d::Identity() - body.lumped.inertia;
     EXPECT_NEAR(second(2, 2), 0.1 * scene.payload.mass, 1e-13 * scene.payload.mass);
     ASSERT_EQ(body.end.size(), 1u);
-    EXPECT_LT((body.places()[0] - Vec3(0, 0, 1)).norm(), 1e-15);
+    EXPECT_LT((body.attachments()[0] - Vec3(0, 0, 1)).norm(), 1e-15);
     // The riser is as long as before, and nothing is left out.
     EXPECT_EQ(got.mesh.cables.back().rest_length, 1.0);
     for (const Warning& w : size_warnings(got, scene))
@@ -78,7 +78,7 @@ TEST(ImportBody, TiesRisersWhereTheFileDoes) {
     for (const Cable& c : got.mesh.cables) {
         if (std::ranges::count(c.node, got.mesh.payload()) == 0) continue;
         const NodeIndex link = c.node[0] == got.mesh.payload() ? c.node[1] : c.node[0];
-        const Vec3 end = body.places()[riser++] - *body.middle;
+        const Vec3 end = body.attachments()[riser++] - *body.middle;
         EXPECT_NEAR((got.mesh.position[link] - end).norm(), c.rest_length, 1e-14);
     }
     EXPECT_EQ(riser, 2u);
@@ -87,7 +87,7 @@ TEST(ImportBody, TiesRisersWhereTheFileDoes) {
     attach_payload(scene_with_body(), hung, Hang::as_made);
     for (const Cable& c : hung.cables) {
         const auto place = [&](NodeIndex i) {
-            return i < hung.first_place() ? hung.position[i] : hung.places[i - hung.first_place()];
+            return i < hung.first_attachment() ? hung.position[i] : hung.places[i - hung.first_attachment()];
         };
         EXPECT_NEAR((place(c.node[1]) - place(c.node[0])).norm(), c.rest_length, 1e-14);
     }

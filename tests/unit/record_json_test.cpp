@@ -29,7 +29,7 @@ RunRecord record_to_write() {
     record.inputs = {
         {"payload.mass", 152.4, "kg", InputOrigin::given, ""},
         {"parachute.fill_time.model", std::string("fill-constant"), "", InputOrigin::fallback, "a book"}};
-    record.add_metric("peak_force_N", 0.1 + 0.2, Standing::mixed, "n is an input");
+    record.add_metric("peak_force_N", 0.1 + 0.2, MetricKind::mixed, "n is an input");
     record.provenance = current_provenance();
     return record;
 }

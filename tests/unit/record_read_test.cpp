@@ -62,8 +62,8 @@ TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
     record.handed_over = HandOver{"rom", 1.0 / 3.0, {"flight_time_s", "landing_east_m"}};
     record.inputs.push_back(
         {"a \"key\"", std::string("line\nbreak \x01 \xC3\xA9"), "", InputOrigin::design, ""});
-    record.add_metric("impulse_N_s", 1.0 / 3, Standing::mixed, "n is an input");
-    record.add_metric("load_factor", -0.0, Standing::input);
+    record.add_metric("impulse_N_s", 1.0 / 3, MetricKind::mixed, "n is an input");
+    record.add_metric("load_factor", -0.0, MetricKind::input);
     record.channels.push_back({"a, \"b\"\r\n", "m/s,\n", std::vector<double>(6001, not_a_number)});
     record.channels.push_back({"share", "", std::vector<double>(6001, 1e-3)});
     record.events.push_back({"full, open \"main\"\r", 1.5, not_a_number, 18});

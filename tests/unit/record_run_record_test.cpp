@@ -52,11 +52,11 @@ TEST(RecordLookup, FindsWhatIsThereAndNothingElse) {
 
 TEST(RecordLookup, AMetricStatedTwiceHasTheLaterValueOnce) {
     RunRecord record;
-    record.add_metric("peak_force_N", 1, Standing::input, "a guess");
+    record.add_metric("peak_force_N", 1, MetricKind::input, "a guess");
     record.add_metric("peak_force_N", 2);
     ASSERT_EQ(record.metrics.size(), 1u);
     EXPECT_EQ(record.metrics[0].value, 2);
-    EXPECT_EQ(record.metrics[0].standing, Standing::result);
+    EXPECT_EQ(record.metrics[0].kind, MetricKind::result);
     EXPECT_TRUE(record.metrics[0].note.empty());
 }
 

@@ -1,4 +1,4 @@
-// The explicit midpoint rule and the bound on its step, on problems with exact answers.
+// The central difference scheme and the bound on its step, on problems with exact answers.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -192,7 +192,7 @@ TEST(ReferenceVelocity, TakesTheAxisFromTheSystemAndTheRestFromTheCanopy) {
     sums.canopy_velocity = Vec3(2, 0, -7);
     sums.system_velocity = Vec3(5, 1, -9);
     EXPECT_EQ(reference_velocity(sums, Vec3::Zero(), 100.0, 0.0), Vec3(2, 0, -9));
-    // With 50 kg of air that moves like the cloth at -6 m/s: (100 (-9) + 50 (-6))/150.
+    // With 50 kg of air that moves like the fabric at -6 m/s: (100 (-9) + 50 (-6))/150.
     sums.canopy_area_velocity = Vec3(0, 0, -6);
     EXPECT_NEAR(reference_velocity(sums, Vec3::Zero(), 100.0, 50.0).z(), -8.0, 1e-14);
 }
@@ -200,14 +200,14 @@ TEST(ReferenceVelocity, TakesTheAxisFromTheSystemAndTheRestFromTheCanopy) {
 TEST(ReferenceVelocity, StandsStillInABounce) {
     // Payload and canopy against each other at zero total momentum: the reference does not move, so
     // drag neither feeds the bounce nor is fed by it. The mean of the material alone would move.
-    const double payload = 152.4, cloth = 4.0, air = 75.0, speed = 1.0;
+    const double payload = 152.4, fabric = 4.0, air = 75.0, speed = 1.0;
     NodeSums sums;
     sums.canopy_position = Vec3(0, 0, 10);
     sums.canopy_velocity = sums.canopy_area_velocity = Vec3(0, 0, speed);
-    const double back = -(cloth + air) / payload * speed;
-    sums.system_velocity = Vec3(0, 0, (payload * back + cloth * speed) / (payload + cloth));
-    EXPECT_NEAR(reference_velocity(sums, Vec3::Zero(), payload + cloth, air).norm(), 0.0, 1e-14);
-    EXPECT_LT(reference_velocity(sums, Vec3::Zero(), payload + cloth, 0.0).z(), -0.4);
+    const double back = -(fabric + air) / payload * speed;
+    sums.system_velocity = Vec3(0, 0, (payload * back + fabric * speed) / (payload + fabric));
+    EXPECT_NEAR(reference_velocity(sums, Vec3::Zero(), payload + fabric, air).norm(), 0.0, 1e-14);
+    EXPECT_LT(reference_velocity(sums, Vec3::Zero(), payload + fabric, 0.0).z(), -0.4);
     // Once open, within half a second of a C-9, and of any canopy within as much of its own D0/v.
     for (const double scale : {time_scale_of_c9, 0.1, 5.0}) {
         EXPECT_EQ(air_mass_in_reference(75.0, -0.1, scale), 0.0);

@@ -87,7 +87,7 @@ void expect_to_add_up() {
 }
 
 void expect_to_agree_with_every_effect_off() {
-    // A rigid body with a prescribed drag area on both sides. What is left is 3 kg of cloth and 1.4 kg of
+    // A rigid body with a prescribed drag area on both sides. What is left is 3 kg of fabric and 1.4 kg of
     // lines in motion, whose deceleration differs from the payload's by some tens of m/s^2 for a moment: 0.1
     // % of the peak was measured, half a per cent is asked.
     EXPECT_LT(std::abs(effect("peak_force", "structure")), 0.005 * of("peak_force").reference);

@@ -11,13 +11,13 @@
 
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/rigid_body.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "tests/support/difference.hpp"
 
 namespace twinchute::fullsim {
 namespace {
 
-constexpr NodeIndex payload = 0, first_place = 2;  // a dummy between
+constexpr NodeIndex payload = 0, first_attachment = 2;  // a dummy between
 
 /// At rest where it is unstrained, after a payload's node at the origin and a dummy.
 State state_of(const SolidMesh& solid) {
@@ -31,12 +31,12 @@ State state_of(const SolidMesh& solid) {
 }
 
 void move(State& state, std::size_t place, const Vec3& x, const Vec3& v) {
-    state.node[first_place + place] = {to_lanes(x), to_lanes(v)};
-    state.v_half[first_place + place].value = to_lanes(v);
+    state.node[first_attachment + place] = {to_lanes(x), to_lanes(v)};
+    state.v_half[first_attachment + place].value = to_lanes(v);
 }
 
 Vec3 force_on(const State& state, std::size_t place) {
-    return to_vec3(state.force[first_place + place].value);
+    return to_vec3(state.force[first_attachment + place].value);
 }
 
 /// A box whose nodes inside are not where they were, so that no two tetrahedra are alike.
@@ -55,7 +55,7 @@ const SolidLaw plain = solid_law({2e6, 0.3}, 500.0, 0.0, 0.0);
 TEST(Tetrahedra, PassThePatchTest) {
     // A homogeneous deformation, large strain and turn: no force inside, on the faces P N A, and V W(E).
     const SolidMesh solid = crooked_box();
-    const auto block = make_tetrahedra(solid, plain, first_place);
+    const auto block = make_tetrahedra(solid, plain, first_attachment);
     Eigen::Matrix3d f;
     f << 1.1, 0.2, -0.1, -0.15, 0.9, 0.3, 0.05, 0.1, 1.2;
     f = Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()) * f;
@@ -84,7 +84,7 @@ TEST(Tetrahedra, PassThePatchTest) {
 TEST(Tetrahedra, HaveNeitherForceNorPowerWhereTheyTurn) {
     // Rigid, fast and far away: strain rates are differences of 300 m/s, forces those of rounding.
     const SolidMesh solid = crooked_box();
-    const auto block = make_tetrahedra(solid, solid_law({2e6, 0.3}, 500.0, 0.06, 1e-4), first_place);
+    const auto block = make_tetrahedra(solid, solid_law({2e6, 0.3}, 500.0, 0.06, 1e-4), first_attachment);
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Vec3(3, -1, 2).normalized()).toRotationMatrix();
     State state = state_of(solid);
     for (std::size_t i = 0; i < solid.node.size(); ++i) {
@@ -103,7 +103,7 @@ TEST(Tetrahedra, DampAsTheirLawSays) {
     const SolidMesh solid = make_box({0.4, 0.4, 0.4}, {2, 2, 2});
     const double density = 500.0, beta = 1e-4, b1 = 0.06;
     const SolidLaw law = solid_law({2e6, 0.3}, density, b1, beta);
-    const auto block = make_tetrahedra(solid, law, first_place);
+    const auto block = make_tetrahedra(solid, law, first_attachment);
     Eigen::Matrix3d rate;
     rate << 0.3, 0.1, -0.2, 0.1, 0.5, 0.4, -0.2, 0.4, -0.1;
     State state = state_of(solid);
@@ -122,7 +122,7 @@ struct Modes {
     Eigen::MatrixXd shape;
 };
 Modes modes_of(const SolidMesh& solid, const SolidLaw& law, const std::vector<double>& mass) {
-    const auto block = make_tetrahedra(solid, law, first_place);
+    const auto block = make_tetrahedra(solid, law, first_attachment);
     const auto count = static_cast<Eigen::Index>(3 * solid.node.size());
     Eigen::MatrixXd tangent(count, count);
     const double by = 1e-6;
@@ -130,7 +130,7 @@ Modes modes_of(const SolidMesh& solid, const SolidLaw& law, const std::vector<do
         Eigen::VectorXd difference = Eigen::VectorXd::Zero(count);
         for (const double sign : {1.0, -1.0}) {
             State state = state_of(solid);
-            state.node[static_cast<std::size_t>(first_place + k / 3)].x[k % 3] += sign * by;
+            state.node[static_cast<std::size_t>(first_attachment + k / 3)].x[k % 3] += sign * by;
             block->add_forces(state);
             for (Eigen::Index i = 0; i < count; ++i)
                 difference[i] += sign * force_on(state, static_cast<std::size_t>(i / 3))[i % 3];
@@ -249,7 +249,7 @@ struct Tumbling {
         : law(solid_law({modulus, 0.3}, 30.0 / mesh.lumped.volume, 0.0, beta)),
           body(node_masses(solid, 30.0, mesh.lumped), mesh, law, 0.0),
           mass(node_masses(solid, 30.0, mesh.lumped)) {
-        structure.push_back(make_tetrahedra(solid, law, first_place));
+        structure.push_back(make_tetrahedra(solid, law, first_attachment));
         constants.mass = {30.0};
         constants.share = {0.0};
         constants.canopy_mass = constants.system_mass = 30.0;
@@ -263,27 +263,27 @@ struct Tumbling {
     }
     void step(double dt) {
         structure.front()->add_forces(state);
-        body.gather(state, payload, first_place);
+        body.gather(state, payload, first_attachment);
         const double kick = 0.5 * (dt + state.dt);
         advance(state, constants, dt, 0.0);
-        body.advance(state, payload, first_place, kick, dt);
+        body.advance(state, payload, first_attachment, kick, dt);
         state.time += dt;
     }
     Vec3 momentum() const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < mass.size(); ++i)
-            sum += mass[i] * to_vec3(state.v_half[first_place + i].value);
+            sum += mass[i] * to_vec3(state.v_half[first_attachment + i].value);
         return sum;
     }
     Vec3 angular_momentum() const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < mass.size(); ++i)
-            sum += mass[i] *
-                   to_vec3(state.node[first_place + i].x).cross(to_vec3(state.v_half[first_place + i].value));
+            sum += mass[i] * to_vec3(state.node[first_attachment + i].x)
+                                 .cross(to_vec3(state.v_half[first_attachment + i].value));
         return sum;
     }
     double energy() const {
-        return body.inner_energy(state, payload, first_place) + structure.front()->energy(state);
+        return body.inner_energy(state, payload, first_attachment) + structure.front()->energy(state);
     }
 };
 
@@ -291,7 +291,7 @@ TEST(DeformableBody, KeepsMomentaAndEnergyWhereItTumbles) {
     // Internal forces have neither sum nor moment. Energy swings with what the extrapolated velocity misses.
     Tumbling t(1e6);
     t.spin({3.0, 0.5, 1.0});
-    const double dt = 0.5 * t.body.critical_step(t.state, t.structure, first_place, 0.0);
+    const double dt = 0.5 * t.body.critical_step(t.state, t.structure, first_attachment, 0.0);
     const Vec3 angular = t.angular_momentum();
     const double energy = t.energy();
     double worst = 0.0;
@@ -314,10 +314,10 @@ TEST(DeformableBody, TumblesAsTheRigidOneWhereItIsStiff) {
     const RigidBody rigid(30.0, t.mesh);
     State still = t.state;
     still.body->half_momentum = still.body->momentum = t.mesh.lumped.inertia * rate;
-    const double dt = 0.8 * t.body.critical_step(t.state, t.structure, first_place, 0.0);
+    const double dt = 0.8 * t.body.critical_step(t.state, t.structure, first_attachment, 0.0);
     while (t.state.time < 1.0) {
         t.step(dt);
-        rigid.advance(still, payload, first_place, dt, dt);
+        rigid.advance(still, payload, first_attachment, dt, dt);
     }
     const auto turn = [](const State& s) {
         return Eigen::Quaterniond(s.body->attitude[0], s.body->attitude[1], s.body->attitude[2],
@@ -332,7 +332,7 @@ TEST(DeformableBody, BoundsItsStepFromBelowAndNotFarBelow) {
     const Tumbling t(1e6);
     const Modes modes = modes_of(t.solid, t.law, t.mass);
     const double exact = 2.0 / modes.frequency[modes.frequency.size() - 1];
-    const double bound = t.body.critical_step(t.state, t.structure, first_place, 0.0);
+    const double bound = t.body.critical_step(t.state, t.structure, first_attachment, 0.0);
     RecordProperty("bound_over_exact", std::to_string(bound / exact));
     EXPECT_LE(bound, exact * (1.0 + 1e-9));
     EXPECT_GT(bound, 0.75 * exact);

@@ -57,10 +57,10 @@ Scene in_empty_space() {
 }
 
 TEST(Deployment, ConservesMomentumInAVacuum) {
-    // Internal forces act in pairs along the line between two nodes: the midpoint rule keeps linear and
-    // angular momentum to round-off, whatever is slack, taut or colliding. 1e-10 of the sum of magnitudes is
-    // what 20 000 steps of 1e-16 leave with room. A pull on the apex across the pack starts it, turning; from
-    // then on the system is free, and comes to taut lines and beyond.
+    // Internal forces act in pairs along the line between two nodes: the central difference scheme keeps
+    // linear and angular momentum to round-off, whatever is slack, taut or colliding. 1e-10 of the sum of
+    // magnitudes is what 20 000 steps of 1e-16 leave with room. A pull on the apex across the pack starts it,
+    // turning; from then on the system is free, and comes to taut lines and beyond.
     Scene scene = in_empty_space();
     scene.parachutes.front().deploy.by = DeployBy::extraction;
     scene.parachutes.front().deploy.pitch = 0.3;
@@ -92,7 +92,7 @@ TEST(Deployment, ConservesMomentumInAVacuum) {
     EXPECT_LT((after.angular - before.angular).norm(), 1e-10 * before.turning);
 }
 
-/// The longest edge of the cloth over its length, less 1, from positions alone.
+/// The longest edge of the fabric over its length, less 1, from positions alone.
 double longest_edge(const std::vector<fullsim::FabricEdge>& edges, const State& s) {
     double longest = -1.0;
     for (const fullsim::FabricEdge& e : edges)
@@ -104,7 +104,7 @@ double longest_edge(const std::vector<fullsim::FabricEdge>& edges, const State& 
 
 TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
     // A pack falls in steps that only what is still folded in it bounds, at least three times as long as
-    // those of its cloth once that may come taut. No edge gets there in such a step, and from then on there
+    // those of its fabric once that may come taut. No edge gets there in such a step, and from then on there
     // are none.
     const Scene scene = packed_c9(DeployBy::static_line);
     Simulation simulation(scene);
@@ -354,8 +354,8 @@ TEST(Deployment, StartsInflated) {
 }
 
 TEST(Deployment, TakesShorterStepsBeforeItsBooksAreFull) {
-    // A static line at 65 m/s: cloth that slaps taut adds so much energy that a run ends at 0.2 % of all that
-    // changes hands (seeds 1 and 3 of this scene did, at snatch), unless it slaps in shorter steps.
+    // A static line at 65 m/s: fabric that slaps taut adds so much energy that a run ends at 0.2 % of all
+    // that changes hands (seeds 1 and 3 of this scene did, at snatch), unless it slaps in shorter steps.
     for (const int seed : {1, 3}) {
         const RunRecord record =
             run_full(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/personnel.toml",

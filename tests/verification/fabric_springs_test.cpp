@@ -1,5 +1,5 @@
-// Cloth as springs along the edges of its triangles: how stiff it is against the sheet it stands for, how far
-// it stretches, and what its hardening costs.
+// Fabric as springs along the edges of its triangles: how stiff it is against the sheet it stands for, how
+// far it stretches, and what its hardening costs.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -144,7 +144,7 @@ double step_at(const Mesh& mesh, double strain) {
 }
 
 TEST(FabricSprings, HardeningCostsNoTimeStep) {
-    // On a uniform mesh the vent leaves the rest of the cloth room to harden; a graded one has no node so
+    // On a uniform mesh the vent leaves the rest of the fabric room to harden; a graded one has no node so
     // fast, and so less room.
     for (const Grading grading : {Grading::uniform, Grading::graded}) {
         const Mesh mesh =

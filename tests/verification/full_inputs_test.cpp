@@ -51,7 +51,7 @@ TEST(FullInputs, TheMassOfTheReducedOrderModelIsNotTheMeshs) {
 
 TEST(FullInputs, TheLinesAreStretchedByTheMassOfTheMesh) {
     // m_l D/(m_l + m_p) without added mass, D = q (C_D S)_i at release. The raw force of the first row is of
-    // lines that carry just that; the canopy's cloth takes its share of the drag along: 2 %.
+    // lines that carry just that; the canopy's fabric takes its share of the drag along: 2 %.
     Scene scene = coarse_scene();
     scene.aerodynamics = {};
     scene.parachutes.front().mass = 60.0;

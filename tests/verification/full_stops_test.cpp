@@ -178,9 +178,10 @@ constexpr Vanishing vanishing[] = {
          s.environment.atmosphere.constant_density = weakest;
          s.aerodynamics.added_mass.reset();
      }},
-    {"cloth drag", true, [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = weakest; },
+    {"fabric drag", true, [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = weakest; },
      [](Scene& s) { s.parachutes.front().deploy.drag_coefficient = 0.0; }},
-    {"fold resistance", true, [](Scene& s) { s.parachutes.front().deploy.deployment_resistance = weakest; },
+    {"deployment resistance", true,
+     [](Scene& s) { s.parachutes.front().deploy.deployment_resistance = weakest; },
      [](Scene& s) { s.parachutes.front().deploy.deployment_resistance = 0.0; }},
 };
 

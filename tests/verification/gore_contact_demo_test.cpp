@@ -38,7 +38,7 @@ TEST_P(GoreContactDemo, HasThePeakOfTheFinestMesh) {
     EXPECT_LT(std::abs(record.energy->residual_fraction), 3e-5);
 }
 
-// The default mesh is polygonal where cloth billows, hence smaller, and full later.
+// The default mesh is polygonal where fabric billows, hence smaller, and full later.
 INSTANTIATE_TEST_SUITE_P(Meshes, GoreContactDemo,
                          testing::Values(Case{2, 17, 0.01, 0.02}, Case{4, 9, 0.005, 0.005}),
                          [](const auto& test) {

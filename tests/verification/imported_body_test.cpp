@@ -130,7 +130,7 @@ TEST(ImportedBody, OfAScenePutsRisersWhereTheyLeadInAnyOrder) {
     for (const Cable& c : mesh.cables) {
         if (c.kind != CableKind::riser) continue;
         const NodeIndex place = std::max(c.node[0], c.node[1]);
-        if (place < mesh.first_place()) continue;
+        if (place < mesh.first_attachment()) continue;
         ++risers;
         // Up the riser to the link, and to the skirt by its first line.
         NodeIndex here = std::min(c.node[0], c.node[1]), before = place;
@@ -142,7 +142,7 @@ TEST(ImportedBody, OfAScenePutsRisersWhereTheyLeadInAnyOrder) {
             before = std::exchange(here, up->node[0] == here ? up->node[1] : up->node[0]);
         }
         const Vec3 tied =
-            frame.transpose() * mesh.places[static_cast<std::size_t>(place - mesh.first_place())];
+            frame.transpose() * mesh.attachments[static_cast<std::size_t>(place - mesh.first_attachment())];
         const Vec3 skirt = frame.transpose() * mesh.position[static_cast<std::size_t>(here)];
         EXPECT_GT(tied.head<2>().normalized().dot(skirt.head<2>().normalized()), 0.5);
     }

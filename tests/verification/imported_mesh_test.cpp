@@ -223,8 +223,8 @@ TEST(ImportedMesh, IsDrawnOutOfItsPack) {
 }
 
 TEST(ImportedMesh, AFlatCanopyFoldsWithoutGrowing) {
-    // Any two points of the cloth come no further apart: folding is piecewise rigid. Over a gore of a pleated
-    // canopy their distances along it stay (points on one panel).
+    // Any two points of the fabric come no further apart: folding is piecewise rigid. Over a gore of a
+    // pleated canopy their distances along it stay (points on one panel).
     const FoldedCanopy closed = canopy_with_mouth(28, 2, 0.05, 1.0);
     const auto flat = [](double r, double azimuth) {
         return Vec3(r * std::cos(azimuth), r * std::sin(azimuth), 0.0);

@@ -32,9 +32,9 @@ TEST(PayloadBody, HangsOnItsRisersWithoutStrain) {
         const Inflation inflation = make_inflation(scene, scene.parachutes.front(), 0.0, 21.0, 1.225);
         const Mesh body = start_mesh(scene, inflation, Phase::initial);
         const Mesh bare = start_mesh(point, inflation, Phase::initial);
-        ASSERT_EQ(body.places.size(), static_cast<std::size_t>(risers));
+        ASSERT_EQ(body.attachments.size(), static_cast<std::size_t>(risers));
         const auto place = [](const Mesh& mesh, NodeIndex i) {
-            return i < mesh.node_count() ? mesh.position[i] : mesh.places[i - mesh.first_place()];
+            return i < mesh.node_count() ? mesh.position[i] : mesh.attachments[i - mesh.first_attachment()];
         };
         for (std::size_t c = 0; c < body.cables.size(); ++c) {
             const auto length = [&](const Mesh& mesh) {
@@ -55,7 +55,7 @@ TEST(PayloadBody, HangsWhereItsShapeAllows) {
         Scene scene = with_box(test::c9_scene(), 0.6, 0.4, 0.9);
         scene.payload.body = body;
         scene.parachutes.front().risers = risers;
-        return start_mesh(scene, inflated(scene.parachutes.front()), Phase::open).body->places();
+        return start_mesh(scene, inflated(scene.parachutes.front()), Phase::open).body->attachments();
     };
     const PayloadBody box{PayloadBody::Shape::box, {0.6, 0.4, 0.9}};
     EXPECT_EQ(places(box, 1), (std::vector<Vec3>{{0.0, 0.0, 0.45}}));
@@ -173,7 +173,7 @@ TEST(PayloadBody, IsNoPartOfAPointMass) {
     scene.full.mesh = {1, 4, 2, 1};
     const Simulation bare(scene);
     EXPECT_FALSE(bare.system().body);
-    EXPECT_TRUE(bare.mesh().places.empty());
+    EXPECT_TRUE(bare.mesh().attachments.empty());
     EXPECT_EQ(bare.synchronised_state().node.size(), static_cast<std::size_t>(bare.mesh().dummy()) + 1);
 }
 

@@ -58,7 +58,7 @@ TEST(PayloadFlight, OfABodyFollowsItsOwnCentreOfMass) {
     const std::vector<double> masses = node_masses(mesh.body->solid, mass, mesh.body->lumped);
     Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero();
     for (std::size_t i = 0; i < masses.size(); ++i) {
-        const NodeRecord& node = state.node[static_cast<std::size_t>(mesh.first_place()) + i];
+        const NodeRecord& node = state.node[static_cast<std::size_t>(mesh.first_attachment()) + i];
         centre += masses[i] / mass * to_vec3(node.x);
         velocity += masses[i] / mass * to_vec3(node.v);
     }

@@ -102,7 +102,7 @@ TEST(RomProperties, EveryRunEndsInANameAndInNumbers) {
 
 TEST(RomProperties, EnergyOnlyFallsInStillAir) {
     // 1/2 v^2 + g z of a body that nothing but drag and weight act on falls; air that it gathers and lets go,
-    // and parts that it casts off, would need books of their own. Between the rows of a run 1e-7 of what
+    // and parts that it casts off, would need a balance of their own. Between the rows of a run 1e-7 of what
     // there is may come from the integration's 1e-8 on speed and altitude.
     Scenes some(2);
     for (int i = 0; i < scenes; ++i) {

@@ -451,11 +451,11 @@ TEST(RomSequence, ASnatchInFlightIsAResult) {
     const RunRecord later = run_rom(read_text(
         edited(with(""), "by = \"line-stretch\"", "by = \"line-stretch\", when = { time = \"1 s\" }")));
     const auto standing = [](const RunRecord& record, const char* key) {
-        return std::ranges::find(record.metrics, key, &Metric::key)->standing;
+        return std::ranges::find(record.metrics, key, &Metric::key)->kind;
     };
     for (const char* key : {"snatch_speed_m_s", "froude_number"}) {
-        EXPECT_EQ(standing(at_once, key), Standing::input) << key;
-        EXPECT_EQ(standing(later, key), Standing::result) << key;
+        EXPECT_EQ(standing(at_once, key), MetricKind::input) << key;
+        EXPECT_EQ(standing(later, key), MetricKind::result) << key;
     }
     // A second of free fall from 21 m/s.
     EXPECT_NEAR(metric(later, "snatch_speed_m_s"), 21.0 + g, 1e-9);

@@ -73,7 +73,7 @@ struct Held {
         return 0.5 * (A + A.transpose());
     }
 
-    /// [s] at which the growth factor of the explicit midpoint rule reaches -1: the largest eigenvalue of
+    /// [s] at which the growth factor of the central difference scheme reaches -1: the largest eigenvalue of
     /// M^-1 (K dt^2/2 + 2 C dt) is 2 (docs/theory/full-model.md).
     double limit() const {
         const Eigen::MatrixXd K = tangent(&fullsim::NodeRecord::x, 1e-7);
@@ -162,7 +162,7 @@ struct StateCase {
     Stage stage;
     void (*arrange)(State&, const Vec3& payload, std::mt19937&);
     bool open;           ///< an open canopy with its air: what most steps of a run are taken in
-    double verge = 0.0;  ///< [-] of the ratio, where rounding decides which cloth is taut
+    double verge = 0.0;  ///< [-] of the ratio, where rounding decides which fabric is taut
 };
 /// Looks at one state in its own and two other orientations: the ratio must not depend on them.
 void look(Held held, const Vec3& centre, Range& range, const StateCase& row) {
@@ -225,9 +225,9 @@ TEST(StepBound, IsBelowTheTrueLimitInEveryStateAndOrientation) {
             std::mt19937 generator(3);
             row.arrange(held.state, payload, generator);
             // As a run finds out before each step.
-            const double cloth = fullsim::fabric_strain_of(held.state, held.structure);
-            held.state.folded = held.state.folded && cloth < fullsim::nearly_taut;
-            EXPECT_EQ(held.state.folded, std::string_view(row.name) == "packed") << cloth;
+            const double fabric = fullsim::fabric_strain_of(held.state, held.structure);
+            held.state.folded = held.state.folded && fabric < fullsim::nearly_taut;
+            EXPECT_EQ(held.state.folded, std::string_view(row.name) == "packed") << fabric;
             look(std::move(held), payload, range, row);
         }
         fmt::print("bound over true limit, {}: {:.3f} to {:.3f}\n", row.name, range.least, range.most);
@@ -239,7 +239,7 @@ TEST(StepBound, IsBelowTheTrueLimitInEveryStateAndOrientation) {
     // A bound from below: the limits' own error is all that it may be above them.
     EXPECT_LE(all.most, 1.0 + 1e-3);
     // Tight enough to be useful: it gives away a third of an open canopy (found 0.696 to 0.742, 2026-11-21).
-    // Slack cloth and lines could bear longer steps, until they come taut within one: rows count every cable
+    // Slack fabric and lines could bear longer steps, until they come taut within one: rows count every cable
     // as taut.
     EXPECT_GE(open.least, 0.65);
 }

@@ -1,4 +1,4 @@
-// Lines that are stiffer than cloth take steps of their own from the pack on.
+// Lines that are stiffer than fabric take steps of their own from the pack on.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ Scene scene_of(const char* file, const std::vector<std::string>& keys = {}) {
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/paper/" + file, keys);
 }
 
-/// A mesh whose cloth could take steps three times as long as its lines while it is drawn out.
+/// A mesh whose fabric could take steps three times as long as its lines while it is drawn out.
 Scene coarse_cloth() {
     return scene_of("crane-drop.toml", {"full.mesh.gore_columns=1", "full.mesh.gore_rows=6",
                                         "full.mesh.line_elements=4", "parachute.gores=4"});
@@ -33,8 +33,8 @@ CriticalSteps bounds_of(const Scene& scene, const Simulation& simulation) {
 
 TEST(StiffLines, TakeStepsOfTheirOwnFromThePackOn) {
     // With the printed modulus, a hundred times that of nylon, lines take a seventh of the step that the
-    // cloth could. The static line is of the same cord: in elements as short as theirs it would leave nothing
-    // of that.
+    // fabric could. The static line is of the same cord: in elements as short as theirs it would leave
+    // nothing of that.
     const Scene scene = scene_of("crane-drop-stiff.toml");
     const Simulation simulation(scene);
     const CriticalSteps bounds = bounds_of(scene, simulation);
@@ -47,7 +47,7 @@ TEST(StiffLines, TakeStepsOfTheirOwnFromThePackOn) {
 
 TEST(StiffLines, EitherTakesHalfOfItsBoundWhileItSlaps) {
     Scene scene = coarse_cloth();
-    // Folded cloth does not slap. Of four gores of one column the closed canopy is shorter by cos 45 deg.
+    // Folded fabric does not slap. Of four gores of one column the closed canopy is shorter by cos 45 deg.
     scene.parachutes.front().deploy.pack_ratio = 0.95 * std::sqrt(2.0);
     Simulation simulation(scene);
     ASSERT_FALSE(simulation.system().folded);
@@ -60,7 +60,7 @@ TEST(StiffLines, EitherTakesHalfOfItsBoundWhileItSlaps) {
 }
 
 TEST(StiffLines, CloseTheLedgerOfADropFromThePack) {
-    // To 3.6e-4 of the drag work over seeds, as without subcycles; with the cloth at 0.95 of its bound
+    // To 3.6e-4 of the drag work over seeds, as without subcycles; with the fabric at 0.95 of its bound
     // to 6.5e-4.
     const RunRecord record = test::run_full(coarse_cloth());
     EXPECT_EQ(record.status.code, StatusCode::completed) << record.status.detail;

@@ -73,9 +73,9 @@ Swing swing(double bulk_viscosity, double factor, int steps) {
 }
 
 TEST(StructuralDrift, ATautNetKeepsItsEnergyOverAMillionSteps) {
-    // The midpoint rule conserves an energy that differs from the real one by a share of (w dt)^2 and swings
-    // about it. What a mean over 14 000 samples leaves of the swings is below 1e-3 of a tenth; a drift would
-    // go on with the steps.
+    // The central difference scheme conserves an energy that differs from the real one by a share of (w dt)^2
+    // and swings about it. What a mean over 14 000 samples leaves of the swings is below 1e-3 of a tenth; a
+    // drift would go on with the steps.
     const Swing net = swing(0.0, 0.5, 1'000'000), finer = swing(0.0, 0.25, 100'000);
     test::report("net: energy over the first and last tenth of 1e6 steps, of the start",
                  net.first / net.start, net.last / net.start);

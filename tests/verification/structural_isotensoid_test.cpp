@@ -1,10 +1,10 @@
-// The shape of a flat circular canopy under uniform pressure, normal to the cloth, without hoop stress.
+// The shape of a flat circular canopy under uniform pressure, normal to the fabric, without hoop stress.
 //
 // Target: data/reference/isotensoid_canopy.csv: infinitely many gores, an inextensible meridian of length
 // D0/2, no vent, lines of length L to the confluence (Taylor 1919), by quadrature.
 //
 // Limits of the comparison. The meshes are those of every full run, from make_gore_mesh, and their gores are
-// finite in number. With one column per gore there are no nodes between the seams: the cloth there is
+// finite in number. With one column per gore there are no nodes between the seams: the fabric there is
 // cut wider than the seams stand apart, is slack around the canopy, and the tension field carries along
 // the meridian only. That is the canopy without hoop stress, as a polygon instead of a circle. With more
 // columns the gores bulge between their seams; the bulges carry hoop tension over a small radius,
@@ -38,7 +38,7 @@ Shape canopy(int gores, int columns, int rows, double lines) {
     chute.line_length = lines * D0;
     chute.riser_length = 0.1;
     chute.vent_diameter = 0.02 * D0;
-    // Strains of 5e-4 in the cords and 1e-3 in the cloth, whatever the number of gores.
+    // Strains of 5e-4 in the cords and 1e-3 in the fabric, whatever the number of gores.
     chute.line.youngs_modulus *= 3.0 * 28.0 / gores;
     chute.tapes = {chute.line, chute.line, chute.line};
     chute.tapes.vent.youngs_modulus *= 30.0;

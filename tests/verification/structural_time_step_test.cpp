@@ -40,7 +40,7 @@ void step_through_phases(Simulation& simulation, double end) {
 }
 
 /// Largest critical time step [s] of the tangent of everything that acts on the structure: the growth factor
-/// of the explicit midpoint rule reaches -1 where the largest eigenvalue of M^-1 (K dt^2/2 + 2 C dt) is 2
+/// of the central difference scheme reaches -1 where the largest eigenvalue of M^-1 (K dt^2/2 + 2 C dt) is 2
 /// (docs/theory/full-model.md).
 double true_limit(const Simulation& simulation, const Scene& scene) {
     const auto structure = make_structure(scene, simulation.mesh());

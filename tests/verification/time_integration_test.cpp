@@ -13,7 +13,7 @@
 namespace twinchute {
 namespace {
 
-/// An open canopy of 8 gores at its steady drag: cloth and lines swing, and hardly any comes taut or slack
+/// An open canopy of 8 gores at its steady drag: fabric and lines swing, and hardly any comes taut or slack
 /// within 20 ms. Each such bend of the right-hand side costs the order.
 Scene open_canopy() {
     Scene scene = test::c9_scene();

@@ -27,7 +27,7 @@
     fabric.setAttribute("position", new THREE.BufferAttribute(corners, 3));
     fabric.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
     fabric.setAttribute("color", new THREE.BufferAttribute(colours, 3));
-    const cloth = new THREE.Mesh(fabric, new THREE.MeshLambertMaterial({
+    const fabricMesh = new THREE.Mesh(fabric, new THREE.MeshLambertMaterial({
         vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
     const tapeKinds = 3, staticLine = 5;  // kinds of cables: docs/guide/frames.md
     function segments(wanted, opacity) {
@@ -52,7 +52,7 @@
     const payload = new THREE.Mesh(new THREE.SphereGeometry(0.014 * reach, 24, 16), new THREE.MeshLambertMaterial({color: 0x555b61}));
     const scene = new THREE.Scene();
     const sky = new THREE.HemisphereLight(0xffffff, 0x8a8f96, 0.85), sun = new THREE.DirectionalLight(0xffffff, 0.35);
-    for (const part of [cloth, tapes, lines, payload]) { part.frustumCulled = false; scene.add(part); }
+    for (const part of [fabricMesh, tapes, lines, payload]) { part.frustumCulled = false; scene.add(part); }
     scene.add(sky);
     const camera = new THREE.PerspectiveCamera(32, 2, 0.05 * reach, 40 * reach);
     camera.up.set(0, 0, 1);

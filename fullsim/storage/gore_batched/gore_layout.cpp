@@ -100,7 +100,7 @@ public:
         has_.springs = acts(Block::fabric_springs);
         has_.membrane = acts(Block::membrane);
         has_.pressure = acts(Block::canopy_pressure);
-        has_.folds = acts(Block::fold_resistance);
+        has_.folds = acts(Block::deployment_resistance);
         has_.breathing = acts(Block::breathing_damping);
         has_.accretion = acts(Block::accretion);
         has_.mass_damping = acts(Block::mass_damping);
@@ -116,9 +116,9 @@ public:
     std::vector<PlanArray> arrays() const override {
         std::vector<PlanArray> all;
         add_bytes(all, "nodes of gores", nodes_->bytes() + rows_->bytes() + bytes_of(node_));
-        // Canopy pressure, cloth drag and membranes read the same constants of triangles.
+        // Canopy pressure, fabric drag and membranes read the same constants of triangles.
         add_bytes(all, "triangles", bytes_of(membrane_) + bytes_of(triangle_rows_));
-        // Springs and fold resistance those of edges.
+        // Springs and deployment resistance those of edges.
         add_bytes(all, "edges", bytes_of(springs_) + bytes_of(spring_columns_));
         add_bytes(all, "tapes", bytes_of(tapes_));
         add_bytes(all, "lines", bytes_of(lines_));
@@ -594,7 +594,7 @@ private:
         viscosity_ = state.air.viscosity;
     }
     EnergyAndStrain fabric_levels(const State& state) const {
-        // Cloth that is held by springs still carries its share only.
+        // Fabric that is held by springs still carries its share only.
         EnergyAndStrain levels = kernels_.membrane_levels(nodes_->up_to_date(state), membrane_, fabric_);
         levels.energy *= state.fe_weight;
         levels.strain *= state.fe_weight;
@@ -635,7 +635,7 @@ private:
             springs_.push_back({{e.node[0], e.node[1]},
                                 1.0 / e.rest_length,
                                 modulus * e.section,
-                                spring_growth(e.hardening),
+                                hardening_coefficient(e.hardening),
                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
                                 deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
     }
@@ -838,7 +838,7 @@ private:
     double line_step_ = 0.0,
            static_line_step_ = 0.0;  // [s] bounds of line, link and riser nodes; of its nodes
     PerronScaling weights_;
-    bool folded_ = false;  // the cloth, for the bound
+    bool folded_ = false;  // the fabric, for the bound
     std::vector<WeighedRows> triangle_rows_;
     std::vector<std::array<double, 2>> spring_columns_;
     GoreAdvance step_;
@@ -866,7 +866,7 @@ const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
      &GoreLayout::finish_pressure},
     {Block::fabric_drag, &GoreLayout::prepare_fabric, &GoreLayout::drag_fabric,
      &GoreLayout::finish_fabric_drag},
-    {Block::fold_resistance, &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
+    {Block::deployment_resistance, &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
     {Block::extraction, &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
     {Block::line_drag, &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},
     {Block::breathing_damping, &GoreLayout::nothing, nullptr, &GoreLayout::finish_breathing},

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "fullsim/elements/passes.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
 

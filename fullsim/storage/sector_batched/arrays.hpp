@@ -7,7 +7,7 @@
 
 #include "fullsim/storage/sector_batched/kernels.hpp"
 #include "fullsim/storage/sector_batched/sector.hpp"
-#include "fullsim/time/midpoint.hpp"
+#include "fullsim/time/central_difference.hpp"
 #include "lib/record/archive.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/solve/plan.hpp"

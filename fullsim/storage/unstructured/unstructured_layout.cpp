@@ -454,7 +454,7 @@ private:
             edges_.set(i, e.node,
                        Constants{1.0 / e.rest_length, modulus * e.section,
                                  (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
-                                 spring_growth(e.hardening),
+                                 hardening_coefficient(e.hardening),
                                  deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
         }
     }
@@ -631,7 +631,7 @@ const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
     {Block::static_line, &UnstructuredLayout::prepare_static_line, &UnstructuredLayout::add_static_line},
     {Block::canopy_pressure, &UnstructuredLayout::prepare_pressure, &UnstructuredLayout::add_pressure},
     {Block::fabric_drag, &UnstructuredLayout::prepare_fabric_drag, &UnstructuredLayout::add_fabric_drag},
-    {Block::fold_resistance, &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
+    {Block::deployment_resistance, &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
     {Block::line_drag, &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
     {Block::breathing_damping, &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
     {Block::accretion, &UnstructuredLayout::prepare_accretion, &UnstructuredLayout::add_accretion},

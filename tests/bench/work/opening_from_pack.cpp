@@ -1,4 +1,4 @@
-// The crane drop from its pack: cloth as springs until it fills, or as finite elements all the way.
+// The crane drop from its pack: fabric as springs until it fills, or as finite elements all the way.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The explicit midpoint rule (paper, Eqs 8 and 9), and the sums that come with a pass over nodes.
+// The central difference scheme (paper, Eqs 8 and 9), and the sums that come with a pass over nodes.
 #pragma once
 
 #include "fullsim/state.hpp"
@@ -13,16 +13,16 @@ struct NodeConstants {
     double canopy_mass = 0.0;              ///< [kg]
     double system_mass = 0.0;              ///< [kg]
     double gravity = 0.0;                  ///< [m/s^2]
-    std::size_t places = 0;                ///< of risers on a body, which nothing accelerates here
+    std::size_t attachments = 0;           ///< of risers on a body, which nothing accelerates here
     std::vector<double> static_line_mass;  ///< [kg] the anchor last, which keeps its velocity
 
-    /// Index of its first node: after the dummy and the places.
-    std::size_t first_static_line() const { return mass.size() + 1 + places; }
+    /// Index of its first node: after the dummy and the attachments.
+    std::size_t first_static_line() const { return mass.size() + 1 + attachments; }
 };
 
 NodeConstants node_constants(const Mesh& mesh, double gravity);
 
-/// Sums over nodes of one step, for reference velocities and books.
+/// Sums over nodes of one step, for reference velocities and the energy balance.
 struct StepSums {
     Lanes canopy_position = splat(0.0), canopy_velocity = splat(0.0);  ///< after the step, times mass
     Lanes other_position = splat(0.0), other_velocity = splat(0.0);    ///< of what is not canopy

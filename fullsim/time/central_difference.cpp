@@ -18,7 +18,7 @@ NodeConstants node_constants(const Mesh& mesh, double gravity) {
     c.mass = mesh.mass;
     c.canopy_nodes = mesh.canopy_nodes;
     c.gravity = gravity;
-    c.places = mesh.places.size();
+    c.attachments = mesh.attachments.size();
     c.static_line_mass = mesh.static_line.mass;
     const double area = mesh.fabric_area();
     c.share.reserve(mesh.mass.size());
