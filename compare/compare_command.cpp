@@ -131,7 +131,7 @@ public:
           directory_(std::move(directory)),
           threads_(threads_of(arguments)),
           quiet_(arguments.has("quiet")) {
-        // What cannot be gone on with is known before anything runs.
+        // Cases that cannot be resumed are refused before anything runs.
         for (const Scene& scene : scenes_)
             cases_.emplace_back(reference, candidate, scene, directory_of(scene, directory_),
                                 arguments.has("resume"));

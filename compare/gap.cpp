@@ -225,7 +225,8 @@ std::optional<double> relative_difference(double value, double of, double zero) 
 }
 
 bool is_within(double difference, const Tolerance& tolerance, double of, double zero) {
-    // Of what is zero but for rounding no share means anything; a tolerance of 0 asks for the same bits.
+    // A relative tolerance means nothing for values that are zero but for round-off; a tolerance of 0 asks
+    // for the same bits.
     double allowed = tolerance.value;
     if (tolerance.relative && allowed > 0.0) allowed = std::max(allowed * std::abs(of), zero);
     return std::abs(difference) <= allowed * (1 + round_off);

@@ -46,7 +46,7 @@ Curve combined(const Curve& a, const Curve* b, double from, double to) {
     times.erase(std::unique(times.begin(), times.end()), times.end());
     Curve result;
     for (std::size_t k = 0; k + 1 < times.size(); ++k) {
-        // Of a jump the value after it begins a piece and the value before it ends one.
+        // At a jump the value after it begins a segment and the value before it ends one.
         const std::size_t i = segment_after(a, times[k]), j = b ? segment_after(*b, times[k]) : 0;
         for (const double time : {times[k], times[k + 1]}) {
             const double value = on_segment(a, i, time) - (b ? on_segment(*b, j, time) : 0.0);

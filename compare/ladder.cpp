@@ -124,7 +124,7 @@ void run_level(LevelResult& result, const Scene& scene, const Fidelity& fidelity
         result.steps = std::max(result.steps, record.cost.steps);
         result.rhs_calls = std::max(result.rhs_calls, record.cost.rhs_calls);
         of_seeds.push_back(metrics_of(result.level, record));
-        // What a run that broke off says of a maximum or a time is not that maximum or time.
+        // A maximum or a time of a run that broke off is not that of the level.
         if (!result.ended()) break;
     }
     result.wall_s = median(walls);

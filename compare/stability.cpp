@@ -88,7 +88,7 @@ std::optional<std::string> refusal(const StabilityCase& row, const Scene& scene,
             const DocumentKind kind{{find_key(scene_keys(), path), 1}, "", InputOrigin::given, "", {}};
             const Values refuses_what_is_out_of_range(read_override(row.asked, kind), kind);
         }
-        // What has to fit together is checked by the reader's own rules; the scene comes from no file.
+        // Consistency of the keys is checked by the reader's own rules; the scene comes from no file.
         Scene copy = scene;
         check_scene(copy, {Values(Document{}, DocumentKind{})});
     } catch (const SceneError& error) {

@@ -18,8 +18,8 @@ public:
     /// As it hangs along `axis` at the start, at rest: what of it is in state.body.
     virtual void start(State& state, const Vec3& axis) const = 0;
 
-    /// What acts on its attachments [N] goes to the payload's node as well; state.riser_force is the risers'
-    /// sum. After all forces are in the state.
+    /// Gathers the forces on its attachments [N] to the payload's node as well; state.riser_force is the
+    /// risers' sum. Called after all forces are in the state.
     virtual void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const = 0;
 
     /// From t to t + dt after the payload's node has moved there. kick: [s] from the middle of the step
@@ -35,8 +35,8 @@ public:
                                  double riser) const = 0;
 };
 
-/// Of the scene's payload; null where it is a point mass. Throws SceneError where it is deformable and its
-/// tetrahedra are too few for that.
+/// Body of the scene's payload; null where it is a point mass. Throws SceneError where it is deformable and
+/// its tetrahedra are too few for that.
 std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh);
 
 /// A body's own x, y and z as columns, along its principal axes.

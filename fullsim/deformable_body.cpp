@@ -60,7 +60,7 @@ void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_att
         sum += state.force[i].value;
         state.aero[i].value = node_mass_[k] * aero;
     }
-    // Those of tetrahedra add up to nothing.
+    // The internal forces of tetrahedra sum to zero.
     state.riser_force = to_vec3(sum);
     state.force[payload].value += sum;
 }

@@ -16,15 +16,14 @@ public:
     RigidBody(double mass, const Vec3& moments, std::vector<Vec3> attachments)
         : mass_(mass), moments_(moments), attachments_(std::move(attachments)) {}
 
-    /// Of the risers' ends from the centre of mass, along the principal axes [m].
+    /// Positions of the risers' ends from the centre of mass, along the principal axes [m].
     const std::vector<Vec3>& attachments() const { return attachments_; }
     const Vec3& moments() const { return moments_; }
 
     /// The body's z axis along `axis`, x along its unitOrthogonal, as meshes are drawn out.
     void start(State& state, const Vec3& axis) const override;
 
-    /// What risers pull at its attachments is taken from them to the payload's node, and to state.body as a
-    /// torque.
+    /// Moves the risers' forces from its attachments to the payload's node, and to state.body as a torque.
     void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const override;
 
     /// The angular momentum as velocities by the central difference scheme, L += kick torque, and the

@@ -57,8 +57,8 @@ public:
     /// steps before an end share what is left.
     void step_to(double end);
 
-    // The same equations for other integrators, without the step: what it is held to. Nodes and velocities in
-    // time alone; mesh, phase and stage are as they stand.
+    // Equations of motion without the time step, for reference solutions by other integrators. Only nodes and
+    // velocities vary in time; mesh, phase and stage stay as they are.
 
     /// x [m] and v [m/s] of every node of the mesh, three numbers each, and M_a [kg], as they are now.
     std::vector<double> unknowns() const;
@@ -100,7 +100,7 @@ public:
     /// [s] the bound on the critical time step of the current tangent, without safety factor.
     CriticalStep bound() const;
     ChosenStep step() const { return steps_.chosen(); }
-    /// What it would be if the canopy moved with so much air [kg], finite elements had that share of their
+    /// Time step if the canopy moved with so much air [kg], finite elements had that share of their
     /// stiffness, no fabric were folded and nothing else were different. For forecasts: weights of the bound
     /// may change with it.
     ChosenStep step_with(double added_mass, double fe_weight);
@@ -108,11 +108,11 @@ public:
     const StepControl& steps() const { return steps_; }
     /// As Layout.
     int sectors() const { return layout_->sectors(); }
-    /// What `full.mass_scaling` did to the mesh.
+    /// Effect of `full.mass_scaling` on the mesh.
     const MassScaling& mass_scaling() const { return mass_scaling_; }
     EnergyLedger ledger() const { return ledger_of(layout_->levels(state_)); }
-    /// What is wrong with the state, if anything: not finite, strained beyond the limit, energy
-    /// from nowhere, or a step too small to go on.
+    /// Finds a fault of the state, if there is one: not finite, strained beyond the limit, energy from
+    /// nowhere, or a step too small to go on.
     std::optional<RunStatus> find_fault();
     /// Every so many steps (steps_between_checks) a step looks for the same in the state that it began with,
     /// whose energy is known then to the last bit.
@@ -125,7 +125,7 @@ public:
     std::int64_t element_steps() const { return element_steps_; }
     std::vector<BlockCost> block_costs() const { return clock_.costs(); }
     const Layout& layout() const { return *layout_; }
-    /// What it keeps in memory in this stage.
+    /// Arrays kept in memory in this stage.
     std::vector<PlanArray> arrays() const;
 
     /// All that changes with time, right after a step or before the first. What is read makes a simulation
@@ -148,7 +148,7 @@ private:
     void take_shape(bool tethered, std::size_t reefing_stage);
     StepInputs step_inputs() const { return {*layout_, structure_, body_.get()}; }
 
-    /// What the energy balance of a step needs to know of its beginning.
+    /// State at the beginning of a step that its energy balance needs.
     struct Balance {
         bool checked = false, watched = false;
         double time = 0.0, turning = 0.0, added_mass = 0.0;  // [s], [J], [J]
@@ -168,7 +168,7 @@ private:
     }
     std::optional<RunStatus> find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& ledger,
                                            double time, std::int64_t step);
-    /// What does not add up, over what changed hands [-].
+    /// Residual of the energy balance over the energy exchanged [-].
     double residual_share(const EnergyLedger& ledger);
     /// The most strained element, in words.
     std::string hardest_hit() const;

@@ -29,10 +29,10 @@ SolidMesh make_box(const Vec3& edges, const std::array<int, 3>& cells);
 /// layer; the middle of each layer is a node.
 SolidMesh make_cylinder(double diameter, double height, int sides, int layers = 1);
 
-/// What a scene describes as a box or a cylinder, with nodes where so many risers are tied. Of a cylinder
-/// about 96 sides, which miss its inertia by 0.2 % at equal mass.
+/// Mesh of a scene's box or cylinder, with nodes where so many risers are attached. A cylinder has about 96
+/// sides, which miss its inertia by 0.2 % at equal mass.
 SolidMesh make_solid(const PayloadBody& body, int risers);
-/// The same in few tetrahedra that are as long as wide, for one that gives way.
+/// Mesh of few tetrahedra that are as long as wide, for a deformable body.
 SolidMesh make_coarse_solid(const PayloadBody& body, int risers);
 
 /// A rigid body at its centre of mass.
@@ -42,7 +42,7 @@ struct Lumped {
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre [kg m^2]
 };
 
-/// Of a homogeneous solid of that mass [kg]: sums of the exact integrals over tetrahedra, of which that of
+/// Lumps a homogeneous solid of that mass [kg]: sums of the exact integrals over tetrahedra, of which that of
 /// x_i x_j is V/20 (sum of corners' x_i x_j + sum x_i sum x_j), e.g. Tonon 2004, J. Math. Stat. 1, 8.
 Lumped lump(const Solid& solid, double mass);
 

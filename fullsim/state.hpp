@@ -33,15 +33,15 @@ public:
     void clear(std::size_t count, std::size_t first = 0) {
         first_ = first;
         of_.assign(count - first, {splat(0.0)});
-        // Of another layout, or of a static line that has gone.
+        // Frees the excess memory of another layout, or of a static line that has gone.
         if (of_.capacity() > of_.size()) of_.shrink_to_fit();
     }
-    /// Of all nodes, with those that are not held.
+    /// Number of all nodes, including those that are not held.
     std::size_t size() const { return first_ + of_.size(); }
     NodeVector& operator[](std::size_t node) { return of_[node - first_]; }
     const NodeVector& operator[](std::size_t node) const { return of_[node - first_]; }
-    /// The same for a loop, as cheap as a plain array: where node 0 would be is known, and no store of the
-    /// loop can change it.
+    /// View for a loop, as cheap as a plain array: where node 0 would be is known, and no store of the loop
+    /// can change it.
     class View {
     public:
         explicit View(NodeForces& forces)
@@ -56,7 +56,7 @@ public:
         std::uintptr_t zero_;  // a number: no pointer may point there
     };
     View view() { return View(*this); }
-    /// Those that there are, in the order of nodes.
+    /// Forces on the nodes that are held, in the order of nodes.
     std::vector<NodeVector>& held() { return of_; }
     const std::vector<NodeVector>& held() const { return of_; }
 
@@ -72,8 +72,8 @@ inline Lanes to_lanes(const Vec3& a) {
     return Lanes{a.x(), a.y(), a.z(), 0.0};
 }
 
-/// What holds the parachute together and what acts on it, one after the other. A scene that starts drawn out
-/// begins in flight; one without springs goes from deployment to flight.
+/// Stage of the structure and its loads, one after the other. A scene that starts drawn out begins in flight;
+/// one without springs goes from deployment to flight.
 enum class Stage {
     deployment,  ///< from the pack to snatch
     springs,     ///< the canopy begins to fill, its fabric still springs and dashpots
@@ -155,7 +155,7 @@ struct BodyState {
     Vec3 torque = Vec3::Zero();         ///< [N m] about its centre, of the risers, at time
 };
 
-/// What the risers apply to the payload in the subcycles of a step, all but its first.
+/// Forces of the risers on the payload in the subcycles of a step, all but its first.
 struct RiserPulls {
     Vec3 sum = Vec3::Zero();  ///< [N]
     int count = 0;
@@ -194,10 +194,10 @@ struct SystemState {
     LargestLoads largest;
 };
 
-/// What each node has. A layout may keep nodes of canopy and lines elsewhere between two synchronisations
+/// Arrays over the nodes. A layout may keep nodes of canopy and lines elsewhere between two synchronisations
 /// (Layout::store); payload and static line are always current.
 struct NodeArrays {
-    /// Those of the mesh, a dummy for padding, where risers are tied to a body, those of the static line.
+    /// Nodes of the mesh, a dummy for padding, the attachment points of a body, nodes of the static line.
     std::vector<NodeRecord> node;
     std::vector<NodeVector> v_half;  ///< [m/s] at time - dt/2
     NodeForces force;                ///< [N] structural and damping forces

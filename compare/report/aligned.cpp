@@ -9,7 +9,7 @@
 namespace twinchute::compare {
 namespace {
 
-// What a screen can show, and what a page has room for.
+// Points that a screen can show, and points that a page has room for.
 constexpr std::size_t fine_points = 900, coarse_points = 400;
 
 /// The rows of a channel with finite times that do not fall, in the page's clock; nothing where that does not

@@ -55,7 +55,7 @@ std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vecto
 /// Neighbouring gores of a generated mesh keep their fabric apart (fullsim/mesh/gore_contacts.hpp).
 std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
-/// Of the canopy as a piece of fabric, until snatch (paper, 3.2.1).
+/// Drag of the canopy as a piece of fabric, until snatch (paper, 3.2.1).
 std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient);
 /// resistance: [N/m] of width.
 std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, double resistance);
@@ -71,7 +71,7 @@ std::unique_ptr<const ForceModel> make_breathing_damping(const Mesh& mesh, doubl
 /// Rayleigh damping -alpha m_i (v_i - v_system) (paper, Eq. 4).
 std::unique_ptr<const ForceModel> make_mass_damping(const Mesh& mesh, double alpha);
 std::unique_ptr<const ForceModel> make_payload_drag(const Mesh& mesh, double drag_area);
-/// Of a body, by the angle between its axis and the way the air goes past it. The table is kept by reference.
+/// Drag of a body, by the angle between its axis and the relative airflow. The table is kept by reference.
 std::unique_ptr<const ForceModel> make_attitude_drag(const Mesh& mesh, const AttitudeDrag& table);
 /// Momentum of the air that joins the canopy, for accreting added mass.
 std::unique_ptr<const ForceModel> make_accretion(const Mesh& mesh);

@@ -1,4 +1,4 @@
-// What the average pressure of the canopy is, for every layout alike.
+// Average pressure of the canopy, for every layout.
 #pragma once
 
 #include "fullsim/state.hpp"

@@ -1,4 +1,4 @@
-// What acts on a parachute only until snatch: drag of its fabric, resistance of its folds, extraction.
+// Loads on a parachute until snatch only: fabric drag, deployment resistance of its folds, extraction.
 #include "fullsim/elements/fabric_spring.hpp"
 #include "fullsim/elements/membrane.hpp"
 #include "fullsim/forces/lanes_view.hpp"

@@ -1,5 +1,5 @@
-// What a force block offers: one virtual call per block and step, plain loops inside. A block
-// holds constants only; whatever changes is in State.
+// Interface of a force block: one virtual call per block and step, plain loops inside. A block holds
+// constants only; all that varies is in State.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,7 @@ public:
     virtual NodeIndex first_node() const { return 0; }
     /// Element evaluations in one add_forces.
     virtual std::size_t elements() const { return 0; }
-    /// Of constants that it keeps for itself.
+    /// Memory of the constants that it keeps for itself [bytes].
     virtual std::size_t bytes() const { return 0; }
 };
 

@@ -47,7 +47,7 @@ struct CornerGroup {
     std::array<LaneNodes, 3> node;
 };
 
-/// Those of a mesh in its order, padded with the dummy.
+/// Corner groups of a mesh in its order, padded with the dummy.
 inline std::vector<CornerGroup> corner_groups(const Mesh& mesh) {
     std::vector<CornerGroup> groups;
     for (std::size_t first = 0; first < mesh.triangles.size(); first += lane_count) {

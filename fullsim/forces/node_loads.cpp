@@ -86,7 +86,8 @@ private:
     double drag_area_;  // [m^2]
 };
 
-/// The same of a body, with C_D S of its attitude. The force acts at its centre of mass, without a moment.
+/// Drag of a body as PayloadDrag, with C_D S of its attitude. The force acts at its centre of mass, without a
+/// moment.
 class AttitudeDragBlock final : public ForceModel {
 public:
     AttitudeDragBlock(const Mesh& mesh, const AttitudeDrag& table)

@@ -35,12 +35,12 @@ std::string structure(const Scene& scene) {
 std::string way_to_deploy(const Scene& scene) {
     return std::string("parachute.deploy.by is \"").append(deployment_name(deployment(scene).by)) + "\"";
 }
-/// Of a piece of the deployment.
+/// Reason for a part of the deployment: why there is no deployment, or `otherwise`.
 std::string deployed(const Scene& scene, const std::string& otherwise) {
     const std::string none = no_deployment(scene);
     return none.empty() ? otherwise : none;
 }
-/// Of an optional key.
+/// Reason that an optional key gives.
 std::string given(std::string_view key, bool is_given) {
     return std::string(key) + (is_given ? " is given" : " is absent");
 }

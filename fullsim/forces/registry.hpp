@@ -30,7 +30,7 @@ const ForceBlock& force_block(Block block);
 
 /// The stages of a scene's run, in their order.
 std::vector<Stage> stages_of(const Scene& scene);
-/// Those in which it takes part; none: the scene leaves it out.
+/// Stages in which the block takes part; none: the scene leaves it out.
 std::vector<Stage> stages_with(const ForceBlock& block, const Scene& scene);
 
 /// The structural blocks of a scene in a stage of its run. They come first in every step, so that the riser

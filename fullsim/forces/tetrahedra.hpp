@@ -17,7 +17,7 @@ struct SolidLaw {
 
 /// With the speed of pressure waves, c = sqrt((lambda + 2 mu)/rho); density [kg/m^3].
 SolidLaw solid_law(const Elasticity& elasticity, double density, double bulk_viscosity, double beta);
-/// Of a scene's payload, whose density follows from its mass.
+/// Law of a scene's payload, whose density follows from its mass.
 SolidLaw solid_law(const Scene& scene, const BodyMesh& body);
 
 /// Green strain E and second Piola-Kirchhoff stress, 2 mu E + lambda tr(E) 1.

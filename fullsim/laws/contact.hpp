@@ -29,7 +29,7 @@ HWY_INLINE ContactArm<T, T3> contact_arm(T zero, T3 axis, T3 first, T3 d) {
     return {d, middle, w, larger(zero - dot(d, w), zero)};
 }
 
-/// What contact does to such a pair.
+/// Contact forces on such a pair, and their energy.
 template <class T, class T3>
 struct ContactPush {
     T3 apart;           ///< [N] added to the first node, taken from the second

@@ -107,7 +107,7 @@ HWY_INLINE Principals<T> viscous_stress(const MembraneLaw& law, const PrincipalS
     return {select(p.first() > zero, select(taut, trace, along), zero), select(taut, trace, zero)};
 }
 
-/// What a triangle does to its corners.
+/// Forces of a triangle on its corners.
 template <class T, class T3>
 struct CornerPulls {
     T3 on_first, on_second, on_third;  // [N]: on_first is added to corner 0, the others are taken from theirs

@@ -107,7 +107,7 @@ std::vector<std::size_t> matched(const std::vector<double>& chains, const std::v
     return of;
 }
 
-/// Of a scene's shape, about its centre [m].
+/// Attachment points of a scene's shape, about its centre [m].
 std::vector<Vec3> attachments_on(const Scene& scene, std::size_t risers) {
     const PayloadBody& body = *scene.payload.body;
     const bool box = body.shape == PayloadBody::Shape::box;
@@ -136,7 +136,7 @@ int node_at(const SolidMesh& solid, const Vec3& place) {
     return static_cast<int>(nearest - solid.node.begin());
 }
 
-/// What the scene describes, on risers in the order of the mesh.
+/// Body that the scene describes, on risers in the order of the mesh.
 BodyMesh body_of_scene(const Scene& scene, const Mesh& mesh, const std::vector<RiserChain>& chains,
                        const Eigen::Matrix3d& frame) {
     const PayloadBody& shape = *scene.payload.body;

@@ -21,7 +21,7 @@ enum class Hang {
 /// where their number does not fit.
 void attach_payload(const Scene& scene, Mesh& mesh, Hang hang);
 
-/// Of the body's own x, y and z in the world, as it hangs at the start along `axis`.
+/// Directions of the body's own x, y and z in the world, as it hangs at the start along `axis`.
 Eigen::Matrix3d frame_along(const Vec3& axis);
 
 }  // namespace twinchute::fullsim

@@ -18,11 +18,12 @@ struct ContactPair {
     double stiffness;  ///< K [N/m] of what holds them apart once they would pass
 };
 
-/// Of a generated mesh, gore after gore, the same number in each: in every row a gore's two seams, and every
-/// node between them with either. So the fabric of a gore stays between the half planes of its seams, where
-/// it meets that of the next gore. K: a quarter of the fabric's E t, shared by the pairs that end at a seam
-/// on one side. A canopy's pressure strains fabric by a per cent at most, so that nodes pass each other by a
-/// few per cent of a gore's width, and twice or half of it changes nothing (docs/theory/full-model.md).
+/// Contact pairs of a generated mesh, gore after gore, the same number in each: in every row a gore's two
+/// seams, and every node between them with either. The fabric of a gore thereby stays between the half planes
+/// of its seams, where it meets that of the next gore. K: a quarter of the fabric's E t, shared by the pairs
+/// that end at a seam on one side. A canopy's pressure strains fabric by a per cent at most. Nodes therefore
+/// pass each other by a few per cent of a gore's width, and twice or half of K changes nothing
+/// (docs/theory/full-model.md).
 ///
 /// visit(pair) for each.
 template <class Visit>
@@ -47,8 +48,8 @@ void for_each_contact(const Mesh& mesh, Visit&& visit) {
 /// All of them.
 std::vector<ContactPair<NodeIndex>> gore_contacts(const Mesh& mesh);
 
-/// Those of the first gores, in local nodes: `local` has all nodes of these gores and those of the seam after
-/// them.
+/// Contact pairs of the first gores, in local nodes: `local` has all nodes of these gores and those of the
+/// seam after them.
 std::vector<ContactPair<LocalNode>> local_contacts(const Mesh& mesh, int gores,
                                                    const std::unordered_map<NodeIndex, LocalNode>& local);
 

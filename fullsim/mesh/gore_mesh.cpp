@@ -149,7 +149,7 @@ private:
         }
     }
 
-    /// Of a row and a column line of that row.
+    /// Corner at a row and a column line of that row.
     struct Corner {
         int row, column;
     };

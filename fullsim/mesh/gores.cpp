@@ -114,7 +114,7 @@ private:
             own_[gore] = std::move(met[gore]);
     }
 
-    /// What only the line of one gore touches is the gore's own.
+    /// Numbers the nodes of lines: a node that only the line of one gore touches is the gore's own.
     void number_lines() {
         const auto lines = of_kind(mesh_.cables, CableKind::line);
         const int each = share(lines.size(), "line elements");

@@ -49,7 +49,7 @@ struct Gores {
     std::vector<GoreCable> static_line;  ///< cords from the vent to a static line
     std::vector<GoreEdge> edges;         ///< of the fabric
 
-    // What belongs to no gore: links, risers, the payload, a static line.
+    // Global structure, which belongs to no gore: links, risers, the payload, a static line.
     std::vector<NodeIndex> global;          ///< nodes of the system, without static line, in mesh order
     std::vector<Cable> global_cables;       ///< risers
     std::vector<Cable> global_static_line;  ///< of a static line, from the apex on

@@ -25,7 +25,7 @@ constexpr std::size_t largest_mesh_file = std::size_t{256} << 20;  // [bytes]
 
 double whole_azimuth(const Vec3& x) {
     const double angle = std::atan2(x.y(), x.x());
-    // What lies toward x by all but rounding is the first.
+    // A direction along x within round-off is the first.
     return angle < -1e-9 ? angle + 2.0 * pi : std::max(0.0, angle);
 }
 

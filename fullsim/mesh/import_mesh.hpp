@@ -38,7 +38,7 @@ struct ImportedMesh {
 /// and the tag of the element or node that is wrong.
 ImportedMesh import_mesh(const GmshMesh& file, const Scene& scene);
 
-/// The same from the file that the scene names, read anew.
+/// Imports from the file that the scene names, which is read anew.
 ImportedMesh import_mesh(const Scene& scene);
 
 /// Where the scene says other sizes than the mesh has, and what of the mesh is not used.

@@ -58,13 +58,12 @@ struct BodyMesh {
     Lumped lumped;            ///< its centre is the origin
     std::vector<int> end;     ///< node of the solid where each riser ends, in the order of Mesh::cables
     bool deformable = false;  ///< its nodes move by themselves; otherwise it is rigid
-    /// Of an imported one: where Mesh::position has its origin, the middle of the nodes that it hangs from
-    /// [m].
+    /// Origin of Mesh::position in an imported body: the middle of its attachment nodes [m].
     std::optional<Vec3> middle = {};
 
     /// Where nodes move with it, or by themselves: ends of risers, all nodes of one that is deformable [m].
     std::vector<Vec3> attachments() const;
-    /// Of these the one that a riser ends at.
+    /// Index among the attachment points of the one at which a riser ends.
     int place_of(std::size_t riser) const { return deformable ? end[riser] : static_cast<int>(riser); }
     /// And back: the node of the solid.
     int node_of(int place) const { return deformable ? place : end[static_cast<std::size_t>(place)]; }
@@ -88,7 +87,8 @@ public:
 
     /// Mass of fabric and cables [kg], without the payload.
     double parachute_mass() const;
-    /// Of one of the cables [kg]. A reefing line has none: it is light, and as long as its stage makes it.
+    /// Mass of one of the cables [kg]. A reefing line has none: it is light, and its length depends on its
+    /// stage.
     double cable_mass(std::size_t index) const;
     /// Fabric area [m^2], the vent excluded.
     double fabric_area() const;
@@ -104,7 +104,8 @@ public:
     Fabric fabric;
     std::array<Cord, 6> cords;      ///< by CableKind
     std::vector<Vec3> attachments;  ///< [m] of the body, as position; empty: the payload is a point mass
-    /// Of a payload that is one. An imported mesh has it before it hangs, a scene's is made to hang it.
+    /// Body of a payload that is not a point mass. An imported mesh has it before attach_payload, which makes
+    /// a scene's.
     std::optional<BodyMesh> body;
     double line_stretch = 1.0;  ///< [-] of lines and risers at the start, by the load that they carry
     StaticLine static_line;     ///< empty where there is none

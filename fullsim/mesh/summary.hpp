@@ -1,4 +1,4 @@
-// What a mesh amounts to: how many of what, masses, areas, lengths.
+// Summary of a mesh: counts, masses, areas, lengths.
 #pragma once
 
 #include <array>

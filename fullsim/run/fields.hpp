@@ -1,4 +1,4 @@
-// What a full run looks like at one instant, cell by cell, for VTK.
+// Fields of a full run at one instant, cell by cell, for VTK.
 #pragma once
 
 #include <cassert>

@@ -1,4 +1,4 @@
-// What the events of a full run have found, and the parts of a run that results and warnings read.
+// Findings of the events of a full run, and the parts of a run that results and warnings read.
 #pragma once
 
 #include <cmath>
@@ -56,7 +56,7 @@ struct RunView {
     double snatch_density() const {
         return packed() ? findings.snatch_density : observer.rows().front().density;
     }
-    /// Of all stages.
+    /// Largest peak of all stages.
     Observer::Peak largest_peak() const {
         Observer::Peak largest = observer.peak();
         for (const Observer::Peak& peak : observer.earlier_peaks())

@@ -81,7 +81,7 @@ void FrameRecorder::begin(double time, const FrameStretch& stretch) {
     stretch_ = {stretch.interval, std::min(stretch.most, most_frames_)};
     begin_ = next_ = time;
     first_ = shape_.frames.size();
-    // What an earlier stretch has not yet accepted is not thinned any more.
+    // Frames of an earlier stretch that are not yet accepted are no longer thinned.
 }
 
 void FrameRecorder::take(const State& state) {

@@ -40,10 +40,10 @@ public:
     /// A check found something wrong: drops what came after the last accept().
     void forget() { shape_.frames.resize(accepted_); }
 
-    /// What was accepted; nothing can be observed after that.
+    /// Returns the accepted frames; nothing can be observed after that.
     ShapeFrames finish();
 
-    /// Of the same mesh.
+    /// Saves or restores; the mesh has to be the same.
     void serialize(Archive& archive);
 
 private:

@@ -1,4 +1,4 @@
-// What a full run writes down: history rows, filtered and raw force maxima, canopy shape.
+// Observations of a full run: history rows, filtered and raw force maxima, canopy shape.
 #pragma once
 
 #include <optional>

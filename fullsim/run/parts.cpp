@@ -36,7 +36,7 @@ std::string given(std::string_view key, bool is_given) {
 bool hands_over(const Scene& scene) {
     return !scene.then.empty();
 }
-/// Of what belongs to the change from springs to finite elements.
+/// Reason for a part of the change from springs to finite elements.
 std::string structure(const Scene& scene) {
     if (!packed(scene)) return start(scene);
     return fmt::format("full.structure is \"{}\"", scene.full.structure == Structure::fe ? "fe" : "msd-fe");
@@ -57,7 +57,7 @@ std::string every_run(const Scene&) {
     return "every run has it";
 }
 
-/// What is not a force block.
+/// Part of a run that is not a force block.
 struct Piece {
     PlanPart::Kind kind;
     std::string_view name, what;

@@ -1,4 +1,4 @@
-// What a full run is made of, and what a scene leaves out of it: one list for records and plans.
+// Parts of a full run, and those that a scene leaves out: one list for records and plans.
 #pragma once
 
 #include <vector>

@@ -22,13 +22,14 @@ namespace twinchute::fullsim {
 namespace {
 
 constexpr int parts_of_stage = 32;  // of the central difference scheme over a stage
-/// Of the filling time, until the mouth is open enough for finite elements to begin: 0.50 in the paper's
+/// Share of the filling time until the mouth is open enough for finite elements to begin: 0.50 in the paper's
 /// crane drop, 0.32 in its free deployment. Steps of springs and of elements differ less than that.
 constexpr double mouth_share = 0.4;
-/// Of the time to snatch in which all fabric is folded: 0.40 in the crane drop, 0.39 in the free deployment.
+/// Share of the time to snatch in which all fabric is folded: 0.40 in the crane drop, 0.39 in the free
+/// deployment.
 constexpr double folded_share = 0.4;
 
-/// What a run's stages last, as far as that can be known beforehand.
+/// Durations of a run's stages, as far as they can be known beforehand.
 struct Course {
     bool known = false;                               ///< its end
     double snatch = 0.0, full_open = 0.0, end = 0.0;  ///< [s] since release; infinite where not reached
@@ -287,7 +288,7 @@ private:
         return end;
     }
 
-    /// What a deformable payload does to the step at the start, or would do.
+    /// Effect of a deformable payload on the time step at the start, actual or hypothetical.
     std::string cost_of_elasticity() const {
         constexpr double sample = 1e9;  // [Pa] of a payload that has no modulus: boards, plastics
         Scene rigid = scene_, soft = scene_;

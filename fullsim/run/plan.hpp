@@ -1,4 +1,4 @@
-// What a full run would need and cost, from its own tables and a moment of its own steps.
+// Forecast of the needs and cost of a full run, from its own tables and a short sample of its own steps.
 #pragma once
 
 #include "lib/scene/scene.hpp"

@@ -8,7 +8,7 @@ namespace twinchute::fullsim {
 
 /// [s] that the projected area is averaged over: the shape settles later than the speed.
 inline constexpr double shape_average = 2.0;
-/// Of the steady projected area: a filled canopy (docs/theory/filling-time.md).
+/// Share of the steady projected area at which a canopy is filled (docs/theory/filling-time.md).
 inline constexpr double filled_share = 0.98;
 
 /// Metrics, channels, ledger, warnings and left-out physics, into the record of a run with its status, events

@@ -143,7 +143,7 @@ private:
         add_event(name, system().time, to_vec3(payload.x), to_vec3(payload.v));
     }
 
-    /// What must not be stepped across next.
+    /// Next time [s] that no step may cross.
     double next_stop() const {
         const double deployed = system().stage == Stage::deployment
                                     ? std::min({hold_end_, longest_deployment, next_load_change()})
@@ -162,7 +162,7 @@ private:
         return force.time.empty() ? infinity : next;
     }
 
-    /// What came after the last check that found nothing wrong is dropped.
+    /// Ends the run and drops all that came after the last check that found nothing wrong.
     void fail(const RunStatus& fault) {
         observer_.forget();
         record_.events.resize(sound_events_);
@@ -380,7 +380,7 @@ private:
         return now;
     }
 
-    /// What the scene may stop at happens now.
+    /// Notes an event at which the scene may stop.
     void met(Trigger::Kind what) {
         if (scene_.stop.kind == what) event_stop_ = std::min(event_stop_, system().time + scene_.stop.delay);
     }
@@ -445,7 +445,7 @@ private:
     CheckpointClock clock_;
 };
 
-/// What the constructor makes anew is not kept.
+/// Saves or restores the run, without the parts that the constructor makes anew.
 void FullRun::serialize(Archive& archive) {
     simulation_.serialize(archive);
     observer_.serialize(archive);
@@ -468,7 +468,7 @@ void FullRun::serialize(Archive& archive) {
     archive.numbers("resumed at", record_.cost.resumed_at);
 }
 
-/// What takes more than the one parachute that this model has, or another way out of its pack; and what its
+/// Keys that need more than the one parachute of this model or another way out of its pack, and keys that its
 /// structure needs.
 std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
@@ -482,7 +482,7 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.cut) keys.emplace_back("parachute.cut");
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
-    // What cannot start is found before anything runs.
+    // Scenes that cannot start are refused before anything runs.
     if (keys.empty() && (chute.mesh || scene.payload.body)) {
         Mesh mesh = unloaded_mesh(scene);
         if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);

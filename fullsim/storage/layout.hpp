@@ -58,7 +58,7 @@ private:
     bool timed_ = false;
 };
 
-/// What the checks of a run look at.
+/// Quantities that the checks of a run examine.
 struct EnergiesAndStrains {
     double kinetic = 0.0;  ///< [J] as kinetic_energy
     double elastic = 0.0;  ///< [J] as elastic_energy
@@ -104,12 +104,12 @@ public:
     /// Structural elements that a step evaluates.
     virtual ElementCount elements(const ForceModels& structure) const;
 
-    /// What it keeps in memory since begin, by the force blocks whose elements they are.
+    /// Arrays that it keeps in memory since begin, by the force blocks whose elements they are.
     virtual std::vector<PlanArray> arrays() const { return {}; }
 
     /// [J] that the membranes of the stage would hold at full stiffness.
     virtual double membrane_energy(State& state) const = 0;
-    /// Of all nodes and elements as they are now, without store.
+    /// Energies and strains of all nodes and elements as they are now, without store.
     virtual EnergiesAndStrains levels(const State& state) const = 0;
     /// [-] largest of fabric springs and tapes: below zero where fabric is folded.
     virtual double fabric_strain(const State& state) const = 0;
@@ -124,8 +124,9 @@ public:
     /// state.in_subcycles, which is empty.
     virtual void advance(State& state, double dt, int subcycles, double next_added_mass) = 0;
 
-    /// What it knows after a step and the state does not, so that it goes on to the same bits. `state` is
-    /// kept; what is read has the name and instruction set of this layout, and goes in after begin.
+    /// Saves or restores the data of the layout after a step that the state lacks, so that a run goes on to
+    /// the same bits. `state` is kept; restored data have the name and instruction set of this layout, and go
+    /// in after begin.
     virtual void serialize(Archive& archive, const State& state) = 0;
 };
 

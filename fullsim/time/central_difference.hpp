@@ -5,7 +5,7 @@
 
 namespace twinchute::fullsim {
 
-/// What the node update needs that does not change.
+/// Constants of the node update.
 struct NodeConstants {
     std::vector<double> mass;   ///< [kg] material, payload included
     std::vector<double> share;  ///< [-] of the added mass; zero outside the canopy

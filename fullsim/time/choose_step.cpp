@@ -11,8 +11,8 @@ constexpr double subcycle_cost = 0.12;  // of a subcycle of lines over a step of
 /// that adds to the energy grows with the step, and so do lines. Where lines take subcycles, either takes no
 /// more than this share of its own bound.
 constexpr double share_while_chattering = 0.5;
-/// Of the largest residual: what impacts may use of it, and from how little left on steps become shorter.
-/// A crane drop uses 0.56 and keeps its steps.
+/// Shares of the largest residual: the one that impacts may use, and the remainder below which steps become
+/// shorter. A crane drop uses 0.56 and keeps its steps.
 constexpr double most_used = 0.9, careful_from = 0.33;
 constexpr double most_at_once = 0.2;  // of what is left, from one look to the next
 constexpr double faster = 1.1;        // by which steps become longer again, at most

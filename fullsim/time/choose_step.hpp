@@ -13,7 +13,7 @@ struct ChosenStep {
     int subcycles = 1;
 };
 
-/// What a step depends on beside the bounds of nodes.
+/// Rules of the time step beside the bounds of nodes.
 struct StepRules {
     double factor = 1.0;     ///< full.time_step_factor
     int most_subcycles = 1;  ///< full.line_substeps; 1 under a body, which moves with the canopy
@@ -26,7 +26,7 @@ struct StepRules {
 
 ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules);
 
-/// Of a step with so many subcycles over one without.
+/// Cost of a step with so many subcycles over that of one without.
 double cost_of(int subcycles);
 
 /// Longest step [s] while fabric that is still slack is drawn out to its length: its largest strain [-] and

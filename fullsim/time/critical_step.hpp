@@ -39,7 +39,7 @@ public:
     /// Anew for these blocks, at the state's added mass. `lines` as below.
     void begin(const State& state, const NodeConstants& constants, const ForceModels& structure,
                const ForceModel* lines);
-    /// Likewise, where the added mass has changed much since. Says whether.
+    /// Renews the weights where the added mass has changed much since. Returns whether it did.
     bool renew(const State& state);
 
     const std::vector<double>& by_node() const { return weight_; }
@@ -60,7 +60,7 @@ private:
     double added_mass_ = 0.0;  // [kg] when they were made
 };
 
-/// The same from all blocks, for the state as it is.
+/// Critical time step from all blocks, for the state as it is.
 CriticalStep critical_step(const State& state, const NodeConstants& constants, const ForceModels& structure,
                            const ForceModels& loads, const std::vector<double>& weights);
 

@@ -7,7 +7,7 @@
 
 namespace twinchute::fullsim {
 
-/// Of the static line alone [J]; zero where there is none.
+/// Kinetic energy of the static line alone [J]; zero where there is none.
 double static_line_kinetic_energy(const State& state, const NodeConstants& constants);
 
 /// 1/2 sum (m_i + M_a,i) v_i^2 [J] at state.time.
@@ -22,11 +22,11 @@ double elastic_energy(const State& state, const ForceModels& structure);
 /// a step of what that changes in power.
 EnergyLedger energy_ledger(const State& state, double kinetic, double elastic);
 
-/// The same for the beginning of the step that led to `state`, exactly as the central difference scheme has
-/// it: the step was asked to weigh what moves (EnergyBook). With b the velocity half a step before the time
-/// and a the acceleration at it, 1/2 m b (b + dt a) + elastic energy is what forces linear in the positions
-/// keep to the last bit, however long the step. elastic, turning, added_mass: [J] stored in blocks, in the
-/// turning of a body and in the book then.
+/// Energy balance at the beginning of the step that led to `state`, exactly as the central difference scheme
+/// has it: the step was asked to weigh what moves (EnergyBook). With b the velocity half a step before the
+/// time and a the acceleration at it, forces linear in the positions conserve 1/2 m b (b + dt a) + elastic
+/// energy to the last bit, however long the step. elastic, turning, added_mass: [J] stored in blocks, in the
+/// rotation of a body and in the ledger then.
 EnergyLedger ledger_before(const State& state, double elastic, double turning, double added_mass);
 
 /// [J] What a residual is held against: the energy at the start with the works of gravity, drag and forces

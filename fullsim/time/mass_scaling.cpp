@@ -10,7 +10,7 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// What holds the nodes in one stage, unstrained, and the largest step with the masses as they are.
+/// Tangent of one stage at the nodes, unstrained, and the largest step with the masses as they are.
 struct Hold {
     GershgorinSums sums;
     double dt = 0.0;  // [s]

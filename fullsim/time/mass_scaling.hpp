@@ -7,7 +7,7 @@
 
 namespace twinchute::fullsim {
 
-/// What it did.
+/// Result of mass scaling.
 struct MassScaling {
     double mass = 0.0;    ///< [kg] added
     double share = 0.0;   ///< [-] of the canopy with its steady air

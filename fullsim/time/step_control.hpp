@@ -10,7 +10,7 @@
 
 namespace twinchute::fullsim {
 
-/// What a step reads of the parachute.
+/// Inputs of a step from the parachute.
 struct StepInputs {
     Layout& layout;
     const ForceModels& structure;
@@ -36,8 +36,8 @@ public:
     /// what is left, so that it is reached exactly and none is tiny. Sets state.folded to false where fabric
     /// could come taut now; the bound counts it from here on.
     NextStep next(State& state, double end, const StepInputs& inputs);
-    /// What it would be for another state, e.g. with more added mass. For forecasts: weights of the bound may
-    /// change with it.
+    /// Time step for another state, e.g. with more added mass. For forecasts: weights of the bound may change
+    /// with it.
     ChosenStep forecast(const State& state, const StepInputs& inputs) const;
 
     /// Whether impacts have to be looked at with the step that begins; `checked`: faults are.

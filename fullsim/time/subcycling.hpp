@@ -1,7 +1,7 @@
 // Lines, links, risers and payload in smaller steps than the canopy: lines are stiff and light, and a step of
 // theirs costs a tenth of one of everything.
 //
-// What canopy and air do to a node comes as one impulse at the beginning of a step; under lines and risers
+// Forces of canopy and air on a node come as one impulse at the beginning of a step; under lines and risers
 // alone it then takes its subcycles, and the canopy's own nodes one drift (impulse form of the method of
 // multiple time steps, Tuckerman, Berne and Martyna 1992, here with the central difference scheme's half
 // steps).
@@ -15,7 +15,7 @@
 
 namespace twinchute::fullsim {
 
-/// Those of the nodes that take subcycles whose records are in State.
+/// Nodes that take subcycles and have their records in State.
 class SubcycledNodes {
 public:
     SubcycledNodes() = default;
@@ -51,7 +51,7 @@ private:
     std::vector<NodeVector> pull_, others_;  // [N]
 };
 
-/// What pulls on lines: adds its forces to a state's, and says what they dissipate [W].
+/// Function of the line forces: adds them to a state's, and returns their dissipation [W].
 using LinePulls = std::function<double(State&)>;
 
 /// All nodes from time t to t + dt as advance in central_difference.hpp; those of `pulled` in `count` > 1

@@ -23,7 +23,7 @@ inline constexpr int lane_count = 4;
 
 /// Four elements side by side, or the x, y, z, 0 of one node.
 using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
-/// What a comparison of Lanes yields: all bits set where true.
+/// Mask that a comparison of Lanes yields: all bits set where true.
 using LaneMask = std::int64_t __attribute__((vector_size(lane_count * sizeof(std::int64_t))));
 
 /// The instructions that functions marked TWINCHUTE_FOR_EACH_CPU run on here.

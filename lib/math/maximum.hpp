@@ -17,7 +17,8 @@ struct Maximum {
 /// Finds the right hump when humps are wider than (b - a)/samples.
 Maximum maximum_on(const std::function<double(double)>& f, double a, double b, int samples,
                    double closeness = 1e-8);
-/// The same where the values of f at two or more equidistant points, a and b included, are known.
+/// Largest value of f on [a, b] where its values at two or more equidistant points, a and b included, are
+/// known.
 Maximum maximum_on(const std::function<double(double)>& f, double a, double b, std::span<const double> values,
                    double closeness = 1e-8);
 

@@ -20,7 +20,7 @@ struct AddedMassModel {
     bool uses_depth = false;  ///< AddedMassSpec::depth_ratio
 };
 
-/// What becomes of the momentum of air that joins the canopy.
+/// Treatment of the momentum of air that joins the canopy.
 enum class AddedMassMomentum {
     inertia_only,  ///< the paper: M_a adds to the inertia, (dM_a/dt) v is left out
     accreting      ///< air at rest is brought to the canopy's speed: (dM_a/dt) v while M_a grows

@@ -18,7 +18,7 @@ struct AirState {
 
 /// A measured atmosphere (a sounding): levels with rising altitudes, at least two.
 struct AirTable {
-    /// What was measured beside the temperature; the other follows from the gas law.
+    /// Quantity that was measured beside the temperature; the other follows from the gas law.
     enum class Beside { pressure, density };
 
     std::string file;                 ///< its name, as the scene gives it

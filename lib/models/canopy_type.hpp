@@ -1,5 +1,5 @@
-// What handbooks say of a type of canopy, whatever its size: ranges of coefficients, each with its source and
-// how far that can be relied on. Read from data/parachutes/types/ by lib/scene/canopy_types.
+// Handbook data of a type of canopy, whatever its size: ranges of coefficients, each with its source and how
+// far that can be relied on. Read from data/parachutes/types/ by lib/scene/canopy_types.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace twinchute {
 
-/// What test after test of a type gave, from low to high.
+/// Range that the tests of a type gave, from low to high.
 struct TypeRange {
     double low = 0.0, high = 0.0;
     std::string source;

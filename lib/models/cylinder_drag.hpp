@@ -14,10 +14,9 @@ namespace twinchute {
 /// force vanishes there all the same); above, the last value holds.
 double cylinder_drag_coefficient(double reynolds);
 
-/// The same tabulated at 16 points per octave and linear in between: within 0.2 % of
-/// cylinder_drag_coefficient from Re = 1/16 to 1e5 and within 3 % in the drag crisis above, without
-/// a logarithm; below, C_d Re is constant, so
-/// that the force is linear in the speed (Stokes). For inner loops.
+/// Drag coefficient tabulated at 16 points per octave and linear in between: within 0.2 % of
+/// cylinder_drag_coefficient from Re = 1/16 to 1e5 and within 3 % in the drag crisis above, without a
+/// logarithm. Below, C_d Re is constant, so that the force is linear in the speed (Stokes). For inner loops.
 class CylinderDragTable {
 public:
     CylinderDragTable();

@@ -1,5 +1,5 @@
-// What a drag coefficient from a handbook's table does not know of a parachute: the length of its lines, and
-// the wake of the body that it trails behind.
+// Corrections of a drag coefficient from a handbook's table for a parachute: the length of its lines, and the
+// wake of its forebody.
 #pragma once
 
 #include <span>

@@ -9,7 +9,7 @@
 
 namespace twinchute {
 
-/// What a filling-time correlation may depend on; of one canopy and its share of the payload.
+/// Inputs that a filling-time correlation may depend on; of one canopy and its share of the payload.
 struct FillTimeInputs {
     double nominal_diameter = 0.0;  ///< D0 [m]
     double snatch_speed = 0.0;      ///< v_s [m/s], airspeed
@@ -58,7 +58,7 @@ struct FillTable {
     bool operator==(const FillTable&) const = default;
 };
 
-/// What Ludtke's balance of mass asks for beside the opening. Sizes of the open canopy; those that are absent
+/// Inputs of Ludtke's balance of mass beside the opening. Sizes of the open canopy; those that are absent
 /// follow from the steady radius.
 struct FillBalance {
     std::optional<double> volume;       ///< V_0 [m^3]; absent: half a sphere, 2/3 pi R_0^3

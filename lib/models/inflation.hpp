@@ -26,7 +26,7 @@ struct Inflation {
     double steady_drag_area = 0.0;  ///< (C_D S)_0 [m^2]
     double eta = 0.0;               ///< sqrt((C_D S)_i/(C_D S)_0) [-] (paper, Eq. 15)
     const DragAreaLaw* law = nullptr;
-    // Of a stage of a reefed opening; what is above is then the stage's own.
+    // Stage of a reefed opening; the members above are then the stage's own.
     double share = 1.0;       ///< drag area that it ends with over (C_D S)_0 of the open canopy [-]
     double ramp_start = 0.0;  ///< phi' at its beginning [-]
     const DragAreaTable* table = nullptr;  ///< in place of the law; the parachute's

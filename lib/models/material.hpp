@@ -32,8 +32,8 @@ struct Cord {
     bool operator==(const Cord&) const = default;
 };
 
-/// What design practice takes off a material's strength: the seams hold less than the material does, and
-/// loads are multiplied before they are held against it.
+/// Reductions of a material's strength by design practice: the seams hold less than the material does, and
+/// loads are multiplied before they are compared with it.
 struct StrengthFactors {
     double joint_efficiency = 1.0;  ///< strength of seams and joints over the material's [-]
     double design_factor = 1.0;     ///< safety, uneven load, wear, moisture, fatigue, all in one [-]

@@ -96,7 +96,7 @@ std::string without_coefficient(const OpeningForceInputs& in) {
     return in.coefficient ? "" : "needs C_x of the canopy's type (parachute.opening_force_coefficient)";
 }
 
-/// What a balance of drag and inertia alone leaves out.
+/// Effect that a balance of drag and inertia alone leaves out.
 std::string beyond_drag_only(const OpeningForceInputs& in) {
     const double gained = in.gravity * in.filling_time / in.speed;
     if (gained > speed_share)

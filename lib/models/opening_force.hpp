@@ -11,7 +11,7 @@
 
 namespace twinchute {
 
-/// What the formulas ask for, at snatch. SI.
+/// Inputs of the formulas, at snatch. SI.
 struct OpeningForceInputs {
     double speed = 0.0;         ///< v_s [m/s] through the air
     double density = 0.0;       ///< [kg/m^3]
@@ -46,7 +46,7 @@ double ballistic_parameter(const OpeningForceInputs& in, double t);
 /// Largest D/((C_D S)_0 q_s) [-] until the fill fraction `last` of an opening that nothing but drag brakes:
 /// v/v_s = 1/(1 + I(tau)/A), I the integral of the growth. Exact.
 double drag_only_peak(const DragAreaGrowth& growth, double ballistic, double last);
-/// The same of an opening by `law` from eta^2 on, until it is full.
+/// Largest D/((C_D S)_0 q_s) [-] of an opening by `law` from eta^2 on, until it is full.
 double drag_only_peak(const DragAreaLaw& law, double eta, double ballistic);
 
 /// C_k = F/((C_D S)_0 q_s) [-] against the mass ratio R_m = rho (C_D S)_0^1.5/m, of a canopy that fills over

@@ -1,4 +1,4 @@
-// What taut lines do to the two bodies at their ends: stiffness, and the snatch force in closed form.
+// Forces of taut lines on the two bodies at their ends: stiffness, and the snatch force in closed form.
 #pragma once
 
 #include <cmath>

@@ -34,7 +34,7 @@ struct Wind {
     }
 };
 
-/// The same wind everywhere.
+/// Wind that is uniform in space.
 Wind uniform_wind(const Vec3& velocity);
 
 /// Horizontal velocity [m/s] of a wind of `speed` [m/s] that blows `from` a direction [rad], from north,

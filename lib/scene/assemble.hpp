@@ -16,7 +16,7 @@ Scene assemble_scene(const Values& values);
 /// One more parachute of the scene, from values that hold its keys in place of the first one's.
 void add_parachute(Scene& scene, const Values& values);
 
-/// Of several parachutes: "parachute.mass" becomes "parachute.NAME.mass".
+/// Renames the inputs where there are several parachutes: "parachute.mass" becomes "parachute.NAME.mass".
 void name_inputs(std::vector<Input>& inputs, const std::string& name);
 
 /// Refuses what no single key can show: a release below the ground, t_i >= t_f, parachutes that wait for each

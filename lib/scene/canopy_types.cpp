@@ -113,7 +113,7 @@ std::string source_text(const CanopyType& type, const TypeRange& range) {
     return fmt::format("{}: {} [grade {}]", what, range.source, range.grade);
 }
 
-/// What lies below a scene.
+/// Defaults of a canopy type, laid below a scene.
 class Below {
 public:
     Below(Document& scene, const CanopyType& type, const Entry& asked_by)

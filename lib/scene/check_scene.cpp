@@ -1,4 +1,4 @@
-// What has to fit together in a scene although every key is right on its own.
+// Consistency checks of a scene whose keys are each right on their own.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,7 +83,7 @@ void warn_of_wind(Scene& scene) {
                               "add levels to the table"});
 }
 
-/// What this scene needs of the parachute whichever model runs it.
+/// Checks the keys that this scene needs of the parachute whichever model runs it.
 void check_needs(const Scene& scene, const Parachute& p, const Complain& complain) {
     if (p.deploy.starts_packed())
         for (const std::string& key : missing_lines(p))
@@ -123,7 +123,7 @@ void check_size(const Scene& scene, const Complain& complain) {
                        "that is where a descent rate is found", "write stop.at = \"steady-descent\"");
 }
 
-/// What flies on has one canopy, open as it was left.
+/// Checks that one canopy flies on, open as it was left.
 void check_then(const Scene& scene, const Complain& complain) {
     if (scene.then.empty()) return;
     using enum Trigger::Kind;
@@ -265,7 +265,7 @@ void check_contact(const Scene& scene, const Complain& complain) {
                "start at line stretch");
 }
 
-/// What makes sectors differ, although a run of one of them would not show it.
+/// Refuses conditions that make sectors differ, although a run of one sector would not show it.
 void check_symmetry(const Scene& scene, const Complain& complain) {
     if (scene.full.symmetry == Symmetry::none) return;
     const auto refuse = [&](std::string why, const char* hint) {

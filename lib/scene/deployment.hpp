@@ -39,7 +39,7 @@ struct ForceHistory {
     bool operator==(const ForceHistory&) const = default;
 };
 
-/// What is not of the chosen kind stays zero.
+/// Parameters of the deployment. Those of other kinds than the chosen one stay zero.
 struct Deployment {
     DeployBy by = DeployBy::line_stretch;
 

@@ -396,7 +396,7 @@ private:
         return grade.empty() ? source : fmt::format("{} [grade {}]", source, grade);
     }
 
-    /// The same name in another table, else the nearest here, else what there is here.
+    /// Suggests the same name in another table, else the nearest here, else all names here.
     std::string suggestion(std::string_view full_path) const {
         const std::string path = row_path(kind_.keys, full_path);
         const std::string start(path.substr(0, path.size() - last_of(path).size()));

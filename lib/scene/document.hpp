@@ -21,7 +21,7 @@ namespace twinchute {
 /// Whether a place is an option of the command line, e.g. "--set", and what stands there an override.
 bool is_override(std::string_view file);
 
-/// What a value is before its key has had a say.
+/// Value before its key interprets it.
 using RawValue = std::variant<std::int64_t, double, std::string, std::vector<std::string>>;
 
 struct Entry {

@@ -13,7 +13,7 @@
 namespace twinchute {
 namespace {
 
-/// What a reader sees of a row.
+/// Cells of a row as a reader sees them.
 std::array<std::string, 6> cells(const Key& key) {
     std::string meaning(key.meaning);
     if (!key.only_with.empty()) {

@@ -18,8 +18,8 @@ double mouth_area_at_line_stretch(const Parachute& chute);
 /// Distance [m] of the seams from the axis when they alone border that mouth: the lines have to be longer.
 double mouth_radius_at_line_stretch(const Parachute& chute);
 
-/// What filling times go by, at a snatch with airspeed `speed` [m/s] in air of `density` [kg/m^3]: of one
-/// canopy, and of a cluster its share of the payload.
+/// Inputs of filling times at a snatch with airspeed `speed` [m/s] in air of `density` [kg/m^3]: for one
+/// canopy, and in a cluster for its share of the payload.
 FillTimeInputs fill_inputs(const Scene& scene, const Parachute& chute, double speed, double density);
 
 /// [m] once around the mouth, of a reefing stage from 0 on: given, or that of a mouth whose area is the

@@ -1,4 +1,4 @@
-// What a scene may leave out of a parachute, and who needs it.
+// Keys that a scene may leave out of a parachute, and the models that need them.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ std::vector<std::string> missing_structure(const Parachute& chute);
 /// is given, and for a mesh of one's own.
 std::string lacks_canopy(const Parachute& chute);
 
-/// What to say where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
+/// Warning where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
 std::optional<Warning> stand_in(const Parachute& chute);
 
 }  // namespace twinchute

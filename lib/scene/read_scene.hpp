@@ -20,7 +20,7 @@ namespace twinchute {
 /// Throws SceneError for everything that is wrong with the input, a series of cases included.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// The same from text; `name` stands for the file in messages, `directory` is where it would lie.
+/// Reads a scene from text; `name` stands for the file in messages, `directory` is where it would lie.
 Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
                       const std::vector<std::string>& overrides = {});
 
@@ -33,7 +33,7 @@ std::vector<Scene> read_scenes_text(std::string_view text, const std::string& na
                                     const std::filesystem::path& directory,
                                     const std::vector<std::string>& overrides = {});
 
-/// What an input that an override gives says of its source, before what the override itself says of it.
+/// Source of an input that an override gives, before the source that the override itself names.
 inline constexpr std::string_view command_line_source = "command line";
 
 /// The tolerances among such overrides, by metric: {"compare.tolerance.peak_force=10 %"}. Any other key is

@@ -53,7 +53,7 @@ std::vector<ScaledQuantity> scale_canopy(Parachute& chute, double diameter,
         if (fill.balance->volume) scale(table + ".volume", 3, *fill.balance->volume);
         if (fill.balance->mouth_area) scale(table + ".mouth_area", 2, *fill.balance->mouth_area);
     };
-    // What stays is taken for part of the shape: the mass is that of a canopy which it fits.
+    // Quantities that stay count as part of the shape: the mass is that of a canopy which they fit.
     Parachute before = chute;
     for (const SizeRow& row : size_rows)
         if (row.power == 1 && !follows(row.key)) before.*row.member /= factor;

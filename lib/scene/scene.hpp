@@ -36,7 +36,7 @@ struct Environment {
     bool operator==(const Environment&) const = default;
 };
 
-/// Of a body that gives way: isotropic, linear (Saint Venant and Kirchhoff's).
+/// Elasticity of a deformable body: isotropic, linear (Saint Venant and Kirchhoff's).
 struct Elasticity {
     double youngs_modulus = 0.0;  ///< [Pa]
     double poisson_ratio = 0.0;   ///< [-]
@@ -144,7 +144,7 @@ struct MeshFile {
 };
 
 /// One parachute, or several alike that open together. Unless said otherwise a value is that of one of them.
-/// What only a structure needs may be absent: 0 or an empty name. See missing_structure.
+/// Values that only a structure needs may be absent: 0 or an empty name. See missing_structure.
 struct Parachute {
     std::string name;
     std::optional<CanopyType> type;                   ///< what handbooks say of its kind
@@ -247,7 +247,7 @@ enum class Symmetry {
     sector  ///< the smallest part that a turn about the axis brings onto the rest; the rest moves as it does
 };
 
-/// What keeps fabric from passing through fabric.
+/// Contact model, which keeps fabric from passing through fabric.
 enum class Contact {
     none,  ///< nothing, as in the paper
     gores  ///< the fabric of a gore stays between its seams, in the order of the gores around the axis
@@ -277,7 +277,7 @@ struct FullSettings {
     bool operator==(const FullSettings&) const = default;
 };
 
-/// What `size` has to meet and what it may change for it.
+/// Requirements of `size`, and the quantities that it may change to meet them.
 struct SizeSpec {
     std::optional<double> max_descent_rate;  ///< [m/s]
     std::optional<double> max_force;         ///< [N] largest opening force

@@ -1,4 +1,4 @@
-// What a scene amounts to, as one fingerprint: two scenes with the same one make the same runs.
+// Digest of a scene: two scenes with the same digest make the same runs.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ public:
     const SourcePlace& place() const { return place_; }
     const std::string& key() const { return key_; }
 
-    /// The same complaint, said of one part of a scene: "file:line:column: part: key: ...".
+    /// Repeats the complaint for one part of a scene: "file:line:column: part: key: ...".
     SceneError within(const std::string& part) const;
 
 private:

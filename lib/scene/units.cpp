@@ -106,7 +106,7 @@ std::string definition(const ut_unit* unit) {
     return length > 0 ? std::string(buffer.data()) : std::string();
 }
 
-/// The same in words of a message.
+/// Dimension of a unit in words of a message.
 std::string kind_of(const ut_unit* unit) {
     const std::string text = definition(unit);
     return text.ends_with(" 1") || text == "1" ? "a plain ratio" : text;

@@ -62,7 +62,7 @@ public:
 
     const std::map<std::string, Tolerance>& tolerances() const { return tolerances_; }
 
-    /// What the record says of the inputs, in the order of the table of keys.
+    /// Inputs as the record lists them, in the order of the table of keys.
     std::vector<Input> inputs() const;
 
 private:

@@ -9,7 +9,7 @@
 namespace twinchute {
 namespace {
 
-/// What can happen to a parachute and has to be waited for.
+/// Event of a parachute that something waits for.
 struct Happening {
     enum class Kind { line_stretch, disreef, full_open, cut };
     std::size_t parachute = 0;
@@ -39,7 +39,7 @@ public:
 private:
     const Parachute& chute(const Happening& h) const { return scene_.parachutes[h.parachute]; }
 
-    /// Those with a trigger, in the order of the scene.
+    /// Events with a trigger, in the order of the scene.
     std::vector<Happening> all() const {
         std::vector<Happening> list;
         for (std::size_t k = 0; k < scene_.parachutes.size(); ++k) {
@@ -81,8 +81,8 @@ private:
         return chute(h).name + ".cut";
     }
 
-    /// What the trigger of `h` is about; none where it is about the flight, or about the reefed stage that it
-    /// ends itself.
+    /// Event that the trigger of `h` is about; none where it is about the flight, or about the reefed stage
+    /// that it ends itself.
     std::optional<Happening> awaited(const Happening& h) const {
         const Trigger* t = trigger(h);
         if (t == nullptr || (h.kind == Kind::disreef && t->of.empty() && t->kind == Trigger::Kind::full_open))

@@ -1,4 +1,4 @@
-// What parachutes wait for, and through it for what else: triggers that nothing can ever meet.
+// Dependencies between the triggers of parachutes, and triggers that nothing can ever meet.
 #pragma once
 
 #include <optional>

@@ -258,7 +258,7 @@ RunRecord packed_quick(const Scene& scene, Run&) {
     return record;
 }
 
-/// The same and 40 N more; packed, a snatch at 22 m/s, 60 m and 2.5 s, and another 7 N.
+/// A peak as packed_quick's and 40 N more; packed, a snatch at 22 m/s, 60 m and 2.5 s, and another 7 N.
 RunRecord packed_dear(const Scene& scene, Run&) {
     RunRecord record = begun("full");
     const bool packed = scene.parachutes.front().deploy.starts_packed();

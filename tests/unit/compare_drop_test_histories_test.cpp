@@ -1,4 +1,4 @@
-// What a test recorded over time: how it is read, how far runs are from it, where it is drawn.
+// Histories of a drop test: how they are read, how far runs are from them, where they are drawn.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -38,7 +38,7 @@ const MetricRow& force_row() {
 constexpr double round_off = 1e-13;  // some thousand additions of numbers of order 1
 
 TEST(CompareHistories, NormsOfLinesAreExact) {
-    // Of x over [0, 3]: integral of x^2 = 9. One segment or seven make no difference.
+    // Norm of x over [0, 3]: integral of x^2 = 9. One segment or seven make no difference.
     for (const int pieces : {1, 7}) {
         const Curve ramp = sampled(0, 3, pieces, [](double t) { return t; });
         EXPECT_NEAR(l2_norm(ramp), 3, 3 * round_off);
@@ -112,8 +112,8 @@ TEST(CompareHistories, AJumpCountsOnBothSides) {
 TEST(CompareHistories, AlignedAtSnatchAShiftOfTheClockChangesNothing) {
     const auto force = [](double t) { return 1 + std::sin(3 * t); };
     const RunRecord reference = with_history(sampled(0, 4, 400, force), 1, 3);
-    // The same curve released 0.75 s earlier, with its events; 0.75 is exact in binary, so are the shifted
-    // clocks.
+    // A copy of the curve released 0.75 s earlier, with its events; 0.75 is exact in binary, so are the
+    // shifted clocks.
     RunRecord late = reference;
     for (double& t : late.channels[0].values)
         t += 0.75;

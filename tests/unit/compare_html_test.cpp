@@ -137,7 +137,8 @@ TEST(CompareHtml, TheWayFromOneSideToTheOtherEndsThere) {
 }
 
 TEST(CompareHtml, ForeignTextStaysText) {
-    // What ends a script, a comment, a tag, an attribute; controls; bytes that are not UTF-8; and much of it.
+    // Text that ends a script, a comment, a tag, an attribute; controls; bytes that are not UTF-8; and much
+    // of it.
     const std::string hostile =
         "</script><script>alert(1)</script><!--\"'><img src=x onerror=alert(2)>&\u2028\x01\xff" +
         std::string(100'000, 'x');
@@ -285,7 +286,7 @@ TEST(CompareHtml, AJumpIsAStepUpright) {
         EXPECT_NEAR(reference[i], 2000.0 + 100.0 * t, 1e-8) << t;
         EXPECT_NEAR(speed[i], 20.0 - t, 1e-12) << t;
     }
-    // What scripts draw: both values at one instant, and no other instant stands there twice.
+    // Data that scripts draw: both values at one instant, and no other instant occurs twice.
     const json data = data_of(report_html(with_a_jump()));
     const auto& values = data["channels"][0]["values"][0];
     EXPECT_EQ(values[static_cast<std::size_t>(at)], 24000.0);

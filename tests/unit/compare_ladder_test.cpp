@@ -34,7 +34,7 @@ TEST(CompareLadder, LevelsHaveNamesOfTheirOwn) {
             EXPECT_TRUE(names.insert(r.name).second) << r.name;
             EXPECT_FALSE(r.why.empty()) << r.name;
             EXPECT_EQ(std::ranges::count(drawn_families(), r.family), 1) << r.name;
-            // What is not the scene as it is says what it changes.
+            // A level other than the scene as given says what it changes.
             EXPECT_EQ(setting_of(r, scene) == "as given", r.given) << r.name;
             given += r.given;
         }

@@ -99,7 +99,7 @@ TEST(CompareReadLadder, WhatIsWrongIsRefusedWithTheKey) {
     EXPECT_TRUE(has(complaint(edited), "run `twinchute ladder` again, or remove the file"));
 }
 
-/// What lies in a directory with this ladder, beside a record of that scene.
+/// Contents of a directory with this ladder, beside a record of that scene.
 LadderBeside beside(const std::string& text, const RunRecord& record) {
     const ScratchDir scratch;
     scratch.write("ladder.json", text);
@@ -118,7 +118,7 @@ TEST(CompareReadLadder, OnlyOneOfTheSameSceneIsShown) {
     const std::string text = with_checksum(ladder_json(ladder));
     RunRecord record = record_of(ladder);
     EXPECT_TRUE(beside(text, record).ladder.has_value());
-    // What only a comparison asks for is no other scene.
+    // Keys that only a comparison asks for do not change the scene.
     record.inputs.push_back({"compare.tolerance.peak_force", std::string("5 %"), "", InputOrigin::given, ""});
     record.inputs.push_back({"full.fields_rate", 50.0, "1/s", InputOrigin::given, ""});
     EXPECT_TRUE(beside(text, record).ladder.has_value());

@@ -1,4 +1,4 @@
-// What a comparison writes and prints.
+// Output of a comparison: files and text.
 #include <gtest/gtest.h>
 
 #include <algorithm>

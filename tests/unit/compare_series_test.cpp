@@ -129,8 +129,8 @@ TEST(Trends, CountStepsAndMeasureSpreads) {
     // Bundled by x, the second group is 0.1/1.05 above the first.
     EXPECT_NEAR(*trend_of({spread, "y", "", "x", {}}, points), 0.1 / 1.05, 1e-12);
     EXPECT_NEAR(*trend_of({spread, "y", "", "", {"a1", "a2"}}, points), 3.0 / 2.5, 1e-12);
-    // Of all in one bundle, 1 1.1 4 4.4 9 9.9 by x: the steps within a value of x rise too, by order of
-    // place.
+    // All points in one bundle, 1 1.1 4 4.4 9 9.9 by x: the steps within a value of x rise too, by order of
+    // position.
     EXPECT_EQ(trend_of({rises, "y", "x", "", {}}, points), 1.0);
     std::vector<SeriesPoint> bent = points;
     bent[0].metrics["y"] = 0.5;  // at x = 3 of the first group

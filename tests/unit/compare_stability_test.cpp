@@ -94,7 +94,7 @@ TEST_F(CompareStability, AStopIsTrueOnlyOfTheCasesThatNameIt) {
     EXPECT_EQ(verdict(), CellVerdict::stopped);
     EXPECT_EQ(cell().status, "energy_grew");
     EXPECT_EQ(cell().reason, "because it was told to");
-    // What a guard would have caught is no excuse for an answer that is wrong.
+    // A guard that would have caught it does not excuse a wrong answer.
     ending = StatusCode::completed;
     row_.check = peak_of(90.0);
     EXPECT_EQ(verdict(), CellVerdict::silently_wrong);

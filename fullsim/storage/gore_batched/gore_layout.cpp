@@ -361,7 +361,7 @@ private:
         return all;
     }
 
-    /// What a block's gores did to nodes of others.
+    /// Writes the forces of a block's gores on nodes of others into the exchange buffers.
     void hand_over(int block) const {
         nodes_->hand_images(block, handed_);
         nodes_->hand_shared(block, std::array{nodes_->frame.force, nodes_->frame.aero});
@@ -479,13 +479,13 @@ private:
     /// [1/s] mass damping.
     double by_mass() const { return has_.mass_damping ? scene_.full.alpha : 0.0; }
 
-    /// Of a node in row sums.
+    /// Weight of a node in row sums.
     double weight(LocalNode n) const {
         const LocalNode first_shared = gores_.local_nodes() - static_cast<LocalNode>(gores_.shared.size());
         if (n >= first_shared) return weights_.by_node()[gores_.shared[n - first_shared].front()];
         return weights_.by_node()[gores_.node[n < gores_.own ? n : gores_.neighbour[n - gores_.own]]];
     }
-    /// Those of the blocks as they are now.
+    /// Computes the row sums of the blocks as they are now.
     void weigh_rows(const State& state) {
         folded_ = state.folded;
         const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
@@ -726,7 +726,7 @@ private:
     LineAir line_air() const {
         return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, density_, viscosity_, wind_};
     }
-    /// Of risers on the state's forces.
+    /// Adds the forces of risers to the state's forces.
     void finish_lines(State& state, const ElementSums& all) {
         state.largest.add_tension(all.largest_load);
         global_nodes_.note(state, [&] { stretch_risers(state, all.dissipated); });

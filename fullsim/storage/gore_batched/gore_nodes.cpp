@@ -41,7 +41,7 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
     edge_length_ = edge_lines * Line{}.size();
     double* const begin = memory_.front().data();
     double* next = begin;
-    // What a triangle reads and writes comes first.
+    // Arrays that a triangle reads and writes come first.
     double** const all_arrays[] = {&frame.x, &frame.v, &frame.force, &frame.push, &frame.aero};
     for (int k = 0; 3 * k < frame.components; ++k, next += 3 * row)
         *all_arrays[k] = next;

@@ -35,7 +35,7 @@ public:
                      static_cast<std::size_t>(component) * frame.lanes];
     }
 
-    /// The same of an own node's velocity half a step before.
+    /// A component of an own node's velocity half a step before.
     double& half_at(LocalNode node, int gore, int component) const {
         const int block = gore / frame.lanes, lane = gore % frame.lanes;
         return frame
@@ -55,13 +55,14 @@ public:
     // one and the first of the next it goes through a few lines of memory that one block writes and another
     // reads: a thread that fetched it from the other's arrays, number by number, would wait longer than it
     // works.
-    /// What the block's last gore has added to its halo nodes, from these arrays, at most three.
+    /// Writes the forces that the block's last gore has added to its halo nodes into the exchange buffer,
+    /// from these arrays, at most three.
     void hand_images(int block, std::span<double* const> arrays) const;
-    /// What was handed over goes to the first gore's own nodes.
+    /// Scatter-adds the buffered halo forces to the first gore's own nodes.
     void take_images(int block, std::span<double* const> arrays) const;
-    /// Where the first gore's own nodes are now,
+    /// Writes the current positions and velocities of the first gore's own nodes into the exchange buffer.
     void show_first_gore(int block) const;
-    /// for the last gore of the block before.
+    /// Gathers them into the halo of the last gore of the block before.
     void see_next_gore(int block) const;
     /// The halo node of each canopy node, or -1.
     const std::vector<std::int32_t>& halo() const { return halo_; }
@@ -69,9 +70,10 @@ public:
     // Nodes that gores share belong to the state. Who works on a block fetches and sums up there.
     /// Their positions and velocities, for the block.
     void receive_shared(const State& state, int block) const;
-    /// What the block's gores did to them, in each of these arrays, at most two, which are cleared.
+    /// Writes the forces of the block's gores on the shared nodes, in each of these arrays, at most two, into
+    /// the exchange buffer and clears the arrays.
     void hand_shared(int block, std::span<double* const> arrays) const;
-    /// What was handed over of the first array, or of the second, goes to the state's forces.
+    /// Adds the buffered forces of the first array, or of the second, to the state's forces.
     void send_shared(int which, NodeForces& forces) const;
 
     /// Every number, lanes without a gore among them.
@@ -86,7 +88,7 @@ private:
     int after(int block) const { return (block + 1) % frame.blocks; }
     double* handed(int block) const { return edge_.front().data() + block * edge_length_; }
     double* shown(int block) const { return handed(block) + 9 * gores_.neighbour.size(); }
-    /// Of the `which`-th array.
+    /// Exchange buffer of the `which`-th array.
     double* of_shared(int block, int which) const {
         return shown(block) + 6 * gores_.neighbour.size() + 3 * which * shared_[block].size();
     }

@@ -495,7 +495,7 @@ struct LaneSums {
     Vec kinetic;  // twice
 };
 
-/// What nodes on lines do in a step: move with it, or take its impulse alone.
+/// Role of nodes on lines in a step: they move with it, or receive its impulse alone.
 enum class Pulled { none, together, apart };
 
 /// Forces that the gore before has added to a halo node, which is cleared.

@@ -35,11 +35,11 @@ struct GoreFrame {
     int components = 12;  ///< of a node: of four or five arrays, or the two that row sums are
     /// From a node to the next.
     std::size_t stride() const { return static_cast<std::size_t>(components) * lanes; }
-    /// Of a node's first lane in an array.
+    /// Offset of a node's first lane in an array.
     std::size_t at(int block, int node) const {
         return (static_cast<std::size_t>(block) * nodes + node) * stride();
     }
-    /// The same in v_half, which halo nodes and shared nodes have none of.
+    /// Stride and offset in v_half, which holds no halo nodes and no shared nodes.
     std::size_t half_stride() const { return 3 * static_cast<std::size_t>(lanes); }
     std::size_t half_at(int block, int node) const {
         return (static_cast<std::size_t>(block) * own + node) * half_stride();
@@ -193,7 +193,7 @@ struct GoreKernels {
     void (*scatter_add_halo)(const GoreFrame& rows, std::span<const std::int32_t> neighbour);
 };
 
-/// Those of the best instruction set that this machine has.
+/// Kernels of the best instruction set that this machine has.
 const GoreKernels& gore_kernels();
 /// One for each instruction set that is compiled in and that this machine has, the best first.
 std::span<const GoreKernels> all_gore_kernels();

@@ -96,7 +96,7 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
     return all;
 }
 
-/// Of all registers that they fill.
+/// Number of lanes in all registers that the groups fill.
 template <std::size_t corners>
 int SectorArrays::lanes_in(const std::vector<Group<corners>>& groups) const {
     int registers = 0;
@@ -427,7 +427,7 @@ std::vector<SectorArrays::CordRow> SectorArrays::cord_rows() const {
     return rows;
 }
 
-/// Of a register that begins at node `first`.
+/// Sources of a register that begins at node `first`.
 NodeSources SectorArrays::sources_of(int first, int nodes) {
     const auto collect = [&](Act::What what) {
         for (const Act& act : acts_)

@@ -49,10 +49,10 @@ public:
     };
     std::vector<CordRow> cord_rows() const;
 
-    /// What is behind the frame.
+    /// Sizes of the arrays behind the frame.
     std::vector<PlanArray> sizes() const;
 
-    /// What a step leaves behind.
+    /// Saves or restores the data that a step leaves behind.
     void serialize(Archive& archive) {
         archive.numbers("nodes of the sector", node_arrays_.all());
         archive.numbers("buffers", stream_rows_.all());

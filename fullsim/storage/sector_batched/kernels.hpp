@@ -61,7 +61,7 @@ struct RemainderPull {
     double sign;
 };
 
-/// What there is to do, in nodes and buffers; made for one width of registers.
+/// Work plan of the sector, in nodes and buffers; made for one register width.
 struct SectorPlan {
     std::vector<TriangleBatch> triangles;
     /// Cords: lines and risers, which may take subcycles. Lines: those of them that meet the air.
@@ -185,7 +185,7 @@ struct SectorKernels {
     double (*kinetic)(const SectorFrame&, const SectorPlan&, double added_mass);
 };
 
-/// Those of the best instruction set that this machine has.
+/// Kernels of the best instruction set that this machine has.
 const SectorKernels& sector_kernels();
 /// One for each instruction set that is compiled in and that this machine has, the best first.
 std::span<const SectorKernels> all_sector_kernels();

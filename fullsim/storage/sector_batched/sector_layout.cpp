@@ -308,7 +308,7 @@ private:
         state.damping_power +=
             sector_.count * kernels_.cables(arrays_.frame, arrays_.plan.tapes, arrays_.frame.tape).dissipated;
     }
-    /// What these dissipate is booked with the subcycle that it is of.
+    /// Adds the forces of lines and risers. Their dissipation enters the energy balance with its subcycle.
     void add_cords(State& state) {
         const ElementSums cords = kernels_.cables(arrays_.frame, arrays_.plan.cords, arrays_.frame.cord);
         line_damping_ = sector_.count * cords.dissipated;

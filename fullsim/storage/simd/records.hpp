@@ -249,7 +249,7 @@ HWY_INLINE double* row_at(double* rows, RowOffset node) {
     return reinterpret_cast<double*>(reinterpret_cast<char*>(rows) + node);
 }
 
-/// Of the second node of each lane relative to the first.
+/// Motion of the second node of each lane relative to the first.
 HWY_INLINE Motion between(const double* nodes, const RowOffset* first, const RowOffset* second) {
     return motion_of(
         [=](int lane) { return record_of(nodes, second[lane]) - record_of(nodes, first[lane]); });

@@ -72,8 +72,9 @@ constexpr std::string_view instruction_set_name(long long hwy_target) {
 #define TWINCHUTE_WITH_SSE4(here)
 #endif
 
-/// What `here`, a function of the namespace of each instruction set, returns for those that this machine has:
-/// the widest first, last what everything is compiled for. Within twinchute::fullsim, where HWY_ONCE holds.
+/// Collects the results of `here`, a function of the namespace of each instruction set, for those that this
+/// machine has: the widest first, last the baseline that everything is compiled for. Within
+/// twinchute::fullsim, where HWY_ONCE holds.
 #define TWINCHUTE_SETS_OF_THIS_MACHINE(Kernels, here) \
     [] {                                              \
         std::vector<Kernels> found;                   \

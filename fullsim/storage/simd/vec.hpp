@@ -115,7 +115,7 @@ HWY_INLINE bool any(Mask which) {
         found = found || !hn::AllFalse(tag, which.raw[k]);
     return found;
 }
-/// Of a pair; on x86 the second where the first is not a number.
+/// Larger or smaller of a pair, lane by lane; on x86 the second where the first is not a number.
 HWY_INLINE Vec larger(Vec a, Vec b) {
     TWINCHUTE_EACH(Vec, hn::Max(a.raw[k], b.raw[k]));
 }

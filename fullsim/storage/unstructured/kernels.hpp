@@ -27,7 +27,7 @@ struct Elements {
     const double* constant = nullptr;  ///< [group][constant][lane]
 };
 
-// What the constants of elements are, in their order.
+// Constants of elements, in their order.
 enum MembraneConstant { inverse_a, inverse_c, b_over_a, reference_area, viscosity, membrane_constants };
 enum CableConstant { inverse_length, stiffness, dashpot, cable_constants };
 enum SpringConstant { growth = cable_constants, fold_force, spring_constants };  ///< after those of a cable
@@ -39,7 +39,7 @@ struct Rows {
     const double* weight = nullptr;
 };
 
-/// What makes a node's inertia and damping, for the bound on the step.
+/// Inertia and damping of nodes, for the bound on the step.
 struct Bound {
     std::span<const double> mass, share;   ///< [kg], [-] as NodeConstants
     double added_mass = 0.0;               ///< [kg] by share

@@ -191,7 +191,7 @@ public:
                          (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
         bound.by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
         CriticalSteps steps;
-        // Of the nodes that lines pull on, lines alone hold those that are not of the canopy.
+        // Nodes on lines that are not of the canopy are held by lines alone.
         unstructured::Bound canopy = bound;
         canopy.mass = canopy.mass.first(static_cast<std::size_t>(constants_.canopy_nodes));
         canopy.share = canopy.share.first(canopy.mass.size());
