@@ -30,7 +30,7 @@ HWY_INLINE ElementSums spring_forces_of(const View& view, const SpringPass& pass
             const T strain = span.strain(edge.inverse_length());
             T tension = zero;
             if constexpr (with_springs) {
-                const auto spring = spring_tension(span, strain, edge.stiffness(), edge.growth(),
+                const auto spring = spring_tension(span, strain, edge.stiffness(), edge.hardening(),
                                                    edge.dashpot(), pass.repulsion);
                 tension = spring.tension;
                 part_dissipated += spring.dissipated;
@@ -67,7 +67,7 @@ HWY_INLINE EnergyAndStrain spring_levels(const View& view, const SpringPass& pas
             const auto edge = part.element(k);
             const T strain = span_strain(edge.inverse_length(), edge.distance());
             energy += edge.stiffness_times_length() *
-                      spring_energy(edge.live(strain, 0.0), edge.growth(), pass.repulsion);
+                      spring_energy(edge.live(strain, 0.0), edge.hardening(), pass.repulsion);
             largest = larger(edge.live(strain, -1.0), largest);
         }
     }
@@ -86,7 +86,8 @@ HWY_INLINE void spring_rows(const View& view, const SpringPass& pass) {
                 stiffness = pass.repulsion * (edge.stiffness() * edge.inverse_length());
             } else if (pass.springs) {
                 const T strain = span_strain(edge.inverse_length(), edge.distance());
-                stiffness = edge.stiffness() * edge.inverse_length() * spring_tangent(strain, edge.growth());
+                stiffness =
+                    edge.stiffness() * edge.inverse_length() * spring_tangent(strain, edge.hardening());
                 damping = edge.dashpot();
             }
             if (pass.folds) damping += (1.0 / full_fold_speed) * edge.fold_force();

@@ -103,7 +103,7 @@ private:
         return edges_.get([this] { return fabric_edges(mesh_); });
     }
     /// [N]
-    double force(const FabricEdge& e) const { return resistance_ * e.section / mesh_.fabric.thickness; }
+    double force(const FabricEdge& e) const { return fold_force(mesh_.fabric, e, resistance_); }
 
     const Mesh& mesh_;
     double resistance_;  // [N/m]

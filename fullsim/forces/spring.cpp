@@ -20,7 +20,7 @@ struct alignas(32) SpringGroup {
     std::array<LaneNodes, 2> node;
     Lanes inverse_length;  // 1/l0 [1/m]
     Lanes stiffness;       // EA [N]
-    Lanes growth;          // (H - 1)/(2 e_m): EA (e + growth e^2) up to e_m, of slope H beyond
+    Lanes hardening;       // (H - 1)/(2 e_m): EA (e + hardening e^2) up to e_m, of slope H beyond
     Lanes dashpot;         // (beta E/l0 + b1 rho c1) A [N s/m] (paper, Eq. 3)
 };
 
@@ -30,18 +30,18 @@ public:
                               const SpringGroup& group)
         : SpanLanes(node, on_node, group) {}
 
-    HWY_INLINE Lanes growth() const { return g_.growth; }
+    HWY_INLINE Lanes hardening() const { return g_.hardening; }
 };
 
 class FabricSprings final : public ForceModel {
 public:
     FabricSprings(const Mesh& mesh, double repulsion, double bulk_viscosity, double beta)
         : repulsion_(repulsion),
-          modulus_(mesh.fabric.youngs_modulus),
+          fabric_(mesh.fabric),
           edges_(fabric_edges(mesh)),
           dummy_(mesh.dummy()),
-          beta_(beta),
-          impedance_(bulk_viscosity * std::sqrt(modulus_ * mesh.fabric.density)) {}
+          bulk_viscosity_(bulk_viscosity),
+          beta_(beta) {}
 
     Block block() const override { return Block::fabric_springs; }
     std::size_t elements() const override { return edges_.size(); }
@@ -60,13 +60,13 @@ public:
     std::size_t bytes() const override { return edges_.capacity() * sizeof(FabricEdge); }
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const FabricEdge& e : edges_) {
-            const double unstrained = modulus_ * e.section / e.rest_length;
+            const SpringConstants c = constants(e);
+            const double unstrained = c.stiffness / e.rest_length;
             // Any edge may come taut any time, unless all are folded.
-            const double tangent =
-                state.folded
-                    ? repulsion_ * unstrained
-                    : unstrained * law::spring_tangent(strain(state, e), hardening_coefficient(e.hardening));
-            const double damping = state.folded ? 0.0 : dashpot(e);
+            const double tangent = state.folded
+                                       ? repulsion_ * unstrained
+                                       : unstrained * law::spring_tangent(strain(state, e), c.hardening);
+            const double damping = state.folded ? 0.0 : c.dashpot;
             for (int end = 0; end < 2; ++end) {
                 const double columns = 1.0 + sums.over(e.node[1 - end], e.node[end]);
                 sums.stiffness[e.node[end]] += columns * tangent;
@@ -77,9 +77,11 @@ public:
 
     double energy(const State& state) const override {
         double total = 0.0;
-        for (const FabricEdge& e : edges_)
-            total += modulus_ * e.section * e.rest_length *
-                     law::spring_energy(strain(state, e), hardening_coefficient(e.hardening), repulsion_);
+        for (const FabricEdge& e : edges_) {
+            const SpringConstants c = constants(e);
+            total +=
+                c.stiffness * e.rest_length * law::spring_energy(strain(state, e), c.hardening, repulsion_);
+        }
         return total;
     }
 
@@ -101,19 +103,20 @@ private:
                 const bool padding = first + k >= edges_.size();
                 for (int end = 0; end < 2; ++end)
                     g.node[end][k] = padding ? dummy_ : edges_[first + k].node[end];
-                g.inverse_length[k] = padding ? 1.0 : 1.0 / edges_[first + k].rest_length;
-                g.stiffness[k] = padding ? 0.0 : modulus_ * edges_[first + k].section;
-                g.growth[k] = padding ? 0.0 : hardening_coefficient(edges_[first + k].hardening);
-                g.dashpot[k] = padding ? 0.0 : dashpot(edges_[first + k]);
+                const SpringConstants c =
+                    padding ? SpringConstants{1.0, 0.0, 0.0, 0.0} : constants(edges_[first + k]);
+                g.inverse_length[k] = c.inverse_length;
+                g.stiffness[k] = c.stiffness;
+                g.hardening[k] = c.hardening;
+                g.dashpot[k] = c.dashpot;
             }
             groups.push_back(g);
         }
         return groups;
     }
 
-    /// [N s/m]
-    double dashpot(const FabricEdge& e) const {
-        return (beta_ * modulus_ / e.rest_length + impedance_) * e.section;
+    SpringConstants constants(const FabricEdge& e) const {
+        return spring_constants(fabric_, e, bulk_viscosity_, beta_);
     }
 
     static double strain(const State& state, const FabricEdge& e) {
@@ -122,10 +125,10 @@ private:
     }
 
     double repulsion_;  // of folded fabric over the stiffness in tension [-]
-    double modulus_;    // [Pa]
+    const Fabric& fabric_;
     std::vector<FabricEdge> edges_;
     NodeIndex dummy_;
-    double beta_, impedance_;  // [s], [N s/m^3] per area of an edge
+    double bulk_viscosity_, beta_;  // [-], [s]
     GroupsOnDemand<SpringGroup> groups_;
 };
 

@@ -18,14 +18,14 @@ struct Tension {
     T tension, dissipated;  // [N], [W]
 };
 
-/// EA (e + growth e^2) up to the strain e_m to which an edge hardens, linear beyond. Folded fabric repels a
-/// little, and without a dashpot: nothing of it is taut. repulsion: of folded fabric over EA [-].
+/// EA (e + hardening e^2) up to the strain e_m to which an edge hardens, linear beyond. Folded fabric repels
+/// a little, and without a dashpot: nothing of it is taut. repulsion: of folded fabric over EA [-].
 template <class T, class S>
-HWY_INLINE Tension<T> spring_tension(const S& span, T strain, T stiffness, T growth, T dashpot,
+HWY_INLINE Tension<T> spring_tension(const S& span, T strain, T stiffness, T hardening, T dashpot,
                                      double repulsion) {
     const T zero = like(strain, 0.0), full = like(strain, full_hardening_strain);
     const T low = select(strain < full, strain, full);
-    const T pull = stiffness * (strain + growth * low * (low + 2.0 * (strain - low)));
+    const T pull = stiffness * (strain + hardening * low * (low + 2.0 * (strain - low)));
     const T push = repulsion * stiffness * strain;
     const auto taut = strain > zero;
     const T spring = select(taut, pull, push);
@@ -35,18 +35,18 @@ HWY_INLINE Tension<T> spring_tension(const S& span, T strain, T stiffness, T gro
 
 /// [J] over EA l0, of which that tension is the derivative.
 template <class T>
-HWY_INLINE T spring_energy(T strain, T growth, double repulsion) {
+HWY_INLINE T spring_energy(T strain, T hardening, double repulsion) {
     const T low = smaller(strain, like(strain, full_hardening_strain)), high = strain - low;
     const T half_square = 0.5 * (strain * strain);
-    const T pulled = half_square + growth * low * (low * low * (1.0 / 3.0) + high * strain);
+    const T pulled = half_square + hardening * low * (low * low * (1.0 / 3.0) + high * strain);
     return select(strain > like(strain, 0.0), pulled, repulsion * half_square);
 }
 
 /// [-] tangent stiffness over EA/l0. Any edge may come taut any time, unless all are folded.
 template <class T>
-HWY_INLINE T spring_tangent(T strain, T growth) {
+HWY_INLINE T spring_tangent(T strain, T hardening) {
     const T low = smaller(larger(strain, like(strain, 0.0)), like(strain, full_hardening_strain));
-    return 1.0 + 2.0 * growth * low;
+    return 1.0 + 2.0 * hardening * low;
 }
 
 /// Holds a folded edge while it lengthens: in full from full_fold_speed on, in proportion below.

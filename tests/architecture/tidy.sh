@@ -27,10 +27,16 @@ if [ ! -f "$build/compile_commands.json" ]; then
     exit 1
 fi
 
-# Sources that this build compiles: those of a target that is not built here cannot be looked at.
+# Sources that this build compiles, alone or in batches, which include them: those of a target that is not
+# built here cannot be looked at. clang-tidy takes the flags of a batched source from its neighbours.
 sources() {
-    sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$build/compile_commands.json" |
-        sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|tests|main)' |
+    local files
+    files=$(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$build/compile_commands.json")
+    {
+        echo "$files"
+        { grep '/Unity/unity_[0-9]*_cxx\.cxx$' <<<"$files" || true; } |
+            xargs -r -d '\n' sed -n 's/^#include "\(.*\)"$/\1/p'
+    } | sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|tests|main)' |
         { grep "^$folder" || true; } | sort -u
 }
 

@@ -144,25 +144,25 @@ TEST(CableLaw, NeverPushes) {
 }
 
 TEST(FabricSpringLaw, TensionIsTheDerivativeOfItsEnergy) {
-    const double growth = 40.0, repulsion = 0.01, h = 1e-6;
+    const double hardening = 40.0, repulsion = 0.01, h = 1e-6;
     for (const double strain : {-0.4, -0.01, 0.01, 0.03, 0.08}) {
         law::Span<double, Vec3> span{d, d.squaredNorm(), 1.0 / d.norm(), 0.0};
-        const double tension = law::spring_tension(span, strain, 1.0, growth, 0.0, repulsion).tension;
-        const double expected = (law::spring_energy(strain + h, growth, repulsion) -
-                                 law::spring_energy(strain - h, growth, repulsion)) /
+        const double tension = law::spring_tension(span, strain, 1.0, hardening, 0.0, repulsion).tension;
+        const double expected = (law::spring_energy(strain + h, hardening, repulsion) -
+                                 law::spring_energy(strain - h, hardening, repulsion)) /
                                 (2.0 * h);
         EXPECT_NEAR(tension, expected, 1e-8) << strain;
         // By hand: EA (e + g e^2) to the strain to which it hardens, a straight line from there on.
         const double low = std::min(strain, full_hardening_strain);
-        const double by_hand =
-            strain < 0.0
-                ? repulsion * strain
-                : low + growth * low * low + (strain - low) * (1.0 + 2.0 * growth * full_hardening_strain);
+        const double by_hand = strain < 0.0
+                                   ? repulsion * strain
+                                   : low + hardening * low * low +
+                                         (strain - low) * (1.0 + 2.0 * hardening * full_hardening_strain);
         EXPECT_NEAR(tension, by_hand, 1e-14) << strain;
         if (strain > 0.0) {
             const double slope =
-                (law::spring_tension(span, strain + h, 1.0, growth, 0.0, repulsion).tension - tension) / h;
-            EXPECT_NEAR(law::spring_tangent(strain, growth), slope, 1e-3) << strain;
+                (law::spring_tension(span, strain + h, 1.0, hardening, 0.0, repulsion).tension - tension) / h;
+            EXPECT_NEAR(law::spring_tangent(strain, hardening), slope, 1e-3) << strain;
         }
     }
 }

@@ -104,9 +104,9 @@ public:
         has_.breathing = acts(Block::breathing_damping);
         has_.accretion = acts(Block::accretion);
         has_.mass_damping = acts(Block::mass_damping);
-        handed_ = {nodes_->frame.force};
-        if (has_.air_on_fabric) handed_.push_back(nodes_->frame.aero);  // lines see no halo node
-        if (has_.pressure) handed_.push_back(nodes_->frame.push);
+        exchanged_ = {nodes_->frame.force};
+        if (has_.air_on_fabric) exchanged_.push_back(nodes_->frame.aero);  // lines see no halo node
+        if (has_.pressure) exchanged_.push_back(nodes_->frame.push);
         weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
         weigh_rows(state);
     }
@@ -165,12 +165,12 @@ public:
         const bool at_once = tuner_.now() > 1 && !clock.timed();
         if (at_once)
             for_parts([&](const GoreFrame& part) {
-                nodes_->see_next_gore(part.first);
-                nodes_->receive_shared(state, part.first);
+                nodes_->gather_halo(part.first);
+                nodes_->gather_shared(state, part.first);
                 for (const auto* blocks : {&structure_, &loads_})
                     for (const Acting& block : *blocks)
                         if (block.row) work(block.row, part);
-                hand_over(part.first);
+                reduce_block(part.first);
             });
         else
             nodes_->up_to_date(state);
@@ -190,8 +190,8 @@ public:
         run(structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         run(loads_);
-        if (has_.own_loops) nodes_->take_forces(state);
-        if (!at_once) for_parts([&](const GoreFrame& part) { hand_over(part.first); });
+        if (has_.own_loops) nodes_->scatter_add_forces(state);
+        if (!at_once) for_parts([&](const GoreFrame& part) { reduce_block(part.first); });
     }
 
     CriticalSteps critical_steps(const State& state) override {
@@ -207,7 +207,7 @@ public:
             set_rows(n, slow_rows_[n < sums.own ? n : n - sums.own + gores_.own]);
         fabric_.weight = state.fe_weight;
         for_parts([&](const GoreFrame& part) {
-            nodes_->see_next_gore(part.first);
+            nodes_->gather_halo(part.first);
             if (has_.membrane) kernels_.membrane_rows(part, membrane_, triangle_rows_, fabric_.weight, sums);
             if (has_.springs || has_.folds)
                 kernels_.spring_rows(part, springs_, edges(), spring_columns_, sums);
@@ -240,8 +240,8 @@ public:
             state.damping_power += line_damping_;
         else
             global_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
-        nodes_->send_shared(0, state.force);
-        nodes_->send_shared(1, state.aero);
+        nodes_->scatter_add_shared(0, state.force);
+        nodes_->scatter_add_shared(1, state.aero);
         NodeMover mover(state, constants_, dt);
         find_inverse_inertia(state);
         step_.nodes = node_;
@@ -263,10 +263,10 @@ public:
         step_.pushed = has_.pressure;
         step_.halo_aero = has_.air_on_fabric;
         for_parts([&](const GoreFrame& part) {
-            nodes_->take_images(part.first, handed_);
+            nodes_->receive_halo_forces(part.first, exchanged_);
             sums_[part.first].step = kernels_.advance(part, step_);
             if (together)
-                nodes_->show_first_gore(part.first);
+                nodes_->send_first_gore(part.first);
             else
                 kernels_.subcycle(part, first);  // of gores alone: it asks for no forces
         });
@@ -362,9 +362,9 @@ private:
     }
 
     /// Writes the forces of a block's gores on nodes of others into the exchange buffers.
-    void hand_over(int block) const {
-        nodes_->hand_images(block, handed_);
-        nodes_->hand_shared(block, std::array{nodes_->frame.force, nodes_->frame.aero});
+    void reduce_block(int block) const {
+        nodes_->send_halo_forces(block, exchanged_);
+        nodes_->reduce_shared(block, std::array{nodes_->frame.force, nodes_->frame.aero});
     }
 
     /// From the last step to this.
@@ -432,10 +432,10 @@ private:
             const GoreSubcycle move = subcycle_of(state, dt, count, k);
             if (k > 0) {
                 for_parts([&](const GoreFrame& part) {
-                    nodes_->receive_shared(state, part.first);
+                    nodes_->gather_shared(state, part.first);
                     sums_[part.first].step = kernels_.subcycle(part, move);
-                    nodes_->hand_shared(part.first, {&nodes_->frame.force, 1});
-                    if (last) nodes_->show_first_gore(part.first);
+                    nodes_->reduce_shared(part.first, {&nodes_->frame.force, 1});
+                    if (last) nodes_->send_first_gore(part.first);
                 });
                 double dissipated = 0.0;
                 for (const SumsOfBlock& of_part : sums_) {
@@ -444,7 +444,7 @@ private:
                 }
                 stretch_risers(state, dissipated);
                 state.in_subcycles.add(state.force[mesh_.payload()].value);
-                nodes_->send_shared(0, state.force);
+                nodes_->scatter_add_shared(0, state.force);
             }
             sums.line_damping += move.step.kick * line_damping_;
             for (const NodeIndex i : gores_.global)
@@ -629,15 +629,16 @@ private:
 
     void prepare_springs(const ForceModel&) {
         springs_.clear();
-        const double modulus = mesh_.fabric.youngs_modulus;
-        const double impedance = scene_.full.bulk_viscosity * std::sqrt(modulus * mesh_.fabric.density);
-        for (const GoreEdge& e : gores_.edges)
+        for (const GoreEdge& e : gores_.edges) {
+            const SpringConstants k =
+                spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
             springs_.push_back({{e.node[0], e.node[1]},
-                                1.0 / e.rest_length,
-                                modulus * e.section,
-                                hardening_coefficient(e.hardening),
-                                (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
-                                deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
+                                k.inverse_length,
+                                k.stiffness,
+                                k.hardening,
+                                k.dashpot,
+                                fold_force(mesh_.fabric, e, deploy().deployment_resistance)});
+        }
     }
     SpringPass edges() const {
         return {deploy().compressive_stiffness_ratio, has_.springs, has_.folds, folded_};
@@ -818,7 +819,7 @@ private:
     std::array<const ForceModels*, 2> models_{};  // of the stage: structure, loads
     std::vector<Acting> structure_, loads_;
     Has has_;
-    std::vector<double*> handed_;  // arrays in which gores add to the halo node of the next one's seam
+    std::vector<double*> exchanged_;  // arrays in which gores add to the halo node of the next one's seam
 
     std::vector<MembraneElement> membrane_;
     MembranePass fabric_;

@@ -66,7 +66,7 @@ GoreNodes::GoreNodes(const Gores& gores, int lanes, What what) : gores_(gores) {
         halo_[gores.neighbour[k]] = gores.own + static_cast<std::int32_t>(k);
 }
 
-void GoreNodes::hand_images(int block, std::span<double* const> arrays) const {
+void GoreNodes::send_halo_forces(int block, std::span<double* const> arrays) const {
     double* to = handed(block);
     const int gore = last_gore(block);
     for (double* array : arrays) {
@@ -77,7 +77,7 @@ void GoreNodes::hand_images(int block, std::span<double* const> arrays) const {
     }
 }
 
-void GoreNodes::take_images(int block, std::span<double* const> arrays) const {
+void GoreNodes::receive_halo_forces(int block, std::span<double* const> arrays) const {
     const double* from = handed(before(block));
     const int gore = block * frame.lanes;
     for (double* array : arrays)
@@ -88,7 +88,7 @@ void GoreNodes::take_images(int block, std::span<double* const> arrays) const {
         }
 }
 
-void GoreNodes::show_first_gore(int block) const {
+void GoreNodes::send_first_gore(int block) const {
     double* to = shown(block);
     const int gore = block * frame.lanes;
     for (double* array : {frame.x, frame.v})
@@ -99,7 +99,7 @@ void GoreNodes::show_first_gore(int block) const {
         }
 }
 
-void GoreNodes::see_next_gore(int block) const {
+void GoreNodes::gather_halo(int block) const {
     const double* from = shown(after(block));
     const int gore = last_gore(block);
     for (double* array : {frame.x, frame.v}) {
@@ -112,13 +112,13 @@ void GoreNodes::see_next_gore(int block) const {
 
 const GoreFrame& GoreNodes::up_to_date(const State& state) const {
     for (int block = 0; block < frame.blocks; ++block) {
-        see_next_gore(block);
-        receive_shared(state, block);
+        gather_halo(block);
+        gather_shared(state, block);
     }
     return frame;
 }
 
-void GoreNodes::show_within(int block) const {
+void GoreNodes::gather_halo_within(int block) const {
     for (int gore = block * frame.lanes; gore < last_gore(block); ++gore)
         for (double* array : {frame.x, frame.v})
             for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
@@ -140,9 +140,9 @@ void GoreNodes::load(const State& state) const {
             }
         }
     for (int block = 0; block < frame.blocks; ++block) {
-        receive_shared(state, block);
-        show_within(block);
-        show_first_gore(block);
+        gather_shared(state, block);
+        gather_halo_within(block);
+        send_first_gore(block);
     }
 }
 
@@ -159,7 +159,7 @@ void GoreNodes::store(State& state) const {
         }
 }
 
-void GoreNodes::take_forces(State& state) const {
+void GoreNodes::scatter_add_forces(State& state) const {
     for (LocalNode n = 0; n < gores_.own; ++n)
         for (int gore = 0; gore < gores_.count; ++gore) {
             const auto i = static_cast<std::size_t>(gores_.node[gore * gores_.own + n]);
@@ -170,7 +170,7 @@ void GoreNodes::take_forces(State& state) const {
         }
 }
 
-void GoreNodes::receive_shared(const State& state, int block) const {
+void GoreNodes::gather_shared(const State& state, int block) const {
     for (const Sharing& s : shared_[block]) {
         const NodeRecord& node = state.node[s.node];
         double *const x = &at(frame.x, s.local, s.first, 0), *const v = &at(frame.v, s.local, s.first, 0);
@@ -182,7 +182,7 @@ void GoreNodes::receive_shared(const State& state, int block) const {
     }
 }
 
-void GoreNodes::hand_shared(int block, std::span<double* const> arrays) const {
+void GoreNodes::reduce_shared(int block, std::span<double* const> arrays) const {
     for (std::size_t which = 0; which < arrays.size(); ++which) {
         double* to = of_shared(block, static_cast<int>(which));
         for (const Sharing& s : shared_[block]) {
@@ -196,7 +196,7 @@ void GoreNodes::hand_shared(int block, std::span<double* const> arrays) const {
     }
 }
 
-void GoreNodes::send_shared(int which, NodeForces& forces) const {
+void GoreNodes::scatter_add_shared(int which, NodeForces& forces) const {
     const NodeForces::View on_node = forces.view();
     for (int block = 0; block < frame.blocks; ++block) {
         const double* from = of_shared(block, which);

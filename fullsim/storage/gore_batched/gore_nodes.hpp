@@ -49,7 +49,7 @@ public:
     void load(const State& state) const;
     void store(State& state) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
-    void take_forces(State& state) const;
+    void scatter_add_forces(State& state) const;
 
     // The next gore's seam as gores see it. Within a block the kernels see to it. Between the last gore of
     // one and the first of the next it goes through a few lines of memory that one block writes and another
@@ -57,24 +57,24 @@ public:
     // works.
     /// Writes the forces that the block's last gore has added to its halo nodes into the exchange buffer,
     /// from these arrays, at most three.
-    void hand_images(int block, std::span<double* const> arrays) const;
+    void send_halo_forces(int block, std::span<double* const> arrays) const;
     /// Scatter-adds the buffered halo forces to the first gore's own nodes.
-    void take_images(int block, std::span<double* const> arrays) const;
+    void receive_halo_forces(int block, std::span<double* const> arrays) const;
     /// Writes the current positions and velocities of the first gore's own nodes into the exchange buffer.
-    void show_first_gore(int block) const;
+    void send_first_gore(int block) const;
     /// Gathers them into the halo of the last gore of the block before.
-    void see_next_gore(int block) const;
+    void gather_halo(int block) const;
     /// The halo node of each canopy node, or -1.
     const std::vector<std::int32_t>& halo() const { return halo_; }
 
     // Nodes that gores share belong to the state. Who works on a block fetches and sums up there.
     /// Their positions and velocities, for the block.
-    void receive_shared(const State& state, int block) const;
+    void gather_shared(const State& state, int block) const;
     /// Writes the forces of the block's gores on the shared nodes, in each of these arrays, at most two, into
     /// the exchange buffer and clears the arrays.
-    void hand_shared(int block, std::span<double* const> arrays) const;
+    void reduce_shared(int block, std::span<double* const> arrays) const;
     /// Adds the buffered forces of the first array, or of the second, to the state's forces.
-    void send_shared(int which, NodeForces& forces) const;
+    void scatter_add_shared(int which, NodeForces& forces) const;
 
     /// Every number, lanes without a gore among them.
     void serialize(Archive& archive) {
@@ -92,7 +92,7 @@ private:
     double* of_shared(int block, int which) const {
         return shown(block) + 6 * gores_.neighbour.size() + 3 * which * shared_[block].size();
     }
-    void show_within(int block) const;
+    void gather_halo_within(int block) const;
     LocalNode first_shared() const { return static_cast<LocalNode>(gores_.own + gores_.neighbour.size()); }
 
     struct alignas(128) Line : std::array<double, 16> {};  // two of a cache, which come together

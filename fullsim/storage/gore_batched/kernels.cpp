@@ -215,7 +215,7 @@ public:
     HWY_INLINE Vec stiffness() const { return all(row_.stiffness); }
     HWY_INLINE Vec stiffness_times_length() const { return all(row_.stiffness / row_.inverse_length); }
     HWY_INLINE Vec dashpot() const { return all(row_.dashpot); }
-    HWY_INLINE Vec growth() const { return all(row_.growth); }
+    HWY_INLINE Vec hardening() const { return all(row_.hardening); }
     HWY_INLINE Vec fold_force() const { return all(row_.fold_force); }
     HWY_INLINE Vec counted(Vec load) const { return load; }
     HWY_INLINE void pull_together(Vec3s force) const {

@@ -64,8 +64,8 @@ struct CableElement {
 
 struct SpringElement {
     Node2 node;
-    double inverse_length, stiffness, growth, dashpot;  // as FabricSprings
-    double fold_force;                                  // [N] that holds it while folded
+    double inverse_length, stiffness, hardening, dashpot;  // as SpringConstants
+    double fold_force;                                     // [N] that holds it while folded
 };
 
 /// Nodes that keep their order around the axis (ContactPair).

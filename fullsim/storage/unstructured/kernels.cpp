@@ -207,7 +207,7 @@ public:
     HWY_INLINE Vec inverse_length() const { return this->constant(unstructured::inverse_length); }
     HWY_INLINE Vec stiffness() const { return this->constant(unstructured::stiffness); }
     HWY_INLINE Vec dashpot() const { return this->constant(unstructured::dashpot); }
-    HWY_INLINE Vec growth() const { return this->constant(unstructured::growth); }
+    HWY_INLINE Vec hardening() const { return this->constant(unstructured::hardening); }
     HWY_INLINE Vec fold_force() const { return this->constant(unstructured::fold_force); }
     HWY_INLINE Vec counted(Vec load) const { return load; }
     HWY_INLINE void pull_together(Vec3s force) const {

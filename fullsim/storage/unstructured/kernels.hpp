@@ -30,7 +30,11 @@ struct Elements {
 // Constants of elements, in their order.
 enum MembraneConstant { inverse_a, inverse_c, b_over_a, reference_area, viscosity, membrane_constants };
 enum CableConstant { inverse_length, stiffness, dashpot, cable_constants };
-enum SpringConstant { growth = cable_constants, fold_force, spring_constants };  ///< after those of a cable
+enum SpringConstant {
+    hardening = cable_constants,
+    fold_force,
+    spring_constants
+};  ///< after those of a cable
 enum PairConstant { pair_stiffness, pair_constants };
 
 /// As GershgorinSums, by node.

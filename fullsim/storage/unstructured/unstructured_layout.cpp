@@ -444,18 +444,16 @@ private:
     void prepare_folds() { springs_.folds = true; }
     void prepare_edges() {
         springs_.repulsion = deploy().compressive_stiffness_ratio;
-        const double modulus = mesh_.fabric.youngs_modulus;
-        const double impedance = scene_.full.bulk_viscosity * std::sqrt(modulus * mesh_.fabric.density);
         const std::vector<FabricEdge> edges = fabric_edges(mesh_);
         using Constants = std::array<double, unstructured::spring_constants>;
         edges_.begin<2>(edges.size(), kernels_.lanes, mesh_.dummy(), Constants{1.0});
         for (std::size_t i = 0; i < edges.size(); ++i) {
             const FabricEdge& e = edges[i];
+            const SpringConstants k =
+                spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
             edges_.set(i, e.node,
-                       Constants{1.0 / e.rest_length, modulus * e.section,
-                                 (scene_.full.beta * modulus / e.rest_length + impedance) * e.section,
-                                 hardening_coefficient(e.hardening),
-                                 deploy().deployment_resistance * e.section / mesh_.fabric.thickness});
+                       Constants{k.inverse_length, k.stiffness, k.dashpot, k.hardening,
+                                 fold_force(mesh_.fabric, e, deploy().deployment_resistance)});
         }
     }
     SpringPass springs_of(const State& state) const {
