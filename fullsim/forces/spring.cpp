@@ -116,7 +116,7 @@ private:
     }
 
     SpringConstants constants(const FabricEdge& e) const {
-        return spring_constants(fabric_, e, bulk_viscosity_, beta_);
+        return fabric_spring_constants(fabric_, e, bulk_viscosity_, beta_);
     }
 
     static double strain(const State& state, const FabricEdge& e) {

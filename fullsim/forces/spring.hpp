@@ -34,7 +34,8 @@ struct SpringConstants {
     double inverse_length, stiffness, hardening, dashpot;
 };
 template <class Edge>
-SpringConstants spring_constants(const Fabric& fabric, const Edge& e, double bulk_viscosity, double beta) {
+SpringConstants fabric_spring_constants(const Fabric& fabric, const Edge& e, double bulk_viscosity,
+                                        double beta) {
     const double modulus = fabric.youngs_modulus;
     const double impedance = bulk_viscosity * std::sqrt(modulus * fabric.density);
     return {1.0 / e.rest_length, modulus * e.section, hardening_coefficient(e.hardening),

@@ -8,7 +8,7 @@
 
 namespace twinchute {
 
-/// Key figures with units and standing, events, energy, cost, warnings, what was left out.
+/// Key figures with units and kind, events, energy, cost, warnings, what was left out.
 /// `title`: of the fidelity, e.g. "reduced-order model".
 std::string record_text(const RunRecord& record, std::string_view title, const Style& style);
 

@@ -69,7 +69,7 @@ bool is_numerical_failure(StatusCode code) {
 }
 
 std::string_view metric_kind_name(MetricKind kind) {
-    switch (standing) {
+    switch (kind) {
         case MetricKind::input:
             return "input";
         case MetricKind::result:
@@ -117,7 +117,7 @@ const Event* RunRecord::find_event(std::string_view name) const {
 }
 
 void RunRecord::add_metric(std::string key, double value, MetricKind kind, std::string note) {
-    Metric row{std::move(key), value, standing, std::move(note)};
+    Metric row{std::move(key), value, kind, std::move(note)};
     const auto existing = std::ranges::find(metrics, row.key, &Metric::key);
     if (existing == metrics.end()) {
         metrics.push_back(std::move(row));

@@ -134,7 +134,7 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
     const auto add = [&](const char* key, double value, MetricKind kind = MetricKind::result,
-                         const char* note = "") { record.add_metric(key, value, standing, note); };
+                         const char* note = "") { record.add_metric(key, value, kind, note); };
 
     if (r.line_stretch_time && one) add("line_stretch_time_s", *r.line_stretch_time);
     if (r.snatched && in_flight && one) {
@@ -167,9 +167,9 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
             chute.count == 1 ? "m_l/(rho D0^3) at snatch"
                              : "m_l/(rho D0^3) at snatch, of each parachute's share of the payload");
         const MetricKind kind = in_flight ? MetricKind::result : MetricKind::input;
-        add("froude_number", in.froude_number(), standing, "v_s^2/(g D0)");
+        add("froude_number", in.froude_number(), kind, "v_s^2/(g D0)");
         if (r.snatch_path_angle > smallest_path_angle)
-            add("operational_froude_number", in.froude_number() / std::sin(r.snatch_path_angle), standing,
+            add("operational_froude_number", in.froude_number() / std::sin(r.snatch_path_angle), kind,
                 "v_s^2/(g D0 sin gamma)");
     }
     if (r.impulse && one)

@@ -22,7 +22,7 @@ public:
              &Input::source);
         one("fidelity", a.fidelity, b.fidelity);
         all("status", a.status, b.status, &RunStatus::code, &RunStatus::detail);
-        rows("metrics", a.metrics, b.metrics, &Metric::key, &Metric::value, &Metric::standing, &Metric::note);
+        rows("metrics", a.metrics, b.metrics, &Metric::key, &Metric::value, &Metric::kind, &Metric::note);
         rows("missing", a.missing, b.missing, &MissingMetric::metric, &MissingMetric::why,
              &MissingMetric::not_reached);
         one("energy", a.energy.has_value(), b.energy.has_value());

@@ -63,7 +63,7 @@ TEST(ImportedBody, IsTheOneThatWasWritten) {
                 EXPECT_LT((read.body->lumped.inertia - inertia).norm(), 1e-13 * inertia.norm());
                 ASSERT_EQ(read.body->end.size(), static_cast<std::size_t>(risers));
                 for (std::size_t k = 0; k < read.body->end.size(); ++k)
-                    EXPECT_LT((read.body->places()[k] - made.body->places()[k]).norm(), 1e-14);
+                    EXPECT_LT((read.body->attachments()[k] - made.body->attachments()[k]).norm(), 1e-14);
                 ASSERT_EQ(read.cables.size(), made.cables.size());
                 for (std::size_t c = 0; c < made.cables.size(); ++c)
                     EXPECT_NEAR(read.cables[c].rest_length, made.cables[c].rest_length, 5e-14);
@@ -88,8 +88,8 @@ TEST(ImportedBody, StartsAndFliesAsTheOneThatWasWritten) {
             double worst = 0.0;
             for (std::size_t i = 0; i < a.position.size(); ++i)
                 worst = std::max(worst, (a.position[i] - b.position[i]).norm());
-            for (std::size_t i = 0; i < a.places.size(); ++i)
-                worst = std::max(worst, (a.places[i] - b.places[i]).norm());
+            for (std::size_t i = 0; i < a.attachments.size(); ++i)
+                worst = std::max(worst, (a.attachments[i] - b.attachments[i]).norm());
             // A pack is the parachute that was drawn out times 0.01: links that stand 1.22 m above one point
             // there, and 1.17 m above the body in the file.
             EXPECT_LT(worst, by == DeployBy::free ? 0.01 * 0.06 : 1e-12);

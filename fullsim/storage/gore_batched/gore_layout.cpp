@@ -631,7 +631,7 @@ private:
         springs_.clear();
         for (const GoreEdge& e : gores_.edges) {
             const SpringConstants k =
-                spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
+                fabric_spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
             springs_.push_back({{e.node[0], e.node[1]},
                                 k.inverse_length,
                                 k.stiffness,

@@ -450,7 +450,7 @@ private:
         for (std::size_t i = 0; i < edges.size(); ++i) {
             const FabricEdge& e = edges[i];
             const SpringConstants k =
-                spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
+                fabric_spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
             edges_.set(i, e.node,
                        Constants{k.inverse_length, k.stiffness, k.dashpot, k.hardening,
                                  fold_force(mesh_.fabric, e, deploy().deployment_resistance)});
