@@ -87,7 +87,8 @@ TEST(ImportBody, TiesRisersWhereTheFileDoes) {
     attach_payload(scene_with_body(), hung, Hang::as_made);
     for (const Cable& c : hung.cables) {
         const auto place = [&](NodeIndex i) {
-            return i < hung.first_attachment() ? hung.position[i] : hung.attachments[i - hung.first_attachment()];
+            return i < hung.first_attachment() ? hung.position[i]
+                                               : hung.attachments[i - hung.first_attachment()];
         };
         EXPECT_NEAR((place(c.node[1]) - place(c.node[0])).norm(), c.rest_length, 1e-14);
     }
