@@ -130,8 +130,8 @@ double Simulation::ramp_end() const {
     return state_.stage == Stage::ramp ? ramp_start_ + ramp_time_ : infinity;
 }
 
-/// The stiffness of the finite elements at state().time, w = (t/T)^3, and the energy that its growth under
-/// strain has brought in since the last step.
+/// Sets the stiffness of the finite elements at system().time, w = (t/T)^3, and books the energy that its
+/// growth under strain has brought in since the last step.
 void Simulation::grow_ramp() {
     State& s = state_;
     const double share = std::min(1.0, (s.time - ramp_start_) / ramp_time_);
@@ -142,7 +142,8 @@ void Simulation::grow_ramp() {
     ramp_energy_ = energy;
 }
 
-/// New blocks from here on. What springs or elements that go held in store is taken out of the ledger.
+/// Builds the blocks of another stage. Energy stored in springs or elements that end is taken out of the
+/// ledger.
 void Simulation::change_stage(Stage stage) {
     State& s = state_;
     const double before = elastic_energy(synchronised(), structure_);

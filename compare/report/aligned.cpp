@@ -9,7 +9,7 @@
 namespace twinchute::compare {
 namespace {
 
-// Points that a screen can show, and points that a page has room for.
+// Most points of a channel: those that a screen can show, and those that a page can hold.
 constexpr std::size_t fine_points = 900, coarse_points = 400;
 
 /// The rows of a channel with finite times that do not fall, in the page's clock; nothing where that does not

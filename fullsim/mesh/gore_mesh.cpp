@@ -62,12 +62,12 @@ private:
         return std::move(mesh_);
     }
 
-    /// By how much the first row of a graded mesh is longer than the last ones [m]: four times the vent's
+    /// Excess length of the first row of a graded mesh over the last ones [m]: four times the vent's
     /// edge, which suits two elements across. More of them are so much the narrower; where all are narrow for
     /// their height, those at the vent are lengthened in proportion, the same on meshes that are finer by as
     /// much in both directions. At most so much that rows, longer by `all` times that together, give half of
     /// the seam away.
-    double lengthening_of_the_first(double seam, double all) const {
+    double excess_of_first(double seam, double all) const {
         if (counts_.grading == Grading::uniform) return 0.0;
         const double edge_per_radius = 2.0 * std::sin(outline_.half_angle);
         const double width =
@@ -83,17 +83,17 @@ private:
     /// than its neighbours.
     void lay_out_rows() {
         const double seam = outline_.skirt - outline_.vent;
-        const auto lengthening = [](int row) { return std::pow(row + 1.0, -1.5); };
+        const auto excess = [](int row) { return std::pow(row + 1.0, -1.5); };
         double all = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row)
-            all += lengthening(row);
-        const double first = lengthening_of_the_first(seam, all);
+            all += excess(row);
+        const double first = excess_of_first(seam, all);
         const double plain = (seam - first * all) / counts_.gore_rows;
         double added = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row) {
             const bool narrow = row == 0 && counts_.grading == Grading::graded;
             rows_.push_back({outline_.vent + plain * row + added, narrow ? 1 : counts_.gore_columns});
-            added += first * lengthening(row);
+            added += first * excess(row);
         }
         rows_.push_back({outline_.skirt, counts_.gore_columns});
     }

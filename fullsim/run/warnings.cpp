@@ -92,8 +92,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (state.capped_steps > 0)
         warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
                          100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
-             "the projected area was too small for the prescribed drag; the rest acted as drag of loose "
-             "fabric",
+             "the projected area was too small for the prescribed drag; the rest acted as residual drag",
              "give the canopy a larger initial_drag_area_ratio if this matters");
     if (opened && !run.findings.descent_altitude)
         warn_of_unsteady_descent(record, run.scene, run.findings.last_window);

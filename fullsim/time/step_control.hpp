@@ -42,7 +42,7 @@ public:
 
     /// Whether impacts have to be looked at with the step that begins; `checked`: faults are.
     bool watches_impacts(SystemState& state, bool checked) const;
-    /// Impacts that use up the room of the energy balance shorten steps. used_up: the residual over the
+    /// Shortens steps whose impacts bring the residual near its limit. used_up: the residual over the
     /// largest one at which a run goes on.
     void watch_impacts(double used_up, double damping);
 
