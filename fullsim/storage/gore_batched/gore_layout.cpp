@@ -175,9 +175,10 @@ public:
         else
             nodes_->up_to_date(state);
         const auto run = [&](const std::vector<Acting>& blocks) {
-            for (const auto& [row, model] : blocks)
+            for (const Acting& block : blocks)
                 clock.run([&] {
-                    if (!row) return model->add_forces(state);
+                    const auto* const row = block.row;
+                    if (!row) return block.model->add_forces(state);
                     if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
                     ElementSums total;
                     if (row->work)

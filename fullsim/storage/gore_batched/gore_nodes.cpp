@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 namespace twinchute::fullsim {
 
@@ -164,9 +163,11 @@ void GoreNodes::scatter_add_forces(State& state) const {
         for (int gore = 0; gore < gores_.count; ++gore) {
             const auto i = static_cast<std::size_t>(gores_.node[gore * gores_.own + n]);
             for (int c = 0; c < 3; ++c) {
-                at(frame.force, n, gore, c) += std::exchange(state.force[i].value[c], 0.0);
-                at(frame.aero, n, gore, c) += std::exchange(state.aero[i].value[c], 0.0);
+                at(frame.force, n, gore, c) += state.force[i].value[c];
+                at(frame.aero, n, gore, c) += state.aero[i].value[c];
             }
+            state.force[i].value = splat(0.0);
+            state.aero[i].value = splat(0.0);
         }
 }
 
