@@ -33,7 +33,7 @@ Scene c9_at_line_stretch() {
     chute.line_length = 7.31;
     chute.riser_length = 1.22;
     chute.risers = 1;
-    chute.fabric = {"mil-c-7020-c9", 533.0, 4.3e8, 0.3, 1e-4, 7355.0};
+    chute.fabric = {"mil-c-7020-c9", 533.0, 4.3e8, 0.3, 1e-4, 7355.0, Permeability{254.4, 37.6}};
     chute.line = {"mil-c-5040-type-ii", 462.0, 9.7e8, 4e-3, 400 * 4.4482216152605};
     chute.tapes = {chute.line, chute.line, chute.line};
     chute.fill_time = {find_fill_time("fill-constant"), 4.0, 0.0, 0.0};

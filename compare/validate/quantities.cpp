@@ -208,6 +208,24 @@ std::optional<double> opening_time(const RunRecord& record, const Scene&, const 
     return open->time - snatch->time;
 }
 
+/// j of a drag area that goes with the power j of time: what it has come to halfway through its filling.
+std::optional<double> growth_exponent(const RunRecord& record, const Scene&, const QuantityArguments&) {
+    const Event* snatch = record.find_event("snatch");
+    if (!snatch) snatch = record.find_event("line-stretch");
+    const Event* open = record.find_event("full-open");
+    const Channel *time = record.find_channel("time"), *area = record.find_channel("drag_area");
+    if (!snatch || !open || !time || !area) return {};
+    const double half = 0.5 * (snatch->time + open->time);
+    const auto row = [&](double t) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(time->values, t) - time->values.begin());
+    };
+    const std::size_t i = row(half), beyond = row(open->time * (1.0 + 1e-12));
+    if (i == 0 || i >= beyond) return {};
+    const double share = (half - time->values[i - 1]) / (time->values[i] - time->values[i - 1]);
+    const double then = area->values[i - 1] + share * (area->values[i] - area->values[i - 1]);
+    return std::log2(area->values[beyond - 1] / then);  // of the stage that begins there
+}
+
 constexpr std::array quantity_rows{
     Quantity{"mean_peak_force", "N", "largest mean of the opening force over a window", "window",
              mean_peak_force},
@@ -224,6 +242,9 @@ constexpr std::array quantity_rows{
     Quantity{"switch_time", "s", "since release, when finite elements begin to take over", "", switch_time},
     Quantity{"opening_time", "s",
              "from snatch until the drag area is full: what the fill constant prescribes", "", opening_time},
+    Quantity{"growth_exponent", "1",
+             "log2 of the full drag area over that halfway through its filling: j of growth with t^j", "",
+             growth_exponent},
 };
 
 }  // namespace

@@ -79,12 +79,14 @@ const MetricRow& metric_named(const SuiteTable& reader, std::string_view key, co
 }
 
 TrendAsked read_trend(SuiteTable& reader) {
-    constexpr std::array kinds{TrendAsked::Kind::rises, TrendAsked::Kind::falls, TrendAsked::Kind::spread};
+    using enum TrendAsked::Kind;
+    constexpr std::array kinds{rises, falls, exponent, spread};
     TrendAsked asked;
     const std::string kind = reader.needed_text("trend", "how it goes over the cases");
     const auto known = std::ranges::find(kinds, kind, trend_name);
     if (known == kinds.end())
-        reader.refuse("trend", fmt::format("'{}' is unknown", kind), "", "write rises, falls or spread");
+        reader.refuse("trend", fmt::format("'{}' is unknown", kind), "",
+                      "write rises, falls, exponent or spread");
     asked.kind = *known;
     asked.y = reader.needed_text("y", "which metric");
     metric_named(reader, "y", asked.y);

@@ -53,6 +53,24 @@ double spread_of(const TrendAsked& asked, const std::vector<Bundle>& bundles) {
     return largest;
 }
 
+double exponent_of(const TrendAsked& asked, const std::vector<Bundle>& bundles) {
+    double both = 0.0, square = 0.0;
+    for (const Bundle& bundle : bundles) {
+        const double count = static_cast<double>(bundle.size());
+        double x_mean = 0.0, y_mean = 0.0;
+        for (const SeriesPoint* point : bundle) {
+            x_mean += std::log(*value_of(*point, asked.x)) / count;
+            y_mean += std::log(*value_of(*point, asked.y)) / count;
+        }
+        for (const SeriesPoint* point : bundle) {
+            const double x = std::log(*value_of(*point, asked.x)) - x_mean;
+            both += x * (std::log(*value_of(*point, asked.y)) - y_mean);
+            square += x * x;
+        }
+    }
+    return both / square;
+}
+
 double share_of_steps(const TrendAsked& asked, std::vector<Bundle>& bundles) {
     int steps = 0, with = 0;
     for (Bundle& bundle : bundles) {
@@ -74,6 +92,8 @@ std::string_view trend_name(TrendAsked::Kind kind) {
             return "rises";
         case TrendAsked::Kind::falls:
             return "falls";
+        case TrendAsked::Kind::exponent:
+            return "exponent";
         case TrendAsked::Kind::spread:
             break;
     }
@@ -82,8 +102,9 @@ std::string_view trend_name(TrendAsked::Kind kind) {
 
 std::string trend_words(const TrendAsked& asked) {
     std::string words =
-        asked.kind == TrendAsked::Kind::spread
-            ? fmt::format("spread of {}", asked.y)
+        asked.kind == TrendAsked::Kind::spread ? fmt::format("spread of {}", asked.y)
+        : asked.kind == TrendAsked::Kind::exponent
+            ? fmt::format("exponent of {} in {}", asked.y, asked.x)
             : fmt::format("share of steps in which {} {} with {}", asked.y, trend_name(asked.kind), asked.x);
     if (!asked.within.empty()) words += fmt::format(", at equal {}", asked.within);
     if (asked.cases.size() > 2)
@@ -109,7 +130,10 @@ std::optional<double> trend_of(const TrendAsked& asked, std::span<const SeriesPo
     if (!asked.cases.empty() && wanted.size() != asked.cases.size()) return {};
     std::vector<Bundle> bundles = bundles_of(asked.within, wanted);
     if (bundles.empty()) return {};
-    return has_x ? share_of_steps(asked, bundles) : spread_of(asked, bundles);
+    if (asked.kind == TrendAsked::Kind::spread) return spread_of(asked, bundles);
+    if (asked.kind != TrendAsked::Kind::exponent) return share_of_steps(asked, bundles);
+    const double slope = exponent_of(asked, bundles);  // no number where one of them has no logarithm
+    return std::isfinite(slope) ? std::optional(slope) : std::nullopt;
 }
 
 }  // namespace twinchute::compare

@@ -19,9 +19,11 @@ struct SeriesPoint {
 /// Question about the cases.
 struct TrendAsked {
     enum class Kind {
-        rises,  ///< share of steps from one case to the next by x in which y rises [-]
-        falls,  ///< ... in which it falls
-        spread  ///< largest y less smallest, over their mean [-]; the largest among the bundles
+        rises,     ///< share of steps from one case to the next by x in which y rises [-]
+        falls,     ///< ... in which it falls
+        exponent,  ///< slope of ln y over ln x by least squares [-]; in several bundles about the mean of
+                   ///< each
+        spread     ///< largest y less smallest, over their mean [-]; the largest among the bundles
     };
     Kind kind = Kind::rises;
     std::string y, x;  ///< metrics; x: of what it is a trend, none for a spread
@@ -30,7 +32,7 @@ struct TrendAsked {
     std::vector<std::string> cases;  ///< names; empty: all of the series
 };
 
-/// "rises", "falls", "spread".
+/// "rises", "falls", "exponent", "spread".
 std::string_view trend_name(TrendAsked::Kind kind);
 /// E.g. "share of steps in which peak_force_ratio rises with froude_number, at equal group".
 std::string trend_words(const TrendAsked& asked);

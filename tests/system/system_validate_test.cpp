@@ -55,7 +55,8 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
     EXPECT_EQ(std::ranges::count(csv, '\n'), listed + 2);  // names and units
     for (const std::string& name : tree_of(here_ / "validate.out"))
         EXPECT_TRUE(name == "report.md" || name == "validate.csv" || name == "validate.json" ||
-                    (name.starts_with("scatter-measured-") && name.ends_with(".svg")))
+                    ((name.starts_with("scatter-measured-") || name.starts_with("scatter-filling-")) &&
+                     name.ends_with(".svg")))
             << name;
 }
 

@@ -129,6 +129,8 @@ TEST(Trends, CountStepsAndMeasureSpreads) {
     // Bundled by x, the second group is 0.1/1.05 above the first.
     EXPECT_NEAR(*trend_of({spread, "y", "", "x", {}}, points), 0.1 / 1.05, 1e-12);
     EXPECT_NEAR(*trend_of({spread, "y", "", "", {"a1", "a2"}}, points), 3.0 / 2.5, 1e-12);
+    // y = c x^2 in each of two bundles: the power is 2 whatever c is.
+    EXPECT_NEAR(*trend_of({exponent, "y", "x", "group", {}}, points), 2.0, 1e-12);
     // All points in one bundle, 1 1.1 4 4.4 9 9.9 by x: the steps within a value of x rise too, by order of
     // position.
     EXPECT_EQ(trend_of({rises, "y", "x", "", {}}, points), 1.0);
