@@ -197,7 +197,7 @@ Verdict overall_verdict(const FidelityGap& gap) {
 
 Verdict overall_verdict(const Comparison& comparison) {
     for (const RunRecord* side : {&comparison.reference, &comparison.candidate})
-        if (side->status.code == StatusCode::not_opened) return Verdict::exceeded;
+        if (failed_to_open(side->status.code)) return Verdict::exceeded;
     return overall_verdict(comparison.gap);
 }
 
@@ -249,7 +249,7 @@ std::string verdict_line(const Comparison& comparison) {
                                status_name(side->status.code), side->status.detail.empty() ? "" : ": ",
                                side->status.detail);
         }
-        if (side->status.code == StatusCode::not_opened)
+        if (failed_to_open(side->status.code))
             unopened += fmt::format("not opened in {}: {}; ", side->fidelity, side->status.detail);
     }
     const FidelityGap& gap = comparison.gap;

@@ -35,6 +35,7 @@ OpeningForceInputs inputs_of(const RunRecord& record, const Scene& scene, const 
 
 void add_estimates(RunRecord& record, const Scene& scene, const OpeningResult& result) {
     if (!result.snatched || !result.peak_force || !(result.snatch_speed > 0.0)) return;
+    if (scene.parachutes.front().filling.is_predicted()) return;  // the forms take a filling time and a law
     const OpeningForceInputs in = inputs_of(record, scene, result);
     const double share = scene.payload.mass / in.mass;
     for (const OpeningForceForm& form : opening_force_forms()) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "lib/scene/line_stretch.hpp"
 #include "rom/canopy_force.hpp"
 #include "rom/methods.hpp"
 #include "rom/rigid_composite.hpp"
@@ -46,6 +47,7 @@ public:
     std::optional<RunStatus> fly() {
         const std::optional<IntegrationSegment> segment = follow();
         note_last_window();
+        note_bulbs();
         context_.count(*solver_);
         motion_ = here();
         if (refusal_.code == StatusCode::refused) return refusal_;
@@ -57,7 +59,22 @@ public:
     }
 
 private:
-    enum class Root { ground, steady, peak, trigger };
+    enum class Root { ground, steady, peak, bulb, trigger };
+
+    /// A canopy that fills by itself; its bulb's radius and rate stand behind the motion in the state.
+    struct Bulb {
+        enum class State {
+            waits,  ///< initial phase, or held by its reefing line
+            grows,  ///< to its limit, or back to where it began
+            squids  ///< held where it began: the fabric lets out all that the mouth takes in
+        };
+        std::size_t canopy;  ///< of OpeningSequence::all()
+        double limit;        ///< [-] radius of the full or reefed canopy
+        State state;
+    };
+    /// [-] below its initial radius a bulb counts as fallen back; growth by less than e in a thousand
+    /// diameters is none.
+    static constexpr double fallen_back = 0.99, least_growth = 1e-3;
 
     Model make_model() const {
         Model model;
@@ -73,10 +90,28 @@ private:
 
     std::unique_ptr<OdeSolver> make_solver(const OdeMethod& method, double rtol, double time,
                                            std::span<const double> y) {
+        if (!bulbs_.empty()) return make_filling_solver(method, rtol, time, y);
         return std::make_unique<OdeSolver>(
             method,
             [this](double t, std::span<const double> state, std::span<double> dydt) { rhs(t, state, dydt); },
             time, y, rtol, std::vector<double>(2 * dimensions, smallest_scale * rtol), dimensions);
+    }
+
+    std::unique_ptr<OdeSolver> make_filling_solver(const OdeMethod& method, double rtol, double time,
+                                                   std::span<const double> y) {
+        std::vector<double> atol(2 * dimensions, smallest_scale * rtol);
+        for (const Bulb& bulb : bulbs_) {
+            const FillingCanopy& canopy = *sequence_.all()[bulb.canopy].filling;
+            const double radius = canopy.initial_radius();
+            const double rate = radius * now_at(time, y).airspeed / canopy.sizes().nominal_diameter;
+            atol.insert(atol.end(), {rtol * radius, rtol * rate});
+        }
+        return std::make_unique<OdeSolver>(
+            method,
+            [this](double t, std::span<const double> state, std::span<double> dydt) {
+                filling_rhs(t, state, dydt);
+            },
+            time, y, rtol, atol);
     }
 
     static std::vector<double> state_of(const Motion<dimensions>& m) {
@@ -94,6 +129,84 @@ private:
         }
     }
 
+    FillingMotion bulb_motion(std::size_t i, std::span<const double> y) const {
+        return {y[2 * dimensions + 2 * i], y[2 * dimensions + 2 * i + 1]};
+    }
+
+    /// What one bulb's state means: without inertia its rate follows from the balance of its air.
+    struct FilledBulb {
+        FillingMotion motion;
+        FillingLoads loads;
+        Filled filled;  ///< of one canopy
+    };
+    FilledBulb filling(std::size_t i, std::span<const double> y, const FillingAir& flow) const {
+        const FillingCanopy& canopy = *sequence_.all()[bulbs_[i].canopy].filling;
+        FilledBulb one{bulb_motion(i, y), {}, {}};
+        if (bulbs_[i].state != Bulb::State::grows)
+            one.motion.rate = 0.0;
+        else if (!canopy.filling().model->acceleration)
+            one.motion.rate = canopy.balanced_rate(one.motion.radius, flow);
+        one.loads = canopy.loads(one.motion, flow);
+        if (flow.speed > 0.0)
+            one.filled.drag_area = one.loads.drag / (0.5 * flow.density * flow.speed * flow.speed);
+        if constexpr (air_mass) {
+            constexpr double apparent = 0.375;  // over the air within (paper, Eq. 18)
+            one.filled.added_mass = (1.0 + apparent) * flow.density * one.loads.volume;
+            one.filled.capture = apparent * flow.density * std::max(0.0, one.loads.volume_rate);
+        }
+        return one;
+    }
+    FillingAir filling_air(const Motion<dimensions>& motion) const {
+        return {scene_.environment.atmosphere.at(motion.altitude()).density,
+                model_.canopy_airspeed(motion, model_.airspeed(motion)).norm()};
+    }
+    Filled all_filled(std::span<const double> y, const FillingAir& flow) const {
+        Filled sum;
+        for (std::size_t i = 0; i < bulbs_.size(); ++i) {
+            const Filled one = filling(i, y, flow).filled;
+            const int count = sequence_.all()[bulbs_[i].canopy].count;
+            sum.drag_area += count * one.drag_area;
+            sum.added_mass += count * one.added_mass;
+            sum.capture += count * one.capture;
+        }
+        return sum;
+    }
+
+    typename Model::Loads loads(double t, std::span<const double> y) const {
+        const auto motion = motion_of<dimensions>(y);
+        return bulbs_.empty() ? model_.loads(t, motion)
+                              : model_.loads(t, motion, all_filled(y, filling_air(motion)));
+    }
+
+    /// The trajectory, and beside it the bulbs.
+    void filling_rhs(double t, std::span<const double> y, std::span<double> dydt) const {
+        const auto motion = motion_of<dimensions>(y);
+        const FillingAir flow = filling_air(motion);
+        const auto loads = model_.loads(t, motion, all_filled(y, flow));
+        for (int i = 0; i < dimensions; ++i) {
+            dydt[i] = motion.velocity[i];
+            dydt[dimensions + i] = loads.acceleration[i];
+        }
+        const Vec<dimensions> velocity = model_.canopy_airspeed(motion, loads.airspeed);
+        Vec<dimensions> ahead = Vec<dimensions>::Zero();
+        if (flow.speed > 0.0) ahead = velocity / flow.speed;
+        const double slowing = loads.acceleration.dot(ahead),
+                     weight = -model_.gravity * ahead[dimensions - 1];
+        for (std::size_t i = 0; i < bulbs_.size(); ++i) {
+            const Canopy& c = sequence_.all()[bulbs_[i].canopy];
+            const FilledBulb one = filling(i, y, flow);
+            // T - D of this canopy: inertia of fabric and air, and what joins, less the fabric's weight.
+            const double excess = (c.chute->mass + one.filled.added_mass) * slowing - c.chute->mass * weight +
+                                  one.filled.capture * flow.speed;
+            const bool moves = bulbs_[i].state == Bulb::State::grows;
+            double* const rates = &dydt[2 * dimensions + 2 * i];
+            rates[0] = moves ? one.motion.rate : 0.0;
+            rates[1] = moves && c.filling->filling().model->acceleration
+                           ? c.filling->acceleration(one.motion, flow, one.loads, excess)
+                           : 0.0;
+        }
+    }
+
     /// Where a drag area goes by it; otherwise 0.
     double mach_number([[maybe_unused]] const Motion<dimensions>& m,
                        [[maybe_unused]] const Vec<dimensions>& airspeed) const {
@@ -103,7 +216,7 @@ private:
 
     HistoryRow row(double t, std::span<const double> y) const {
         const auto m = motion_of<dimensions>(y);
-        const auto loads = model_.loads(t, m);
+        const auto loads = this->loads(t, y);
         HistoryRow r{};
         r.time = t;
         r.altitude = m.altitude();
@@ -114,10 +227,20 @@ private:
         r.force = model_.opening_force(loads);
         r.drag_area = loads.drag_area;
         if (several_) {
+            std::vector<Filled> filled;
+            for (std::size_t i = 0; i < bulbs_.size(); ++i)
+                filled.push_back(filling(i, y, filling_air(m)).filled);
             const LargestPull pull = largest_pull<dimensions>(
-                sequence_, {t, loads.density, scene_.environment.gravity, mach_number(m, loads.airspeed),
-                            model_.added_mass, air == Air::accreting,
-                            model_.canopy_airspeed(m, loads.airspeed), loads.acceleration});
+                sequence_,
+                CanopyAir<dimensions>{t, loads.density, scene_.environment.gravity,
+                                      mach_number(m, loads.airspeed), model_.added_mass,
+                                      air == Air::accreting, model_.canopy_airspeed(m, loads.airspeed),
+                                      loads.acceleration},
+                [&](std::size_t canopy) -> const Filled* {
+                    const auto bulb = std::ranges::find(bulbs_, canopy, &Bulb::canopy);
+                    return bulb == bulbs_.end() ? nullptr
+                                                : &filled[static_cast<std::size_t>(bulb - bulbs_.begin())];
+                });
             r.canopy_force = pull.force;
             r.canopy = pull.canopy;
             r.canopies = pull.canopies;
@@ -126,7 +249,23 @@ private:
         r.acceleration = loads.acceleration.norm();
         r.separation = separation_;
         r.added_mass = loads.added_mass;
+        if (predicted_) add_air_within(r, y, m);
         return r;
+    }
+
+    /// Of the first canopy whose filling is predicted.
+    void add_air_within(HistoryRow& r, std::span<const double> y, const Motion<dimensions>& m) const {
+        if (!bulbs_.empty()) {
+            const FillingLoads now = filling(0, y, filling_air(m)).loads;
+            r.volume = now.volume, r.mouth_area = now.mouth_area, r.inflow = now.inflow;
+            return;
+        }
+        const auto open =
+            std::ranges::find_if(sequence_.all(), [](const Canopy& c) { return c.filling && c.is_out(); });
+        if (open == sequence_.all().end()) return;
+        const double D0 = open->chute->nominal_diameter;
+        const FillingShape shape = open->filling->family().at(open->filling->steady_radius());
+        r.volume = shape.volume * D0 * D0 * D0, r.mouth_area = shape.mouth_area * D0 * D0;
     }
 
     /// How a point mass with constant drag area falls; see lib/solve/steady_descent.hpp for the terms.
@@ -138,8 +277,9 @@ private:
     /// Without slip 1/2 rho C_D S w^2 = W; so 2 ln(u/u_b) = ln(w/V) + ln(D/W), D/W = 1 + (1 + mu) a/g with a
     /// upward. Both terms fade at the same rate and may have opposite signs: where the speed has a turning
     /// point they cancel, and do not stay so.
-    Fall fall(double t, const Motion<dimensions>& m) const {
-        const auto loads = model_.loads(t, m);
+    Fall fall(double t, std::span<const double> y) const {
+        const auto m = motion_of<dimensions>(y);
+        const auto loads = this->loads(t, y);
         const Vec<dimensions> velocity = model_.canopy_airspeed(m, loads.airspeed);
         const double sink = -velocity[dimensions - 1];
         Fall now{sink, loads.added_mass / (model_.hung_mass() + sequence_.out_mass()), 1.0};
@@ -151,18 +291,18 @@ private:
             0.5 * std::abs(std::log(sink / velocity.norm())) + std::abs(0.5 * std::log(drag) - lag);
         return now;
     }
-    Fall fall() const { return fall(solver_->time(), here()); }
+    Fall fall() const { return fall(solver_->time(), solver_->state()); }
 
     /// The departure at the beginning of a window less the one from which on the mean over it is steady;
     /// negative once such a window may begin.
-    double unsteadiness(double t, const Motion<dimensions>& m) const {
-        const Fall now = fall(t, m);
+    double unsteadiness(double t, std::span<const double> y) const {
+        const Fall now = fall(t, y);
         const double lasts =
             2.0 * descent_window(1.0, now.added_mass_ratio, 1.0) / (1.0 + now.added_mass_ratio);
         return now.departure - std::min(steady_descent_remaining / mean_of_decay(lasts),
                                         steady_descent_change / drift_of_decay(lasts));
     }
-    double unsteadiness() const { return unsteadiness(solver_->time(), here()); }
+    double unsteadiness() const { return unsteadiness(solver_->time(), solver_->state()); }
 
     /// The window that ends now, where the drag area has not changed in it.
     std::optional<DescentWindow> window() const {
@@ -202,11 +342,14 @@ private:
     }
 
     Motion<dimensions> here() const { return motion_of<dimensions>(solver_->state()); }
-    FlightState now() const { return flight_state_of<dimensions>(scene_, solver_->time(), here()); }
+    FlightState now() const { return now_at(solver_->time(), solver_->state()); }
+    FlightState now_at(double t, std::span<const double> y) const {
+        return flight_state_of<dimensions>(scene_, t, motion_of<dimensions>(y));
+    }
 
     /// Negative once the force has fallen well below its peak.
-    double above_past_peak(double t, const Motion<dimensions>& m) const {
-        return model_.opening_force(model_.loads(t, m)) - past_peak * context_.observer.peak().value;
+    double above_past_peak(double t, std::span<const double> y) const {
+        return model_.opening_force(loads(t, y)) - past_peak * context_.observer.peak().value;
     }
 
     /// The right-hand side changes here: a new start from the state reached. The stage ends at its time, at
@@ -216,11 +359,13 @@ private:
         solver_->restart(solver_->time(), y);
         roots_ = {Root::ground};
         roots_.insert(roots_.end(), sought.begin(), sought.end());
+        watched_bulbs_.clear();
+        for (std::size_t i = 0; i < bulbs_.size(); ++i)
+            if (bulbs_[i].state != Bulb::State::waits) watched_bulbs_.push_back(i);
+        roots_.resize(roots_.size() + watched_bulbs_.size(), Root::bulb);
         roots_.resize(roots_.size() + sequence_.watch_count(), Root::trigger);
-        solver_->watch(static_cast<int>(roots_.size()),
-                       [this](double t, std::span<const double> state, std::span<double> g) {
-                           look(t, motion_of<dimensions>(state), g);
-                       });
+        solver_->watch(static_cast<int>(roots_.size()), [this](double t, std::span<const double> state,
+                                                               std::span<double> g) { look(t, state, g); });
         if (sequence_.watches_pressure() != is_limited_) {
             is_limited_ = !is_limited_;
             solver_->limit_step(is_limited_ ? pressure_step : 0.0);
@@ -228,15 +373,110 @@ private:
         context_.observer.mark(solver_->time(), y);
     }
 
-    void look(double t, const Motion<dimensions>& motion, std::span<double> g) const {
-        std::size_t i = 0;
+    void look(double t, std::span<const double> y, std::span<double> g) const {
+        const auto motion = motion_of<dimensions>(y);
+        std::size_t i = 0, bulb = 0;
         for (; i < roots_.size() && roots_[i] != Root::trigger; ++i)
             g[i] = roots_[i] == Root::ground   ? motion.altitude() - context_.floor()
-                   : roots_[i] == Root::steady ? unsteadiness(t, motion)
-                                               : above_past_peak(t, motion);
+                   : roots_[i] == Root::steady ? unsteadiness(t, y)
+                   : roots_[i] == Root::bulb   ? until_turn(watched_bulbs_[bulb++], y)
+                                               : above_past_peak(t, y);
         if (i == roots_.size()) return;
         for (const double left : sequence_.watch(flight_state_of<dimensions>(scene_, t, motion)))
             g[i++] = left;
+    }
+
+    /// [-] Growth of a bulb on the slow manifold over one diameter of travel, over its radius.
+    static double growth(const FillingCanopy& canopy, double radius, const FillingAir& flow) {
+        if (!canopy.filling().model->has_balance) return 1.0;
+        if (!(flow.speed > 0.0)) return 0.0;
+        return canopy.balanced_rate(radius, flow) * canopy.sizes().nominal_diameter / (flow.speed * radius);
+    }
+
+    /// Falls to zero where a bulb is full or has fallen back, or where one that squids begins to grow.
+    double until_turn(std::size_t i, std::span<const double> y) const {
+        const FillingCanopy& canopy = *sequence_.all()[bulbs_[i].canopy].filling;
+        const double a = bulb_motion(i, y).radius, first = canopy.initial_radius();
+        if (bulbs_[i].state == Bulb::State::squids)
+            return least_growth - growth(canopy, first, filling_air(motion_of<dimensions>(y)));
+        const double limit = bulbs_[i].limit;
+        return (limit - a) * (a - fallen_back * first) / (limit * limit);
+    }
+
+    /// A bulb has come to one of these.
+    void turn(std::size_t i) {
+        Bulb& bulb = bulbs_[i];
+        const double a = bulb_motion(i, solver_->state()).radius;
+        note_bulbs();
+        if (bulb.state == Bulb::State::squids)
+            bulb.state = Bulb::State::waits;  // arrange_bulbs() lets it grow
+        else if (2.0 * a > bulb.limit)
+            sequence_.fills_up(bulb.canopy, solver_->time());
+        else
+            bulb.state = Bulb::State::squids;
+    }
+
+    /// The sequence knows how far each has come. One that grows no more, before it is full, squids too.
+    void note_bulbs() {
+        const std::span<const double> y = solver_->state();
+        for (std::size_t i = 0; i < bulbs_.size(); ++i) {
+            const FillingAir flow = filling_air(motion_of<dimensions>(y));
+            const FilledBulb one = filling(i, y, flow);
+            const FillingCanopy& canopy = *sequence_.all()[bulbs_[i].canopy].filling;
+            const bool squids = bulbs_[i].state == Bulb::State::squids ||
+                                (bulbs_[i].state == Bulb::State::grows &&
+                                 growth(canopy, one.motion.radius, flow) < least_growth);
+            sequence_.grown(bulbs_[i].canopy, one.motion, squids, one.filled.drag_area);
+        }
+    }
+
+    /// Which canopies fill by themselves from here on, and how; the state grows or shrinks by them.
+    void arrange_bulbs() {
+        if (!predicted_) return;
+        const FillingAir flow = filling_air(here());
+        std::vector<Bulb> next;
+        std::vector<double> y(solver_->state().begin(), solver_->state().begin() + 2 * dimensions);
+        for (std::size_t k = 0; k < sequence_.all().size(); ++k) {
+            const Canopy& c = sequence_.all()[k];
+            if (!c.fills_itself()) continue;
+            const auto before = std::ranges::find(bulbs_, k, &Bulb::canopy);
+            FillingMotion motion = c.bulb;
+            if (before != bulbs_.end())
+                motion = bulb_motion(static_cast<std::size_t>(before - bulbs_.begin()), solver_->state());
+            if (!(motion.radius > 0.0)) motion.radius = c.filling->initial_radius();
+            const double limit =
+                c.is_reefed() ? std::max(c.filling->reefed_radius(reefing_line_length(*c.chute, c.stage)),
+                                         c.filling->initial_radius())
+                              : c.filling->steady_radius();
+            Bulb bulb{k, limit, before != bulbs_.end() ? before->state : Bulb::State::waits};
+            if (c.phase != Phase::filling) {
+                bulb.state = Bulb::State::waits;
+                motion.rate = 0.0;
+            } else if (bulb.state == Bulb::State::waits) {
+                const bool grows = growth(*c.filling, motion.radius, flow) >= least_growth ||
+                                   motion.radius > c.filling->initial_radius();
+                bulb.state = grows ? Bulb::State::grows : Bulb::State::squids;
+                motion = grows ? c.filling->start(motion.radius, flow) : FillingMotion{motion.radius, 0.0};
+            }
+            if (c.phase == Phase::filling && motion.radius >= limit) {  // its line is taut from the start
+                sequence_.fills_up(k, solver_->time());
+                bulb.state = Bulb::State::waits;
+                motion.rate = 0.0;
+            }
+            if (bulb.state == Bulb::State::squids) motion = {c.filling->initial_radius(), 0.0};
+            next.push_back(bulb);
+            y.insert(y.end(), {motion.radius, motion.rate});
+        }
+        if (next.empty() && bulbs_.empty()) return;
+        const bool changes = next.size() != bulbs_.size();
+        bulbs_ = std::move(next);
+        if (!changes) return solver_->restart(solver_->time(), y);
+        context_.count(*solver_);
+        const double time = solver_->time();
+        takes_long_steps_ = false;
+        solver_ = make_solver(bulbs_.empty() ? opening_method(scene_) : filling_method(scene_),
+                              scene_.rom.rtol, time, y);
+        is_limited_ = false;
     }
 
     /// From event to event, to the end of the run or to a pack that has to be left; the last segment, or
@@ -248,6 +488,7 @@ private:
             refusal_ = openings_.check();
             if (refusal_.code == StatusCode::refused) return IntegrationSegment::reached_end;
             if (!done.empty()) is_steady_ = false, open_since_ = solver_->time();
+            arrange_bulbs();
             begin_stage(sought());
             openings_.after_stage(done, solver_->time());
             if (sequence_.leaves_pack()) return std::nullopt;
@@ -267,7 +508,7 @@ private:
     std::optional<IntegrationSegment> fly_stage() {
         const bool seeks_steady = roots_.size() > 1 && roots_[1] == Root::steady;
         const bool seeks_peak = roots_.size() > 2 && roots_[2] == Root::peak;
-        if (seeks_peak && above_past_peak(solver_->time(), here()) < 0.0) return end_after_peak();
+        if (seeks_peak && above_past_peak(solver_->time(), solver_->state()) < 0.0) return end_after_peak();
         if (!seeks_steady || !(unsteadiness() < 0.0)) {
             settling_since_.reset();
             const IntegrationSegment segment =
@@ -277,6 +518,12 @@ private:
             const auto root = static_cast<std::size_t>(solver_->root());
             if (roots_[root] == Root::ground) return segment;
             if (roots_[root] == Root::peak) return end_after_peak();
+            if (roots_[root] == Root::bulb) {
+                const auto first =
+                    static_cast<std::size_t>(std::ranges::find(roots_, Root::bulb) - roots_.begin());
+                turn(watched_bulbs_[root - first]);
+                return std::nullopt;
+            }
             if (roots_[root] == Root::trigger) {
                 sequence_.met(root - (roots_.size() - sequence_.watch_count()), now());
                 return std::nullopt;
@@ -377,6 +624,11 @@ private:
     Openings& openings_;
     const double separation_;  // [m] of payload and parachute, from lock-up on
     Model model_;
+    static constexpr bool air_mass = air != Air::none;
+    const bool predicted_ =
+        std::ranges::any_of(scene_.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
+    std::vector<Bulb> bulbs_;                 // in the order of the state
+    std::vector<std::size_t> watched_bulbs_;  // by their roots
     std::unique_ptr<OdeSolver> solver_;
     RunStatus refusal_;        // of an opening that cannot take place
     std::vector<Root> roots_;  // of the stage, in the solver's order

@@ -18,6 +18,12 @@ inline const OdeMethod& opening_method(const Scene& scene) {
 inline const OdeMethod& descent_method() {
     return *find_ode_method("bdf");
 }
+/// While canopies fill by themselves: the mass that a small bulb moves goes with its volume, and its inflow
+/// balances at once. An explicit method that a scene chooses would take steps of microseconds there.
+inline const OdeMethod& filling_method(const Scene& scene) {
+    const OdeMethod* chosen = find_ode_method(scene.rom.method);
+    return chosen && chosen->implicit ? *chosen : *find_ode_method("bdf");
+}
 /// Factor on rom.rtol in a descent: at one tolerance its answer is ten times as far off as that of the
 /// opening's pair.
 inline constexpr double descent_tolerance = 0.1;

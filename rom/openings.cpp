@@ -153,7 +153,7 @@ void Openings::note_event(const OpeningEvent& what, double time) {
 
 RunStatus Openings::check() const {
     for (const Canopy& c : sequence_.all()) {
-        if (!c.is_out() || c.chute->deploy.by == DeployBy::inflated) continue;
+        if (!c.is_out() || c.chute->deploy.by == DeployBy::inflated || c.filling) continue;
         const Inflation& inflation = c.inflation;
         if (std::isfinite(inflation.filling_time) && inflation.initial_time < inflation.filling_time)
             continue;

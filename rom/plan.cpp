@@ -61,6 +61,12 @@ std::vector<PlanPart> parts_of(const Scene& scene) {
     parts.optional("wind", "the air moves", "environment.wind", windy);
     parts.add(physics, "second body", "payload and pack part until the lines are taut", packed, start);
     parts.add(physics, "filling", "the drag area grows", !inflated, start);
+    const bool predicted = any([](const Parachute& p) { return p.filling.is_predicted(); });
+    parts.add(physics, "predicted filling", "how fast the canopy takes in air", predicted,
+              predicted ? "parachute.filling predicts it" : "parachute.filling is absent: it is prescribed");
+    for (const std::string& key : scene.overridden)
+        parts.rows.push_back({physics, key, "how the canopy fills, as its design prescribes", false,
+                              "parachute.filling predicts it"});
     parts.optional("reefing", "stages with the mouth held together", "parachute.reefing",
                    any([](const Parachute& p) { return !p.reefing.empty(); }));
     const bool several = scene.parachutes.size() > 1 || any([](const Parachute& p) { return p.count > 1; });

@@ -6,6 +6,7 @@
 
 #include "lib/models/atmosphere.hpp"
 #include "lib/solve/opening_sequence.hpp"
+#include "rom/canopy_force.hpp"
 #include "rom/motion.hpp"
 
 namespace twinchute::rom {
@@ -72,6 +73,34 @@ struct RigidComposite {
             now.added_mass = mass.value;
             if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * velocity;
         }
+        now.acceleration = force / (weighed + now.added_mass);
+        return now;
+    }
+    /// The same with canopies that fill by themselves, `filled` for all of them together: the air within has
+    /// been brought to speed by their drag, what is apparent takes its momentum while it grows.
+    Loads loads(double t, const Motion<dimensions>& motion, const Filled& filled) const {
+        Loads now{atmosphere.at(motion.altitude()).density, 0.0, 0.0, airspeed(motion), {}};
+        const double mach = by_mach ? mach_number(motion, now.airspeed) : 0.0;
+        now.drag_area = filled.drag_area;
+        double capture = 0.0;
+        for (const Canopy& c : canopies->all()) {
+            if (!c.is_out() || c.fills_itself()) continue;
+            now.drag_area += c.count * (by_mach ? OpeningSequence::drag_area_of(c, t, mach)
+                                                : OpeningSequence::drag_area_of(c, t));
+            if constexpr (air != Air::none) {
+                const ValueAndRate mass = OpeningSequence::added_mass_of(c, *added_mass, t, now.density);
+                now.added_mass += c.count * mass.value;
+                capture += c.count * mass.rate;
+            }
+        }
+        now.added_mass += filled.added_mass;
+        capture = (air == Air::accreting ? std::max(0.0, capture) : 0.0) + filled.capture;
+        const double weighed = hung_mass() + canopies->out_mass();
+        const Vec<dimensions> velocity = canopy_airspeed(motion, now.airspeed);
+        Vec<dimensions> force = drag_of<dimensions>(now.density, now.drag_area, velocity) +
+                                drag_of<dimensions>(now.density, payload_drag_area, now.airspeed) -
+                                capture * velocity;
+        force[dimensions - 1] -= weighed * gravity;
         now.acceleration = force / (weighed + now.added_mass);
         return now;
     }

@@ -47,6 +47,11 @@ void add_channels(RunRecord& record, const std::vector<HistoryRow>& rows, const 
         channel("canopy_force", "N", [](const HistoryRow& r) { return r.canopy_force; });
     if (scene.aerodynamics.added_mass)
         channel("added_mass", "kg", [](const HistoryRow& r) { return r.added_mass; });
+    if (std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); })) {
+        channel("canopy_volume", "m^3", [](const HistoryRow& r) { return r.volume; });
+        channel("mouth_area", "m^2", [](const HistoryRow& r) { return r.mouth_area; });
+        channel("inflow_ratio", "", [](const HistoryRow& r) { return r.inflow; });
+    }
     if (std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.deploy.starts_packed(); }))
         channel("separation", "m", [](const HistoryRow& r) { return r.separation; });
 }

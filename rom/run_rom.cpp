@@ -84,6 +84,8 @@ void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openi
 
 /// Source of the filling time, in words.
 std::string filling_note(const Parachute& chute) {
+    if (chute.filling.is_predicted())
+        return fmt::format("predicted from an initial mouth of {:g}", chute.filling.initial_mouth);
     const FillTime& fill = chute.fill_time;
     if (!chute.reefing.empty()) return "prescribed stage by stage; when lines are cut is part of it";
     if (fill.model->name == "given") return "given in the scene";
@@ -95,10 +97,15 @@ std::string filling_note(const Parachute& chute) {
 }
 
 void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result) {
-    const Metric filling{"", 0.0, MetricKind::input, filling_note(scene.parachutes.front())};
+    const Parachute& chute = scene.parachutes.front();
+    const bool predicted = chute.filling.is_predicted();
+    const Metric filling{"", 0.0, predicted ? MetricKind::result : MetricKind::input, filling_note(chute)};
     const Metric descent{"", 0.0, MetricKind::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
     add_opening_metrics(record, scene, result, filling, descent);
+    if (predicted && scene.parachutes.size() == 1)
+        record.add_metric("initial_mouth_ratio", chute.filling.initial_mouth, MetricKind::input,
+                          "area of the bulb at snatch over the steady one");
     if (!result.descent) warn_of_unsteady_descent(record, scene, result.last_window);
 }
 
@@ -106,6 +113,30 @@ void add_metrics(RunRecord& record, const Scene& scene, const OpeningResult& res
 bool is_one_opening(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     return scene.parachutes.size() == 1 && chute.count == 1 && chute.reefing.empty();
+}
+
+FlightState end_of_flight(const Scene& scene, const HistoryRow& last) {
+    const double density = scene.environment.atmosphere.at(last.altitude).density;
+    return {last.time, last.altitude, last.vertical_speed, std::sqrt(2.0 * last.dynamic_pressure / density),
+            density};
+}
+
+/// A canopy that still squids at the end of a run has not opened, whatever ended it.
+void note_squids(RunRecord& record, const OpeningSequence& sequence, const FlightState& now) {
+    const bool ended =
+        record.status.code == StatusCode::completed || record.status.code == StatusCode::stopped_by_event;
+    const auto squids =
+        std::ranges::find_if(sequence.all(), [](const Canopy& c) { return c.fills_itself() && c.squids; });
+    if (!ended || squids == sequence.all().end()) return;
+    const auto critical = squids->filling->critical_speed(now.density);
+    const std::string opens = !critical          ? "it would open at any subsonic speed from a wider mouth"
+                              : *critical == 0.0 ? "it opens at no speed"
+                                                 : fmt::format("it opens below {:.4g} m/s", *critical);
+    record.status = {
+        StatusCode::squids,
+        fmt::format("{}: at {:.4g} m/s the fabric of '{}' lets out all that its mouth takes in; "
+                    "{} in air of {:.4g} kg/m^3",
+                    record.status.detail, now.airspeed, squids->chute->name, opens, now.density)};
 }
 
 Reached reached_by(const Scene& scene, const RunContext& context, const OpeningSequence& sequence) {
@@ -116,7 +147,43 @@ Reached reached_by(const Scene& scene, const RunContext& context, const OpeningS
 }
 
 template <int dimensions>
-RunRecord run_in(const Scene& scene, Run& run) {
+RunRecord run_in(const Scene& scene, Run& run, bool with_bracket);
+
+/// Adds the same drop with the lowest and the highest initial mouth of the bracket.
+template <int dimensions>
+void add_bracket(RunRecord& record, const Scene& scene, const OpeningResult& result) {
+    const Parachute& chute = scene.parachutes.front();
+    if (!chute.filling.is_predicted()) return;
+    const FillingCanopy canopy = filling_canopy(chute);
+    record.filling = {std::string(chute.filling.model->name),
+                      chute.filling.initial_mouth,
+                      chute.filling.entrance_loss,
+                      canopy.critical_speed(result.snatch_density),
+                      {}};
+    for (double Filling::*end : {&Filling::lowest_mouth, &Filling::highest_mouth}) {
+        Scene other = scene;
+        for (Parachute& p : other.parachutes)
+            p.filling.initial_mouth = p.filling.*end;
+        Run alone;
+        const RunRecord at = run_in<dimensions>(other, alone, false);
+        record.filling->bracket.push_back({chute.filling.*end, std::string(status_name(at.status.code)),
+                                           at.metric("filling_time_s"), at.metric("fill_constant"),
+                                           at.metric("peak_force_N")});
+    }
+    const auto& low = record.filling->bracket.front().filling_time;
+    const auto& high = record.filling->bracket.back().filling_time;
+    if (const Metric* time = record.find_metric("filling_time_s")) {
+        const auto text = [](const std::optional<double>& value) {
+            return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
+        };
+        record.add_metric("filling_time_s", time->value, time->kind,
+                          fmt::format("{}; {} from {:g}, {} from {:g}", time->note, text(low),
+                                      chute.filling.lowest_mouth, text(high), chute.filling.highest_mouth));
+    }
+}
+
+template <int dimensions>
+RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     RunRecord record = begin_record(scene, "rom");
     const Stopwatch watch;
     RunContext context(scene, run, record);
@@ -125,6 +192,7 @@ RunRecord run_in(const Scene& scene, Run& run) {
     Openings openings(scene, context, sequence, result);
     record.status = fly<dimensions>(scene, context, sequence, openings);
     judge_flight(scene, dimensions, context, openings);
+    note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     const Reached reached = reached_by(scene, context, sequence);
     record.cost.wall_s = watch.wall();
     record.cost.cpu_s = watch.cpu();
@@ -133,9 +201,13 @@ RunRecord run_in(const Scene& scene, Run& run) {
     note_missing_metrics(record, scene, reached);
     if (is_one_opening(scene)) add_estimates(record, scene, result);
     add_channels(record, context.observer.rows(), scene, dimensions);
+    add_drag_area_times(
+        record, scene, result,
+        scene.parachutes.front().filling.is_predicted() ? MetricKind::result : MetricKind::input);
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
+    if (with_bracket) add_bracket<dimensions>(record, scene, result);
     return record;
 }
 
@@ -152,11 +224,11 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
 RunRecord run_rom(const Scene& scene, Run& run) {
     switch (dimensions_of(scene)) {
         case 1:
-            return run_in<1>(scene, run);
+            return run_in<1>(scene, run, true);
         case 2:
-            return run_in<2>(scene, run);
+            return run_in<2>(scene, run, true);
         default:
-            return run_in<3>(scene, run);
+            return run_in<3>(scene, run, true);
     }
 }
 

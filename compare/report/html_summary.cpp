@@ -117,8 +117,8 @@ std::string verdict_words(const Comparison& comparison, Verdict verdict) {
 }
 
 bool is_unopened(const Comparison& comparison) {
-    return comparison.reference.status.code == StatusCode::not_opened ||
-           comparison.candidate.status.code == StatusCode::not_opened;
+    return failed_to_open(comparison.reference.status.code) ||
+           failed_to_open(comparison.candidate.status.code);
 }
 
 std::string verdict_banner(const Comparison& comparison) {

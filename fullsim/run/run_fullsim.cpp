@@ -480,6 +480,7 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
+    if (chute.filling.is_predicted()) keys.emplace_back("parachute.filling.model");
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
     // Scenes that cannot start are refused before anything runs.

@@ -6,7 +6,7 @@ ExitCode exit_code(StatusCode status) {
     if (is_numerical_failure(status)) return ExitCode::numerical;
     if (status == StatusCode::interrupted) return ExitCode::interrupted;
     if (status == StatusCode::refused) return ExitCode::usage;
-    if (status == StatusCode::not_opened) return ExitCode::verdict;
+    if (failed_to_open(status)) return ExitCode::verdict;
     return ExitCode::done;
 }
 

@@ -16,6 +16,7 @@
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/filling.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/canopy_types.hpp"
@@ -87,6 +88,7 @@ Table laws() {
     table.header = {"key", "law", "source"};
     add_laws(table, "parachute.drag_area_law", drag_area_laws());
     add_laws(table, "parachute.fill_time.model", fill_time_models());
+    add_laws(table, "parachute.filling.model", filling_models());
     add_laws(table, "aerodynamics.added_mass.model", added_mass_models());
     add_laws(table, "aerodynamics.line_ratio.model", line_ratio_models());
     add_laws(table, "aerodynamics.forebody_wake.model", forebody_wake_models());

@@ -39,7 +39,7 @@ std::string events_text(const std::vector<Event>& events) {
 }  // namespace
 
 Colour status_colour(StatusCode code) {
-    if (is_numerical_failure(code) || code == StatusCode::not_opened) return Colour::red;
+    if (is_numerical_failure(code) || failed_to_open(code)) return Colour::red;
     return code == StatusCode::interrupted || code == StatusCode::refused ? Colour::yellow : Colour::green;
 }
 
@@ -63,6 +63,22 @@ std::string fill_constant_text(const RunRecord& record) {
             "; by default the initial phase is {:.0f} % of the filling time (tests show at most "
             "{:.0f} %), parachute.initial_phase sets it",
             100.0 * share, 100.0 * longest_initial_share);
+    return text;
+}
+
+std::string filling_text(const PredictedFilling& filling) {
+    const auto value = [](const std::optional<double>& number) {
+        return number ? readable(*number, 3) : std::string("-");
+    };
+    std::string text = fmt::format(
+        "filling   {}, initial mouth {:g}, entrance loss {:g}; {}\n", printable(filling.model),
+        filling.initial_mouth, filling.entrance_loss,
+        filling.critical_speed ? fmt::format("squids above {} m/s", readable(*filling.critical_speed, 3))
+                               : std::string("squids at no subsonic speed"));
+    for (const PredictedFilling::At& at : filling.bracket)
+        text += fmt::format("bracket   initial mouth {:g}: t_f = {} s, n = {}, peak force {} N ({})\n",
+                            at.initial_mouth, value(at.filling_time), value(at.fill_constant),
+                            value(at.peak_force), printable(at.status));
     return text;
 }
 
@@ -139,6 +155,7 @@ std::string record_text(const RunRecord& record, std::string_view title, const S
         text += fmt::format("energy    {:.3g} % of the drag work does not add up\n",
                             100 * std::abs(record.energy->residual_fraction));
     }
+    if (record.filling) text += filling_text(*record.filling);
     text += fmt::format("cost      {}\n", cost_text(record.cost));
     for (const LeftOut& row : record.left_out) {
         text += fmt::format("left out  {}{}\n", printable(row.what),

@@ -24,6 +24,9 @@ std::string cost_text(const Cost& cost);
 std::string fill_constant_text(const RunRecord& record);
 
 /// [s] in the unit that reads best, e.g. "340 us", "12.3 s".
+/// A predicted filling with its bracket, a line each.
+std::string filling_text(const PredictedFilling& filling);
+
 std::string time_text(double seconds);
 
 /// "warning: what (why), suggestion", a line each; every line begins with `prefix`.

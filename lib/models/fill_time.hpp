@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lib/models/permeability.hpp"
+
 namespace twinchute {
 
 /// Inputs that a filling-time correlation may depend on; of one canopy and its share of the payload.
@@ -68,9 +70,6 @@ struct FillBalance {
 
     bool operator==(const FillBalance&) const = default;
 };
-
-/// [Pa] half an inch of water, at which fabric is tested.
-inline constexpr double permeability_pressure = 0.5 * 249.08891;
 
 /// A choice of row with its parameters.
 struct FillTime {

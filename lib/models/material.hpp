@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "lib/models/permeability.hpp"
+
 namespace twinchute {
 
 /// A fabric: isotropic St. Venant-Kirchhoff membrane in plane stress.
@@ -14,6 +16,7 @@ struct Fabric {
     double poisson_ratio = 0.0;           ///< [-]
     double thickness = 0.0;               ///< [m]
     std::optional<double> strength = {};  ///< [N/m] at which a strip breaks, over its width; absent: unknown
+    std::optional<Permeability> permeability = {};  ///< absent: unknown
 
     bool operator==(const Fabric&) const = default;
 };

@@ -57,6 +57,24 @@ Cost read_cost(const JsonNode& node) {
     return cost;
 }
 
+PredictedFilling read_filling(const JsonNode& node) {
+    const auto known = [](const JsonNode& from, const char* key) {
+        const auto found = from.find(key);
+        return found ? std::optional(found->number()) : std::nullopt;
+    };
+    PredictedFilling filling;
+    filling.model = node.text_at("model");
+    filling.initial_mouth = node.at("initial_mouth").number();
+    filling.entrance_loss = node.at("entrance_loss").number();
+    filling.critical_speed = known(node, "critical_speed_m_s");
+    node.at("bracket").each_row([&](const JsonNode& row) {
+        filling.bracket.push_back({row.at("initial_mouth").number(), row.text_at("status"),
+                                   known(row, "filling_time_s"), known(row, "fill_constant"),
+                                   known(row, "peak_force_N")});
+    });
+    return filling;
+}
+
 HandOver read_hand_over(const JsonNode& node) {
     HandOver made{node.text_at("to"), node.at("time_s").number(), {}};
     node.at("metrics").each_row([&](const JsonNode& key) { made.metrics.push_back(key.text()); });
@@ -151,6 +169,7 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileCheck
                                         row.at("value").number(), row.text_at("source"),
                                         outside ? outside->text() : std::string()});
         });
+    if (const auto filling = top.find("filling")) record.filling = read_filling(*filling);
     if (const auto handed_over = top.find("handed_over")) record.handed_over = read_hand_over(*handed_over);
     top.at("warnings").each_row([&](const JsonNode& row) {
         record.warnings.push_back({row.text_at("what"), row.text_at("why"), row.text_at("suggestion")});

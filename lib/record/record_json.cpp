@@ -125,6 +125,25 @@ void put_estimates(Json& json, const std::vector<Estimate>& estimates) {
     }
 }
 
+Json filling_json(const PredictedFilling& filling) {
+    const auto put_known = [](Json& to, const char* key, const std::optional<double>& value) {
+        if (value) put(to, key, *value);
+    };
+    Json json{{"model", filling.model},
+              {"initial_mouth", filling.initial_mouth},
+              {"entrance_loss", filling.entrance_loss}};
+    put_known(json, "critical_speed_m_s", filling.critical_speed);
+    json["bracket"] = Json::array();
+    for (const PredictedFilling::At& at : filling.bracket) {
+        Json row{{"initial_mouth", at.initial_mouth}, {"status", at.status}};
+        put_known(row, "filling_time_s", at.filling_time);
+        put_known(row, "fill_constant", at.fill_constant);
+        put_known(row, "peak_force_N", at.peak_force);
+        json["bracket"].push_back(std::move(row));
+    }
+    return json;
+}
+
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     Json json = Json::array();
     for (const Warning& warning : warnings) {
@@ -171,6 +190,7 @@ std::string summary_json(const RunRecord& record, const FileChecksums& files) {
     if (record.energy) json["energy"] = energy_json(*record.energy);
     json["cost"] = cost_json(record.cost);
     put_estimates(json, record.estimates);
+    if (record.filling) json["filling"] = filling_json(*record.filling);
     if (record.handed_over)
         json["handed_over"] = {{"to", record.handed_over->to},
                                {"time_s", record.handed_over->time},

@@ -21,6 +21,8 @@ std::string_view status_name(StatusCode code) {
             return "completed";
         case StatusCode::stopped_by_event:
             return "stopped_by_event";
+        case StatusCode::squids:
+            return "squids";
         case StatusCode::not_opened:
             return "not_opened";
         case StatusCode::interrupted:
@@ -51,6 +53,7 @@ bool is_numerical_failure(StatusCode code) {
     switch (code) {
         case StatusCode::completed:
         case StatusCode::stopped_by_event:
+        case StatusCode::squids:
         case StatusCode::not_opened:
         case StatusCode::interrupted:
         case StatusCode::refused:

@@ -15,6 +15,7 @@ namespace twinchute {
 enum class StatusCode {
     completed,         ///< the scene's stop condition was met
     stopped_by_event,  ///< a terminal event (the ground) came before the stop condition
+    squids,            ///< a canopy whose filling is predicted takes in less than its fabric lets out
     not_opened,        ///< the payload is on the ground and a parachute that was to open never did
     interrupted,       ///< Ctrl-C or a stop request; what was computed is in the record
     refused,           ///< the fidelity lacks physics that the scene asks for
@@ -30,6 +31,11 @@ enum class StatusCode {
 
 /// The name under which a code is written to a record, e.g. "energy_grew".
 std::string_view status_name(StatusCode code);
+
+/// True where a parachute that was to open did not: squids or never opened.
+constexpr bool failed_to_open(StatusCode code) {
+    return code == StatusCode::squids || code == StatusCode::not_opened;
+}
 
 /// True for the endings that exit code 3 stands for.
 bool is_numerical_failure(StatusCode code);
@@ -159,6 +165,23 @@ struct HandOver {
     std::vector<std::string> metrics;  ///< keys of those that it has given or changed
 };
 
+/// A predicted filling, and how far it hangs on the one input that is calibrated.
+struct PredictedFilling {
+    /// The same drop with another initial mouth.
+    struct At {
+        double initial_mouth = 0.0;  ///< [-]
+        std::string status;          ///< status_name()
+        std::optional<double> filling_time, fill_constant,
+            peak_force;  ///< [s], [-], [N]; absent: not reached
+    };
+    std::string model;                                ///< a row of the filling models
+    double initial_mouth = 0.0, entrance_loss = 0.0;  ///< [-]
+    /// [m/s] in the air of the snatch, above which the canopy squids; absent: at no speed below that of
+    /// sound.
+    std::optional<double> critical_speed = {};
+    std::vector<At> bracket;  ///< lowest and highest mouth
+};
+
 /// The version, commit, compiler and host of this process, and the time now (UTC, ISO 8601).
 Provenance current_provenance();
 
@@ -183,7 +206,8 @@ struct RunRecord {
     Provenance provenance;
     std::vector<Channel> channels;
     std::vector<Event> events;
-    std::optional<HandOver> handed_over;  ///< absent: one fidelity flew all of it
+    std::optional<PredictedFilling> filling;  ///< absent: prescribed
+    std::optional<HandOver> handed_over;      ///< absent: one fidelity flew all of it
 
     /// The value of a metric, or nothing when its physics was left out.
     std::optional<double> metric(std::string_view key) const;

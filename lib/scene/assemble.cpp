@@ -208,8 +208,10 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
     if (p.cut) is_own(*p.cut);
     for (Reefing& stage : p.reefing)
         is_own(stage.until);
-    p.fill_time = fill_time(v, "parachute.fill_time");
-    finish_growth(v, p);
+    if (!p.filling.is_predicted()) {
+        p.fill_time = fill_time(v, "parachute.fill_time");
+        finish_growth(v, p);
+    }
     read_table(v, "parachute.drag_area_mach_table", p.drag_area_mach_table, read_mach_drag);
     return p;
 }
@@ -270,6 +272,7 @@ Scene assemble_scene(const Values& v) {
     if (payload.body) check_body(v, *payload.body);
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scale_design(v, scene.parachutes.back(), scene.inputs, scene.warnings);
+    scene.overridden = v.overridden();
     std::optional<AddedMassSpec>& added_mass = scene.aerodynamics.added_mass;
     if (added_mass && !added_mass->model) added_mass.reset();  // the word "none"
     finish_trigger(v, "stop", scene.environment, scene.stop);
@@ -289,6 +292,7 @@ void add_parachute(Scene& scene, const Values& v) {
     scene.parachutes.push_back(parachute(v, materials, scene.environment));
     scale_design(v, scene.parachutes.back(), inputs, scene.warnings);
     name_inputs(inputs, scene.parachutes.back().name);
+    scene.overridden.insert(scene.overridden.end(), v.overridden().begin(), v.overridden().end());
     scene.inputs.insert(scene.inputs.end(), inputs.begin(), inputs.end());
 }
 

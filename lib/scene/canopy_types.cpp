@@ -211,12 +211,16 @@ void add_canopy_type(Document& document) {
     Below below(document, type, asked_by);
     put_size(below, document, type, asked_by);
     const bool filling = takes_fill_constant(document);
+    const bool predicted = predicts_filling(document);
     for (const RangeRow& range : ranges) {
         if (range.key.empty() || range.member == &CanopyType::drag_coefficient) continue;
-        if (range.member == &CanopyType::fill_constant && !filling) continue;
+        if (range.member == &CanopyType::fill_constant && (predicted || !filling)) continue;
         below.put_middle(range.key, type.*range.member);
     }
-    put_law(below, type);
+    if (!predicted)
+        put_law(below, type);
+    else if (type.fill_constant || type.growth_exponent)
+        document.overridden.push_back("parachute.type");
 }
 
 }  // namespace twinchute

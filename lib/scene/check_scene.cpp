@@ -216,8 +216,8 @@ void check_packed_opening(const Scene& scene, const Parachute& p, const Complain
             "shorten initial_phase or lengthen fill_time");
 }
 
-/// A line-stretch start snatches at once, so that its times are known before anything runs.
-void check_opening(const Scene& scene, const Parachute& p, const Values& values, const Complain& complain) {
+/// [m/s] through the air, of a line-stretch start, which snatches at once.
+double check_speed(const Scene& scene, const Values& values, const Complain& complain) {
     Vec3 velocity = velocity_over_ground(scene.release);
     if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
     const double speed = scene.environment.wind ? velocity.norm() : scene.release.speed;
@@ -225,6 +225,12 @@ void check_opening(const Scene& scene, const Parachute& p, const Values& values,
     if (speed < smallest_airspeed)
         complain.about(key, "a line-stretch start needs a speed", "lines and canopy are drawn out by the air",
                        "give the snatch speed");
+    return speed;
+}
+
+/// A line-stretch start snatches at once, so that its times are known before anything runs.
+void check_opening(const Scene& scene, const Parachute& p, const Values& values, const Complain& complain) {
+    const double speed = check_speed(scene, values, complain);
     const double density = scene.environment.atmosphere.at(scene.release.altitude).density;
     const double filling = p.fill_time.seconds(fill_inputs(scene, p, speed, density));
     const double initial =
@@ -283,6 +289,44 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
     if (velocity.z() > 0.0 || std::hypot(velocity.x(), velocity.y()) > 1e-9 * velocity.norm())
         refuse("release.path_angle is not straight down: the canopy meets the air from one side",
                "write path_angle = \"90 deg\"");
+}
+
+/// Checks what a balance of the air in the canopy needs, and that nothing prescribes beside it.
+void check_filling(const Parachute& p, const Complain& complain) {
+    const Filling& f = p.filling;
+    if (!f.is_predicted()) return;
+    const std::string head = "parachute.filling.";
+    if (p.deploy.by == DeployBy::inflated)
+        complain.about(head + "model", "a canopy that starts open does not fill", "deploy.by is 'inflated'",
+                       "take filling out, or deploy by line-stretch");
+    for (const auto& [key, length] : {std::pair{"parachute.line_length", p.line_length},
+                                      std::pair{"parachute.riser_length", p.riser_length}})
+        if (!(length > 0.0))
+            complain.about(key, "is missing", "the shape of a canopy that fills hangs on its lines",
+                           "give it, or a design, or take filling out");
+    const double lines = line_ratio(p);
+    if (lines < IsotensoidFamily::shortest_lines || lines > IsotensoidFamily::longest_lines)
+        complain.about("parachute.line_length", fmt::format("lines and risers of {:.3g} D0", lines),
+                       fmt::format("shapes of canopies that fill are known from {:g} to {:g} D0",
+                                   IsotensoidFamily::shortest_lines, IsotensoidFamily::longest_lines),
+                       "check line_length, riser_length and nominal_diameter, or prescribe the filling");
+    if (f.model->has_balance && !p.permeability && !p.fabric.permeability)
+        complain.about("parachute.permeability", "is missing",
+                       "how fast a canopy fills depends on what its fabric lets out",
+                       "give it, 0 for coated fabric, or a fabric that has one");
+    if (f.lowest_mouth > f.initial_mouth || f.highest_mouth < f.initial_mouth)
+        complain.about(head + "initial_mouth", fmt::format("{:g} is outside its bracket", f.initial_mouth),
+                       fmt::format("from {:g} to {:g}", f.lowest_mouth, f.highest_mouth),
+                       "give lowest_mouth and highest_mouth around it");
+    if (p.drag_area_mach_table)
+        complain.about("parachute.drag_area_mach_table", "stands beside a predicted filling",
+                       "the drag of a canopy that fills is a result of subsonic air",
+                       "take it out, or prescribe the filling");
+    for (std::size_t i = 0; i < p.reefing.size(); ++i)
+        if (!p.reefing[i].line_length && !(p.projected_diameter_ratio > 0.0))
+            complain.about(fmt::format("parachute.reefing.{}.line_length", i + 1), "is missing",
+                           "it bounds the mouth of a canopy that fills by itself",
+                           "give it, or projected_diameter_ratio");
 }
 
 /// The stages of a reefed opening, each wider than the one before.
@@ -394,6 +438,11 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_mach_table(scene, p, complain);
     check_reefing(p, complain);
     check_cluster(p, complain);
+    check_filling(p, complain);
+    if (p.filling.is_predicted()) {
+        if (p.deploy.by == DeployBy::line_stretch && !p.deploy_when) check_speed(scene, values, complain);
+        return;
+    }
     if (p.deploy.starts_packed())
         check_packed_opening(scene, p, complain);
     else if (p.deploy.by == DeployBy::line_stretch && !p.deploy_when)

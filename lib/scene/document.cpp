@@ -174,11 +174,19 @@ private:
              "rename it: the next version of the schema refuses the old name"});
     }
 
+    /// The key that a value in place of its table is short for: atmosphere = "us76" for { model = "us76" }.
+    static std::string short_for(const std::string& path, const toml::node& node) {
+        const toml::table* table = node.as_table();
+        const bool is_quantity = node.is_number() || node.is_string() || (table && table->contains("value"));
+        if (path == "fabric.permeability" && is_quantity) return path + ".speed";
+        const bool is_choice = path == "environment.atmosphere" || path == "parachute.filling";
+        return is_choice && node.is_string() ? path + ".model" : "";
+    }
+
     void branch(const toml::node& node, const std::string& path, const SourcePlace& place) {
         if (path == "parachute" && !overriding_) return parachutes(node, place);
-        if (path == "environment.atmosphere" && node.is_string()) {  // short for { model = "..." }
-            const Key& key = *find_key(kind_.keys, path + ".model");
-            document_.entries.insert_or_assign(path + ".model", leaf(key, node, path + ".model", place));
+        if (const std::string key = short_for(path, node); !key.empty()) {
+            document_.entries.insert_or_assign(key, leaf(*find_key(kind_.keys, key), node, key, place));
             return;
         }
         const toml::table* inner = node.as_table();

@@ -48,6 +48,8 @@ struct Document {
     std::vector<Warning> warnings;    ///< about keys that are read by their retired paths
     /// [m] D0 of the design below, where the scene has another key of it.
     std::optional<double> design_diameter = {};
+    /// Keys of a design or type that prescribe a filling which the scene has predicted.
+    std::vector<std::string> overridden = {};
 };
 
 /// One case of a series: keys to lay over the rest.
@@ -77,6 +79,9 @@ Document read_override(const std::string& override_text, const DocumentKind& kin
 /// Lays `upper` over `lower`. A key above also removes from below what cannot stand beside it: the
 /// other way to say the same (altitude and height), and parameters of another model.
 void overlay(Document& lower, const Document& upper);
+
+/// Whether it asks for a predicted filling.
+bool predicts_filling(const Document& document);
 
 /// The parameters of a model imply it: { density = ... } is a constant atmosphere. Of parameters that
 /// do not belong together the first in the file decides; the others are then refused as unused.

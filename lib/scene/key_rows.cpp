@@ -12,6 +12,7 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/filling.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/scene/binding.hpp"
 #include "lib/scene/drag_area.hpp"
@@ -51,6 +52,11 @@ Words names_of() {
 Words added_masses() {
     Words names = names_of<added_mass_models>();
     names.emplace_back("none");
+    return names;
+}
+Words fillings() {
+    Words names = names_of<filling_models>();
+    names.emplace_back("prescribed");
     return names;
 }
 template <const auto& words>
@@ -94,6 +100,7 @@ template <auto... m> constexpr auto of_release = member<&Scene::release, m...>;
 template <auto tape> constexpr auto of_tapes = member<&Parachute::tapes, tape, &Cord::name>;
 template <auto... m> constexpr auto of_deploy = member<&Parachute::deploy, m...>;
 template <auto... m> constexpr auto of_balance = member<&FillTime::balance, m...>;
+template <auto m> constexpr auto of_filling = member<&Parachute::filling, m>;
 template <auto... m> constexpr auto of_added_mass = member<&Scene::aerodynamics, &Aerodynamics::added_mass, m...>;
 template <auto... m> constexpr auto of_full = member<&Scene::full, m...>;
 template <auto... m> constexpr auto of_series = member<&Scene::series, m...>;
@@ -161,6 +168,11 @@ constexpr BindingOf<Parachute> initial_phase{
         return p.initial_phase.seconds;
     }};
 
+/// One point of a fabric's law.
+constexpr BindingOf<Fabric> fabric_speed{[](Fabric& f, const KeyValue& value) {
+    f.permeability = permeability_at_half_inch(std::get<double>(value));
+}};
+
 /// A condition of a trigger with a value.
 template <Trigger::Kind kind>
 struct Condition {
@@ -198,6 +210,7 @@ constexpr Key trigger_rows[] = {
     {.path = "delay", .binding = member<&Trigger::delay>, .unit = "s", .need = defaulted, .fallback = "0", .range = from(0, 36000), .meaning = "after that"},
 };
 
+constexpr std::string_view predicted = "predicted|wolf|mass-balance";
 constexpr std::string_view with_n = "fill-constant|knacke-0.85|knacke-0.9";
 
 /// A filling time, below the table that it stands in.
@@ -323,7 +336,7 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.risers", .binding = unless_zero<&Parachute::risers>,
      .kind = integer, .need = optional, .fallback = "required by the full model", .range = from(1, 400), .user = full, .meaning = "links; a divisor of gores"},
     {.path = "parachute.fabric", .binding = member<&Parachute::fabric, &Fabric::name>,
-     .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "canopy fabric"},
+     .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .meaning = "canopy fabric"},
     {.path = "parachute.line", .binding = member<&Parachute::line, &Cord::name>,
      .kind = data_file, .need = optional, .fallback = "required by packed starts and the full model", .folder = "materials", .meaning = "suspension line and riser cord"},
     {.path = "parachute.tapes.radial", .binding = of_tapes<&Tapes::radial>,
@@ -384,6 +397,23 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.initial_phase", .binding = initial_phase, .kind = quantity_or_word, .unit = "s", .need = defaulted, .fallback = "transit",
      .range = from(0, 1000), .choices = listed<phases>, .meaning = "t_i from snatch to the rise of the drag area; transit: 0.5 D0/v_s",
      .source = "paper 3.2.2"},
+    {.path = "parachute.filling.model", .binding = row_of<find_filling, &Parachute::filling, &Filling::model>, .kind = word, .need = optional, .fallback = "prescribed", .choices = fillings, .user = rom,
+     .meaning = "prescribed: by fill_time and drag_area_law; the others say how long it fills and how its drag area grows, in place of those; filling = \"predicted\" is short for it",
+     .source = "docs/theory/filling.md"},
+    {.path = "parachute.filling.initial_mouth", .binding = of_filling<&Filling::initial_mouth>, .unit = "1", .need = defaulted, .fallback = "0.005", .range = from(1e-5, 0.5), .only_with = predicted, .user = rom,
+     .meaning = "area of the bulb at snatch over that of the steady canopy; the filling time is never printed without it and its bracket",
+     .source = "calibrated on n = 8 of a C-9 at 45.7 to 152 m/s: the one input that is"},
+    {.path = "parachute.filling.lowest_mouth", .binding = of_filling<&Filling::lowest_mouth>, .unit = "1", .need = defaulted, .fallback = "0.002", .range = from(1e-5, 0.5), .only_with = predicted, .user = rom,
+     .meaning = "lower end of the bracket of initial_mouth", .source = "our assumption"},
+    {.path = "parachute.filling.highest_mouth", .binding = of_filling<&Filling::highest_mouth>, .unit = "1", .need = defaulted, .fallback = "0.04", .range = from(1e-5, 0.5), .only_with = predicted, .user = rom,
+     .meaning = "upper end of it", .source = "our assumption; the drag area that prescribed openings begin with"},
+    {.path = "parachute.filling.entrance_loss", .binding = of_filling<&Filling::entrance_loss>, .unit = "1", .need = defaulted, .fallback = "2", .range = from(0.5, 50), .only_with = predicted, .user = rom,
+     .meaning = "K: dynamic pressures of the entering air that the mouth costs",
+     .source = "a re-entrant inlet loses 1, its velocity head 1: handbook analogy"},
+    {.path = "parachute.permeability", .binding = member<&Parachute::permeability>, .unit = "m/s", .need = optional, .fallback = "that of parachute.fabric", .range = from(0, 100), .user = rom,
+     .meaning = "of the canopy's fabric at half an inch of water, \"90 ft^3/min/ft^2\"; 0: coated fabric; in place of the fabric's own, for a predicted filling"},
+    {.path = "parachute.geometric_porosity", .binding = member<&Parachute::geometric_porosity>, .unit = "1", .need = defaulted, .fallback = "0", .range = below(0, 1), .user = rom,
+     .meaning = "lambda_g, open over total area: slots, and the vent if it counts, for a predicted filling", .source = "solid fabric, the vent left out"},
     {.path = "parachute.reefing", .kind = tables, .need = optional,
      .meaning = "[[parachute.reefing]], stages with the mouth held together, from the first on; absent: none"},
     {.path = "parachute.reefing.drag_area_ratio", .binding = member<&Reefing::drag_area_ratio>, .unit = "1", .range = {0, 1, true, true},
@@ -537,6 +567,13 @@ constexpr Key material_rows[] = {
     {.path = "fabric.thickness", .binding = member<&Fabric::thickness>, .unit = "m", .range = above(0, 0.1), .user = full, .meaning = "of the sheet"},
     {.path = "fabric.strength", .binding = member<&Fabric::strength>, .unit = "N/m", .need = optional, .fallback = "no margin", .range = above(0, 1e7), .user = full,
      .meaning = "at which a strip breaks, over its width"},
+    {.path = "fabric.permeability.alpha", .binding = member<&Fabric::permeability, &Permeability::alpha>, .unit = "Pa*s/m", .need = optional, .fallback = "unknown", .range = from(0, 1e9),
+     .instead_of = "fabric.permeability.speed", .user = rom, .meaning = "of dp = alpha u + beta u^2, air through the fabric"},
+    {.path = "fabric.permeability.beta", .binding = member<&Fabric::permeability, &Permeability::beta>, .unit = "Pa*s^2/m^2", .need = optional, .fallback = "unknown", .range = from(0, 1e9),
+     .instead_of = "fabric.permeability.speed", .user = rom, .meaning = "of that law"},
+    {.path = "fabric.permeability.speed", .binding = fabric_speed, .unit = "m/s", .need = optional, .fallback = "alpha and beta", .range = from(0, 100),
+     .instead_of = "fabric.permeability.alpha|fabric.permeability.beta", .user = rom,
+     .meaning = "through the fabric at half an inch of water, with the shape of the law of MIL-C-7020; permeability = \"90 ft^3/min/ft^2\" is short for it"},
     {.path = "cord.kind", .kind = word, .choices = listed<cords>, .user = full, .meaning = "\"cord\""},
     {.path = "cord.density", .binding = member<&Cord::density>, .unit = "kg/m^3", .range = above(0, 1e5), .user = full, .meaning = "of the solid round section"},
     {.path = "cord.youngs_modulus", .binding = member<&Cord::youngs_modulus>, .unit = "Pa", .range = above(0, 1e13), .user = full, .meaning = "in tension"},

@@ -122,6 +122,10 @@ std::span<const Key> material_keys();  ///< both
 /// The selector beside a key that is not used with all of its words.
 const Key* selector_of(std::span<const Key> keys, const Key& key);
 
+/// Whether the key prescribes how a canopy fills, which a predicted filling takes its place of; numbers of a
+/// list's members do not count.
+bool prescribes_filling(std::string_view path);
+
 /// The row of a path in a table of keys, or null; the numbers of a list's members are not part of a row.
 const Key* find_key(std::span<const Key> keys, std::string_view path);
 

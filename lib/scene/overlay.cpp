@@ -1,6 +1,7 @@
 // One document over another: a scene over its design and its base, a case and --set over a scene.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "lib/scene/document.hpp"
@@ -84,7 +85,33 @@ Document& parachute_of(Document& document, const std::string& name, const Docume
 
 }  // namespace
 
+bool predicts_filling(const Document& document) {
+    const auto model = document.entries.find("parachute.filling.model");
+    if (model == document.entries.end()) return false;
+    const auto* word = std::get_if<std::string>(&model->second.value);
+    return word && *word != "prescribed";
+}
+
+namespace {
+
+/// A filling is prescribed or predicted: what is laid above decides.
+void choose_filling(Document& lower, const Document& upper) {
+    const auto prescribes = [](const auto& entry) { return prescribes_filling(entry.first); };
+    if (predicts_filling(upper)) {
+        for (const auto& [path, entry] : lower.entries)
+            if (prescribes_filling(path) && entry.origin == InputOrigin::design)
+                lower.overridden.push_back(path);
+        std::erase_if(lower.entries, prescribes);
+    } else if (std::ranges::any_of(upper.entries, prescribes)) {
+        std::erase_if(lower.entries,
+                      [](const auto& entry) { return is_below(entry.first, "parachute.filling"); });
+    }
+}
+
+}  // namespace
+
 void overlay(Document& lower, const Document& upper) {
+    choose_filling(lower, upper);
     for (std::size_t k = 0; k < upper.parachutes.size(); ++k) {
         if (k == lower.parachutes.size()) lower.parachutes.emplace_back().file = lower.file;
         overlay(lower.parachutes[k], upper.parachutes[k]);

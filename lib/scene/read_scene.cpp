@@ -50,6 +50,7 @@ void add_design(Document& document) {
     document.entries = std::move(below.entries);
     document.tables = std::move(below.tables);
     document.warnings = std::move(below.warnings);
+    document.overridden = std::move(below.overridden);
 }
 
 /// The file that `base` names: seen from the file it stands in, or among the scenes of the data.
@@ -133,8 +134,20 @@ void refuse_nameless(const Document& layer, const Document& document) {
                              "write parachute.NAME." + path.substr(std::string_view("parachute.").size()));
 }
 
+/// Refuses a filling that the scene itself both prescribes and predicts.
+void refuse_two_fillings(const Document& document) {
+    if (!predicts_filling(document)) return;
+    const std::string& model = std::get<std::string>(document.entries.at("parachute.filling.model").value);
+    for (const auto& [path, entry] : document.entries)
+        if (prescribes_filling(path))
+            throw SceneError(entry.key_place, path, "is not used",
+                             fmt::format("parachute.filling is '{}': how it fills is a result", model),
+                             "take it out, or write filling = \"prescribed\"");
+}
+
 /// With what its design and its canopy type give.
 Document with_design(Document document) {
+    refuse_two_fillings(document);
     add_design(document);
     add_canopy_type(document);
     return document;

@@ -18,6 +18,7 @@
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
 #include "lib/models/fill_time.hpp"
+#include "lib/models/filling.hpp"
 #include "lib/models/mach_drag.hpp"
 #include "lib/models/material.hpp"
 #include "lib/models/wind.hpp"
@@ -178,6 +179,10 @@ struct Parachute {
     std::optional<DragAreaTable> drag_area_table;  ///< of a whole opening, in place of the law
     double initial_drag_area_ratio = 0.0;          ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
+    /// In place of the five above, if it is predicted; they are then empty.
+    Filling filling = {};
+    std::optional<double> permeability = {};  ///< [m/s] at half an inch of water, in place of the fabric's
+    double geometric_porosity = 0.0;          ///< lambda_g [-]
     std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 
     bool operator==(const Parachute&) const = default;
@@ -321,6 +326,8 @@ struct Scene {
 
     std::vector<Input> inputs;      ///< every effective key, for the record
     std::vector<Warning> warnings;  ///< about the inputs, for the record
+    /// Keys of designs and types that a predicted filling takes the place of.
+    std::vector<std::string> overridden;
 };
 
 }  // namespace twinchute

@@ -19,6 +19,7 @@ public:
     }
     void add(const Fabric& f) {
         add(f.name, {f.density, f.youngs_modulus, f.poisson_ratio, f.thickness, f.strength.value_or(-1.0)});
+        if (f.permeability) add("permeability", {f.permeability->alpha, f.permeability->beta});
     }
     void add(const Cord& c) {
         add(c.name, {c.density, c.youngs_modulus, c.diameter, c.strength.value_or(-1.0)});

@@ -16,7 +16,7 @@
 namespace twinchute {
 namespace {
 
-constexpr std::array<UnitAlias, 11> aliases{{
+constexpr std::array<UnitAlias, 12> aliases{{
     {"deg", "0.017453292519943295 rad", "UDUNITS-2 has only arc_degree and degree"},
     {"oz", "0.0625 lb", "UDUNITS-2 reads the US fluid ounce, a volume"},
     {"lbm", "lb", "pound mass, unknown to UDUNITS-2"},
@@ -25,6 +25,7 @@ constexpr std::array<UnitAlias, 11> aliases{{
     {"kph", "km/hour", "UDUNITS-2 reads kilophot, an illuminance"},
     {"psf", "lbf/ft2", "pound per square foot, unknown to UDUNITS-2"},
     {"fps", "ft/s", "foot per second, unknown to UDUNITS-2"},
+    {"cfm", "ft3/min", "cubic foot per minute, unknown to UDUNITS-2"},
     {"nmi", "nautical_mile", "UDUNITS-2 reads nano-mile"},
     {"slug", "lbf s2/ft", "UDUNITS-2 has it to six digits only"},
     {"g0", "standard_free_fall", "UDUNITS-2 reads gram to the power 0, which is 1"},

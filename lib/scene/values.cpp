@@ -25,6 +25,8 @@ Values::Values(const Document& document, const DocumentKind& kind)
     : kind_(kind),
       file_(document.file),
       design_diameter_(document.design_diameter),
+      overridden_(document.overridden),
+      predicts_filling_(predicts_filling(document)),
       tables_(document.tables) {
     // In the order of the file, overrides (line 0) first.
     std::vector<const std::pair<const std::string, Entry>*> entries;
@@ -244,6 +246,7 @@ void Values::fill_in(const Key& key, const std::string& path) {
         return;
     }
     if (values_.contains(path) || !is_active(key, path)) return;
+    if (predicts_filling_ && prescribes_filling(path)) return;
     std::vector<std::string> others;
     for (const std::string_view row : words_of(key.instead_of))
         others.push_back(beside(row, path));

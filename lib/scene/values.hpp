@@ -52,6 +52,8 @@ public:
     bool is_designed(std::string_view path) const;
     /// [m] D0 as the design has it, where the scene gives its own.
     std::optional<double> design_diameter() const { return design_diameter_; }
+    /// Keys of a design or type that a predicted filling stands in place of.
+    const std::vector<std::string>& overridden() const { return overridden_; }
     /// Members of a list, "path.1" and so on; 0 when it is absent.
     int count(std::string_view path) const;
 
@@ -93,6 +95,8 @@ private:
     DocumentKind kind_;
     std::string file_;
     std::optional<double> design_diameter_;
+    std::vector<std::string> overridden_;
+    bool predicts_filling_ = false;
     std::map<std::string, SourcePlace> tables_;
     std::map<std::string, Value, std::less<>> values_;
     std::map<std::string, Tolerance> tolerances_;

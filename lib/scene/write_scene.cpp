@@ -62,6 +62,8 @@ public:
     /// Nothing where the object has no such value, or the words before it leave it out.
     template <class Object>
     void key(const Object& object, const Key& key) {
+        if constexpr (std::is_same_v<Object, Parachute>)
+            if (object.filling.is_predicted() && prescribes_filling(key.path)) return;
         const auto value = value_of(object, key);
         if (!value) return;
         if (std::is_same_v<Object, Scene> && key.path.find('.') != std::string_view::npos) section(key.path);
@@ -109,7 +111,7 @@ private:
 void write_parachute(Writer& w, const Parachute& p) {
     w.table("[[parachute]]", "parachute.");
     w.keys(p, "parachute");
-    w.keys(p.fill_time, "parachute.fill_time");
+    if (!p.filling.is_predicted()) w.keys(p.fill_time, "parachute.fill_time");
     if (p.deploy_when) w.keys(*p.deploy_when, "parachute.deploy.when");
     if (p.cut) w.keys(*p.cut, "parachute.cut");
     for (const Reefing& stage : p.reefing) {

@@ -32,6 +32,27 @@ double filled(const Parachute& chute, double share) {
     return (share - first) / (1.0 - first);
 }
 
+/// A predicted filling has no law: its drag area stays where it is until a model says that it has grown.
+ValueAndRate unchanged(double, double eta) {
+    return {eta * eta, 0.0};
+}
+double unchanged_integral(double x, double eta) {
+    return x * eta * eta;
+}
+constexpr DragAreaLaw no_law{"", "", unchanged, unchanged_integral};
+
+/// An opening that begins with a drag area [m^2] and ends when OpeningSequence::fills_up() says so.
+Inflation endless(const Parachute& chute, double begin, double initial_time, double drag_area) {
+    Inflation inflation;
+    inflation.snatch = begin;
+    inflation.initial_time = initial_time;
+    inflation.filling_time = infinity;
+    inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio;
+    inflation.eta = std::sqrt(drag_area / inflation.steady_drag_area);
+    inflation.law = &no_law;
+    return inflation;
+}
+
 /// A stage from `share` of the open canopy's drag area on; t_i is part of its filling time.
 Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage, double share,
                    double initial_time, double speed, double density) {
@@ -54,8 +75,22 @@ Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage
 
 }  // namespace
 
+FillingCanopy filling_canopy(const Parachute& chute) {
+    FillingSizes sizes;
+    sizes.nominal_diameter = chute.nominal_diameter;
+    sizes.line_length = chute.line_length + chute.riser_length;
+    sizes.drag_area = chute.drag_area * chute.cluster_drag_ratio;
+    sizes.fabric = chute.permeability ? permeability_at_half_inch(*chute.permeability)
+                                      : chute.fabric.permeability.value_or(Permeability{});
+    sizes.geometric_porosity = chute.geometric_porosity;
+    return {chute.filling, sizes};
+}
+
 Inflation make_inflation(const Scene& scene, const Parachute& chute, double snatch, double speed,
                          double density, std::size_t stage) {
+    if (chute.filling.is_predicted())
+        return endless(chute, snatch, 0.5 * chute.nominal_diameter / speed,
+                       chute.filling.initial_mouth * chute.drag_area * chute.cluster_drag_ratio);
     const double initial_time =
         chute.initial_phase.transit ? 0.5 * chute.nominal_diameter / speed : chute.initial_phase.seconds;
     Inflation inflation =
@@ -66,6 +101,8 @@ Inflation make_inflation(const Scene& scene, const Parachute& chute, double snat
 
 Inflation next_stage(const Scene& scene, const Parachute& chute, std::size_t stage, const Inflation& before,
                      Phase phase, double time, double speed, double density) {
+    if (chute.filling.is_predicted())
+        return endless(chute, time, 0.0, before.steady_drag_area * before.drag_area_ratio(phase, time).value);
     const double share = before.share * before.drag_area_ratio(phase, time).value;
     Inflation inflation = stage_of(scene, chute, stage, share, 0.0, speed, density);
     inflation.snatch = time;
@@ -148,6 +185,9 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     }
     if (r.filling_time && one)
         record.add_metric("filling_time_s", *r.filling_time, filling.kind, filling.note);
+    if (r.filling_time && one && r.snatched)
+        record.add_metric("fill_constant", *r.filling_time * r.snatch_speed / chute.nominal_diameter,
+                          filling.kind, "t_f v_s/D0");
     const auto add_canopy_peak = [&](const char* key, const std::optional<CanopyPeak>& peak) {
         if (peak) record.add_metric(key, peak->force, MetricKind::result, peak->note);
     };
@@ -202,6 +242,28 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     }
 }
 
+void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& r, MetricKind kind) {
+    const Channel *time = record.find_channel("time"), *area = record.find_channel("drag_area");
+    const Parachute& chute = scene.parachutes.front();
+    if (!r.snatched || scene.parachutes.size() > 1 || chute.drag_area_mach_table || !time || !area) return;
+    const double steady = chute.count * chute.drag_area * chute.cluster_drag_ratio;
+    std::size_t i = 0;
+    while (i < time->values.size() && time->values[i] < r.snatch_time)
+        ++i;
+    for (const int percent : {15, 70, 98}) {
+        const double wanted = 0.01 * percent * steady;
+        while (i < time->values.size() && !(area->values[i] >= wanted))
+            ++i;
+        if (i == time->values.size()) return;
+        double at = time->values[i];
+        if (i > 0 && time->values[i - 1] >= r.snatch_time && area->values[i - 1] < wanted)
+            at -= (area->values[i] - wanted) / (area->values[i] - area->values[i - 1]) *
+                  (at - time->values[i - 1]);
+        record.add_metric(fmt::format("time_to_{}_percent_drag_area_s", percent), at - r.snatch_time, kind,
+                          kind == MetricKind::input ? "by fill_time and drag_area_law" : "from snatch");
+    }
+}
+
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                               const std::optional<DescentWindow>& last) {
     using enum Trigger::Kind;
@@ -238,7 +300,7 @@ constexpr double slowest_test = 150.0 * 0.3048, fastest_test = 500.0 * 0.3048;
 
 void warn_of_typical_filling(RunRecord& record, const Parachute& chute, double speed,
                              const std::string& whose) {
-    const bool typical = chute.type && chute.type->fill_constant &&
+    const bool typical = chute.type && chute.type->fill_constant && chute.fill_time.model != nullptr &&
                          chute.fill_time.model->name == "fill-constant" &&
                          chute.fill_time.n == chute.type->fill_constant->middle();
     if (!typical || (speed >= slowest_test && speed <= fastest_test)) return;
@@ -314,6 +376,7 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
              "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
+    if (chute.filling.is_predicted()) return;  // the others judge a filling time that was told
     warn_of_weak_snatch(record, scene, chute, inflation, speed, density);
     warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);

@@ -37,6 +37,9 @@ Inflation make_inflation(const Scene& scene, const Parachute& chute, double snat
 /// definition of this toolkit; a fill_time of the stage is taken in the same way, a given time as it stands.
 Inflation next_stage(const Scene& scene, const Parachute& chute, std::size_t stage, const Inflation& before,
                      Phase phase, double time, double speed, double density);
+/// The canopy of a parachute whose filling is predicted, as the balance of its air needs it.
+FillingCanopy filling_canopy(const Parachute& chute);
+
 /// The opening of a canopy that starts inflated: over at time 0.
 Inflation inflated(const Parachute& chute);
 
@@ -116,6 +119,10 @@ std::string metric_head(std::string name);
 /// `descent` say how much of those two is input.
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
                          const Metric& filling, const Metric& descent);
+/// Adds the times from snatch at which the drag area of the only parachute first is 15, 70 and 98 % of the
+/// steady one: a slow stage and a burst are two numbers. From the record's own history, between two of its
+/// rows by a straight line. `kind`: that of the filling time.
+void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& result, MetricKind kind);
 /// Warns of a run that ended before its descent was steady, unless its stop condition is one of the opening.
 /// `last`: the last window that was judged, if any.
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,

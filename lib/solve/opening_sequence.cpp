@@ -46,6 +46,8 @@ OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
             c.index = k;
             c.count = count;
             c.steady_radius = steady_radius(chute);
+            if (chute.filling.is_predicted())
+                c.filling = std::make_shared<const FillingCanopy>(filling_canopy(chute));
             c.lag = lag;
             all_.push_back(c);
         }
@@ -153,6 +155,24 @@ void OpeningSequence::occurred(Trigger::Kind kind, std::size_t index, double tim
     past_.push_back({kind, index, time});
     for (Wait& wait : waits_)
         if (wait.due == infinity && is_about(wait, kind, index)) wait.due = time + wait.trigger->delay;
+}
+
+void OpeningSequence::grown(std::size_t canopy, const FillingMotion& bulb, bool squids, double drag_area) {
+    Canopy& c = all_[canopy];
+    c.bulb = bulb;
+    c.squids = squids;
+    if (c.phase == Phase::open)
+        c.inflation.steady_drag_area = drag_area;  // of a reefed stage: a result
+    else
+        c.inflation.eta = std::sqrt(drag_area / c.inflation.steady_drag_area);
+}
+
+void OpeningSequence::fills_up(std::size_t canopy, double time) {
+    Canopy& c = all_[canopy];
+    c.inflation.filling_time = time - c.inflation.snatch;
+    if (!c.is_reefed()) return;
+    c.inflation.steady_drag_area *= c.inflation.eta * c.inflation.eta;
+    c.inflation.eta = 1.0;
 }
 
 void OpeningSequence::descends_steadily(const FlightState& now) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,7 +39,13 @@ struct Canopy {
     Inflation inflation;         ///< of one of them; set once it is open
     double steady_radius = 0.0;  ///< R_0 [m]
     double snatch_speed = 0.0, snatch_density = 0.0;
+    std::shared_ptr<const FillingCanopy> filling = {};  ///< null: its filling is prescribed
+    FillingMotion bulb = {};                            ///< of a predicted filling: where it has come to
+    bool squids = false;                                ///< its fabric lets out all that its mouth takes in
 
+    /// Its drag and its air are a model's to compute, not the sequence's: while it fills, and while a reefing
+    /// line holds it.
+    bool fills_itself() const { return filling && is_out() && (phase != Phase::open || is_reefed()); }
     bool is_out() const { return state == State::open; }
     bool is_reefed() const { return stage < chute->reefing.size(); }
 };
@@ -82,6 +89,11 @@ public:
     std::optional<std::size_t> leaves_pack() const { return leaving_; }
     /// Snatch, of a parachute that has left its pack.
     void snatched(std::size_t index, const FlightState& now);
+    /// A canopy whose filling is predicted has come to this, with a drag area [m^2] of one canopy that holds
+    /// until this is called again.
+    void grown(std::size_t canopy, const FillingMotion& bulb, bool squids, double drag_area);
+    /// It is full, or its reefing line is taut, at `time` [s]: advance() tells so.
+    void fills_up(std::size_t canopy, double time);
     /// A steady descent has been found.
     void descends_steadily(const FlightState& now);
 

@@ -52,7 +52,7 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
 void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& reached) {
     const StatusCode code = record.status.code;
     const bool own_stop = code == StatusCode::completed;
-    if (!own_stop && code != StatusCode::stopped_by_event && code != StatusCode::not_opened) return;
+    if (!own_stop && code != StatusCode::stopped_by_event && !failed_to_open(code)) return;
     const bool in_time = own_stop && (reached.full_open || !reached.ground);
     const auto note_missing = [&](const char* key, std::string why, bool not_reached) {
         if (!record.find_metric(key)) record.missing.push_back({key, std::move(why), not_reached});

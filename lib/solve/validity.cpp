@@ -20,7 +20,8 @@ bool opens(const Parachute& p) {
     return p.deploy.by != DeployBy::inflated;
 }
 bool fills_by_speed(const Scene&, const Parachute& p) {
-    return opens(p) && (p.fill_time.model->dimensional || p.fill_time.model->by_diameters);
+    return opens(p) && !p.filling.is_predicted() &&
+           (p.fill_time.model->dimensional || p.fill_time.model->by_diameters);
 }
 
 // clang-format off
@@ -41,7 +42,7 @@ constexpr std::array correlations{
                    KeyUser::both, true, fills_by_speed},
     CorrelationRow{"filling time by a balance of mass", RangedQuantity::snatch_mach_number, 0.0, 0.5,
                    "air of one density, 13 % denser where it is brought to rest at 0.5: derived here",
-                   KeyUser::both, true, [](const Scene&, const Parachute& p) { return opens(p) && p.fill_time.balance; }},
+                   KeyUser::both, true, [](const Scene&, const Parachute& p) { return opens(p) && (p.fill_time.balance || p.filling.is_predicted()); }},
     CorrelationRow{"added mass", RangedQuantity::mach_number, 0.0, 0.5,
                    "air of one density, 13 % denser where it is brought to rest at 0.5: derived here",
                    KeyUser::both, true, [](const Scene& s, const Parachute&) { return s.aerodynamics.added_mass.has_value(); }},

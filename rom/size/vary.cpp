@@ -154,13 +154,14 @@ Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::str
     p.opening_force_coefficient.reset();  // another type's would be wrong
     if (type.opening_force_coefficient && type.opening_force_coefficient->may_be_default())
         p.opening_force_coefficient = type.opening_force_coefficient->middle();
-    if (p.fill_time.model->name == "fill-constant" && !is_given(scene, "fill_time.n"))
+    const bool predicted = p.filling.is_predicted();
+    if (!predicted && p.fill_time.model->name == "fill-constant" && !is_given(scene, "fill_time.n"))
         take(type.fill_constant, "n", [&](double n) {
             p.fill_time = {};
             p.fill_time.model = find_fill_time("fill-constant");
             p.fill_time.n = n;
         });
-    if (!is_given(scene, "drag_area_law") && !p.drag_area_table)
+    if (!predicted && !is_given(scene, "drag_area_law") && !p.drag_area_table)
         take(type.growth_exponent, "law of growth", [&](double j) {
             if (const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", j)))
                 p.drag_area_law = law;

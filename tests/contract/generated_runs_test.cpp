@@ -85,8 +85,9 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
     for (int i = 0; i < full_runs; ++i) {
         const std::string text = scene_of_lines(generator.valid());
         Scene scene = read_scene_text(text, "generated.toml", directory_.path());
-        scene.parachutes.front().mesh.reset();  // there is no such file
-        if (scene.payload.body)                 // one that any number of risers reaches over
+        if (scene.parachutes.front().filling.is_predicted()) continue;  // that is the other model's
+        scene.parachutes.front().mesh.reset();                          // there is no such file
+        if (scene.payload.body)  // one that any number of risers reaches over
             scene.payload.body = {PayloadBody::Shape::cylinder,
                                   {0.5 * scene.parachutes.front().riser_length, 1.0}};
         scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores

@@ -93,6 +93,7 @@ private:
     void put_canopy();
     void put_opening();
     void put_sequence(const std::string& by);
+    void put_filling(const std::string& by);
     void put_limits(std::string_view stop);
     void put_tolerances();
     std::optional<std::string> spoiled(const Key& key, std::size_t kind);
@@ -320,6 +321,27 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
     put("parachute.reefing", "[" + stages + "]");
 }
 
+/// A predicted filling, in place of what prescribes one; the lines have to fit its shapes.
+inline void SceneGenerator::put_filling(const std::string& by) {
+    if (random_bool(0.7) || by == "inflated") {
+        if (random_bool(0.2)) put("parachute.filling.model", "\"prescribed\"");
+        return;
+    }
+    std::erase_if(lines_, [](const SceneLine& line) {
+        return prescribes_filling(line.path) || line.path == "parachute.drag_area_mach_table" ||
+               line.path == "parachute.line_length" || line.path == "parachute.riser_length";
+    });
+    put_number("parachute.line_length", diameter_ * number_in(0.5, 2.0));
+    put_number("parachute.riser_length", diameter_ * number_in(0.05, 0.5));
+    static const std::vector<std::string> models{"\"predicted\"", "\"wolf\"", "\"mass-balance\""};
+    put("parachute.filling.model", one_of(models));
+    const double low = number_in(1e-4, 0.01), high = number_in(0.02, 0.4);
+    if (random_bool(0.5)) put_number("parachute.filling.lowest_mouth", std::min(low, 0.002));
+    if (random_bool(0.5)) put_number("parachute.filling.highest_mouth", std::max(high, 0.04));
+    if (random_bool(0.5)) put_number("parachute.filling.initial_mouth", number_in(0.0021, 0.039));
+    if (random_bool(0.5)) put_number("parachute.filling.entrance_loss", number_in(0.5, 20.0));
+}
+
 /// At least one limit; a descent rate only where the run may come to it.
 inline void SceneGenerator::put_limits(std::string_view stop) {
     const bool early = stop == "peak-force" || stop == "full-open" || stop == "line-stretch";
@@ -399,7 +421,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                 left_out.push_back(std::string(key.path) + ".");
             continue;
         }
-        if (by_hand.contains(key.path) || key.path.starts_with("parachute.fill_time.")) continue;
+        if (by_hand.contains(key.path) || key.path.starts_with("parachute.fill_time.") ||
+            key.path.starts_with("parachute.filling."))
+            continue;
         if (std::ranges::any_of(left_out, [&](const auto& table) { return key.path.starts_with(table); }))
             continue;
         if (!key.instead_of.empty()) {  // one of a group, or none
@@ -431,6 +455,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     put_sequence(by);
     if (words["environment.atmosphere.model"] != "constant" && random_bool(0.3))
         put("parachute.drag_area_mach_table", "\"generated-mach.csv\"");
+    put_filling(by);
     const auto has = [&](std::string_view table) {
         return std::ranges::none_of(left_out, [&](const auto& out) { return out == table; });
     };

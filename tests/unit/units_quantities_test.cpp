@@ -86,6 +86,7 @@ TEST(Units, EveryAliasMeansWhatEngineersMean) {
         {"kph", {"36 kph", "m/s", 10.0}},
         {"psf", {"1 psf", "Pa", pound * gravity / (foot * foot)}},
         {"fps", {"70 fps", "m/s", 70 * foot}},
+        {"cfm", {"90 cfm/ft2", "m/s", 90 * foot / 60}},
         {"nmi", {"1 nmi", "m", 1852.0}},
         {"slug", {"1 slug", "kg", pound * gravity / foot}},
         {"g0", {"2 g0", "m/s^2", 2 * gravity}},
