@@ -101,8 +101,8 @@ Errors and limits are shares of the expected value.
   hold them. A run that is driven by an instability, or rings at the edge of one, does not repeat its forces
   when the step is halved. Where lines slap taut on next to no mass the peak is that of a chaotic motion: there the limit
   is the range of the peak over four starts that differ by a micrometre, if that is more.
-- **Indexed** is the layout in memory that imported, graded and damaged meshes have; here it has meshes that would do with gores in
-  lanes, and no scene can ask for that. Besides the checks of its case, largest forces are those in the gore-batched layout within 1e-4, where
+- **Unstructured** is the layout in memory that imported, graded and damaged meshes have; here it has meshes that would do with the
+  gore-batched layout, and no scene can ask for that. Besides the checks of its case, largest forces are those of that layout within 1e-4, where
   these end likewise: the arithmetic is the same but for the order of sums. Not so from the pack, which is chaotic, and not with one
   sector, whose layout is its own.
 - **Momentum of the payload**: its change is the impulse of weight and riser force, within 1 % of both together; the

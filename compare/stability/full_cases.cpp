@@ -15,7 +15,7 @@ const StabilityMethod whole{"whole", [](Scene& s) { s.full.symmetry = Symmetry::
 const StabilityMethod sector{"sector", [](Scene& s) { s.full.symmetry = Symmetry::sector; }};
 /// All gores on node records, as imported and graded meshes are: these are regular, so that their own layout
 /// has to give the same forces.
-StabilityMethod indexed() {
+StabilityMethod unstructured() {
     return {"unstructured", whole.choose, true, same_in_the_layout_of_its_mesh()};
 }
 const StabilityMethod springs{"msd-fe", [](Scene& s) { s.full.structure = Structure::msd_fe; }};
@@ -23,11 +23,11 @@ const StabilityMethod elements{"fe", [](Scene& s) { s.full.structure = Structure
 
 /// From line stretch, straight down: all gores, or one that stands for all.
 std::span<const StabilityMethod> layouts() {
-    static const std::vector<StabilityMethod> rows{whole, indexed(), sector};
+    static const std::vector<StabilityMethod> rows{whole, unstructured(), sector};
     return rows;
 }
 std::span<const StabilityMethod> without_sector() {
-    static const std::vector<StabilityMethod> rows{whole, indexed()};
+    static const std::vector<StabilityMethod> rows{whole, unstructured()};
     return rows;
 }
 /// A sector has a layout of its own and none besides.

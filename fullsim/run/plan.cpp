@@ -30,7 +30,7 @@ constexpr double mouth_share = 0.4;
 constexpr double folded_share = 0.4;
 
 /// Durations of a run's stages, as far as they can be known beforehand.
-struct Course {
+struct ExpectedFlight {
     bool known = false;                               ///< its end
     double snatch = 0.0, full_open = 0.0, end = 0.0;  ///< [s] since release; infinite where not reached
     double altitude = 0.0;                            ///< [m] of the snatch
@@ -42,50 +42,50 @@ double density_at(const Scene& scene, double altitude) {
     return scene.environment.atmosphere.at(altitude).density;
 }
 
-Course course_of(const Scene& scene, const RunRecord* expected) {
+ExpectedFlight expected_flight(const Scene& scene, const RunRecord* expected) {
     const Parachute& chute = scene.parachutes.front();
-    Course course;
-    course.altitude = scene.release.altitude;
-    course.speed = release_airspeed(scene).norm();
+    ExpectedFlight flight;
+    flight.altitude = scene.release.altitude;
+    flight.speed = release_airspeed(scene).norm();
     if (expected && !is_numerical_failure(expected->status.code) &&
         expected->status.code != StatusCode::refused) {
-        course.known = true;
-        course.end = expected->find_channel("time")->values.back();
+        flight.known = true;
+        flight.end = expected->find_channel("time")->values.back();
     } else if (scene.stop.kind == Trigger::Kind::time && !chute.deploy.starts_packed()) {
-        course.known = true;
-        course.end = scene.stop.value + scene.stop.delay;
+        flight.known = true;
+        flight.end = scene.stop.value + scene.stop.delay;
     }
     if (chute.deploy.by == DeployBy::inflated) {
-        course.inflation = inflated(chute);
+        flight.inflation = inflated(chute);
     } else {
         if (chute.deploy.starts_packed()) {
-            course.snatch = infinity;
+            flight.snatch = infinity;
             const Event* event = expected ? expected->find_event("snatch") : nullptr;
             if (const auto speed = expected ? expected->metric("snatch_speed_m_s") : std::nullopt;
                 event && speed) {
-                course.snatch = event->time;
-                course.altitude = event->altitude;
-                course.speed = *speed;
+                flight.snatch = event->time;
+                flight.altitude = event->altitude;
+                flight.speed = *speed;
             }
         }
-        const double snatch = std::isfinite(course.snatch) ? course.snatch : 0.0;
-        course.inflation =
-            make_inflation(scene, chute, snatch, course.speed, density_at(scene, course.altitude));
+        const double snatch = std::isfinite(flight.snatch) ? flight.snatch : 0.0;
+        flight.inflation =
+            make_inflation(scene, chute, snatch, flight.speed, density_at(scene, flight.altitude));
     }
-    course.full_open = std::isfinite(course.snatch) ? course.inflation.end_of(Phase::filling) : course.snatch;
+    flight.full_open = std::isfinite(flight.snatch) ? flight.inflation.end_of(Phase::filling) : flight.snatch;
     // A descent is not called steady before there is a shape to report, a mean over two seconds.
-    if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(course.full_open))
-        course.end = std::max(course.end, course.full_open + 2.0 + scene.stop.delay);
-    return course;
+    if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(flight.full_open))
+        flight.end = std::max(flight.end, flight.full_open + 2.0 + scene.stop.delay);
+    return flight;
 }
 
 /// [kg] of air that moves with the canopy, as a run prescribes it.
-double added_mass_at(const Scene& scene, const Course& course, double time) {
+double added_mass_at(const Scene& scene, const ExpectedFlight& flight, double time) {
     if (!scene.aerodynamics.added_mass) return 0.0;
-    const Inflation& inflation = course.inflation;
+    const Inflation& inflation = flight.inflation;
     return inflation
         .added_mass(*scene.aerodynamics.added_mass, inflation.phase_at(time), time,
-                    density_at(scene, course.altitude), steady_radius(scene.parachutes.front()))
+                    density_at(scene, flight.altitude), steady_radius(scene.parachutes.front()))
         .value;
 }
 
@@ -166,22 +166,22 @@ private:
 class Forecast {
 public:
     Forecast(const Scene& scene, const PlanBasis& basis)
-        : scene_(scene), basis_(basis), course_(course_of(scene, basis.expected)) {
+        : scene_(scene), basis_(basis), flight_(expected_flight(scene, basis.expected)) {
         plan_.parts = parts_of(scene);
-        plan_.whole = course_.known;
+        plan_.whole = flight_.known;
     }
 
     Plan make() {
         const std::vector<Stage> stages = stages_of(scene_);
         const bool packed = stages.front() == Stage::deployment;
-        const bool opens = !plan_.whole || course_.snatch < course_.end;
+        const bool opens = !plan_.whole || flight_.snatch < flight_.end;
         // Deployment, springs, ramp; filling and the open canopy.
         budget_ = basis_.probe / static_cast<double>(stages.size() + 1);
         double begin = 0.0;
         if (packed) {
             Probe probe(scene_, basis_.threads);
             run(probe);
-            begin = std::min(course_.snatch, course_.end);
+            begin = std::min(flight_.snatch, flight_.end);
             const double drawn_out = folded_share * begin;
             add(probe, "deployment", 0.0, begin, [&](double time) {
                 if (time > drawn_out) return probe.simulation().step_with(0.0, 0.0);
@@ -191,11 +191,11 @@ public:
         if (opens && stages.size() > 2) begin = add_springs(begin);
         if (opens && scene_.parachutes.front().deploy.by != DeployBy::inflated)
             begin = add_filling(packed, begin);
-        if (opens && (!plan_.whole || course_.end > begin)) add_open(begin);
+        if (opens && (!plan_.whole || flight_.end > begin)) add_open(begin);
         if (plan_.whole)
             add_bytes(
                 plan_.arrays, "history",
-                sizeof(HistoryRow) * static_cast<std::size_t>(course_.end * scene_.full.output_rate + 1.0));
+                sizeof(HistoryRow) * static_cast<std::size_t>(flight_.end * scene_.full.output_rate + 1.0));
         plan_.how = fmt::format("{}: {} steps tried in {} {}{}; ", layout_, tried_, plan_.stages.size(),
                                 plan_.stages.size() == 1 ? "state" : "states",
                                 basis_.threads > 1 ? fmt::format(" on {} threads", basis_.threads) : "");
@@ -252,38 +252,38 @@ private:
     double add_springs(double begin) {
         const Scene drawn_out = [&] {
             Scene scene =
-                start_of(scene_, scene_.parachutes.front().deploy.by, course_.altitude, course_.speed);
+                start_of(scene_, scene_.parachutes.front().deploy.by, flight_.altitude, flight_.speed);
             scene.parachutes.front().deploy.pack_ratio = 1.0;
             return scene;
         }();
         Probe probe(drawn_out, basis_.threads);
         if (!probe.begin([](Simulation& s) { return !s.snatch().has_value(); })) return begin;
         run(probe);
-        const double change = std::min(course_.end, begin + mouth_share * course_.inflation.filling_time);
+        const double change = std::min(flight_.end, begin + mouth_share * flight_.inflation.filling_time);
         add(probe, "springs", begin, change, [&](double time) {
-            return probe.simulation().step_with(added_mass_at(scene_, course_, time), 0.0);
+            return probe.simulation().step_with(added_mass_at(scene_, flight_, time), 0.0);
         });
         probe.begin([](Simulation& s) {
             s.begin_ramp();
             return true;
         });
         run(probe);
-        const double ramp = probe.simulation().ramp_time(), end = std::min(course_.end, change + ramp);
+        const double ramp = probe.simulation().ramp_time(), end = std::min(flight_.end, change + ramp);
         add(probe, "ramp", change, end, [&](double time) {
             const double share = end > change ? (time - change) / ramp : 1.0;
-            return probe.simulation().step_with(added_mass_at(scene_, course_, time), share * share * share);
+            return probe.simulation().step_with(added_mass_at(scene_, flight_, time), share * share * share);
         });
         return end;
     }
 
     double add_filling(bool packed, double begin) {
         Probe probe(
-            packed ? start_of(scene_, DeployBy::line_stretch, course_.altitude, course_.speed) : scene_,
+            packed ? start_of(scene_, DeployBy::line_stretch, flight_.altitude, flight_.speed) : scene_,
             basis_.threads);
         run(probe);
-        const double end = std::max(begin, std::min(course_.end, course_.full_open));
+        const double end = std::max(begin, std::min(flight_.end, flight_.full_open));
         add(probe, "filling", begin, end, [&](double time) {
-            return probe.simulation().step_with(added_mass_at(scene_, course_, time), 1.0);
+            return probe.simulation().step_with(added_mass_at(scene_, flight_, time), 1.0);
         });
         return end;
     }
@@ -311,21 +311,21 @@ private:
     void add_open(double begin) {
         const Parachute& chute = scene_.parachutes.front();
         const double weight = (scene_.payload.mass + chute.mass) * scene_.environment.gravity;
-        const double density = density_at(scene_, course_.altitude);
+        const double density = density_at(scene_, flight_.altitude);
         const double descent =
-            density > 0.0 ? std::sqrt(2.0 * weight / (density * chute.drag_area)) : course_.speed;
+            density > 0.0 ? std::sqrt(2.0 * weight / (density * chute.drag_area)) : flight_.speed;
         const bool as_it_is = chute.deploy.by == DeployBy::inflated;
-        Probe probe(as_it_is ? scene_ : start_of(scene_, DeployBy::inflated, course_.altitude, descent),
+        Probe probe(as_it_is ? scene_ : start_of(scene_, DeployBy::inflated, flight_.altitude, descent),
                     basis_.threads);
         run(probe);
-        add(probe, "open canopy", begin, course_.end, [&](double) {
+        add(probe, "open canopy", begin, flight_.end, [&](double) {
             return ChosenStep{probe.mean_step(), probe.simulation().step().subcycles};
         });
     }
 
     const Scene& scene_;
     const PlanBasis& basis_;
-    Course course_;
+    ExpectedFlight flight_;
     Plan plan_;
     double budget_ = 0.0;     // [s] of wall time of a probe
     std::int64_t tried_ = 0;  // steps

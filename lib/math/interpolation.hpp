@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_interp.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <vector>
@@ -19,11 +20,15 @@ public:
         share_ = (x - abscissae[index_]) / (abscissae[index_ + 1] - abscissae[index_]);
     }
 
-    double linear(const std::vector<double>& column) const {
-        return column[index_] + share_ * (column[index_ + 1] - column[index_]);
-    }
+    double linear(const std::vector<double>& column) const { return at(column, share_); }
+    /// Linear between the ends, and the value of the nearer end beyond them.
+    double held(const std::vector<double>& column) const { return at(column, std::clamp(share_, 0.0, 1.0)); }
 
 private:
+    double at(const std::vector<double>& column, double share) const {
+        return column[index_] + share * (column[index_ + 1] - column[index_]);
+    }
+
     std::size_t index_ = 0;
     double share_ = 0.0;
 };

@@ -10,49 +10,49 @@ namespace twinchute {
 namespace {
 
 /// Event of a parachute that something waits for.
-struct Happening {
+struct WaitingEvent {
     enum class Kind { line_stretch, disreef, full_open, cut };
     std::size_t parachute = 0;
     Kind kind = Kind::line_stretch;
     std::size_t stage = 0;  ///< whose reefing line is cut
 
-    bool operator==(const Happening&) const = default;
+    bool operator==(const WaitingEvent&) const = default;
 };
 
-using Kind = Happening::Kind;
-using Way = std::vector<Happening>;
+using Kind = WaitingEvent::Kind;
+using Path = std::vector<WaitingEvent>;
 
 class Waits {
 public:
     explicit Waits(const Scene& scene) : scene_(scene) {}
 
     std::optional<HopelessWait> hopeless() const {
-        for (const Happening& h : all())
+        for (const WaitingEvent& h : all())
             if (auto found = in_a_circle(h)) return found;
-        for (const Happening& h : all())
+        for (const WaitingEvent& h : all())
             if (auto found = never_met(h)) return found;
-        for (const Happening& h : all())
+        for (const WaitingEvent& h : all())
             if (auto found = after_its_cut(h)) return found;
         return {};
     }
 
 private:
-    const Parachute& chute(const Happening& h) const { return scene_.parachutes[h.parachute]; }
+    const Parachute& chute(const WaitingEvent& h) const { return scene_.parachutes[h.parachute]; }
 
     /// Events with a trigger, in the order of the scene.
-    std::vector<Happening> all() const {
-        std::vector<Happening> list;
+    std::vector<WaitingEvent> all() const {
+        std::vector<WaitingEvent> list;
         for (std::size_t k = 0; k < scene_.parachutes.size(); ++k) {
             list.push_back({k, Kind::line_stretch});
             for (std::size_t i = 0; i < scene_.parachutes[k].reefing.size(); ++i)
                 list.push_back({k, Kind::disreef, i});
             list.push_back({k, Kind::cut});
         }
-        std::erase_if(list, [this](const Happening& h) { return trigger(h) == nullptr; });
+        std::erase_if(list, [this](const WaitingEvent& h) { return trigger(h) == nullptr; });
         return list;
     }
 
-    const Trigger* trigger(const Happening& h) const {
+    const Trigger* trigger(const WaitingEvent& h) const {
         const Parachute& p = chute(h);
         switch (h.kind) {
             case Kind::line_stretch:
@@ -67,7 +67,7 @@ private:
         return nullptr;
     }
 
-    std::string name(const Happening& h) const {
+    std::string name(const WaitingEvent& h) const {
         switch (h.kind) {
             case Kind::line_stretch:
                 return chute(h).name + ".line-stretch";
@@ -83,7 +83,7 @@ private:
 
     /// Event that the trigger of `h` is about; none where it is about the flight, or about the reefed stage
     /// that it ends itself.
-    std::optional<Happening> awaited(const Happening& h) const {
+    std::optional<WaitingEvent> awaited(const WaitingEvent& h) const {
         const Trigger* t = trigger(h);
         if (t == nullptr || (h.kind == Kind::disreef && t->of.empty() && t->kind == Trigger::Kind::full_open))
             return {};
@@ -93,19 +93,19 @@ private:
                                   : static_cast<std::size_t>(of - scene_.parachutes.begin());
         switch (t->kind) {
             case Trigger::Kind::line_stretch:
-                return Happening{k, Kind::line_stretch};
+                return WaitingEvent{k, Kind::line_stretch};
             case Trigger::Kind::full_open:
-                return Happening{k, Kind::full_open};
+                return WaitingEvent{k, Kind::full_open};
             case Trigger::Kind::cut:
-                return Happening{k, Kind::cut};
+                return WaitingEvent{k, Kind::cut};
             default:
                 return {};
         }
     }
 
     /// Everything that has to have happened before `h`: by its trigger, and to the parachute itself.
-    Way before(const Happening& h) const {
-        Way needed;
+    Path before(const WaitingEvent& h) const {
+        Path needed;
         if (const auto other = awaited(h)) needed.push_back(*other);
         const std::size_t stages = chute(h).reefing.size();
         const std::size_t done = h.kind == Kind::disreef ? h.stage : h.kind == Kind::full_open ? stages : 0;
@@ -117,12 +117,12 @@ private:
     }
 
     /// A way from `from` back to `to`, both included; empty where there is none.
-    Way way(const Happening& from, const Happening& to, Way& seen) const {
-        for (const Happening& next : before(from)) {
+    Path way(const WaitingEvent& from, const WaitingEvent& to, Path& seen) const {
+        for (const WaitingEvent& next : before(from)) {
             if (next == to) return {from, to};
             if (std::ranges::find(seen, next) != seen.end()) continue;
             seen.push_back(next);
-            Way rest = way(next, to, seen);
+            Path rest = way(next, to, seen);
             if (rest.empty()) continue;
             rest.insert(rest.begin(), from);
             return rest;
@@ -131,7 +131,7 @@ private:
     }
 
     /// "main.full-open waits for main.line-stretch, main.line-stretch for drogue.cut"
-    std::string words(const Way& way) const {
+    std::string words(const Path& way) const {
         std::string text;
         for (std::size_t i = 0; i + 1 < way.size(); ++i)
             text += fmt::format("{}{} {} {}", i > 0 ? ", " : "", name(way[i]), i > 0 ? "for" : "waits for",
@@ -139,13 +139,13 @@ private:
         return text;
     }
 
-    HopelessWait wait(const Happening& h, std::string problem, std::string why, std::string hint) const {
+    HopelessWait wait(const WaitingEvent& h, std::string problem, std::string why, std::string hint) const {
         std::string table = h.kind == Kind::line_stretch ? "parachute.deploy.when" : "parachute.cut";
         if (h.kind == Kind::disreef) table = fmt::format("parachute.reefing.{}.until", h.stage + 1);
         return {h.parachute, std::move(table), std::move(problem), std::move(why), std::move(hint)};
     }
 
-    std::optional<HopelessWait> never_met(const Happening& h) const {
+    std::optional<HopelessWait> never_met(const WaitingEvent& h) const {
         const Trigger& t = *trigger(h);
         const double ground = scene_.environment.ground;
         if (t.kind == Trigger::Kind::altitude && t.value < ground)
@@ -158,22 +158,22 @@ private:
                     "give that parachute a cut, or wait for its line-stretch or full-open");
     }
 
-    std::optional<HopelessWait> in_a_circle(const Happening& h) const {
-        Way seen;
-        const Way circle = way(h, h, seen);
+    std::optional<HopelessWait> in_a_circle(const WaitingEvent& h) const {
+        Path seen;
+        const Path circle = way(h, h, seen);
         if (circle.empty()) return {};
         const bool alone = std::ranges::all_of(
-            circle, [&](const Happening& other) { return other.parachute == h.parachute; });
+            circle, [&](const WaitingEvent& other) { return other.parachute == h.parachute; });
         return wait(h, alone ? "a parachute waits for itself" : "parachutes wait for each other",
                     words(circle) + ": none of it would ever happen",
                     "let one of them wait for a time, a height or something outside of this circle");
     }
 
     /// A canopy that has been let go opens no further.
-    std::optional<HopelessWait> after_its_cut(const Happening& h) const {
+    std::optional<HopelessWait> after_its_cut(const WaitingEvent& h) const {
         if (h.kind != Kind::disreef) return {};
-        Way seen;
-        const Way from_cut = way(h, {h.parachute, Kind::cut}, seen);
+        Path seen;
+        const Path from_cut = way(h, {h.parachute, Kind::cut}, seen);
         if (from_cut.empty()) return {};
         return wait(h, "the reefing line would be cut after the parachute itself", words(from_cut),
                     "let it wait for something before that");

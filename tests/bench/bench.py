@@ -78,7 +78,7 @@ def elements(best):
                  row("whole step [us]", "step", "us_per_step"),
                  row("million element-steps a second", "step", "element_steps_per_s", 1e-6),
                  row("memory per triangle [B]", "step", "B_per_triangle"),
-                 row("the same, indexed [B]", "step", "B_per_triangle_indexed")]
+                 row("the same, unstructured [B]", "step", "B_per_triangle_indexed")]
     if "membrane" in found:
         rows += [row(f"triangles {state} [%]", "membrane", state + "_percent") for state in ("taut", "wrinkled", "slack")]
     return table(["ns per element, on a mesh of"] + [f"{int(s):,}".replace(",", " ") for s in sizes], rows)

@@ -213,7 +213,7 @@ std::vector<LayoutChoice> layout_choices() {
                                        return make_reference_layout(mesh, c);
                                    }}};
     for (const unstructured::Kernels& kernels : unstructured::all_kernels())
-        all.push_back({fmt::format("indexed {}", kernels.instruction_set),
+        all.push_back({fmt::format("unstructured {}", kernels.instruction_set),
                        [&kernels](const Scene& scene, const Mesh& mesh, const NodeConstants& c) {
                            return make_unstructured_layout(scene, mesh, c, &kernels);
                        }});

@@ -181,7 +181,7 @@ TEST(CheckpointsOfLayouts, GoOnInEachLayoutAndInstructionSet) {
     // made anew while the added mass grows: 3000 steps.
     Scene scene = coarse("c9-inflation.toml", {"parachute.gores=30", "parachute.risers=3"});
     for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
-        SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
+        SCOPED_TRACE(fmt::format("unstructured, {}", kernels.instruction_set));
         expect_same_rest(
             scene,
             [&](const Scene& s, const Mesh& m, const NodeConstants& c) {
@@ -221,12 +221,12 @@ TEST(CheckpointsOfLayouts, GoOnInEachStage) {
 
 TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
     const Scene scene = coarse("c9-inflation.toml");
-    const auto indexed = [](std::size_t which) {
+    const auto unstructured = [](std::size_t which) {
         return [which](const Scene& s, const Mesh& m, const NodeConstants& c) {
             return make_unstructured_layout(s, m, c, &unstructured::all_kernels()[which]);
         };
     };
-    Simulation simulation(scene, indexed(0));
+    Simulation simulation(scene, unstructured(0));
     fly(simulation, 100);
     const std::string bytes = serialized(simulation);
     const auto why_not = [&](Simulation&& other) {
@@ -238,13 +238,13 @@ TEST(CheckpointsOfLayouts, RefuseAnotherMeshLayoutAndInstructionSet) {
         }
         return std::string("it is read");
     };
-    EXPECT_NE(why_not(Simulation(coarse("c9-inflation.toml", {"full.mesh.gore_rows=6"}), indexed(0)))
+    EXPECT_NE(why_not(Simulation(coarse("c9-inflation.toml", {"full.mesh.gore_rows=6"}), unstructured(0)))
                   .find("is of another mesh"),
               std::string::npos);
     EXPECT_NE(why_not(Simulation(scene)).find("is of another layout of nodes and elements"),
               std::string::npos);
     if (unstructured::all_kernels().size() > 1) {
-        EXPECT_NE(why_not(Simulation(scene, indexed(1))).find("is of another instruction set"),
+        EXPECT_NE(why_not(Simulation(scene, unstructured(1))).find("is of another instruction set"),
                   std::string::npos);
     }
 }

@@ -52,7 +52,7 @@ protected:
 };
 
 TEST_F(GeneratedRuns, RomEndsSoundly) {
-    SceneGenerator generator(12);
+    SceneGenerator generator(4);
     std::map<StatusCode, int> endings;
     int deployed = 0;
     for (int i = 0; i < 2000; ++i) {

@@ -33,7 +33,7 @@ struct NamedLayout {
 std::vector<NamedLayout> layouts_of(const Scene& scene, const Mesh& mesh, const NodeConstants& constants) {
     std::vector<NamedLayout> all;
     for (const unstructured::Kernels& kernels : unstructured::all_kernels())
-        all.push_back({fmt::format("indexed, {}", kernels.instruction_set),
+        all.push_back({fmt::format("unstructured, {}", kernels.instruction_set),
                        make_unstructured_layout(scene, mesh, constants, &kernels)});
     for (const GoreKernels& kernels : all_gore_kernels())
         if (auto gores = make_gore_layout(scene, mesh, constants, &kernels))
@@ -183,7 +183,7 @@ TEST(Layouts, ASmoothOpeningIsTheSameInAll) {
         });
     }
     for (const unstructured::Kernels& kernels : unstructured::all_kernels()) {
-        SCOPED_TRACE(fmt::format("indexed, {}", kernels.instruction_set));
+        SCOPED_TRACE(fmt::format("unstructured, {}", kernels.instruction_set));
         expect_same_outcome([&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
             return make_unstructured_layout(s, mesh, constants, &kernels);
         });

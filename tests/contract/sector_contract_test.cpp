@@ -90,7 +90,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class Sectors : public testing::TestWithParam<Case> {};
 
-TEST_P(Sectors, AgreeWithTheIndexedLayout) {
+TEST_P(Sectors, AgreeWithTheUnstructuredLayout) {
     const Case& c = GetParam();
     compare_along(everything(c.gores, c.risers, c.mesh), c.steps);
 }

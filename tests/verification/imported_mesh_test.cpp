@@ -168,7 +168,7 @@ TEST(ImportedMesh, FliesAsTheGeneratedOne) {
         EXPECT_EQ(*again.metric(metric), *read.metric(metric)) << metric;
 }
 
-TEST(ImportedMesh, GoresThatDifferRunOnTheIndexedLayout) {
+TEST(ImportedMesh, GoresThatDifferRunInTheUnstructuredLayout) {
     // One diagonal the other way: the canopy is the same but for one panel, and so are its loads to a few
     // per mille (the wrinkled panel sees other folds); the layout is the one for any mesh.
     const ScratchDir directory;

@@ -190,23 +190,23 @@ RunRecord pulls_too_hard(const Scene& scene, Run& run) {
     return record;
 }
 
-TEST(StabilityMatrix, TheIndexedLayoutIsSeenWhenItAloneIsWrong) {
+TEST(StabilityMatrix, TheUnstructuredLayoutIsSeenWhenItAloneIsWrong) {
     const auto no_keys = fullsim::full_fidelity().unsupported_keys;
     const Fidelity too_long_steps{"full", "steps too long", &steps_too_long, no_keys},
         too_hard{"full", "pulls too hard", &pulls_too_hard, no_keys};
-    int indexed = 0;
+    int unstructured = 0;
     for (const StabilityCase& row : stability_cases()) {
         if (!row.quick || row.fidelity != "full" || !row.check) continue;
         for (const StabilityMethod& method : row.methods) {
             if (!method.force_unstructured) continue;
             const auto cell = judge(row, method, fullsim::full_fidelity());
             if (cell->verdict != CellVerdict::stable) continue;
-            ++indexed;
+            ++unstructured;
             EXPECT_TRUE(is_failure(judge(row, method, too_long_steps)->verdict)) << row.name;
             EXPECT_EQ(judge(row, method, too_hard)->verdict, CellVerdict::silently_wrong) << row.name;
         }
     }
-    EXPECT_GE(indexed, 3);
+    EXPECT_GE(unstructured, 3);
 }
 
 std::string layout_of(const Scene& scene, bool force_unstructured) {
@@ -215,18 +215,18 @@ std::string layout_of(const Scene& scene, bool force_unstructured) {
     return fullsim::full_fidelity().run(scene, run).provenance.instruction_set;
 }
 
-TEST(StabilityMatrix, CasesOfTheFullModelRunIndexedUnlessTheyAreOfOneSector) {
+TEST(StabilityMatrix, CasesOfTheFullModelRunUnstructuredUnlessTheyAreOfOneSector) {
     for (const StabilityCase& row : stability_cases()) {
         if (row.fidelity != "full") continue;
-        bool indexed = false, of_all_gores = false;
+        bool unstructured = false, of_all_gores = false;
         for (const StabilityMethod& method : row.methods) {
             Scene scene = row.base();
             method.choose(scene);
-            indexed = indexed || method.force_unstructured;
+            unstructured = unstructured || method.force_unstructured;
             of_all_gores = of_all_gores || scene.full.symmetry == Symmetry::none;
             EXPECT_FALSE(method.force_unstructured && scene.full.symmetry == Symmetry::sector) << row.name;
         }
-        EXPECT_EQ(indexed, of_all_gores) << row.name;
+        EXPECT_EQ(unstructured, of_all_gores) << row.name;
     }
     // And that is what it is in memory.
     Scene scene = c9_coarse();
