@@ -40,7 +40,8 @@ Vec3 area_of(const Triangle& t, const State& state) {
 
 class InflowPressure final : public ForceModel {
 public:
-    InflowPressure(const Mesh& mesh, InflowBalance balance) : mesh_(mesh), balance_(std::move(balance)) {}
+    InflowPressure(const Mesh& mesh, InflowBalance balance)
+        : mesh_(mesh), balance_(std::move(balance)), fabric_area_(mesh.fabric_area()) {}
 
     Block block() const override { return Block::canopy_pressure; }
     std::size_t elements() const override { return mesh_.triangles.size(); }
@@ -57,17 +58,20 @@ public:
         }
         sums.area = {all.x(), all.y(), all.z()};
         const auto record = [&](std::size_t k) { return state.node[balance_.skirt()[k]]; };
-        balance_.set_pressure(state, sums, balance_.mouth(record));
+        const Lanes across = to_lanes(balance_.set_pressure(state, sums, balance_.mouth(record)));
         for (const Triangle& t : mesh_.triangles) {
             const Lanes force = to_lanes(state.air.pressure / 3.0 * area_of(t, state));
             for (const NodeIndex i : t.node)
                 state.aero[i].value += force;
         }
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+            state.aero[i].value += (mesh_.tributary_area[i] / fabric_area_) * across;
     }
 
 private:
     const Mesh& mesh_;
     InflowBalance balance_;
+    double fabric_area_;  // [m^2]
 };
 
 }  // namespace
@@ -100,7 +104,7 @@ double InflowBalance::leak(double dp, double wetted, double density) const {
     return wetted * ((1.0 - geometric_porosity_) * fabric_.speed(dp) + through_openings);
 }
 
-void InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const {
+Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const {
     AeroState& air = state.air;
     InflowState& inflow = state.inflow;
     const Vec3 area(of_canopy.area.data());
@@ -112,7 +116,7 @@ void InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     inflow.mouth = std::max(mouth.area.dot(air.direction), filling_.initial_mouth * full_area_);
     inflow.ratio = inflow.leak = air.drag_area = 0.0;
     const double speed = (air.wind - mouth.velocity).dot(air.direction);
-    if (!(speed > 0.0) || !(air.density > 0.0)) return;
+    if (!(speed > 0.0) || !(air.density > 0.0)) return Vec3::Zero();
 
     const double rho = air.density, q = 0.5 * rho * speed * speed, supply = inflow.mouth * speed;
     const double filled = std::clamp(inflow.volume / full_volume_, 0.0, 1.0);
@@ -148,6 +152,7 @@ void InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     air.pressure = pressure(inflow.ratio);
     inflow.leak = leak(air.pressure, wetted, rho);
     if (air.dynamic_pressure > 0.0) air.drag_area = air.pressure * air.signed_area / air.dynamic_pressure;
+    return -air.pressure * (area - air.signed_area * air.direction);
 }
 
 void InflowBalance::measure(State& state, const NodeConstants& constants) const {

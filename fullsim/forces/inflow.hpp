@@ -45,8 +45,9 @@ public:
     }
 
     /// Solves the balance at state.time: sets areas, pressure and drag area of state.air, and state.inflow.
-    /// of_canopy: sums over its triangles.
-    void set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const;
+    /// of_canopy: sums over its triangles. Returns what takes its force across the air away [N], uniformly on
+    /// the fabric: a pressure on folded fabric would have lift without the drag that lift costs, and glide.
+    Vec3 set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const;
 
     /// Volume and mobility of state.inflow, from the nodes as they are. Between two measurements the volume
     /// goes on with what the fabric sweeps.

@@ -31,6 +31,7 @@ constexpr double opening_and_breathing = 2.0;   // filling times, from snatch
 constexpr double expected_fill_constant = 8.0;  // of a filling that is predicted, for frames alone
 // A canopy squids that has grown by less than this share of its area over so many diameters of travel.
 constexpr double least_growth = 0.01, squid_travel = 5.0;
+constexpr double least_drag_area = 0.5;  // over (C_D S)_0, of a canopy that is still open at the end
 
 class FullRun {
 public:
@@ -109,10 +110,10 @@ private:
         if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
             observer_.observe_end(simulation_.synchronised_state());
         observer_.finish();
+        note_squid();
         fields_.accept();
         frames_.accept();
         if (run_.frames) run_.frames(frames_.finish());
-        note_squid();
         const Layout& layout = simulation_.layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
         record_.provenance.threads = layout.threads();
@@ -348,23 +349,31 @@ private:
         const double area = system().air.projected_area;
         growth_ = {0.0, area, area < (1.0 + least_growth) * growth_.area};
     }
-    /// A canopy that still squids at the end of a run has not opened, whatever ended it.
+    /// A canopy that still squids at the end of a run has not opened, whatever ended it; nor has one that was
+    /// full and fell in.
     void note_squid() {
         const StatusCode code = record_.status.code;
-        if (!growth_.stands || system().phase == Phase::open ||
+        if (!simulation_.predicts_filling() ||
             (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
              code != StatusCode::time_limit))
             return;
+        const bool open = system().phase == Phase::open;
+        const bool fell_in = open && system().time >= view_.full_open() + shape_average &&
+                             observer_.mean(&HistoryRow::drag_area, shape_average) <
+                                 least_drag_area * simulation_.inflation().steady_drag_area;
+        if (!fell_in && (open || !growth_.stands)) return;
         const auto critical = filling_canopy(scene_.parachutes.front()).critical_speed(system().air.density);
         const std::string opens =
-            !critical ? "by the reduced-order balance it opens at any subsonic speed from a wider mouth"
+            !critical ? "by the reduced-order balance it opens at any subsonic speed"
             : *critical == 0.0
                 ? "by the reduced-order balance it opens at no speed"
                 : fmt::format("by the reduced-order balance it opens below {:.4g} m/s", *critical);
         end(StatusCode::squids,
-            fmt::format("{}: at {:.4g} m/s the canopy stands at {:.3g} m^2 of projected area; {}; a larger "
+            fmt::format("{}: at {:.4g} m/s the canopy {} {:.3g} m^2 of projected area; {}; a larger "
                         "parachute.filling.initial_mouth fills it sooner",
-                        record_.status.detail, system().air.airspeed, system().air.projected_area, opens));
+                        record_.status.detail, system().air.airspeed,
+                        fell_in ? "was full and fell in to" : "stands at", system().air.projected_area,
+                        opens));
     }
 
     /// The canopies know when a line is cut; drag area and added mass go on from where they are.

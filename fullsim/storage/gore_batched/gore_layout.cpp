@@ -620,8 +620,8 @@ private:
     void finish_pressure(State& state, const ElementSums& all) {
         const ElementSums& areas = has_.membrane ? fabric_sums_ : all;
         if (inflow_) {
-            inflow_->set_pressure(state, areas,
-                                  inflow_->mouth([this](std::size_t k) { return skirt_node(k); }));
+            step_.residual_drag = to_array(inflow_->set_pressure(
+                state, areas, inflow_->mouth([this](std::size_t k) { return skirt_node(k); })));
         } else {
             state.air.projected_area = areas.positive_area;
             state.air.signed_area = areas.signed_area;

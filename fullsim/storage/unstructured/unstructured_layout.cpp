@@ -433,7 +433,8 @@ private:
         }
         if (inflow_) {
             const auto skirt = [&](std::size_t k) { return state.node[inflow_->skirt()[k]]; };
-            inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt));
+            step_.residual_drag =
+                to_array4(inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt)));
         } else {
             state.air.projected_area = fabric_sums_.positive_area;
             state.air.signed_area = fabric_sums_.signed_area;
