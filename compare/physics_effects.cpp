@@ -41,6 +41,16 @@ void still_air(Scene& scene) {
     scene.environment.wind.reset();
 }
 
+/// The filling of the demo, the same for both models.
+void prescribe_filling(Scene& scene) {
+    Parachute& parachute = scene.parachutes.front();
+    parachute.filling = {};
+    parachute.fill_time = {find_fill_time("fill-constant"), 4.0, 0.0, 0.0};
+    parachute.drag_area_law = find_drag_area_law("ludtke");
+    parachute.initial_drag_area_ratio = 0.04;
+    parachute.initial_phase = {true, 0.0};
+}
+
 // clang-format off
 constexpr std::array effects{
     PhysicsEffect{"line-elasticity", "Line elasticity", {}, "what the stretch of lines and risers does", false,
@@ -90,9 +100,13 @@ constexpr std::array effects{
           may_be_a_sector,
           [](Scene& s) { s.full.symmetry = Symmetry::sector; }},
     PhysicsEffect{"own-shape", "Own shape", {}, "what the canopy's own shape does", false,
-          [](const Scene& s) { return chute(s).deploy.by != DeployBy::inflated || s.aerodynamics.added_mass.has_value(); },
+          [](const Scene& s) { return !chute(s).filling.is_predicted() && (chute(s).deploy.by != DeployBy::inflated || s.aerodynamics.added_mass.has_value()); },
           [](Scene& s) { if (s.aerodynamics.added_mass) s.aerodynamics.added_mass->open_radius = AddedMassRadius::drag_area; },
           1.0, Switching::last, nullptr, "off: filling time and open canopy's added mass as prescribed"},
+    // What the shape does to a filling that is predicted is a part of it.
+    PhysicsEffect{"filling", "Filling", {}, "what it does that each model predicts the filling from its own shape", true,
+          [](const Scene& s) { return chute(s).filling.is_predicted(); }, prescribe_filling, 1.0,
+          Switching::last, nullptr, "off: both are told n = 4 and Ludtke's law"},
 };
 // clang-format on
 

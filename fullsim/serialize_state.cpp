@@ -68,7 +68,7 @@ void serialize(Archive& archive, LargestLoads& loads) {
 
 void serialize(Archive& archive, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, added_mass_rate, added_mass, body, sums,
-           air, energy, accretion_power, damping_power, external_power, riser_force, in_subcycles,
+           air, inflow, energy, accretion_power, damping_power, external_power, riser_force, in_subcycles,
            capped_steps, largest] = static_cast<SystemState&>(state);
     auto& [node, v_half, force, aero] = static_cast<NodeArrays&>(state);
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
@@ -86,6 +86,12 @@ void serialize(Archive& archive, State& state) {
     serialize_body(archive, body);
     archive.row("sums", sums, sums_members);
     serialize_air(archive, air);
+    archive.row("inflow", inflow, [](InflowState& of, auto&& each) {
+        auto& [volume, swept, mobility, mouth, ratio, leak, steady_drag_area, last_pressure] = of;
+        for (double* number :
+             {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &last_pressure})
+            each(*number);
+    });
     archive.row("energy", energy, energy_members);
     archive.numbers("riser force", std::span(riser_force.data(), 3));
     archive.numbers("risers in substeps", std::span(in_subcycles.sum.data(), 3));

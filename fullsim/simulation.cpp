@@ -17,6 +17,10 @@ namespace {
 
 /// Time constant over D0/v of the added mass toward the open canopy's shape.
 constexpr double relaxation = 0.1 / time_scale_of_c9;
+/// Of volume and mobility of a canopy whose filling is predicted: a hundredth of a filling at most.
+constexpr std::int64_t steps_between_measurements = 40;
+/// Apparent over included mass of a canopy whose filling is predicted: 3/8 (docs/theory/filling.md).
+constexpr double apparent_share = 0.375;
 
 }  // namespace
 
@@ -26,6 +30,7 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
       blocks_(blocks),
       inflation_(first_inflation(scene)),
       mesh_(first_mesh(scene, inflation_, mass_scaling_)),
+      inflow_(InflowBalance::of(scene, mesh_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       body_(make_body(scene, mesh_)),
       state_(first_state(scene, mesh_)),
@@ -91,6 +96,8 @@ void Simulation::step_to(double end) {
     layout_->advance(state_, next.dt, next.subcycles, added_mass_after(next.dt).value);
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_attachment(), kick, next.dt);
     state_.time = next.last ? end : before.time + next.dt;
+    state_.inflow.volume += next.dt * state_.inflow.swept;
+    state_.inflow.last_pressure = state_.air.pressure;
     element_steps_ +=
         static_cast<std::int64_t>(elements_.all + (next.subcycles - 1) * elements_.in_subcycles);
 
@@ -126,14 +133,20 @@ void Simulation::renew_air() {
     State& s = state_;
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
                air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling), time_scale()));
-    if (s.stage != Stage::deployment) {
-        s.air.drag_area = inflation_.steady_drag_area * inflation_.drag_area_ratio(s.phase, s.time).value;
-        if (const auto& table = scene_.parachutes.front().drag_area_mach_table)
-            s.air.drag_area *= table->factor(
-                s.air.airspeed / *scene_.environment.atmosphere.speed_of_sound(s.node[mesh_.payload()].x[2]));
-        s.air.radial_pressure = scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
-        s.added_mass_rate = added_mass_after(0.0).rate;
+    if (s.stage == Stage::deployment) return;
+    s.air.drag_area = inflation_.steady_drag_area;
+    if (!inflow_) s.air.drag_area *= inflation_.drag_area_ratio(s.phase, s.time).value;
+    if (const auto& table = scene_.parachutes.front().drag_area_mach_table)
+        s.air.drag_area *= table->factor(
+            s.air.airspeed / *scene_.environment.atmosphere.speed_of_sound(s.node[mesh_.payload()].x[2]));
+    s.air.radial_pressure =
+        inflow_ ? 1.0 : scene_.aerodynamics.radial_pressure * inflation_.ramp(s.phase, s.time).value;
+    if (inflow_) {
+        s.inflow.steady_drag_area = s.air.drag_area;
+        if (s.step % steps_between_measurements == 0 || s.inflow.mobility == 0.0)
+            inflow_->measure(synchronised(), constants_);
     }
+    s.added_mass_rate = added_mass_after(0.0).rate;
 }
 
 ValueAndRate Simulation::added_mass_after(double dt) const {
@@ -141,6 +154,12 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
     const double rho = state_.air.density;
     const bool reefed = inflation_.share < 1.0;
+    if (inflow_ && state_.phase != Phase::open) {
+        // Air inside brings its momentum to the drag itself; that around it has to be brought to speed.
+        const InflowState& inflow = state_.inflow;
+        const double volume = std::max(0.0, inflow.volume + dt * inflow.swept);
+        return {(1.0 + apparent_share) * rho * volume, apparent_share * rho * inflow.swept};
+    }
     if (state_.phase != Phase::open || reefed || spec.open_radius == AddedMassRadius::drag_area)
         return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho,
                                      steady_radius(scene_.parachutes.front()));

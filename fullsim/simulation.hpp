@@ -8,6 +8,7 @@
 #include <string>
 
 #include "fullsim/body.hpp"
+#include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/time/central_difference.hpp"
@@ -70,6 +71,13 @@ public:
     /// The inflation phase changes at system().time, which step_to has reached exactly.
     void begin(Phase phase) { state_.phase = phase; }
     /// The drag area has come to a kink at system().time, likewise.
+    bool predicts_filling() const { return inflow_.has_value(); }
+    /// Whether a canopy whose filling is predicted has become as wide as it is when steady,
+    bool has_filled() const {
+        return inflow_ && state_.phase == Phase::filling && state_.air.signed_area >= inflow_->full_area();
+    }
+    /// which ends its filling at system().time.
+    void end_filling() { inflation_.filling_time = state_.time - inflation_.snatch; }
     void pass_kink() { ++inflation_.piece; }
 
     // Changes of stage at system().time, which step_to has reached exactly. Each evaluates the forces anew.
@@ -186,6 +194,7 @@ private:
     Inflation inflation_;
     MassScaling mass_scaling_;
     Mesh mesh_;
+    const std::optional<InflowBalance> inflow_;  // where filling is predicted
     ForceModels structure_, loads_;
     NodeConstants constants_;
     std::unique_ptr<const Body> body_;      // the payload, where it is one

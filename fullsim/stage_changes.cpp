@@ -37,7 +37,9 @@ std::optional<RunStatus> Simulation::snatch() {
     const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
     const Inflation inflation =
         make_inflation(scene_, scene_.parachutes.front(), state_.time, airspeed.norm(), state_.air.density);
-    if (!(inflation.initial_time < inflation.filling_time) || !std::isfinite(inflation.filling_time))
+    const bool sound =
+        inflation.initial_time < inflation.filling_time && (inflow_ || std::isfinite(inflation.filling_time));
+    if (!sound)
         return RunStatus{StatusCode::refused,
                          fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
                                      "than the filling time of {:.4g} s",

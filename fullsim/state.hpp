@@ -119,6 +119,18 @@ struct AeroState {
     bool pressure_capped = false;         ///< D/S_p was above c_max q
 };
 
+/// Balance of the air in a canopy whose filling is predicted.
+struct InflowState {
+    double volume = 0.0;            ///< [m^3] between fabric, mouth and vent
+    double swept = 0.0;             ///< [m^3/s] its rate, by what the fabric sweeps past the mouth
+    double mobility = 0.0;          ///< [m^4/kg] of that rate under pressure: sum over nodes of f_i^2/m_i
+    double mouth = 0.0;             ///< [m^2]
+    double ratio = 0.0;             ///< s [-] inflow over airspeed at the mouth
+    double leak = 0.0;              ///< [m^3/s] through fabric and vent
+    double steady_drag_area = 0.0;  ///< [m^2] (C_D S)_0, which the open canopy is to have
+    double last_pressure = 0.0;     ///< [Pa] of the canopy at the beginning of the last step
+};
+
 /// Works since the start, as EnergyLedger signs them. The central difference scheme books them from half step
 /// to half step: a work up to `time` is the booked one plus half a step of the last power.
 struct EnergyBook {
@@ -184,6 +196,7 @@ struct SystemState {
     std::optional<BodyState> body = {};  ///< of the payload; absent: it is a point mass
     NodeSums sums;
     AeroState air;
+    InflowState inflow;  ///< where filling is predicted
     EnergyBook energy;
     double accretion_power = 0.0;     ///< [W] of the force that brings new air to speed
     double damping_power = 0.0;       ///< [W] dissipated now

@@ -99,6 +99,19 @@ Scene c9_coarse() {
     return scene;
 }
 
+Scene c9_that_fills_itself() {
+    Scene scene = c9_coarse();
+    Parachute& chute = scene.parachutes.front();
+    chute.filling = {find_filling("predicted"), 0.02, 2.0, 0.02, 0.02};
+    chute.fabric.permeability = Permeability{254.4, 37.6};  // MIL-C-7020 type III
+    chute.fill_time = {};
+    chute.drag_area_law = nullptr;
+    chute.initial_drag_area_ratio = 0.0;
+    scene.full.mesh = {2, 6, 6, 2};
+    scene.full.contact = Contact::gores;
+    return scene;
+}
+
 Scene c9_packed() {
     Scene scene = c9_snatch_in_empty_space();
     scene.environment.atmosphere.constant_density = sea_level_density;

@@ -20,6 +20,9 @@ Scene c9_inflated();
 /// Few elements: 28 gores of six rows, one riser.
 Scene c9_coarse();
 
+/// Two elements across a gore, gores that touch, and a filling that is predicted.
+Scene c9_that_fills_itself();
+
 /// Released at rest in its pack on a static line, few elements, with the noise of one seed.
 Scene c9_packed();
 

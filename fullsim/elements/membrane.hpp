@@ -24,17 +24,20 @@ namespace twinchute::fullsim::HWY_NAMESPACE {
 
 /// Elastic and viscous forces of membranes, the areas that pressure acts on, or both: the strain's edges give
 /// the area.
-template <bool structure, bool pressure, class View>
+template <bool structure, AirOnFabric air, class View>
 HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pass) {
     using T = typename View::T;
     using T3 = typename View::T3;
     const typename View::Flow e = view.flow(pass.direction);
     const T zero = View::all(0.0), third = View::all(1.0 / 3.0),
             radial = View::all(pass.radial_pressure / 3.0);
-    T positive = zero, signed_area = zero, dissipated = zero, largest = zero;
+    T positive = zero, signed_area = zero, dissipated = zero, largest = zero, swept = zero;
+    T3 areas = View::all3({});
     for (int p = view.first(); p < view.last(); ++p) {
         const auto part = view.part(p);
         T part_positive = zero, part_area = zero, part_dissipated = zero, part_largest = zero;
+        T part_swept = zero;
+        T3 part_areas = View::all3({});
         for (std::size_t k = 0; k < part.size(); ++k) {
             const auto triangle = part.element(k);
             T3 e1, e2, w1, w2;
@@ -49,7 +52,13 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
                 triangle.subtract_force(1, pulls.on_second);
                 triangle.subtract_force(2, pulls.on_third);
             }
-            if constexpr (pressure) {
+            if constexpr (air == AirOnFabric::fills) {
+                const T3 area = triangle.half() * cross(e1, e2);
+                part_positive += larger(area_along(area, e), zero);
+                part_areas += area;
+                part_swept += dot(area, triangle.first_velocity() + third * (w1 + w2));
+                triangle.add_push(third * area);
+            } else if constexpr (air == AirOnFabric::pushes) {
                 // The pressure itself follows once the projected area is known.
                 const auto pushed = pushed_area(triangle.half() * cross(e1, e2), e, third, radial);
                 part_positive += pushed.projected;
@@ -59,11 +68,18 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
         }
         positive += part.live(part_positive);
         signed_area += part.live(part_area);
+        swept += part.live(part_swept);
+        areas += T3{part.live(part_areas.x), part.live(part_areas.y), part.live(part_areas.z)};
         dissipated += part.live(part_dissipated);
         largest = larger(part.live_load(part_largest), largest);
     }
     const double lost = sum(dissipated);
-    return {sum(positive), sum(signed_area), lost, nan_greatest(largest, lost)};
+    return {sum(positive),
+            sum(signed_area),
+            lost,
+            nan_greatest(largest, lost),
+            {sum(areas.x), sum(areas.y), sum(areas.z)},
+            sum(swept)};
 }
 
 /// Energy of membranes and their largest strain, at full stiffness whatever the pass says.

@@ -16,6 +16,8 @@ struct ElementSums {
     /// Largest elastic tension [N] of the elements, or first principal stress resultant at full stiffness
     /// [N/m]. Not a number where that of one is none.
     double largest_load = 0.0;
+    std::array<double, 3> area{};  ///< [m^2] of triangles, outwards
+    double swept = 0.0;            ///< [m^3/s] that triangles move through, outwards
     /// Derivatives of what pairs in contact hold, by the arm from the axis and by its direction [N], [N m].
     std::array<double, 3> by_arm{}, by_turning{};
 
@@ -24,7 +26,9 @@ struct ElementSums {
         signed_area += other.signed_area;
         dissipated += other.dissipated;
         largest_load = nan_max(largest_load, other.largest_load);
+        swept += other.swept;
         for (int c = 0; c < 3; ++c) {
+            area[c] += other.area[c];
             by_arm[c] += other.by_arm[c];
             by_turning[c] += other.by_turning[c];
         }
@@ -37,6 +41,10 @@ struct EnergyAndStrain {
     double energy = 0.0;  ///< [J]
     double strain = 0.0;  ///< [-] largest tensile strain, as StrainExtremum
 };
+
+/// Air on triangles: none; pressure along e_r and across it (paper, Eqs 11 and 12); or one pressure in the
+/// canopy, normal to the fabric, with the volume that the fabric sweeps.
+enum class AirOnFabric { none, pushes, fills };
 
 /// Membranes, and the pressure on them.
 struct MembranePass {

@@ -56,7 +56,7 @@ public:
     }
 
     TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<TriangleGroup>& groups) const {
-        const ElementSums sums = law::membrane_forces<true, false>(
+        const ElementSums sums = law::membrane_forces<true, AirOnFabric::none>(
             LanesView<MembraneElements>(state.node, state.force.view(), groups),
             {law_, {}, 0.0, state.fe_weight});
         state.damping_power += sums.dissipated;

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -105,6 +106,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      [](const Scene&, Stage stage) { return stage != Stage::deployment; },
      [](const Scene&) { return std::string("air fills the canopy from snatch on"); },
      [](const Scene& s, const Mesh& m) {
+         if (const auto inflow = InflowBalance::of(s, m)) return make_inflow_pressure(m, *inflow);
          return make_canopy_pressure(m, smallest_projected_area(s.parachutes.front()));
      }},
     {Block::fabric_drag, "fabric drag", "paper, 3.2.1, Eqs 11-12 with phi = 0", false, false, true, false,

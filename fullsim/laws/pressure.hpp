@@ -38,6 +38,16 @@ HWY_INLINE PushedArea<T, T3> pushed_area(T3 area, AxialFlow<T> e, T third, T rad
     return {{radial * area.x, radial * area.y, third * e.up * projected}, projected, along};
 }
 
+/// [m^2] of a triangle along e_r, signed.
+template <class T3>
+HWY_INLINE auto area_along(T3 area, T3 e) {
+    return dot(area, e);
+}
+template <class T, class T3>
+HWY_INLINE T area_along(T3 area, AxialFlow<T> e) {
+    return area.z * e.up;
+}
+
 template <class T, class T3>
 struct FabricDrag {
     T3 on_corner;  // [N]

@@ -88,6 +88,9 @@ void Observer::add_row(const State& state) {
     row.seam_diameter = shape.seam_diameter;
     row.depth = shape.depth;
     row.density = state.air.density;
+    row.volume = state.inflow.volume;
+    row.mouth_area = state.inflow.mouth;
+    row.inflow_ratio = state.inflow.ratio;
     rows_.push_back(row);
 }
 
@@ -164,12 +167,12 @@ void Observer::serialize(Archive& archive) {
     archive.number("next row", next_row_);
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
-               pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, density] =
-            row;
+               pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, density,
+               volume, mouth_area, inflow_ratio] = row;
         each(position), each(velocity);
-        for (double* x :
-             {&time, &force, &force_raw, &acceleration, &drag_area, &dynamic_pressure, &pressure, &airspeed,
-              &projected_area, &signed_area, &added_mass, &seam_diameter, &depth, &density})
+        for (double* x : {&time, &force, &force_raw, &acceleration, &drag_area, &dynamic_pressure, &pressure,
+                          &airspeed, &projected_area, &signed_area, &added_mass, &seam_diameter, &depth,
+                          &density, &volume, &mouth_area, &inflow_ratio})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());
@@ -210,6 +213,11 @@ std::vector<Channel> Observer::channels() const {
     channel("seam_diameter", "m", [](const Row& r) { return r.seam_diameter; });
     channel("canopy_depth", "m", [](const Row& r) { return r.depth; });
     channel("added_mass", "kg", [](const Row& r) { return r.added_mass; });
+    if (std::ranges::any_of(rows_, [](const Row& r) { return r.mouth_area > 0.0; })) {
+        channel("canopy_volume", "m^3", [](const Row& r) { return r.volume; });
+        channel("mouth_area", "m^2", [](const Row& r) { return r.mouth_area; });
+        channel("inflow_ratio", "", [](const Row& r) { return r.inflow_ratio; });
+    }
     return all;
 }
 

@@ -17,8 +17,9 @@ struct HistoryRow {
     double acceleration;      // of the payload, filtered [m/s^2]
     double drag_area, dynamic_pressure, pressure, airspeed;
     double projected_area, signed_area, added_mass;
-    double seam_diameter, depth;  // [m]
-    double density;               // [kg/m^3]
+    double seam_diameter, depth;              // [m]
+    double density;                           // [kg/m^3]
+    double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
 };
 
 /// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis. Of

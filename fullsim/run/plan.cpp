@@ -73,6 +73,8 @@ ExpectedFlight expected_flight(const Scene& scene, const RunRecord* expected) {
             make_inflation(scene, chute, snatch, flight.speed, density_at(scene, flight.altitude));
     }
     flight.full_open = std::isfinite(flight.snatch) ? flight.inflation.end_of(Phase::filling) : flight.snatch;
+    if (chute.filling.is_predicted() && expected)
+        if (const Event* full = expected->find_event("full-open")) flight.full_open = full->time;
     // A descent is not called steady before there is a shape to report, a mean over two seconds.
     if (scene.stop.kind == Trigger::Kind::steady_descent && std::isfinite(flight.full_open))
         flight.end = std::max(flight.end, flight.full_open + 2.0 + scene.stop.delay);

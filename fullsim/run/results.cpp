@@ -96,6 +96,9 @@ void add_shape(const RunView& run, double steady_area, RunRecord& record) {
 
 std::vector<NeverOpened> unopened(const RunView& run) {
     if (run.sequence) return never_opened(*run.sequence);
+    if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
+        !std::isfinite(run.full_open()))
+        return {{0, 1, "it was still filling on the ground (parachute.filling.initial_mouth)"}};
     if (run.snatched()) return {};
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }
@@ -119,12 +122,23 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
 void fill_results(const RunView& run, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
     const OpeningResult result = opening_of(run, steady_area);
+    const Filling& choice = run.parachute().filling;
+    const double lasts = run.simulation.inflation().filling_time;
     const Metric filling{
         "", 0.0, MetricKind::result,
-        fmt::format("projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
-                    100.0 * filled_share, run.simulation.inflation().filling_time)};
+        choice.is_predicted()
+            ? fmt::format(
+                  "projected area first at {:g} % of its steady mean; predicted from an initial mouth "
+                  "of {:g}",
+                  100.0 * filled_share, choice.initial_mouth)
+            : fmt::format(
+                  "projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
+                  100.0 * filled_share, lasts)};
     const Metric descent{"", 0.0, MetricKind::mixed,
                          "(C_D S)_0 and mass are inputs; the balance is the result"};
+    if (choice.is_predicted())
+        record.add_metric("initial_mouth_ratio", choice.initial_mouth, MetricKind::input,
+                          "area of the mouth at snatch over the steady projected area");
     add_opening_metrics(record, run.scene, result, filling, descent);
     if (result.peak_force)
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
@@ -139,6 +153,8 @@ void fill_results(const RunView& run, RunRecord& record) {
     add_strength_margins(record, run.parachute());
     record.energy = run.simulation.ledger();
     record.channels = run.observer.channels();
+    add_drag_area_times(record, run.scene, result,
+                        choice.is_predicted() ? MetricKind::result : MetricKind::input);
     add_validity(record, run.scene, result);
     add_warnings(run, steady_area, record);
     const Reached reached = reached_by(run, result.filling_time.has_value());

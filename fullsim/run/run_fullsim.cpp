@@ -27,7 +27,11 @@ const double taut_hold = 2e-3 / (7.31 * std::sqrt(462.0 / 9.7e8));
 // Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
 constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
 constexpr std::size_t opening_frames = 48;
-constexpr double opening_and_breathing = 2.0;  // filling times, from snatch
+constexpr double opening_and_breathing = 2.0;   // filling times, from snatch
+constexpr double expected_fill_constant = 8.0;  // of a filling that is predicted, for frames alone
+// A canopy squids that has grown by less than this share of its area over so many diameters of travel.
+constexpr double least_growth = 0.01, squid_travel = 5.0;
+constexpr double least_drag_area = 0.5;  // over (C_D S)_0, of a canopy that is still open at the end
 
 class FullRun {
 public:
@@ -106,6 +110,7 @@ private:
         if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
             observer_.observe_end(simulation_.synchronised_state());
         observer_.finish();
+        note_squid();
         fields_.accept();
         frames_.accept();
         if (run_.frames) run_.frames(frames_.finish());
@@ -213,7 +218,11 @@ private:
 
     void begin_opening_frames() {
         const Inflation& inflation = simulation_.inflation();
-        const double lasts = opening_and_breathing * (inflation.end_of(Phase::filling) - inflation.snatch);
+        const double filling = simulation_.predicts_filling()
+                                   ? expected_fill_constant * scene_.parachutes.front().nominal_diameter /
+                                         std::max(1.0, flight_state().airspeed)
+                                   : inflation.end_of(Phase::filling) - inflation.snatch;
+        const double lasts = opening_and_breathing * filling;
         frames_.begin(system().time, {lasts / opening_frames, opening_frames});
         descent_frames_from_ = system().time + lasts;
     }
@@ -292,6 +301,8 @@ private:
     void look_for_opening() {
         const double now = system().time;
         bool opens = false;
+        if (simulation_.has_filled()) simulation_.end_filling();
+        watch_growth();
         while (now >= simulation_.inflation().next_kink())
             simulation_.pass_kink();
         if (now >= simulation_.inflation().end_of(system().phase)) {
@@ -328,6 +339,41 @@ private:
         if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
             now > view_.drag_area_steady() && observer_.filtered_force() < past_peak * observer_.peak().value)
             event_stop_ = now + scene_.stop.delay;
+    }
+
+    /// Whether a canopy whose filling is predicted still grows.
+    void watch_growth() {
+        if (!simulation_.predicts_filling() || system().phase == Phase::open) return;
+        growth_.travelled += system().dt * system().air.airspeed;
+        if (growth_.travelled < squid_travel * scene_.parachutes.front().nominal_diameter) return;
+        const double area = system().air.projected_area;
+        growth_ = {0.0, area, area < (1.0 + least_growth) * growth_.area};
+    }
+    /// A canopy that still squids at the end of a run has not opened, whatever ended it; nor has one that was
+    /// full and fell in.
+    void note_squid() {
+        const StatusCode code = record_.status.code;
+        if (!simulation_.predicts_filling() ||
+            (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
+             code != StatusCode::time_limit))
+            return;
+        const bool open = system().phase == Phase::open;
+        const bool fell_in = open && system().time >= view_.full_open() + shape_average &&
+                             observer_.mean(&HistoryRow::drag_area, shape_average) <
+                                 least_drag_area * simulation_.inflation().steady_drag_area;
+        if (!fell_in && (open || !growth_.stands)) return;
+        const auto critical = filling_canopy(scene_.parachutes.front()).critical_speed(system().air.density);
+        const std::string opens =
+            !critical ? "by the reduced-order balance it opens at any subsonic speed"
+            : *critical == 0.0
+                ? "by the reduced-order balance it opens at no speed"
+                : fmt::format("by the reduced-order balance it opens below {:.4g} m/s", *critical);
+        end(StatusCode::squids,
+            fmt::format("{}: at {:.4g} m/s the canopy {} {:.3g} m^2 of projected area; {}; a larger "
+                        "parachute.filling.initial_mouth fills it sooner",
+                        record_.status.detail, system().air.airspeed,
+                        fell_in ? "was full and fell in to" : "stands at", system().air.projected_area,
+                        opens));
     }
 
     /// The canopies know when a line is cut; drag area and added mass go on from where they are.
@@ -438,6 +484,12 @@ private:
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
+    /// Of a filling that is predicted: way [m] since a projected area [m^2], and whether it stood on the way
+    /// before.
+    struct Growth {
+        double travelled = 0.0, area = 0.0;
+        bool stands = false;
+    } growth_;
     double hold_end_ = infinity;    // [s] at which lines that are taut now will have been so long enough
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     const bool accretes_ = scene_.aerodynamics.added_mass &&
@@ -461,7 +513,8 @@ void FullRun::serialize(Archive& archive) {
             archive.number("event", *x);
     }
     archive.whole("sound events", sound_events_, 0, record_.events.size());
-    for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_})
+    archive.flag("stands", growth_.stands);
+    for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &growth_.travelled, &growth_.area})
         archive.number("run", *x);
     found_.serialize(archive);
     clock_.serialize(archive);
@@ -480,7 +533,11 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");
     if (chute.cut) keys.emplace_back("parachute.cut");
-    if (chute.filling.is_predicted()) keys.emplace_back("parachute.filling.model");
+    if (chute.filling.is_predicted()) {
+        // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
+        if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
+        if (!chute.reefing.empty()) keys.emplace_back("parachute.reefing");
+    }
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
     // Scenes that cannot start are refused before anything runs.
@@ -491,11 +548,52 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     return keys;
 }
 
+/// Adds the filling from the lowest and the highest initial mouth, each flown past its peak force.
+void add_bracket(const Scene& scene, double stated_mass, const Run& run, RunRecord& record) {
+    const Parachute& chute = scene.parachutes.front();
+    const Filling& filling = chute.filling;
+    const double speed = record.metric("snatch_speed_m_s").value_or(release_airspeed(scene).norm());
+    const double altitude =
+        record.find_event("snatch") ? record.find_event("snatch")->altitude : scene.release.altitude;
+    record.filling = {std::string(filling.model->name),
+                      filling.initial_mouth,
+                      filling.entrance_loss,
+                      filling_canopy(chute).critical_speed(scene.environment.atmosphere.at(altitude).density),
+                      {}};
+    for (const double mouth : {filling.lowest_mouth, filling.highest_mouth}) {
+        Scene other = scene;
+        other.parachutes.front().filling.initial_mouth = mouth;
+        other.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
+        Run control;
+        control.stop = run.stop;
+        control.threads = run.threads;
+        control.force_unstructured = run.force_unstructured;
+        const RunRecord at =
+            mouth == filling.initial_mouth ? record : FullRun(other, stated_mass, control).fly();
+        PredictedFilling::At of{
+            mouth, std::string(status_name(at.status.code)), {}, {}, at.metric("peak_force_N")};
+        const Event *full = at.find_event("full-open"), *begin = at.find_event("snatch");
+        if (full) {
+            of.filling_time = full->time - (begin ? begin->time : 0.0);
+            of.fill_constant =
+                *of.filling_time * at.metric("snatch_speed_m_s").value_or(speed) / chute.nominal_diameter;
+        }
+        record.filling->bracket.push_back(of);
+    }
+}
+
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
     const Scene meshed = weighed(scene);
-    return FullRun(meshed, scene.parachutes.front().mass, run).fly();
+    const double stated_mass = scene.parachutes.front().mass;
+    RunRecord record = FullRun(meshed, stated_mass, run).fly();
+    const bool ended = record.status.code == StatusCode::completed ||
+                       record.status.code == StatusCode::stopped_by_event ||
+                       record.status.code == StatusCode::squids;
+    if (scene.parachutes.front().filling.is_predicted() && ended)
+        add_bracket(meshed, stated_mass, run, record);
+    return record;
 }
 
 const Fidelity& full_fidelity() {

@@ -16,9 +16,21 @@ namespace {
 /// Share of the steady projected area that has to come soon before filled_share, or the filling time is
 /// sensitive to how the last of the area settles.
 constexpr double nearly_filled = 0.95;
-constexpr double sound_area = 0.9;   // signed over positive area below which gores lie inside out
-constexpr double early_peak = 0.25;  // drag area over the steady one below which a peak is the snatch's
-constexpr double ringing = 1.02;     // raw over filtered peak force; a sound opening has 1.00 to 1.01
+constexpr double sound_area = 0.9;        // signed over positive area below which gores lie inside out
+constexpr double early_peak = 0.25;       // drag area over the steady one below which a peak is the snatch's
+constexpr double sound_drag_area = 0.98;  // over (C_D S)_0, of an open canopy whose filling is predicted
+constexpr double largest_over_inflation = 1.3;  // radius over the steady one
+constexpr double ringing = 1.02;  // raw over filtered peak force; a sound opening has 1.00 to 1.01
+
+/// [m^2] at a time [s] of the opening: as prescribed, or as it was.
+double drag_area_at(const RunView& run, double time) {
+    const Inflation& inflation = run.simulation.inflation();
+    if (!run.parachute().filling.is_predicted())
+        return inflation.steady_drag_area * inflation.drag_area_ratio(inflation.phase_at(time), time).value;
+    const auto& rows = run.observer.rows();
+    const auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
+    return row == rows.end() ? rows.back().drag_area : row->drag_area;
+}
 
 }  // namespace
 
@@ -39,8 +51,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (run.packed() && opened && !run.sequence && record.metric("peak_force_N")) {
         const Inflation& inflation = run.simulation.inflation();
         const double time = run.largest_peak().time;
-        if (const double ratio = inflation.drag_area_ratio(inflation.phase_at(time), time).value;
-            ratio < early_peak)
+        if (const double ratio = drag_area_at(run, time) / inflation.steady_drag_area; ratio < early_peak)
             warn(
                 fmt::format("the peak force comes {:.3g} s after snatch, at {:.0f} % of the steady drag area",
                             time - inflation.snatch, 100.0 * ratio),
@@ -88,6 +99,21 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                              100.0 * nearly_filled, *nearly - snatch, 100.0 * filled_share, *filled),
                  "the canopy creeps into its shape: the filling time is sensitive to the area threshold",
                  "compare filling times of such a canopy with a wide tolerance");
+    }
+    if (run.parachute().filling.is_predicted() && steady_area) {
+        const double widest =
+            std::ranges::max(run.observer.rows(), {}, &HistoryRow::projected_area).projected_area;
+        if (const double growth = std::sqrt(widest / *steady_area); growth > largest_over_inflation)
+            warn(fmt::format("the canopy over-inflates to {:.2f} of its steady radius", growth),
+                 fmt::format("no test shows more than {:g}; the air beside it has no inertia of its own here",
+                             largest_over_inflation),
+                 "treat the force after full open as an upper bound");
+        const double told = run.simulation.inflation().steady_drag_area;
+        if (const double has = run.observer.mean(&HistoryRow::drag_area, shape_average);
+            has < sound_drag_area * told)
+            warn(fmt::format("the open canopy drags with {:.4g} of its {:.4g} m^2", has, told),
+                 "its fabric and openings let out more than its mouth takes in at this speed",
+                 "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
     if (state.capped_steps > 0)
         warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",

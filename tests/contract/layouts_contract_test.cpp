@@ -17,6 +17,7 @@
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/layout_answer.hpp"
+#include "tests/support/predicted.hpp"
 #include "tests/support/small_parachute.hpp"
 
 namespace twinchute::fullsim {
@@ -102,6 +103,20 @@ TEST(Layouts, AgreeWhereGoresTouch) {
                                   "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
                                   std::string("full.line_substeps=") + subcycles}),
                       12'000);
+}
+
+TEST(Layouts, AgreeWhereFillingIsPredicted) {
+    // From line stretch and from the pack, through all stages.
+    compare_along(
+        test::predicted(
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                       {"full.mesh.gore_columns=3", "full.mesh.gore_rows=6", "full.mesh.line_elements=4"}),
+            0.02),
+        12'000);
+    compare_along(
+        test::predicted(
+            crane_drop({"full.beta=1e-7", "parachute.deploy.length='3 m'", "full.ramp_time='0.3 s'"}), 0.04),
+        120'000, 4);
 }
 
 TEST(Layouts, AgreeOnAnExtraction) {

@@ -15,6 +15,7 @@
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/layout_answer.hpp"
+#include "tests/support/predicted.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -75,6 +76,10 @@ void compare_along(const Scene& scene, int steps) {
             simulation.begin(simulation.system().phase == Phase::initial ? Phase::filling : Phase::open);
         simulation.step_to(std::min(1e9, inflation.end_of(simulation.system().phase)));
     }
+}
+
+TEST(SectorsOfPredictedFilling, AgreeWithTheUnstructuredLayout) {
+    compare_along(test::predicted(everything(28, 4, {2, 9, 8, 2, Grading::graded}), 0.02), 12'000);
 }
 
 struct Case {

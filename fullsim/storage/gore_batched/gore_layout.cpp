@@ -12,6 +12,7 @@
 
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/gore_contact.hpp"
+#include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
 #include "fullsim/mesh/gores.hpp"
@@ -50,8 +51,10 @@ public:
           tuner_(threads),
           gores_(std::move(gores)),
           fabric_area_(mesh.fabric_area()),
+          inflow_(InflowBalance::of(scene, mesh)),
           tethered_(!mesh.static_line.cables.empty()) {
         if (threads > 1) threads_ = std::make_unique<WorkerPool>(threads - 1);
+        if (inflow_) find_skirt();
     }
 
     std::string_view name() const override { return "gore-batched"; }
@@ -100,6 +103,7 @@ public:
         has_.springs = acts(Block::fabric_springs);
         has_.membrane = acts(Block::membrane);
         has_.pressure = acts(Block::canopy_pressure);
+        air_ = !has_.pressure ? AirOnFabric::none : inflow_ ? AirOnFabric::fills : AirOnFabric::pushes;
         has_.folds = acts(Block::deployment_resistance);
         has_.breathing = acts(Block::breathing_damping);
         has_.accretion = acts(Block::accretion);
@@ -603,7 +607,7 @@ private:
     }
     /// Membranes, and the areas that pressure acts on with them.
     ElementSums stretch_membrane(const GoreFrame& part) const {
-        return (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(part, membrane_, fabric_);
+        return kernels_.membrane[static_cast<int>(air_)](part, membrane_, fabric_);
     }
     void finish_membrane(State& state, const ElementSums& all) {
         fabric_sums_ = all;
@@ -611,15 +615,38 @@ private:
         book(state, all);
     }
     ElementSums find_areas(const GoreFrame& part) const {
-        return has_.membrane ? ElementSums{} : kernels_.pressure(part, membrane_, fabric_);
+        return has_.membrane ? ElementSums{} : kernels_.air[static_cast<int>(air_)](part, membrane_, fabric_);
     }
     void finish_pressure(State& state, const ElementSums& all) {
         const ElementSums& areas = has_.membrane ? fabric_sums_ : all;
-        state.air.projected_area = areas.positive_area;
-        state.air.signed_area = areas.signed_area;
-        step_.residual_drag =
-            to_array(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+        if (inflow_) {
+            step_.residual_drag = to_array(inflow_->set_pressure(
+                state, areas, inflow_->mouth([this](std::size_t k) { return skirt_node(k); })));
+        } else {
+            state.air.projected_area = areas.positive_area;
+            state.air.signed_area = areas.signed_area;
+            step_.residual_drag =
+                to_array(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+        }
         step_.pressure = state.air.pressure;
+    }
+    /// Where the nodes around the mouth are.
+    void find_skirt() {
+        std::unordered_map<NodeIndex, std::array<int, 2>> of_node;  // local number, gore
+        for (int gore = 0; gore < gores_.count; ++gore)
+            for (LocalNode n = 0; n < gores_.canopy; ++n)
+                of_node[gores_.node[gore * gores_.own + n]] = {n, gore};
+        for (const NodeIndex i : inflow_->skirt())
+            skirt_.push_back(of_node.at(i));
+    }
+    NodeRecord skirt_node(std::size_t k) const {
+        const auto [n, gore] = skirt_[k];
+        NodeRecord node{splat(0.0), splat(0.0)};
+        for (int c = 0; c < 3; ++c) {
+            node.x[c] = nodes_->at(nodes_->frame.x, n, gore, c);
+            node.v[c] = nodes_->at(nodes_->frame.v, n, gore, c);
+        }
+        return node;
     }
     ElementSums drag_fabric(const GoreFrame& part) const {
         return kernels_.fabric_drag(part, membrane_, {0.5 * density_ * deploy().drag_coefficient, wind_});
@@ -814,8 +841,11 @@ private:
     std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
     std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
-    std::unique_ptr<GoreNodes> nodes_, rows_;     // all arrays, and row sums
-    double fabric_area_;                          // [m^2]
+    std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
+    double fabric_area_;                       // [m^2]
+    std::optional<InflowBalance> inflow_;
+    std::vector<std::array<int, 2>> skirt_;  // nodes around the mouth: local number, gore
+    AirOnFabric air_ = AirOnFabric::none;
     bool tethered_;                               // to a static line
     std::array<const ForceModels*, 2> models_{};  // of the stage: structure, loads
     std::vector<Acting> structure_, loads_;

@@ -152,6 +152,7 @@ public:
         edges(e1, e2);
         mean = (1.0 / 3.0) * (v(0) + v(1) + v(2));
     }
+    HWY_INLINE Vec3s first_velocity() const { return v(0); }
     HWY_INLINE Vec inverse_a() const { return all(row_.inverse_a); }
     HWY_INLINE Vec inverse_c() const { return all(row_.inverse_c); }
     HWY_INLINE Vec b_over_a() const { return all(row_.b_over_a); }
@@ -379,10 +380,10 @@ using Cables = GoreView<GoreCableForces>;
 using Springs = GoreView<GoreSpringForces>;
 using Pairs = GoreView<GorePair>;
 
-template <bool structure, bool pressure>
+template <bool structure, AirOnFabric air>
 ElementSums membranes(const GoreFrame& frame, std::span<const MembraneElement> elements,
                       const MembranePass& pass) {
-    return membrane_forces<structure, pressure>(Membranes(frame, elements), pass);
+    return membrane_forces<structure, air>(Membranes(frame, elements), pass);
 }
 EnergyAndStrain levels_of_membranes(const GoreFrame& frame, std::span<const MembraneElement> elements,
                                     const MembranePass& pass) {
@@ -722,9 +723,9 @@ GoreSums subcycle(const GoreFrame& frame, const GoreSubcycle& subcycle) {
 GoreKernels gore_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
             lanes_of_all,
-            membranes<true, false>,
-            membranes<true, true>,
-            membranes<false, true>,
+            {membranes<true, AirOnFabric::none>, membranes<true, AirOnFabric::pushes>,
+             membranes<true, AirOnFabric::fills>},
+            {nullptr, membranes<false, AirOnFabric::pushes>, membranes<false, AirOnFabric::fills>},
             levels_of_membranes,
             levels_of_springs,
             levels_of_cables,

@@ -150,11 +150,9 @@ struct GoreSubcycle {
 struct GoreKernels {
     std::string_view instruction_set;
     int lanes;
-    /// Membranes alone, pressure areas alone, or both in one pass.
-    ElementSums (*membrane)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
-    ElementSums (*membrane_and_pressure)(const GoreFrame&, std::span<const MembraneElement>,
-                                         const MembranePass&);
-    ElementSums (*pressure)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
+    using OfFabric = ElementSums (*)(const GoreFrame&, std::span<const MembraneElement>, const MembranePass&);
+    /// Membranes with the air on them in one pass, and the air alone, by AirOnFabric.
+    std::array<OfFabric, 3> membrane, air;
     EnergyAndStrain (*membrane_levels)(const GoreFrame&, std::span<const MembraneElement>,
                                        const MembranePass&);
     EnergyAndStrain (*spring_levels)(const GoreFrame&, std::span<const SpringElement>, const SpringPass&);

@@ -137,6 +137,7 @@ public:
         const Vec3s v0 = corner(f_.v, 0);
         w1 = corner(f_.v, 1) - v0, w2 = corner(f_.v, 2) - v0;
     }
+    HWY_INLINE Vec3s first_velocity() const { return corner(f_.v, 0); }
     HWY_INLINE Vec inverse_a() const { return constant(f_.triangle.inverse_a); }
     HWY_INLINE Vec inverse_c() const { return constant(f_.triangle.inverse_c); }
     HWY_INLINE Vec b_over_a() const { return constant(f_.triangle.b_over_a); }
@@ -206,8 +207,9 @@ public:
 
 // --- loops ---------------------------------------------------------------------------------------------
 
+template <AirOnFabric air>
 ElementSums triangles(const SectorFrame& f, const SectorPlan& plan, const MembranePass& pass) {
-    return membrane_forces<true, true>(SectorView<SectorTriangle>(f, plan.triangles), pass);
+    return membrane_forces<true, air>(SectorView<SectorTriangle>(f, plan.triangles), pass);
 }
 EnergyAndStrain levels_of_triangles(const SectorFrame& f, const SectorPlan& plan, const MembranePass& pass) {
     return membrane_levels(SectorView<SectorTriangle>(f, plan.triangles), pass);
@@ -576,7 +578,7 @@ SectorKernels sector_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
             lanes_of_register,
             unroll_factor,
-            triangles,
+            {nullptr, triangles<AirOnFabric::pushes>, triangles<AirOnFabric::fills>},
             cables,
             contacts,
             levels_of_contacts,

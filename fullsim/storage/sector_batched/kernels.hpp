@@ -161,8 +161,9 @@ struct SectorBounds {
 struct SectorKernels {
     std::string_view instruction_set;
     int lanes, unroll_factor;  ///< of a register, and number of interleaved registers
-    /// Membranes and the areas that pressure acts on; e_r is along the axis.
-    ElementSums (*triangles)(const SectorFrame&, const SectorPlan&, const MembranePass&);
+    using OfFabric = ElementSums (*)(const SectorFrame&, const SectorPlan&, const MembranePass&);
+    /// Membranes and the air on them, by AirOnFabric, which is not none; e_r is along the axis.
+    std::array<OfFabric, 3> triangles;
     /// No areas; the largest load is that of lines.
     ElementSums (*cables)(const SectorFrame&, const std::vector<CableBatch>&, const CableConstantsRow&);
     /// Contact between gores, around the axis.

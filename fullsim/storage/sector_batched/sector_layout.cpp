@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "fullsim/forces/canopy_pressure.hpp"
+#include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/storage/sector_batched/arrays.hpp"
@@ -67,6 +68,7 @@ public:
           cord_rows_(arrays_.cord_rows()) {
         for (int s = 0; s < sector_.count; ++s)
             turns_.emplace_back(s * sector_.turn);
+        if (inflow_) find_skirt();
     }
 
     std::string_view name() const override { return name_; }
@@ -300,7 +302,8 @@ private:
     void add_membrane(State& state) {
         membranes_.direction = {0.0, 0.0, state.air.direction.z()};
         membranes_.radial_pressure = state.air.radial_pressure;
-        fabric_ = kernels_.triangles(arrays_.frame, arrays_.plan, membranes_);
+        fabric_ = kernels_.triangles[static_cast<int>(inflow_ ? AirOnFabric::fills : AirOnFabric::pushes)](
+            arrays_.frame, arrays_.plan, membranes_);
         state.damping_power += sector_.count * fabric_.dissipated;
         state.largest.add_stress(fabric_.largest_load);
     }
@@ -321,10 +324,31 @@ private:
         return of_all(kernels_.contact_levels(arrays_.frame, arrays_.plan, contact_pass()));
     }
     void add_pressure(State& state) {
-        state.air.projected_area = sector_.count * fabric_.positive_area;
-        state.air.signed_area = sector_.count * fabric_.signed_area;
-        step_.residual_drag = set_pressure(state.air, smallest_area_).z();
+        if (inflow_) {
+            ElementSums all;
+            all.positive_area = sector_.count * fabric_.positive_area;
+            all.area[2] = sector_.count * fabric_.area[2];  // across, they cancel
+            all.swept = sector_.count * fabric_.swept;
+            inflow_->set_pressure(state, all,
+                                  inflow_->mouth([this](std::size_t k) { return skirt_node(k); }));
+        } else {
+            state.air.projected_area = sector_.count * fabric_.positive_area;
+            state.air.signed_area = sector_.count * fabric_.signed_area;
+            step_.residual_drag = set_pressure(state.air, smallest_area_).z();
+        }
         step_.pressure = state.air.pressure;
+    }
+    /// Where the nodes around the mouth are.
+    void find_skirt() {
+        for (const NodeIndex i : inflow_->skirt()) {
+            const auto at = std::ranges::find(sector_.node, i) - sector_.node.begin();
+            skirt_.push_back({static_cast<int>(at % sector_.own), static_cast<int>(at / sector_.own)});
+        }
+    }
+    NodeRecord skirt_node(std::size_t k) const {
+        const auto [n, sector] = skirt_[k];
+        const Turn& turn = turns_[static_cast<std::size_t>(sector)];
+        return {Around(arrays_.frame.x, n).at(turn), Around(arrays_.frame.v, n).at(turn)};
     }
     void add_line_drag(State& state) {
         if (!(state.air.density > 0.0)) return;  // no Reynolds number without air
@@ -372,6 +396,8 @@ private:
     const ForceModel* payload_drag_ = nullptr;
     PerronScaling weights_;
     ElementSums fabric_;  // of the sector
+    std::optional<InflowBalance> inflow_ = InflowBalance::of(scene_, mesh_);
+    std::vector<std::array<int, 2>> skirt_;  // nodes around the mouth: of the sector, sector
     SectorAdvance step_;
 };
 

@@ -148,6 +148,7 @@ public:
         edges(e1, e2, w1, w2);
         mean = this->first_node().v + (1.0 / 3.0) * (w1 + w2);
     }
+    HWY_INLINE Vec3s first_velocity() const { return this->first_node().v; }
     HWY_INLINE Vec inverse_a() const { return this->constant(unstructured::inverse_a); }
     HWY_INLINE Vec inverse_c() const { return this->constant(unstructured::inverse_c); }
     HWY_INLINE Vec b_over_a() const { return this->constant(unstructured::b_over_a); }
@@ -257,9 +258,9 @@ using Triangles = GroupView<TriangleGroup<Nothing>>;
 using Cables = GroupView<SpanGroup<cable_constants, Nothing>>;
 using Edges = GroupView<SpanGroup<spring_constants, Nothing>>;
 
-template <bool structure, bool pressure>
+template <bool structure, AirOnFabric air>
 ElementSums membranes(Nodes nodes, Elements elements, const MembranePass& pass) {
-    return membrane_forces<structure, pressure>(Triangles(nodes, elements), pass);
+    return membrane_forces<structure, air>(Triangles(nodes, elements), pass);
 }
 EnergyAndStrain levels_of_membranes(Nodes nodes, Elements elements, const MembranePass& pass) {
     return membrane_levels(Triangles(nodes, elements), pass);
@@ -428,9 +429,9 @@ Sums advance(Nodes nodes, const Advance& step) {
 unstructured::Kernels unstructured_kernels_here() {
     return {instruction_set_name(HWY_TARGET),
             lanes,
-            membranes<true, false>,
-            membranes<true, true>,
-            membranes<false, true>,
+            {membranes<true, AirOnFabric::none>, membranes<true, AirOnFabric::pushes>,
+             membranes<true, AirOnFabric::fills>},
+            {nullptr, membranes<false, AirOnFabric::pushes>, membranes<false, AirOnFabric::fills>},
             levels_of_membranes,
             fabric_drags,
             springs,

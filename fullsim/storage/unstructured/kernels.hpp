@@ -84,10 +84,9 @@ struct Sums {
 struct Kernels {
     std::string_view instruction_set;
     int lanes;  ///< of a group
-    /// Membranes alone, pressure areas alone, or both in one pass.
-    ElementSums (*membrane)(Nodes, Elements, const MembranePass&);
-    ElementSums (*membrane_and_pressure)(Nodes, Elements, const MembranePass&);
-    ElementSums (*pressure)(Nodes, Elements, const MembranePass&);
+    using OfFabric = ElementSums (*)(Nodes, Elements, const MembranePass&);
+    /// Membranes with the air on them in one pass, and the air alone, by AirOnFabric.
+    std::array<OfFabric, 3> membrane, air;
     EnergyAndStrain (*membrane_levels)(Nodes, Elements, const MembranePass&);
     ElementSums (*fabric_drag)(Nodes, Elements, const FabricDragPass&);
     ElementSums (*springs)(Nodes, Elements, const SpringPass&);

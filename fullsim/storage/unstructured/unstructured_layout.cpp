@@ -9,6 +9,7 @@
 
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/gore_contact.hpp"
+#include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
@@ -97,7 +98,8 @@ public:
           mesh_(mesh),
           constants_(constants),
           kernels_(kernels),
-          fabric_area_(mesh.fabric_area()) {}
+          fabric_area_(mesh.fabric_area()),
+          inflow_(InflowBalance::of(scene, mesh)) {}
 
     std::string_view name() const override { return "unstructured"; }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
@@ -111,6 +113,7 @@ public:
         pulled_.clear();
         line_damping_ = 0.0;
         has_ = {};
+        air_ = AirOnFabric::none;
         springs_ = {};
         first_aero_ = constants_.canopy_nodes;
         structure_ = &structure;
@@ -271,8 +274,8 @@ private:
         const ForceModel* model;
     };
     struct Has {
-        bool membrane = false, pressure = false, fabric = false, lines = false, line_drag = false,
-             breathing = false, accretion = false, mass_damping = false;
+        bool membrane = false, fabric = false, lines = false, line_drag = false, breathing = false,
+             accretion = false, mass_damping = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -401,7 +404,7 @@ private:
         prepare_fabric();
     }
     void prepare_pressure() {
-        has_.pressure = true;
+        air_ = inflow_ ? AirOnFabric::fills : AirOnFabric::pushes;
         prepare_fabric();
     }
     void prepare_fabric_drag() {
@@ -417,20 +420,27 @@ private:
     /// Membranes, and the areas that pressure acts on with them.
     void add_membrane(State& state) {
         use_air(state);
-        fabric_sums_ = (has_.pressure ? kernels_.membrane_and_pressure : kernels_.membrane)(
-            nodes_of(state), triangles_.elements(), fabric_);
+        fabric_sums_ =
+            kernels_.membrane[static_cast<int>(air_)](nodes_of(state), triangles_.elements(), fabric_);
         state.damping_power += fabric_sums_.dissipated;
         state.largest.add_stress(state.fe_weight * fabric_sums_.largest_load);
     }
     void add_pressure(State& state) {
         if (!has_.membrane) {
             use_air(state);
-            fabric_sums_ = kernels_.pressure(nodes_of(state), triangles_.elements(), fabric_);
+            fabric_sums_ =
+                kernels_.air[static_cast<int>(air_)](nodes_of(state), triangles_.elements(), fabric_);
         }
-        state.air.projected_area = fabric_sums_.positive_area;
-        state.air.signed_area = fabric_sums_.signed_area;
-        step_.residual_drag =
-            to_array4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+        if (inflow_) {
+            const auto skirt = [&](std::size_t k) { return state.node[inflow_->skirt()[k]]; };
+            step_.residual_drag =
+                to_array4(inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt)));
+        } else {
+            state.air.projected_area = fabric_sums_.positive_area;
+            state.air.signed_area = fabric_sums_.signed_area;
+            step_.residual_drag =
+                to_array4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+        }
         step_.pressure = state.air.pressure;
     }
     void add_fabric_drag(State& state) {
@@ -601,6 +611,8 @@ private:
     const NodeConstants& constants_;
     const unstructured::Kernels& kernels_;
     double fabric_area_;  // [m^2]
+    std::optional<InflowBalance> inflow_;
+    AirOnFabric air_ = AirOnFabric::none;
 
     const ForceModels* structure_ = nullptr;
     std::vector<Acting> acts_;  // all blocks, those of the structure first

@@ -1,0 +1,310 @@
+// Filling that the full model predicts: the balance of the air in its mesh, and runs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "fullsim/forces/inflow.hpp"
+#include "fullsim/simulation.hpp"
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/predicted.hpp"
+#include "tests/support/runs.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+using test::predicted, test::run_full;
+
+// --- the balance -----------------------------------------------------------------------------
+
+/// An open C-9 with its axis up, in air that comes from below.
+class Inflow : public testing::Test {
+protected:
+    Inflow()
+        : scene_(predicted(test::c9_scene())),
+          start_(make_start()),
+          simulation_(start_),
+          balance_(InflowBalance::of(scene_, simulation_.mesh())) {
+        simulation_.evaluate_forces();
+        state_ = simulation_.synchronised_state();
+    }
+    /// Its shape is that of a canopy which starts open.
+    Scene make_start() const {
+        Scene scene = test::c9_scene();
+        scene.parachutes.front().deploy.by = DeployBy::inflated;
+        scene.release.speed = 20.0;
+        return scene;
+    }
+    /// Solves the balance for these nodes. Returns the force of pressure and residual drag [N].
+    Vec3 solve(State& state) const {
+        const Mesh& mesh = simulation_.mesh();
+        ElementSums sums;
+        Vec3 all = Vec3::Zero();
+        for (const Triangle& t : mesh.triangles) {
+            const auto x = [&](int c) { return to_vec3(state.node[t.node[c]].x); };
+            const Vec3 area = 0.5 * (x(1) - x(0)).cross(x(2) - x(0));
+            for (const NodeIndex i : t.node)
+                sums.swept += area.dot(to_vec3(state.node[i].v)) / 3.0;
+            all += area;
+        }
+        sums.area = {all.x(), all.y(), all.z()};
+        sums.positive_area = all.z();
+        const Mouth mouth = balance_->mouth([&](std::size_t k) { return state.node[balance_->skirt()[k]]; });
+        const Vec3 residual = balance_->set_pressure(state, sums, mouth);
+        return state.air.pressure * all + residual;
+    }
+    /// All nodes move with the payload, but for what `rate` [m/s] adds at a place from the mouth [m].
+    template <class Rate>
+    void set_velocities(State& state, Rate&& rate) const {
+        Vec3 mouth = Vec3::Zero();
+        for (const NodeIndex i : balance_->skirt())
+            mouth += to_vec3(state.node[i].x) / static_cast<double>(balance_->skirt().size());
+        for (NodeIndex i = 0; i < simulation_.mesh().node_count(); ++i)
+            state.node[i].v = to_lanes(Vec3(0.0, 0.0, -20.0) + rate(to_vec3(state.node[i].x) - mouth));
+    }
+    static Vec3 nothing(const Vec3&) { return Vec3::Zero(); }
+
+    Scene scene_, start_;
+    Simulation simulation_;
+    std::optional<InflowBalance> balance_;
+    State state_;
+};
+
+TEST_F(Inflow, VolumeGrowsByWhatTheFabricSweeps) {
+    // A canopy that grows evenly about its mouth, x = r k: V'/V = 3 k, whatever its shape. The mouth of this
+    // mesh is plane, so that its cap sweeps nothing.
+    const NodeConstants constants = simulation_.constants();
+    static constexpr double k = 0.3;
+    set_velocities(state_, [](const Vec3& place) { return Vec3(k * place); });
+    balance_->measure(state_, constants);
+    solve(state_);
+    // The vent's cap moves as well; it is what the balance leaves out, 1 % of the mouth's area here.
+    EXPECT_NEAR(state_.inflow.swept, 3.0 * k * state_.inflow.volume, 0.015 * 3.0 * k * state_.inflow.volume);
+    // Between a cone and half an ellipsoid on the projected area, as deep as the canopy: 0.4 of its width.
+    const double area = state_.air.signed_area, depth = 0.4 * std::sqrt(4.0 * area / pi);
+    EXPECT_GT(state_.inflow.volume, area * depth / 3.0);
+    EXPECT_LT(state_.inflow.volume, area * depth * 2.0 / 3.0);
+}
+
+TEST_F(Inflow, OfACanopyThatKeepsItsVolumeIsItsLeak) {
+    set_velocities(state_, nothing);
+    balance_->measure(state_, simulation_.constants());
+    state_.dt = 0.0;
+    solve(state_);
+    const InflowState& in = state_.inflow;
+    EXPECT_NEAR(in.swept, 0.0, 1e-9);
+    EXPECT_GT(in.leak, 0.0);
+    // Bisection to 1e-14 of s.
+    EXPECT_NEAR(in.mouth * 20.0 * in.ratio, in.leak, 1e-11 * in.mouth * 20.0);
+    EXPECT_GT(state_.air.pressure, 0.0);
+}
+
+TEST_F(Inflow, GivesTheOpenCanopyItsSteadyDragArea) {
+    // Whatever area it settles at: pressure times area is q (C_D S)_0 by construction of the suction.
+    for (const double factor : {1.0, 1.1, 1.3}) {
+        State state = state_;
+        Vec3 middle = to_vec3(state.node[simulation_.mesh().payload()].x);
+        for (NodeIndex i = 0; i < simulation_.mesh().canopy_nodes; ++i)
+            for (int c = 0; c < 2; ++c)
+                state.node[i].x[c] = middle[c] + 1.05 * std::sqrt(factor) * (state.node[i].x[c] - middle[c]);
+        set_velocities(state, nothing);
+        balance_->measure(state, simulation_.constants());
+        state.inflow.volume = 1e3;  // all of the fabric leaks
+        state.dt = 0.0;
+        state.inflow.steady_drag_area = 42.56;
+        state.air.dynamic_pressure = 0.5 * state.air.density * 400.0;
+        solve(state);
+        ASSERT_GE(state.air.signed_area, balance_->full_area()) << factor;
+        // The mouth is larger than the projected area by that of the vent, 2 % and more: the inflow s that
+        // the leak takes is slower by as much, K s^2 by twice that. K s^2 is 1.2 % of q (s = 0.08), of 1.8 q.
+        EXPECT_NEAR(state.air.drag_area, 42.56, 0.05 * 0.012 / 1.8 * 2.0 * 42.56) << factor;
+    }
+}
+
+TEST_F(Inflow, TakesNoPowerFromNowhere) {
+    // Still air can only lose what the canopy gains: dp [A_m w (1 - s) + leak] >= 0 for any rate of growth.
+    for (const double k : {-3.0, -0.5, 0.0, 0.5, 2.0, 10.0, 100.0}) {
+        State state = state_;
+        set_velocities(state, [&](const Vec3& place) { return Vec3(k * place); });
+        balance_->measure(state, simulation_.constants());
+        state.dt = 1e-4;
+        solve(state);
+        const InflowState& in = state.inflow;
+        const double speed = 20.0;
+        EXPECT_GE(state.air.pressure * (in.mouth * speed * (1.0 - in.ratio) + in.leak), 0.0) << k;
+        EXPECT_LE(in.ratio, 1.0) << k;
+        EXPECT_GE(state.air.pressure, 0.0) << k;
+    }
+}
+
+TEST_F(Inflow, ForceIsAlongTheAirWhateverTheShape) {
+    // A canopy sheared to one side: what its pressure does across the air would carry it like a wing that has
+    // lift and no drag. Rounding of sums over hundreds of triangles, of the whole force.
+    for (NodeIndex i = 0; i < simulation_.mesh().canopy_nodes; ++i)
+        if (state_.node[i].x[0] > 0.0) state_.node[i].x[0] *= 0.3;
+    state_.air.direction = Vec3(0.3, 0.0, 1.0).normalized();
+    set_velocities(state_, nothing);
+    balance_->measure(state_, simulation_.constants());
+    state_.inflow.steady_drag_area = 42.56;
+    const Vec3 force = solve(state_);
+    EXPECT_GT(force.norm(), 1000.0);
+    EXPECT_LT(force.cross(state_.air.direction).norm(), 1e-12 * force.norm());
+    EXPECT_NEAR(force.dot(state_.air.direction), state_.air.drag_area * state_.air.dynamic_pressure,
+                1e-12 * force.norm());
+}
+
+TEST_F(Inflow, PressureFallsAsTheCanopyGrowsFaster) {
+    double before = HUGE_VAL;
+    for (const double k : {-1.0, 0.0, 0.2, 0.5, 1.0, 2.0, 4.0}) {
+        State state = state_;
+        set_velocities(state, [&](const Vec3& place) { return Vec3(k * place); });
+        balance_->measure(state, simulation_.constants());
+        state.dt = 0.0;
+        solve(state);
+        EXPECT_LE(state.air.pressure, before) << k;
+        before = state.air.pressure;
+    }
+}
+
+// --- runs --------------------------------------------------------------------------------------
+
+/// One sector: as axisymmetric as a mesh of gores is, so that nothing decides by chance.
+Scene symmetric() {
+    Scene scene = predicted(test::c9_scene(), 0.02);
+    scene.full.symmetry = Symmetry::sector;
+    scene.full.contact = Contact::gores;
+    scene.full.mesh = {4, 9, 34, 5};
+    scene.release.altitude = 300.0;
+    scene.release.speed = 21.0;
+    return scene;
+}
+
+double fill_constant(const Scene& scene) {
+    const RunRecord record = run_full(scene);
+    EXPECT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    const Event* full = record.find_event("full-open");
+    EXPECT_TRUE(full);
+    return full ? full->time * scene.release.speed / scene.parachutes.front().nominal_diameter : 0.0;
+}
+
+TEST(PredictedOpening, FillConstantDoesNotHangOnTheStep) {
+    // Asked for: three steps within 3 %.
+    std::vector<double> n;
+    for (const double factor : {0.95, 0.475, 0.2375}) {
+        Scene scene = symmetric();
+        scene.stop = {Trigger::Kind::time, 2.5, 0.0};
+        scene.full.time_step_factor = factor;
+        n.push_back(fill_constant(scene));
+    }
+    const auto [least, most] = std::ranges::minmax(n);
+    EXPECT_LT(most / least, 1.03) << n[0] << ' ' << n[1] << ' ' << n[2];
+}
+
+TEST(PredictedOpening, FillConstantConvergesWithTheMesh) {
+    // Asked for: three meshes within 3 % (found: 0.5 %). The demo's four columns are 3.1 % from eight. Odd
+    // counts converge as well, to a value a fifth higher: their gores fold flat, without a crest.
+    std::vector<double> n;
+    for (const MeshCounts& mesh :
+         {MeshCounts{6, 14, 34, 5}, MeshCounts{8, 18, 34, 5}, MeshCounts{10, 22, 34, 5}}) {
+        Scene scene = symmetric();
+        scene.stop = {Trigger::Kind::time, 1.5, 0.0};
+        scene.full.mesh = mesh;
+        n.push_back(fill_constant(scene));
+    }
+    const auto [least, most] = std::ranges::minmax(n);
+    EXPECT_LT(most / least, 1.03) << n[0] << ' ' << n[1] << ' ' << n[2];
+}
+
+TEST(PredictedOpening, IsASlowStageAndABurst) {
+    // As on film: from 15 % to 70 % of the drag area in less than half the time that the first 15 % take.
+    Scene scene = symmetric();
+    scene.stop = {Trigger::Kind::time, 1.5, 0.0};
+    const RunRecord record = run_full(scene);
+    const double slow = record.metric("time_to_15_percent_drag_area_s").value_or(0.0);
+    const double late = record.metric("time_to_70_percent_drag_area_s").value_or(HUGE_VAL);
+    EXPECT_LT(late - slow, 0.5 * slow);
+}
+
+TEST(PredictedOpening, ThatIsNotOverOnTheGroundIsAFailure) {
+    // 8 m/s at half an inch of water is no fabric but a net: a mouth of 0.05 m^2 does not fill it in 300 m.
+    Scene scene = symmetric();
+    scene.parachutes.front().filling.initial_mouth = 0.002;
+    scene.parachutes.front().fabric.permeability = permeability_at_half_inch(8.0);
+    scene.stop = {Trigger::Kind::ground, 0.0, 0.0};
+    const RunRecord record = run_full(scene);
+    EXPECT_TRUE(failed_to_open(record.status.code)) << record.status.detail;
+    EXPECT_FALSE(record.find_event("full-open"));
+}
+
+TEST(PredictedOpening, LongerThePorousTheFabric) {
+    double before = 0.0;
+    for (const double speed : {0.0, 0.2, 0.458, 1.5, 3.0}) {
+        Scene scene = symmetric();
+        scene.parachutes.front().fabric.permeability = permeability_at_half_inch(speed);
+        scene.stop = {Trigger::Kind::time, 2.0, 0.0};
+        const double n = fill_constant(scene);
+        EXPECT_GT(n, before) << speed;
+        before = n;
+    }
+}
+
+TEST(PredictedOpening, IsTheSameForAScaledParachute) {
+    // Froude's similarity, powers of two for k = 4 (froude_similarity_test.cpp); the permeability is inertia
+    // alone, whose law has no speed of its own.
+    constexpr double k = 4.0, root_k = 2.0;
+    Scene small = symmetric();
+    small.aerodynamics.line_drag.reset();
+    small.full.mesh = {2, 7, 10, 2};
+    small.stop = {Trigger::Kind::time, 1.6, 0.0};
+    Parachute& chute = small.parachutes.front();
+    chute.fabric.permeability = Permeability{0.0, 400.0};
+    Scene large = small;
+    Parachute& enlarged = large.parachutes.front();
+    large.environment.ground *= k;
+    large.payload.mass *= k * k * k;
+    large.release.altitude *= k;
+    large.release.speed *= root_k;
+    large.stop.value *= root_k;
+    for (double* length :
+         {&enlarged.nominal_diameter, &enlarged.vent_diameter, &enlarged.line_length, &enlarged.riser_length})
+        *length *= k;
+    enlarged.drag_area *= k * k;
+    enlarged.mass *= k * k * k;
+    enlarged.fabric.youngs_modulus *= k;
+    enlarged.fabric.thickness *= k;
+    for (Cord* cord : {&enlarged.line, &enlarged.tapes.radial, &enlarged.tapes.skirt, &enlarged.tapes.vent}) {
+        cord->youngs_modulus *= k;
+        cord->diameter *= k;
+    }
+    large.full.output_rate /= root_k;
+    const RunRecord a = run_full(small), b = run_full(large);
+    ASSERT_TRUE(a.find_event("full-open") && b.find_event("full-open"));
+    EXPECT_EQ(a.cost.steps, b.cost.steps);
+    EXPECT_NEAR(b.find_event("full-open")->time / a.find_event("full-open")->time, root_k, 1e-9);
+    EXPECT_NEAR(*b.metric("peak_force_raw_N") / *a.metric("peak_force_raw_N"), k * k * k, 1e-6);
+}
+
+TEST(PredictedOpening, DescendsAsThePrescribedOne) {
+    // Asked for: within 1 %; D_p/D0 within 6 % of 0.68, the shape of one pressure (isotensoid).
+    Scene scene = symmetric();
+    scene.stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
+    const RunRecord by_itself = run_full(scene);
+    Scene told = test::c9_scene();
+    told.full = scene.full;
+    told.release = scene.release;
+    told.stop = scene.stop;
+    const RunRecord prescribed = run_full(told);
+    ASSERT_TRUE(by_itself.metric("descent_rate_m_s") && prescribed.metric("descent_rate_m_s"));
+    EXPECT_NEAR(*by_itself.metric("descent_rate_m_s") / *prescribed.metric("descent_rate_m_s"), 1.0, 0.01);
+    EXPECT_NEAR(*by_itself.metric("projected_diameter_ratio"), 0.68, 0.06 * 0.68);
+}
+
+TEST(PredictedOpening, ClosesItsEnergyBalance) {
+    // As any run: less than the 0.2 % at which one is ended.
+    const RunRecord record = run_full(symmetric());
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim
