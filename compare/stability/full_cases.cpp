@@ -234,7 +234,8 @@ std::vector<Row> pack_rows() {
 
 /// A filling that is predicted: its balance of the air is stiff where little air moves much fabric.
 std::vector<Row> filling_rows() {
-    static const std::vector<StabilityMethod> chaotic{whole, sector};  // forces of two layouts grow apart
+    // Forces of two layouts grow apart.
+    static const std::vector<StabilityMethod> chaotic{whole, {"unstructured", whole.choose, true}, sector};
     const auto mouth = [](Scene& s) {
         Filling& filling = s.parachutes.front().filling;
         filling.initial_mouth = filling.lowest_mouth = 0.002;

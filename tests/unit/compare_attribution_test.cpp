@@ -12,6 +12,7 @@
 #include "compare/runs_at_once.hpp"
 #include "compare/snatch_state.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/predicted.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -330,7 +331,14 @@ TEST(CompareAttribution, EverySwitchedEffectChangesTheSceneAndHasAName) {
         EXPECT_EQ(find_physics_effect(effect.name), &effect);
         EXPECT_TRUE(effect.switching != Switching::never || !effect.level.empty()) << effect.name;
     }
-    EXPECT_EQ(std::ranges::count(physics_effects(), Switching::last, &PhysicsEffect::switching), 1);
+    // One that comes back on top of everything else, whether the filling is told or not.
+    for (const Scene& scene : {test::c9_scene(), test::predicted(test::c9_scene())})
+        EXPECT_EQ(std::ranges::count_if(physics_effects(),
+                                        [&](const PhysicsEffect& effect) {
+                                            return effect.switching == Switching::last &&
+                                                   effect.present(scene);
+                                        }),
+                  1);
 }
 
 TEST(CompareAttribution, StillAirKeepsTheReleaseThroughTheAir) {
