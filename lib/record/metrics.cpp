@@ -89,6 +89,9 @@ constexpr std::array rows{
     MetricRow{"acceleration_history", "acceleration", "m/s^2", "Acceleration of the payload"},
     MetricRow{"drag_area_history", "drag_area", "m^2", "Drag area"},
     MetricRow{"projected_area_history", "projected_area", "m^2", "Projected area"},
+    MetricRow{"canopy_volume_history", "canopy_volume", "m^3", "Volume of the canopy"},
+    MetricRow{"mouth_area_history", "mouth_area", "m^2", "Area of the mouth"},
+    MetricRow{"inflow_ratio_history", "inflow_ratio", "", "Inflow over airspeed at the mouth"},
 };
 // clang-format on
 
