@@ -160,10 +160,13 @@ private:
         return {scene_.environment.atmosphere.at(motion.altitude()).density,
                 model_.canopy_airspeed(motion, model_.airspeed(motion)).norm()};
     }
+    /// Of all together; each by itself is in inside_ then.
     Filled all_filled(std::span<const double> y, const FillingAir& flow) const {
         Filled sum;
+        inside_.resize(bulbs_.size());
         for (std::size_t i = 0; i < bulbs_.size(); ++i) {
-            const Filled one = filling(i, y, flow).filled;
+            inside_[i] = filling(i, y, flow);
+            const Filled& one = inside_[i].filled;
             const int count = sequence_.all()[bulbs_[i].canopy].count;
             sum.drag_area += count * one.drag_area;
             sum.added_mass += count * one.added_mass;
@@ -194,7 +197,7 @@ private:
                      weight = -model_.gravity * ahead[dimensions - 1];
         for (std::size_t i = 0; i < bulbs_.size(); ++i) {
             const Canopy& c = sequence_.all()[bulbs_[i].canopy];
-            const FilledBulb one = filling(i, y, flow);
+            const FilledBulb& one = inside_[i];
             // T - D of this canopy: inertia of fabric and air, and what joins, less the fabric's weight.
             const double excess = (c.chute->mass + one.filled.added_mass) * slowing - c.chute->mass * weight +
                                   one.filled.capture * flow.speed;
@@ -227,9 +230,6 @@ private:
         r.force = model_.opening_force(loads);
         r.drag_area = loads.drag_area;
         if (several_) {
-            std::vector<Filled> filled;
-            for (std::size_t i = 0; i < bulbs_.size(); ++i)
-                filled.push_back(filling(i, y, filling_air(m)).filled);
             const LargestPull pull = largest_pull<dimensions>(
                 sequence_,
                 CanopyAir<dimensions>{t, loads.density, scene_.environment.gravity,
@@ -238,8 +238,9 @@ private:
                                       loads.acceleration},
                 [&](std::size_t canopy) -> const Filled* {
                     const auto bulb = std::ranges::find(bulbs_, canopy, &Bulb::canopy);
-                    return bulb == bulbs_.end() ? nullptr
-                                                : &filled[static_cast<std::size_t>(bulb - bulbs_.begin())];
+                    return bulb == bulbs_.end()
+                               ? nullptr
+                               : &inside_[static_cast<std::size_t>(bulb - bulbs_.begin())].filled;
                 });
             r.canopy_force = pull.force;
             r.canopy = pull.canopy;
@@ -249,14 +250,14 @@ private:
         r.acceleration = loads.acceleration.norm();
         r.separation = separation_;
         r.added_mass = loads.added_mass;
-        if (predicted_) add_air_within(r, y, m);
+        if (predicted_) add_air_within(r);
         return r;
     }
 
     /// Of the first canopy whose filling is predicted.
-    void add_air_within(HistoryRow& r, std::span<const double> y, const Motion<dimensions>& m) const {
+    void add_air_within(HistoryRow& r) const {
         if (!bulbs_.empty()) {
-            const FillingLoads now = filling(0, y, filling_air(m)).loads;
+            const FillingLoads& now = inside_.front().loads;
             r.volume = now.volume, r.mouth_area = now.mouth_area, r.inflow = now.inflow;
             return;
         }
@@ -627,6 +628,7 @@ private:
     static constexpr bool air_mass = air != Air::none;
     const bool predicted_ =
         std::ranges::any_of(scene_.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
+    mutable std::vector<FilledBulb> inside_;  // of the state that was looked at last
     std::vector<Bulb> bulbs_;                 // in the order of the state
     std::vector<std::size_t> watched_bulbs_;  // by their roots
     std::unique_ptr<OdeSolver> solver_;

@@ -2,6 +2,7 @@
 // is analytic, and smooth in all derivatives, as implicit integrators want it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -29,6 +30,12 @@ public:
                 sum += values[k] * std::cos(pi * static_cast<double>(j) * (static_cast<double>(k) + 0.5) / n);
             coefficients_[j] = (j == 0 ? 1.0 : 2.0) / n * sum;
         }
+        // What is left of an analytic function behind the last term that counts is rounding.
+        double largest = 0.0;
+        for (const double c : coefficients_)
+            largest = std::max(largest, std::abs(c));
+        while (used_ > 1 && std::abs(coefficients_[used_ - 1]) < 1e-15 * largest)
+            --used_;
     }
 
     /// Zero number k of the Chebyshev polynomial of degree `terms`, from high to low.
@@ -41,7 +48,7 @@ public:
     ValueAndSlope at(double x) const {
         const double u = scale_ * (x - middle_);
         double b = 0.0, b_before = 0.0, d = 0.0, d_before = 0.0;
-        for (std::size_t j = terms - 1; j > 0; --j) {
+        for (std::size_t j = used_ - 1; j > 0; --j) {
             const double d_next = 2.0 * (u * d + b) - d_before;
             const double b_next = 2.0 * u * b - b_before + coefficients_[j];
             d_before = d, d = d_next;
@@ -54,6 +61,7 @@ public:
 
 private:
     std::array<double, terms> coefficients_{};
+    std::size_t used_ = terms;
     double middle_ = 0.0, scale_ = 1.0;
 };
 

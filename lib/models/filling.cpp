@@ -78,7 +78,7 @@ const FillingModel* find_filling(std::string_view name) {
 FillingCanopy::FillingCanopy(const Filling& filling, const FillingSizes& sizes)
     : filling_(filling),
       sizes_(sizes),
-      family_(std::make_shared<const IsotensoidFamily>(sizes.line_length / sizes.nominal_diameter)) {
+      family_(isotensoid_family(sizes.line_length / sizes.nominal_diameter)) {
     const double D0 = sizes.nominal_diameter, full = family_->steady_radius() * D0;
     initial_radius_ = std::sqrt(filling.initial_mouth) * family_->steady_radius();
     suction_ = sizes.drag_area / (pi * full * full) - 1.0;

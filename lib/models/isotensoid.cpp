@@ -5,7 +5,9 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <mutex>
 
 #include "lib/math/root.hpp"
 #include "lib/math/vec.hpp"
@@ -112,6 +114,17 @@ FillingShape IsotensoidFamily::at(double a) const {
     shape.centre_slope = centre_.at(a).slope;
     shape.mouth_radius = radius;
     return shape;
+}
+
+std::shared_ptr<const IsotensoidFamily> isotensoid_family(double lines) {
+    static std::mutex one_at_a_time;
+    static std::map<double, std::shared_ptr<const IsotensoidFamily>> made;
+    constexpr std::size_t enough = 256;  // a sweep over lengths need not keep them all
+    const std::lock_guard lock(one_at_a_time);
+    if (made.size() >= enough) made.clear();
+    auto& family = made[lines];
+    if (!family) family = std::make_shared<const IsotensoidFamily>(lines);
+    return family;
 }
 
 }  // namespace twinchute

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "lib/math/chebyshev.hpp"
 
@@ -50,5 +51,8 @@ private:
     double lines_, steady_radius_ = 0.0, steady_line_angle_ = 0.0;
     Chebyshev<terms> angle_, volume_, arc_, centre_;  // beta/a, V/a^2, s_b/a, z_c
 };
+
+/// The family of these lines, made once for all canopies that have them. Safe in any thread.
+std::shared_ptr<const IsotensoidFamily> isotensoid_family(double lines);
 
 }  // namespace twinchute

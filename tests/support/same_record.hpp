@@ -39,6 +39,14 @@ public:
         if (a.handed_over && b.handed_over)
             all("handed over", *a.handed_over, *b.handed_over, &HandOver::to, &HandOver::time,
                 &HandOver::metrics);
+        one("filling", a.filling.has_value(), b.filling.has_value());
+        if (a.filling && b.filling) {
+            all("filling", *a.filling, *b.filling, &PredictedFilling::model, &PredictedFilling::initial_mouth,
+                &PredictedFilling::entrance_loss, &PredictedFilling::critical_speed);
+            rows("bracket", a.filling->bracket, b.filling->bracket, &PredictedFilling::At::initial_mouth,
+                 &PredictedFilling::At::status, &PredictedFilling::At::filling_time,
+                 &PredictedFilling::At::fill_constant, &PredictedFilling::At::peak_force);
+        }
         rows("blocks", a.cost.blocks, b.cost.blocks, &BlockCost::name, &BlockCost::seconds);
         rows("estimates", a.estimates, b.estimates, &Estimate::name, &Estimate::title, &Estimate::metric,
              &Estimate::value, &Estimate::source, &Estimate::outside);

@@ -60,6 +60,11 @@ TEST(RecordRead, ASyntheticRecordComesBackToTheLastBit) {
     record.cost.resumed_at = {0.1, 1e-300};
     record.missing = {{"descent_rate_m_s", "the run \"stopped\" before", true}, {"x", "", false}};
     record.handed_over = HandOver{"rom", 1.0 / 3.0, {"flight_time_s", "landing_east_m"}};
+    record.filling = PredictedFilling{"predicted",
+                                      0.005,
+                                      2.0,
+                                      1.0 / 3,
+                                      {{0.002, "squids", {}, {}, 5e-324}, {0.04, "completed", 0.1, 0.3, {}}}};
     record.inputs.push_back(
         {"a \"key\"", std::string("line\nbreak \x01 \xC3\xA9"), "", InputOrigin::design, ""});
     record.add_metric("impulse_N_s", 1.0 / 3, MetricKind::mixed, "n is an input");
