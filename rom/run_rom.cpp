@@ -152,33 +152,37 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket);
 /// Adds the same drop with the lowest and the highest initial mouth of the bracket.
 template <int dimensions>
 void add_bracket(RunRecord& record, const Scene& scene, const OpeningResult& result) {
-    const Parachute& chute = scene.parachutes.front();
-    if (!chute.filling.is_predicted()) return;
+    const auto predicted =
+        std::ranges::find_if(scene.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
+    if (predicted == scene.parachutes.end()) return;
+    const Parachute& chute = *predicted;
     const FillingCanopy canopy = filling_canopy(chute);
     record.filling = {std::string(chute.filling.model->name),
                       chute.filling.initial_mouth,
                       chute.filling.entrance_loss,
                       canopy.critical_speed(result.snatch_density),
                       {}};
+    std::vector<RunRecord> ends;
     for (double Filling::*end : {&Filling::lowest_mouth, &Filling::highest_mouth}) {
         Scene other = scene;
         for (Parachute& p : other.parachutes)
             p.filling.initial_mouth = p.filling.*end;
         Run alone;
-        const RunRecord at = run_in<dimensions>(other, alone, false);
+        const RunRecord& at = ends.emplace_back(run_in<dimensions>(other, alone, false));
         record.filling->bracket.push_back({chute.filling.*end, std::string(status_name(at.status.code)),
                                            at.metric("filling_time_s"), at.metric("fill_constant"),
                                            at.metric("peak_force_N")});
     }
-    const auto& low = record.filling->bracket.front().filling_time;
-    const auto& high = record.filling->bracket.back().filling_time;
-    if (const Metric* time = record.find_metric("filling_time_s")) {
-        const auto text = [](const std::optional<double>& value) {
-            return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
-        };
-        record.add_metric("filling_time_s", time->value, time->kind,
-                          fmt::format("{}; {} from {:g}, {} from {:g}", time->note, text(low),
-                                      chute.filling.lowest_mouth, text(high), chute.filling.highest_mouth));
+    // No filling time that is predicted stands without its bracket, of whichever parachute or stage it is.
+    const auto text = [](const std::optional<double>& value) {
+        return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
+    };
+    for (Metric& time : record.metrics) {
+        if (!time.key.ends_with("filling_time_s") || time.kind != MetricKind::result) continue;
+        time.note += fmt::format("{}{} from the lowest mouth, {:g}, {} from the highest, {:g}",
+                                 time.note.empty() ? "" : "; ", text(ends[0].metric(time.key)),
+                                 chute.filling.lowest_mouth, text(ends[1].metric(time.key)),
+                                 chute.filling.highest_mouth);
     }
 }
 

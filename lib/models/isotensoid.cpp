@@ -18,7 +18,6 @@ namespace {
 // From the apex to the equator, of a bulb of radius 1: arc and height of the meridian, 1/a int dr/cos(phi)
 // and int tan(phi) dr, volume over pi, and its moment about the equator over pi.
 constexpr double cap_arc = 1.3110287771460599;
-constexpr double cap_height = 0.5990701173677961;
 constexpr double cap_volume = cap_arc / 3.0;
 constexpr double cap_moment = 0.10532862561290304;
 

@@ -374,7 +374,9 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
     if (mass_ratio > 1.0 && !overshoots(chute))
         record.warnings.push_back(
             {fmt::format("{}mass ratio {:.2f}", whose, mass_ratio),
-             "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
+             chute.filling.is_predicted()
+                 ? "above 1 the drag area overshoots its steady value; the prediction ends at full open"
+                 : "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
     if (chute.filling.is_predicted()) return;  // the others judge a filling time that was told
     warn_of_weak_snatch(record, scene, chute, inflation, speed, density);
