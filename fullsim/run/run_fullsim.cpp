@@ -580,6 +580,14 @@ void add_bracket(const Scene& scene, double stated_mass, const Run& run, RunReco
         }
         record.filling->bracket.push_back(of);
     }
+    const auto text = [](const PredictedFilling::At& at) {
+        return at.filling_time ? fmt::format("{:.3g} s", *at.filling_time) : std::string("no opening");
+    };
+    for (Metric& time : record.metrics)
+        if (time.key == "filling_time_s")
+            time.note += fmt::format("; full after {} from the lowest mouth, {:g}, {} from the highest, {:g}",
+                                     text(record.filling->bracket.front()), filling.lowest_mouth,
+                                     text(record.filling->bracket.back()), filling.highest_mouth);
 }
 
 }  // namespace
