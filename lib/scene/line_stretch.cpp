@@ -21,8 +21,7 @@ double mouth_area_at_line_stretch(const Parachute& chute) {
     const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;
     const double share =
         chute.filling.is_predicted() ? chute.filling.initial_mouth : chute.initial_drag_area_ratio;
-    return std::max(share * 0.25 * pi * steady_diameter * steady_diameter,
-                    smallest_projected_area(chute));
+    return std::max(share * 0.25 * pi * steady_diameter * steady_diameter, smallest_projected_area(chute));
 }
 
 double mouth_radius_at_line_stretch(const Parachute& chute) {
