@@ -8,6 +8,7 @@
 
 #include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
+#include "lib/cli/text.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -232,6 +233,38 @@ Table events_table(const Comparison& comparison) {
         both(&Event::altitude, 1);
         both(&Event::speed, 2);
         table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+Table filling_table(const Comparison& comparison) {
+    Table table;
+    table.add_words({"of", ""});
+    table.add_numbers({"initial mouth"}, "");
+    table.add_numbers({"filling time"}, "s");
+    table.add_numbers({"fill constant"}, "");
+    table.add_numbers({"peak force"}, "N");
+    table.add_words({"end"});
+    const auto number = [](const std::optional<double>& value) {
+        return value ? readable(*value, 4) : std::string("-");
+    };
+    for (const PageSide& side : page_sides(comparison)) {
+        const RunRecord& record = *side.record;
+        if (!record.filling) continue;
+        const auto add = [&](const char* what, const PredictedFilling::At& at) {
+            table.rows.push_back({{record.fidelity, side.tone},
+                                  what,
+                                  readable(at.initial_mouth, 4),
+                                  number(at.filling_time),
+                                  number(at.fill_constant),
+                                  number(at.peak_force),
+                                  at.status});
+        };
+        add("as given",
+            {record.filling->initial_mouth, std::string(status_name(record.status.code)),
+             record.metric("filling_time_s"), record.metric("fill_constant"), record.metric("peak_force_N")});
+        for (const PredictedFilling::At& at : record.filling->bracket)
+            add("bracket", at);
     }
     return table;
 }

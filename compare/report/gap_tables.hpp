@@ -30,6 +30,8 @@ Table energy_table(const Comparison& comparison);
 /// A row an event, in the order of EventPair.
 Table events_table(const Comparison& comparison);
 /// Physics that each side left out, and why.
+/// Where filling is predicted: how far it hangs on the initial mouth.
+Table filling_table(const Comparison& comparison);
 Table left_out_table(const Comparison& comparison);
 Table warnings_table(const Comparison& comparison);
 Table inputs_table(const RunRecord& record);

@@ -53,7 +53,10 @@ std::string provenance(const Comparison& comparison) {
 }  // namespace
 
 std::string notes_sections(const Comparison& comparison) {
-    std::string text = section("left-out", "Left out", left_out_table(comparison),
+    std::string text = section("filling", "Predicted filling", filling_table(comparison),
+                               "Initial mouth, entrance loss and fabric are shared inputs; shape, volume and "
+                               "mouth are each model's own.") +
+                       section("left-out", "Left out", left_out_table(comparison),
                                "Physics that the scene does not ask for, or a model does not have.") +
                        section("warnings", "Warnings", warnings_table(comparison), "Warnings of both runs.");
     text += "<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance(comparison) +

@@ -10,6 +10,8 @@ std::array<PageSide, 2> page_sides(const Comparison& comparison) {
 std::string unit_for_reading(std::string_view unit) {
     std::string text(unit);
     if (const std::size_t at = text.find("^2"); at != text.npos) text.replace(at, 2, "\u00b2");
+    if (const std::size_t at = text.find("^3"); at != text.npos) text.replace(at, 2, "\u00b3");
+    if (text.empty()) return "-";
     return text;
 }
 

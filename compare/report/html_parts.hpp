@@ -24,7 +24,7 @@ struct PageSide {
 /// Candidate first, as in every table.
 std::array<PageSide, 2> page_sides(const Comparison& comparison);
 
-/// A square as a raised digit.
+/// Squares and cubes as raised digits; a dash for none.
 std::string unit_for_reading(std::string_view unit);
 /// A name in the colour of its side.
 std::string side_name(const PageSide& side);

@@ -37,6 +37,7 @@ std::string attribution_part(const Comparison& comparison, const Style& style) {
 
 std::string side_notes(const RunRecord& record, const Style& style) {
     std::string text;
+    if (record.filling) text += filling_text(*record.filling, record.fidelity + ": ");
     for (const LeftOut& row : record.left_out) {
         text += fmt::format("left out  {}: {}{}\n", record.fidelity, printable(row.what),
                             row.why.empty() ? "" : fmt::format(" ({})", printable(row.why)));

@@ -66,18 +66,18 @@ std::string fill_constant_text(const RunRecord& record) {
     return text;
 }
 
-std::string filling_text(const PredictedFilling& filling) {
+std::string filling_text(const PredictedFilling& filling, std::string_view whose) {
     const auto value = [](const std::optional<double>& number) {
         return number ? readable(*number, 3) : std::string("-");
     };
     std::string text = fmt::format(
-        "filling   {}, initial mouth {:g}, entrance loss {:g}; {}\n", printable(filling.model),
+        "filling   {}{}, initial mouth {:g}, entrance loss {:g}; {}\n", whose, printable(filling.model),
         filling.initial_mouth, filling.entrance_loss,
         filling.critical_speed ? fmt::format("squids above {} m/s", readable(*filling.critical_speed, 3))
                                : std::string("squids at no subsonic speed"));
     for (const PredictedFilling::At& at : filling.bracket)
-        text += fmt::format("bracket   initial mouth {:g}: t_f = {} s, n = {}, peak force {} N ({})\n",
-                            at.initial_mouth, value(at.filling_time), value(at.fill_constant),
+        text += fmt::format("bracket   {}initial mouth {:g}: t_f = {} s, n = {}, peak force {} N ({})\n",
+                            whose, at.initial_mouth, value(at.filling_time), value(at.fill_constant),
                             value(at.peak_force), printable(at.status));
     return text;
 }

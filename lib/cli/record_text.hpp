@@ -23,10 +23,10 @@ std::string cost_text(const Cost& cost);
 /// n = 4 (given: a source)". Empty when the scene gives the filling time itself.
 std::string fill_constant_text(const RunRecord& record);
 
-/// [s] in the unit that reads best, e.g. "340 us", "12.3 s".
-/// A predicted filling with its bracket, a line each.
-std::string filling_text(const PredictedFilling& filling);
+/// A predicted filling with its bracket, a line each. `whose`: in front of what each says, e.g. "rom: ".
+std::string filling_text(const PredictedFilling& filling, std::string_view whose = {});
 
+/// [s] in the unit that reads best, e.g. "340 us", "12.3 s".
 std::string time_text(double seconds);
 
 /// "warning: what (why), suggestion", a line each; every line begins with `prefix`.

@@ -1,4 +1,6 @@
 // `twinchute report`: what compare wrote, again from its records.
+#include <fmt/format.h>
+
 #include <map>
 
 #include "tests/support/short_scene.hpp"
@@ -51,6 +53,24 @@ TEST_F(SystemReport, PrintsWhatComparePrints) {
     const Ended again = run({"report", "out"});
     EXPECT_EQ(again.out, compared.out);
     EXPECT_EQ(again.code, compared.code);
+}
+
+TEST_F(SystemReport, APredictedFillingStandsBesideItsBracket) {
+    const Ended compared = run({"compare", "scene.toml", "--out", "out", "--set", "stop.time=1", "--set",
+                                "parachute.filling={model='predicted',initial_mouth=0.02}"});
+    EXPECT_LT(compared.code, 2) << compared.err;
+    const auto before = files("out");
+    for (const char* side : {"rom", "full"})
+        for (const char* mouth : {"0.002", "0.04"})
+            EXPECT_NE(compared.out.find(fmt::format("bracket   {}: initial mouth {}:", side, mouth)),
+                      std::string::npos)
+                << compared.out;
+    for (const char* page : {"out/report.html", "out/report.md"})
+        EXPECT_NE(before.at(std::string(page).substr(4)).find("Predicted filling"), std::string::npos);
+    // It comes back from the records as it was.
+    remove_report("out");
+    EXPECT_EQ(run({"report", "out"}).out, compared.out);
+    EXPECT_EQ(files("out"), before);
 }
 
 TEST_F(SystemReport, FramesThatWereCutOrAreGone) {

@@ -106,9 +106,19 @@ TEST(SceneFilling, ComesBackFromWhatIsWritten) {
     EXPECT_TRUE(same_scene(scene, read_text(text))) << text;
 }
 
-TEST(SceneFilling, FullModelRefusesItByItsKey) {
-    EXPECT_EQ(fullsim::full_fidelity().unsupported_keys(read_text(predicted_text())),
-              std::vector<std::string>{"parachute.filling.model"});
+TEST(SceneFilling, FullModelRefusesWhatItDoesNotPredictByItsKey) {
+    const auto lacks = [](const std::string& text) {
+        return fullsim::full_fidelity().unsupported_keys(read_text(text));
+    };
+    using Keys = std::vector<std::string>;
+    EXPECT_EQ(lacks(predicted_text()), Keys{});
+    EXPECT_EQ(lacks(predicted_text("filling = { model = \"wolf\" }")), Keys{"parachute.filling.model"});
+    EXPECT_EQ(lacks(predicted_text("filling = { model = \"mass-balance\" }")),
+              Keys{"parachute.filling.model"});
+    EXPECT_EQ(lacks(predicted_text("filling = \"predicted\"\n"
+                                   "reefing = [{ drag_area_ratio = 0.3, line_length = \"3 m\", until = { at "
+                                   "= \"line-stretch\", delay = \"1 s\" } }]")),
+              Keys{"parachute.reefing"});
 }
 
 }  // namespace
