@@ -21,8 +21,8 @@ public:
     }
 
     double linear(const std::vector<double>& column) const { return at(column, share_); }
-    /// Linear between the ends, and the value of the nearer end beyond them.
-    double held(const std::vector<double>& column) const { return at(column, std::clamp(share_, 0.0, 1.0)); }
+    /// Linear up to the last abscissa, and the last value beyond it.
+    double held_above(const std::vector<double>& column) const { return at(column, std::min(share_, 1.0)); }
 
 private:
     double at(const std::vector<double>& column, double share) const {

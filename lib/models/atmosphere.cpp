@@ -81,12 +81,13 @@ AirState constant(const Atmosphere& choice, double) {
 }
 
 /// Between levels the temperature is linear in altitude and so is the logarithm of pressure or density:
-/// exact where the air is isothermal, and monotone, so that no layer can be invented. Beyond the levels the
-/// logarithm goes on and the temperature stays: a lapse that went on would end at or below 0 K.
+/// exact where the air is isothermal, and monotone, so that no layer can be invented. Above the levels the
+/// logarithm goes on and the temperature stays: a lapse that went on would end at 0 K. Below the first, where
+/// no scene may be but trial steps of a solver go, both go on.
 AirState table(const Atmosphere& choice, double altitude) {
     const AirTable& levels = choice.table;
     const Between place(levels.altitude, altitude);
-    const double temperature = place.held(levels.temperature);
+    const double temperature = place.held_above(levels.temperature);
     const double value = std::exp(place.linear(levels.logarithm));
     const bool dense = levels.beside == AirTable::Beside::density;
     return air_of(dense ? value * gas_constant * temperature : value, temperature);
