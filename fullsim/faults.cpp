@@ -53,9 +53,10 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
     const double everything = levels.kinetic + state_.sums.system_position.sum() +
                               state_.largest.line_tension + state_.largest.fabric_stress;
     if (!std::isfinite(everything))
-        return RunStatus{StatusCode::not_finite,
-                         fmt::format("{} {}; the time step is probably above the stable one",
-                                     first_bad_node(synchronised()), where())};
+        return RunStatus{
+            StatusCode::not_finite,
+            fmt::format("{} {}; the time step is probably above the stable one, lower full.time_step_factor",
+                        first_bad_node(synchronised()), where())};
     if (steps_.chosen().dt < smallest_step)
         return RunStatus{StatusCode::step_too_small,
                          fmt::format("critical time step {:.3g} s set by node {} {}", steps_.chosen().dt,
