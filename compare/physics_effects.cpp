@@ -103,7 +103,7 @@ constexpr std::array effects{
           [](const Scene& s) { return !chute(s).filling.is_predicted() && (chute(s).deploy.by != DeployBy::inflated || s.aerodynamics.added_mass.has_value()); },
           [](Scene& s) { if (s.aerodynamics.added_mass) s.aerodynamics.added_mass->open_radius = AddedMassRadius::drag_area; },
           1.0, Switching::last, nullptr, "off: filling time and open canopy's added mass as prescribed"},
-    // What the shape does to a filling that is predicted is a part of it.
+    // A predicted filling includes what the shape does to it.
     PhysicsEffect{"filling", "Filling", {}, "what it does that each model predicts the filling from its own shape", true,
           [](const Scene& s) { return chute(s).filling.is_predicted(); }, prescribe_filling, 1.0,
           Switching::last, nullptr, "off: both are told n = 4 and Ludtke's law"},

@@ -17,7 +17,7 @@ namespace {
 
 /// Time constant over D0/v of the added mass toward the open canopy's shape.
 constexpr double relaxation = 0.1 / time_scale_of_c9;
-/// Of volume and mobility of a canopy whose filling is predicted: a hundredth of a filling at most.
+/// Interval at which volume and mobility of a predicted filling are measured: a hundredth of it at most.
 constexpr std::int64_t steps_between_measurements = 40;
 /// Apparent over included mass of a canopy whose filling is predicted: 3/8 (docs/theory/filling.md).
 constexpr double apparent_share = 0.375;

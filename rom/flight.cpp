@@ -133,7 +133,7 @@ private:
         return {y[2 * dimensions + 2 * i], y[2 * dimensions + 2 * i + 1]};
     }
 
-    /// What one bulb's state means: without inertia its rate follows from the balance of its air.
+    /// Motion of one bulb from the state: without inertia its rate follows from the balance of its air.
     struct FilledBulb {
         FillingMotion motion;
         FillingLoads loads;
@@ -160,7 +160,7 @@ private:
         return {scene_.environment.atmosphere.at(motion.altitude()).density,
                 model_.canopy_airspeed(motion, model_.airspeed(motion)).norm()};
     }
-    /// Of all together; each by itself is in inside_ then.
+    /// Sum over all; each by itself is in inside_ then.
     Filled all_filled(std::span<const double> y, const FillingAir& flow) const {
         Filled sum;
         inside_.resize(bulbs_.size());
@@ -254,7 +254,7 @@ private:
         return r;
     }
 
-    /// Of the first canopy whose filling is predicted.
+    /// Numbers of the first canopy whose filling is predicted.
     void add_air_within(HistoryRow& r) const {
         if (!bulbs_.empty()) {
             const FillingLoads& now = inside_.front().loads;

@@ -21,8 +21,8 @@ struct HistoryRow {
     double canopy_force;  // [N] of the canopy that pulls most; several canopies only
     std::size_t canopy;   // which it is, of OpeningSequence::all()
     int canopies;         // that pull; several canopies only
-    // Of the first canopy whose filling is predicted: [m^3] in it, [m^2] of its mouth, speed of the air that
-    // enters over that of the mouth [-].
+    // Air in the first canopy whose filling is predicted: [m^3] in it, [m^2] of its mouth, speed of the air
+    // that enters over that of the mouth [-].
     double volume, mouth_area, inflow;
 };
 

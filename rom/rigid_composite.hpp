@@ -76,7 +76,7 @@ struct RigidComposite {
         now.acceleration = force / (weighed + now.added_mass);
         return now;
     }
-    /// The same with canopies that fill by themselves, `filled` for all of them together: the air within has
+    /// Loads with canopies that fill by themselves, `filled` for all of them together: the air within has
     /// been brought to speed by their drag, what is apparent takes its momentum while it grows.
     Loads loads(double t, const Motion<dimensions>& motion, const Filled& filled) const {
         Loads now{atmosphere.at(motion.altitude()).density, 0.0, 0.0, airspeed(motion), {}};

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "fullsim/forces/gather.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute::fullsim {

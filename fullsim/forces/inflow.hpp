@@ -21,9 +21,10 @@ struct Mouth {
     Vec3 velocity = Vec3::Zero();  ///< [m/s] mean of its nodes
 };
 
+/// Balance of the air in one canopy; holds its constants alone.
 class InflowBalance {
 public:
-    /// Where the filling of the scene's parachute is predicted.
+    /// The balance of the scene's parachute; nothing where its filling is prescribed.
     static std::optional<InflowBalance> of(const Scene& scene, const Mesh& mesh);
 
     /// Nodes around the skirt, each beside the next.

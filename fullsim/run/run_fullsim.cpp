@@ -484,8 +484,8 @@ private:
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
-    /// Of a filling that is predicted: way [m] since a projected area [m^2], and whether it stood on the way
-    /// before.
+    /// Progress of a predicted filling: distance travelled [m] since a projected area [m^2], and whether that
+    /// area stood still over the stretch before.
     struct Growth {
         double travelled = 0.0, area = 0.0;
         bool stands = false;

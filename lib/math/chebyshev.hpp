@@ -30,7 +30,7 @@ public:
                 sum += values[k] * std::cos(pi * static_cast<double>(j) * (static_cast<double>(k) + 0.5) / n);
             coefficients_[j] = (j == 0 ? 1.0 : 2.0) / n * sum;
         }
-        // What is left of an analytic function behind the last term that counts is rounding.
+        // Terms of an analytic function behind the last one that counts are rounding.
         double largest = 0.0;
         for (const double c : coefficients_)
             largest = std::max(largest, std::abs(c));

@@ -39,7 +39,7 @@ struct FillingAir {
     double speed = 0.0;    ///< w [m/s] of the confluence
 };
 
-/// What the air does to a canopy in one state of its filling. SI; forces along the axis.
+/// Loads of the air on a canopy in one state of its filling. SI; forces along the axis.
 struct FillingLoads {
     FillingShape shape = {};     ///< lengths in D0
     double pressure = 0.0;       ///< q [Pa], dynamic, at the mouth's own speed

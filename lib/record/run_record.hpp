@@ -167,7 +167,7 @@ struct HandOver {
 
 /// A predicted filling, and how far it hangs on the one input that is calibrated.
 struct PredictedFilling {
-    /// The same drop with another initial mouth.
+    /// Results of the drop from another initial mouth.
     struct At {
         double initial_mouth = 0.0;  ///< [-]
         std::string status;          ///< status_name()

@@ -134,7 +134,7 @@ TEST(RomFilling, HandsOverToTheSteadyDragArea) {
     EXPECT_EQ(record.find_metric("filling_time_s")->kind, MetricKind::result);
 }
 
-// What a prescribed opening says of the same times is its law: (C_D S)/(C_D S)_0 = ((1 - eta) x^3 + eta)^2,
+// A prescribed opening has these times from its law: (C_D S)/(C_D S)_0 = ((1 - eta) x^3 + eta)^2,
 // with the row's straight line between rows leaving less than a thousandth of the filling time.
 TEST(RomFilling, PrescribedTimesOfTheDragAreaAreTheLaws) {
     Scene scene = test::c9_scene();
