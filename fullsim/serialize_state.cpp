@@ -43,11 +43,11 @@ void serialize_body(Archive& archive, std::optional<BodyState>& body) {
 
 constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
     auto& [kinetic_start, elastic_start, gravity_work, drag_work, damping, added_mass, gravity_power,
-           drag_power, damping_power, external_work, external_power, ramp, weighs, kinetic, changed_hands] =
-        book;
-    for (double* x :
-         {&kinetic_start, &elastic_start, &gravity_work, &drag_work, &damping, &added_mass, &gravity_power,
-          &drag_power, &damping_power, &external_work, &external_power, &ramp, &changed_hands})
+           drag_power, damping_power, external_work, external_power, air_loss, air_loss_power, ramp, weighs,
+           kinetic, changed_hands] = book;
+    for (double* x : {&kinetic_start, &elastic_start, &gravity_work, &drag_work, &damping, &added_mass,
+                      &gravity_power, &drag_power, &damping_power, &external_work, &external_power, &air_loss,
+                      &air_loss_power, &ramp, &changed_hands})
         each(*x);
 };
 
@@ -87,9 +87,11 @@ void serialize(Archive& archive, State& state) {
     archive.row("sums", sums, sums_members);
     serialize_air(archive, air);
     archive.row("inflow", inflow, [](InflowState& of, auto&& each) {
-        auto& [volume, swept, mobility, mouth, ratio, leak, steady_drag_area, last_pressure] = of;
+        auto& [volume, swept, mobility, mouth, ratio, leak, steady_drag_area, inside, last_inside, displaced,
+               other_pull, loss, past_pressure] = of;
         for (double* number :
-             {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &last_pressure})
+             {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &inside, &last_inside,
+              &displaced, &other_pull, &loss, &past_pressure[0], &past_pressure[1]})
             each(*number);
     });
     archive.row("energy", energy, energy_members);

@@ -97,7 +97,7 @@ void Simulation::step_to(double end) {
     if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_attachment(), kick, next.dt);
     state_.time = next.last ? end : before.time + next.dt;
     state_.inflow.volume += next.dt * state_.inflow.swept;
-    state_.inflow.last_pressure = state_.air.pressure;
+    state_.inflow.end_step(state_.air.pressure);
     element_steps_ +=
         static_cast<std::int64_t>(elements_.all + (next.subcycles - 1) * elements_.in_subcycles);
 

@@ -128,7 +128,24 @@ struct InflowState {
     double ratio = 0.0;             ///< s [-] inflow over airspeed at the mouth
     double leak = 0.0;              ///< [m^3/s] through fabric and vent
     double steady_drag_area = 0.0;  ///< [m^2] (C_D S)_0, which the open canopy is to have
-    double last_pressure = 0.0;     ///< [Pa] of the canopy at the beginning of the last step
+    double inside = 0.0;            ///< [Pa] pressure but for that of the air around as it makes way
+    double last_inside = 0.0;       ///< [Pa] that at the beginning of the last step
+    double displaced = 0.0;         ///< Q [m^3/s] that the fabric sweeps past its own mean velocity
+    double other_pull = 0.0;        ///< [m^3/s^2] rate of Q in the last step, but for the pressure's part
+    double loss = 0.0;              ///< [W] that the air takes out of the motion
+    std::array<double, 2> past_pressure{};  ///< [Pa] of the last step and of the one before
+
+    /// Q at the beginning of a step; dt [s] of the step before. Velocities have been extrapolated by half a
+    /// step, so that the last acceleration counts one and a half times and the one before less a half.
+    void note_displaced(double now, double dt) {
+        const double by_pressure = mobility * (1.5 * past_pressure[0] - 0.5 * past_pressure[1]);
+        if (dt > 0.0) other_pull = (now - displaced) / dt - by_pressure;
+        displaced = now;
+    }
+    void end_step(double pressure) {
+        last_inside = inside;
+        past_pressure = {pressure, past_pressure[0]};
+    }
 };
 
 /// Works since the start, as EnergyLedger signs them. The central difference scheme books them from half step
@@ -138,6 +155,7 @@ struct EnergyBook {
     double gravity_work = 0.0, drag_work = 0.0, damping = 0.0, added_mass = 0.0;  // [J] to time - dt/2
     double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
     double external_work = 0.0, external_power = 0.0;  // of extraction force and anchor
+    double air_loss = 0.0, air_loss_power = 0.0;       // where filling is predicted
     double ramp = 0.0;                                 // [J] see EnergyLedger
     bool weighs = false;         // whether a step is to say the kinetic energy that it began with,
     double kinetic = 0.0;        // [J] which is this

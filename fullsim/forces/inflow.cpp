@@ -113,7 +113,8 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     air.pressure_capped = false;
     inflow.swept = of_canopy.swept - area.dot(mouth.velocity);
     inflow.mouth = std::max(mouth.area.dot(air.direction), filling_.initial_mouth * full_area_);
-    inflow.ratio = inflow.leak = air.drag_area = 0.0;
+    inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
+    inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt);
     const double speed = (air.wind - mouth.velocity).dot(air.direction);
     if (!(speed > 0.0) || !(air.density > 0.0)) return Vec3::Zero();
 
@@ -130,13 +131,16 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     const double suction =
         (steady - 1.0) * std::sqrt(fullness) + std::min(1.0, K * feed * feed) * std::pow(fullness, 4);
 
+    const Inertance around = inertance(inflow, rho);
+    const double loaded = 1.0 + around.value * inflow.mobility;
+
     // Everything falls with the inflow s but the supply: one root. The rate of the volume is that of the end
     // of the step, in which the pressure changes and all else pulls as it did.
-    const double mobility = state.dt * inflow.mobility;
+    const double mobility = state.dt * inflow.mobility / loaded;
     const auto pressure = [&](double s) { return q * std::max(0.0, 1.0 - K * s * std::abs(s) + suction); };
     const auto surplus = [&](double s) {
         const double dp = pressure(s);
-        return supply * s - inflow.swept - mobility * (dp - inflow.last_pressure) - leak(dp, wetted, rho);
+        return supply * s - inflow.swept - mobility * (dp - inflow.last_inside) - leak(dp, wetted, rho);
     };
     double high = std::min(1.0, std::sqrt(std::max(0.0, (1.0 + suction) / K))), low = -1.0;
     if (surplus(high) < 0.0) low = high;  // it grows faster than air can follow
@@ -148,10 +152,26 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
         (surplus(s) > 0.0 ? high : low) = s;
     }
     inflow.ratio = 0.5 * (low + high);
-    air.pressure = pressure(inflow.ratio);
-    inflow.leak = leak(air.pressure, wetted, rho);
-    if (air.dynamic_pressure > 0.0) air.drag_area = air.pressure * air.signed_area / air.dynamic_pressure;
-    return -air.pressure * (area - air.signed_area * air.direction);
+    inflow.inside = pressure(inflow.ratio);
+    inflow.leak = leak(inflow.inside, wetted, rho);
+
+    // d/dt(I Q) - 1/2 dI/dt Q of the air around, with Q' = mobility times the pressure and all else that
+    // pulls: what that would give the canopy, the air around shares.
+    const double outside = (around.value * (inflow.mobility * inflow.inside + inflow.other_pull) +
+                            0.5 * around.rate * inflow.displaced) /
+                           loaded;
+    air.pressure = inflow.inside - outside;
+    inflow.loss = inflow.inside * (supply * (1.0 - inflow.ratio) + inflow.leak) + outside * inflow.displaced;
+    if (air.dynamic_pressure > 0.0) air.drag_area = inflow.inside * air.signed_area / air.dynamic_pressure;
+    return inflow.inside * air.signed_area * air.direction - air.pressure * area;
+}
+
+InflowBalance::Inertance InflowBalance::inertance(const InflowState& inflow, double density) const {
+    // No bulb is smaller than the one that the mouth begins with.
+    const double least = std::pow(filling_.initial_mouth, 1.5), filled = inflow.volume / full_volume_;
+    const double radius = std::sqrt(full_area_ / pi) * std::cbrt(std::max(filled, least));
+    const double value = density / (2.0 * pi * radius);
+    return {value, filled > least ? -value * inflow.swept / (3.0 * inflow.volume) : 0.0};
 }
 
 void InflowBalance::measure(State& state, const NodeConstants& constants) const {

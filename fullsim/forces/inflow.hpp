@@ -46,8 +46,10 @@ public:
     }
 
     /// Solves the balance at state.time: sets areas, pressure and drag area of state.air, and state.inflow.
-    /// of_canopy: sums over its triangles. Returns what takes its force across the air away [N], uniformly on
-    /// the fabric: a pressure on folded fabric would have lift without the drag that lift costs, and glide.
+    /// of_canopy: sums over its triangles. Returns the force [N] that has to act uniformly on the fabric as
+    /// well. It takes away what is across the air: a pressure on folded fabric would have lift without the
+    /// drag that lift costs, and glide. And it takes away the sum of what the air around does, which resists
+    /// growth, not motion.
     Vec3 set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const;
 
     /// Volume and mobility of state.inflow, from the nodes as they are. Between two measurements the volume
@@ -59,6 +61,13 @@ public:
 
 private:
     InflowBalance(const Scene& scene, const Mesh& mesh);
+
+    /// Of the air around, which has the kinetic energy 1/2 I Q^2 where the canopy displaces Q [m^3/s].
+    struct Inertance {
+        double value, rate;  ///< I [kg/m^4] and dI/dt
+    };
+    /// Half a pulsating sphere with the volume of a bulb: I = rho/(2 pi R), which is 1/2 (2 pi rho R^3) R'^2.
+    Inertance inertance(const InflowState& inflow, double density) const;
 
     /// [m^3/s] through the fabric and its openings under dp [Pa]. wetted: area [m^2] that the air reaches.
     double leak(double dp, double wetted, double density) const;

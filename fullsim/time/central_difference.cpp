@@ -93,6 +93,8 @@ void finish_step(State& state, const NodeConstants& c, const StepSums& sums, dou
     book.damping += kick * state.damping_power + sums.line_damping;
     book.external_power = state.external_power;
     book.external_work += kick * book.external_power;
+    book.air_loss_power = state.inflow.loss;
+    book.air_loss += kick * book.air_loss_power;
     book.kinetic = sums.kinetic;
     book.added_mass +=
         kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sums.share_square;

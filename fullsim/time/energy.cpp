@@ -46,6 +46,7 @@ void start_anew(State& state) {
     book.drag_work += half * book.drag_power;
     book.damping += half * book.damping_power;
     book.external_work += half * book.external_power;
+    book.air_loss += half * book.air_loss_power;
     state.dt = state.line_dt = 0.0;
     for (std::size_t i = 0; i < state.node.size(); ++i)
         state.v_half[i].value = state.node[i].v;
@@ -70,6 +71,7 @@ EnergyLedger balance(const EnergyBook& book, double half, double kinetic, double
     ledger.added_mass = book.added_mass;
     ledger.ramp = book.ramp;
     ledger.external_work = book.external_work + half * book.external_power;
+    ledger.air_loss = book.air_loss + half * book.air_loss_power;
     const double scale = std::abs(ledger.drag_work);
     ledger.residual_fraction = scale > 0.0 ? residual(ledger) / scale : 0.0;
     return ledger;

@@ -36,6 +36,7 @@ inline constexpr EnergyTerm energy_terms[] = {
     {"added_mass_J", &EnergyLedger::added_mass, true},
     {"ramp_J", &EnergyLedger::ramp, true},
     {"external_work_J", &EnergyLedger::external_work, true},
+    {"air_loss_J", &EnergyLedger::air_loss, true},
     {"residual_fraction", &EnergyLedger::residual_fraction, false},
 };
 

@@ -114,6 +114,10 @@ struct EnergyLedger {
     /// Work of the extraction force and of the static line's anchor, less the energy that the static line
     /// carries off when it lets go. Runs that have either.
     double external_work = 0.0;
+    /// No term of the balance, but what the air of a predicted filling says that its pressure took:
+    /// dp [A_m w (1 - s) + leak] and the kinetic energy of the air around. In still air drag_work is less by
+    /// it, but for the drag of lines and the vent's share of the mouth. Full model.
+    double air_loss = 0.0;
 };
 
 struct BlockCost {

@@ -7,6 +7,7 @@
 
 #include "fullsim/forces/inflow.hpp"
 #include "fullsim/simulation.hpp"
+#include "lib/solve/opening.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/predicted.hpp"
 #include "tests/support/runs.hpp"
@@ -62,6 +63,7 @@ protected:
             mouth += to_vec3(state.node[i].x) / static_cast<double>(balance_->skirt().size());
         for (NodeIndex i = 0; i < simulation_.mesh().node_count(); ++i)
             state.node[i].v = to_lanes(Vec3(0.0, 0.0, -20.0) + rate(to_vec3(state.node[i].x) - mouth));
+        update_sums(state, simulation_.constants());
     }
     static Vec3 nothing(const Vec3&) { return Vec3::Zero(); }
 
@@ -98,6 +100,11 @@ TEST_F(Inflow, OfACanopyThatKeepsItsVolumeIsItsLeak) {
     // Bisection to 1e-14 of s.
     EXPECT_NEAR(in.mouth * 20.0 * in.ratio, in.leak, 1e-11 * in.mouth * 20.0);
     EXPECT_GT(state_.air.pressure, 0.0);
+    // Where all else holds the fabric against it, nothing is displaced and the air around does nothing.
+    EXPECT_NEAR(in.displaced, 0.0, 1e-9);
+    state_.inflow.other_pull = -in.mobility * in.inside;
+    solve(state_);
+    EXPECT_NEAR(state_.air.pressure, in.inside, 1e-9 * in.inside);
 }
 
 TEST_F(Inflow, GivesTheOpenCanopyItsSteadyDragArea) {
@@ -132,9 +139,9 @@ TEST_F(Inflow, TakesNoPowerFromNowhere) {
         solve(state);
         const InflowState& in = state.inflow;
         const double speed = 20.0;
-        EXPECT_GE(state.air.pressure * (in.mouth * speed * (1.0 - in.ratio) + in.leak), 0.0) << k;
+        EXPECT_GE(in.inside * (in.mouth * speed * (1.0 - in.ratio) + in.leak), 0.0) << k;
         EXPECT_LE(in.ratio, 1.0) << k;
-        EXPECT_GE(state.air.pressure, 0.0) << k;
+        EXPECT_GE(in.inside, 0.0) << k;
     }
 }
 
@@ -162,9 +169,50 @@ TEST_F(Inflow, PressureFallsAsTheCanopyGrowsFaster) {
         balance_->measure(state, simulation_.constants());
         state.dt = 0.0;
         solve(state);
-        EXPECT_LE(state.air.pressure, before) << k;
-        before = state.air.pressure;
+        EXPECT_LE(state.inflow.inside, before) << k;
+        before = state.inflow.inside;
     }
+}
+
+TEST_F(Inflow, AirAroundIsHalfAPulsatingSphere) {
+    // Rayleigh: p = rho (R R'' + 3/2 R'^2) outside a sphere of the radius R, whose half displaces
+    // Q = 2 pi R^2 R' and Q' = 2 pi (R^2 R'' + 2 R R'^2). By its volume, R^3 is as V to the open canopy's.
+    for (const double k : {-0.6, 0.2, 1.5}) {
+        State state = state_;
+        set_velocities(state, [&](const Vec3& place) { return Vec3(k * place); });
+        balance_->measure(state, simulation_.constants());
+        state.dt = 0.0;  // the rate below stays
+        InflowState& in = state.inflow;
+        in.other_pull = 70.0;
+        solve(state);
+        const double full_volume = filling_canopy(scene_.parachutes.front())
+                                       .family()
+                                       .at(filling_canopy(scene_.parachutes.front()).steady_radius())
+                                       .volume *
+                                   std::pow(scene_.parachutes.front().nominal_diameter, 3);
+        const double R = std::sqrt(balance_->full_area() / pi) * std::cbrt(in.volume / full_volume);
+        // The canopy moves about its mouth here and the air around sees its mean at rest: other Q, same V'.
+        const double dR = R * in.swept / (3.0 * in.volume), Q = in.displaced;
+        const double dQ = in.mobility * state.air.pressure + in.other_pull;
+        const double I = state.air.density / (2.0 * pi * R), dI = -I * dR / R;
+        EXPECT_NEAR(in.inside - state.air.pressure, I * dQ + 0.5 * dI * Q, 1e-10 * (1.0 + in.inside)) << k;
+        // Of a half sphere itself both terms are Rayleigh's.
+        const double ddR = 11.0, rate = 2.0 * pi * R * R * dR;
+        const double growth = 2.0 * pi * (R * R * ddR + 2.0 * R * dR * dR);
+        EXPECT_NEAR(I * growth + 0.5 * dI * rate, state.air.density * (R * ddR + 1.5 * dR * dR), 1e-9) << k;
+    }
+}
+
+TEST_F(Inflow, AirAroundAppliesNoNetForce) {
+    // It resists growth alone: whatever it does, the drag is that of the pressure inside.
+    set_velocities(state_, [](const Vec3& place) { return Vec3(0.7 * place); });
+    balance_->measure(state_, simulation_.constants());
+    state_.dt = 0.0;
+    state_.inflow.other_pull = -300.0;
+    const Vec3 force = solve(state_);
+    EXPECT_GT(std::abs(state_.inflow.inside - state_.air.pressure), 0.01 * state_.inflow.inside);
+    EXPECT_NEAR(force.dot(state_.air.direction), state_.inflow.inside * state_.air.signed_area,
+                1e-12 * force.norm());
 }
 
 // --- runs --------------------------------------------------------------------------------------
@@ -300,10 +348,18 @@ TEST(PredictedOpening, DescendsAsThePrescribedOne) {
     EXPECT_NEAR(*by_itself.metric("projected_diameter_ratio"), 0.68, 0.06 * 0.68);
 }
 
-TEST(PredictedOpening, ClosesItsEnergyBalance) {
-    // As any run: less than the 0.2 % at which one is ended.
-    const RunRecord record = run_full(symmetric());
+TEST(PredictedOpening, TakesFromTheMotionWhatTheAirSays) {
+    // The works of nodal forces and of the balance's own terms, dp [A_m w (1 - s) + leak], come by different
+    // ways. The balance takes in air through the vent's area of the mouth, 1 to 3 % of it; lines have no drag
+    // here. The run itself ends where its energy is off by 0.2 %.
+    Scene scene = symmetric();
+    scene.aerodynamics.line_drag.reset();
+    const RunRecord record = run_full(scene);
     ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    ASSERT_TRUE(record.energy && record.energy->drag_work < 0.0);
+    const double excess = -record.energy->air_loss / record.energy->drag_work - 1.0;
+    EXPECT_GT(excess, 0.005);
+    EXPECT_LT(excess, 0.03);
 }
 
 }  // namespace

@@ -329,8 +329,8 @@ private:
             all.positive_area = sector_.count * fabric_.positive_area;
             all.area[2] = sector_.count * fabric_.area[2];  // across, they cancel
             all.swept = sector_.count * fabric_.swept;
-            inflow_->set_pressure(state, all,
-                                  inflow_->mouth([this](std::size_t k) { return skirt_node(k); }));
+            const Mouth mouth = inflow_->mouth([this](std::size_t k) { return skirt_node(k); });
+            step_.residual_drag = inflow_->set_pressure(state, all, mouth).z();
         } else {
             state.air.projected_area = sector_.count * fabric_.positive_area;
             state.air.signed_area = sector_.count * fabric_.signed_area;
