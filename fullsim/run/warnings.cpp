@@ -105,8 +105,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
             std::ranges::max(run.observer.rows(), {}, &HistoryRow::projected_area).projected_area;
         if (const double growth = std::sqrt(widest / *steady_area); growth > largest_over_inflation)
             warn(fmt::format("the canopy over-inflates to {:.2f} of its steady radius", growth),
-                 fmt::format("no test shows more than {:g}; the air beside it has no inertia of its own here",
-                             largest_over_inflation),
+                 fmt::format("no test shows more than {:g}", largest_over_inflation),
                  "treat the force after full open as an upper bound");
         const double told = run.simulation.inflation().steady_drag_area;
         if (const double has = run.observer.mean(&HistoryRow::drag_area, shape_average);

@@ -250,8 +250,8 @@ TEST(PredictedOpening, FillConstantDoesNotHangOnTheStep) {
 }
 
 TEST(PredictedOpening, FillConstantConvergesWithTheMesh) {
-    // Asked for: three meshes within 3 % (found: 0.5 %). The demo's four columns are 3.1 % from eight. Odd
-    // counts converge as well, to a value a fifth higher: their gores fold flat, without a crest.
+    // Asked for: three meshes within 3 % (found: 0.5 %). The demo's four columns are 2.7 % from eight. Odd
+    // counts converge as well, to a value a sixth higher: their gores fold flat, without a crest.
     std::vector<double> n;
     for (const MeshCounts& mesh :
          {MeshCounts{6, 14, 34, 5}, MeshCounts{8, 18, 34, 5}, MeshCounts{10, 22, 34, 5}}) {
