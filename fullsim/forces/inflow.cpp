@@ -29,6 +29,10 @@ std::vector<NodeIndex> fabric_edge_through(const Mesh& mesh, NodeIndex first) {
     return ring;
 }
 
+/// Share of the full canopy's area above which one that has been full has its steady drag area. Shapes settle
+/// at 0.85 and more where the scene's D_p/D0 is not the mesh's own, or a dent stays.
+constexpr double smallest_settled = 0.7;
+
 /// Speed of the air that is pressed out of the mouth, over the airspeed, at which the search for it ends.
 constexpr double largest_outflow = 64.0;
 
@@ -123,10 +127,12 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     const double wetted = fabric_area_ * std::cbrt(filled * filled);  // of bulbs that are alike
     const double K = filling_.entrance_loss;
     // Suction outside grows with the radius to what the full canopy's drag area asks for, whatever area it
-    // settles at. That was measured with the fabric's leak, so the inflow that feeds it, which a full canopy
-    // loses at its mouth, comes back as it gets there: at most all, or no such canopy stays open.
-    const double open = std::max(air.signed_area, full_area_), steady = inflow.steady_drag_area / open;
-    const double fullness = std::clamp(air.signed_area / full_area_, 0.0, 1.0);
+    // settles at once it has been full. That was measured with the fabric's leak, so the inflow that feeds
+    // it, which a full canopy loses at its mouth, comes back as it gets there: at most all, or no such canopy
+    // stays open.
+    const double full = (state.phase == Phase::open ? smallest_settled : 1.0) * full_area_;
+    const double open = std::max(air.signed_area, full), steady = inflow.steady_drag_area / open;
+    const double fullness = std::clamp(air.signed_area / full, 0.0, 1.0);
     const double feed = leak(q * steady, fabric_area_, rho) / (open * speed);
     const double suction =
         (steady - 1.0) * std::sqrt(fullness) + std::min(1.0, K * feed * feed) * std::pow(fullness, 4);

@@ -29,6 +29,7 @@ protected:
           balance_(InflowBalance::of(scene_, simulation_.mesh())) {
         simulation_.evaluate_forces();
         state_ = simulation_.synchronised_state();
+        state_.inflow.steady_drag_area = 42.56;
     }
     /// Its shape is that of a canopy which starts open.
     Scene make_start() const {
@@ -108,24 +109,33 @@ TEST_F(Inflow, OfACanopyThatKeepsItsVolumeIsItsLeak) {
 }
 
 TEST_F(Inflow, GivesTheOpenCanopyItsSteadyDragArea) {
-    // Whatever area it settles at: pressure times area is q (C_D S)_0 by construction of the suction.
-    for (const double factor : {1.0, 1.1, 1.3}) {
+    // Whatever area it settles at: pressure times area is q (C_D S)_0 by construction of the suction. One
+    // that has not been full yet, and is as small as the first two, has less.
+    for (const double factor : {0.75, 0.85, 1.0, 1.1, 1.3}) {
         State state = state_;
-        Vec3 middle = to_vec3(state.node[simulation_.mesh().payload()].x);
+        const Vec3 middle = to_vec3(state.node[simulation_.mesh().payload()].x);
+        const double growth = std::sqrt(factor * balance_->full_area() / state.air.signed_area);
         for (NodeIndex i = 0; i < simulation_.mesh().canopy_nodes; ++i)
             for (int c = 0; c < 2; ++c)
-                state.node[i].x[c] = middle[c] + 1.05 * std::sqrt(factor) * (state.node[i].x[c] - middle[c]);
+                state.node[i].x[c] = middle[c] + growth * (state.node[i].x[c] - middle[c]);
         set_velocities(state, nothing);
         balance_->measure(state, simulation_.constants());
         state.inflow.volume = 1e3;  // all of the fabric leaks
         state.dt = 0.0;
-        state.inflow.steady_drag_area = 42.56;
         state.air.dynamic_pressure = 0.5 * state.air.density * 400.0;
         solve(state);
-        ASSERT_GE(state.air.signed_area, balance_->full_area()) << factor;
+        ASSERT_NEAR(state.air.signed_area, factor * balance_->full_area(), 1e-9 * balance_->full_area())
+            << factor;
         // The mouth is larger than the projected area by that of the vent, 2 % and more: the inflow s that
-        // the leak takes is slower by as much, K s^2 by twice that. K s^2 is 1.2 % of q (s = 0.08), of 1.8 q.
-        EXPECT_NEAR(state.air.drag_area, 42.56, 0.05 * 0.012 / 1.8 * 2.0 * 42.56) << factor;
+        // the leak takes is slower by as much, K s^2 by twice that. K s^2 is 1.2 % of q (s = 0.08), of 1.8 q,
+        // and goes with the square of pressure over area.
+        const double growing = std::max(1.0, std::pow(factor, -3.0));
+        EXPECT_NEAR(state.air.drag_area, 42.56, growing * 0.05 * 0.012 / 1.8 * 2.0 * 42.56) << factor;
+        state.phase = Phase::filling;
+        solve(state);
+        if (factor < 0.9) {
+            EXPECT_LT(state.air.drag_area, 0.95 * 42.56) << factor;
+        }
     }
 }
 
@@ -153,7 +163,6 @@ TEST_F(Inflow, ForceIsAlongTheAirWhateverTheShape) {
     state_.air.direction = Vec3(0.3, 0.0, 1.0).normalized();
     set_velocities(state_, nothing);
     balance_->measure(state_, simulation_.constants());
-    state_.inflow.steady_drag_area = 42.56;
     const Vec3 force = solve(state_);
     EXPECT_GT(force.norm(), 1000.0);
     EXPECT_LT(force.cross(state_.air.direction).norm(), 1e-12 * force.norm());
