@@ -37,9 +37,10 @@ Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& sca
     if (const double share = scene.full.mass_scaling; share > 0.0) {
         const double rho = scene.environment.atmosphere.at(scene.release.altitude).density;
         const auto& added = scene.aerodynamics.added_mass;
-        const double radius = steady_radius(scene.parachutes.front());
-        scaling =
-            scale_masses(scene, share, added ? added->mass(rho, {radius, 0.0}, {1.0, 0.0}).value : 0.0, mesh);
+        const Parachute& chute = scene.parachutes.front();
+        const double radius = steady_radius(chute), porosity = chute.geometric_porosity;
+        const double air = added ? added->mass(rho, {radius, 0.0}, {1.0, 0.0}, porosity).value : 0.0;
+        scaling = scale_masses(scene, share, air, mesh);
     }
     return mesh;
 }

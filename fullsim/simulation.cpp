@@ -48,11 +48,13 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
     if (state_.stage == Stage::deployment) state_.folded = steps_.begin_deployment(state_, *layout_);
     update_sums(state_, constants_);
     update_air(state_, scene.environment, mesh_.payload(), constants_.system_mass, 0.0);
+    const Parachute& chute = scene.parachutes.front();
     if (scene.aerodynamics.added_mass && state_.stage == Stage::flight)
-        state_.added_mass = inflation_
-                                .added_mass(*scene.aerodynamics.added_mass, state_.phase, state_.time,
-                                            state_.air.density, steady_radius(scene.parachutes.front()))
-                                .value;
+        state_.added_mass =
+            inflation_
+                .added_mass(*scene.aerodynamics.added_mass, state_.phase, state_.time, state_.air.density,
+                            steady_radius(chute), chute.geometric_porosity)
+                .value;
     state_.energy.kinetic_start = kinetic_energy(state_, constants_);
     state_.energy.elastic_start = elastic_energy(state_, structure_);
     steps_.refresh(state_, step_inputs());
@@ -152,6 +154,7 @@ void Simulation::renew_air() {
 ValueAndRate Simulation::added_mass_after(double dt) const {
     if (!scene_.aerodynamics.added_mass || state_.stage == Stage::deployment) return {};
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
+    const Parachute& chute = scene_.parachutes.front();
     const double rho = state_.air.density;
     const bool reefed = inflation_.share < 1.0;
     if (inflow_ && state_.phase != Phase::open) {
@@ -161,11 +164,12 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
         return {(1.0 + apparent_share) * rho * volume, apparent_share * rho * inflow.swept};
     }
     if (state_.phase != Phase::open || reefed || spec.open_radius == AddedMassRadius::drag_area)
-        return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho,
-                                     steady_radius(scene_.parachutes.front()));
+        return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho, steady_radius(chute),
+                                     chute.geometric_porosity);
     // Once open, the air belongs to the shape that the canopy really has.
     const double radius = std::sqrt(state_.air.projected_area / pi);
-    const double missing = spec.mass(rho, {radius, 0.0}, {1.0, 0.0}).value - state_.added_mass;
+    const double missing =
+        spec.mass(rho, {radius, 0.0}, {1.0, 0.0}, chute.geometric_porosity).value - state_.added_mass;
     const double time = relaxation * time_scale();
     const double gained = missing * -std::expm1(-dt / time);
     return {state_.added_mass + gained, (missing - gained) / time};

@@ -27,7 +27,9 @@ OpeningForceInputs inputs_of(const RunRecord& record, const Scene& scene, const 
     in.coefficient = chute.opening_force_coefficient;
     if (scene.aerodynamics.added_mass)
         in.added_mass =
-            scene.aerodynamics.added_mass->mass(in.density, {steady_radius(chute), 0.0}, {1.0, 0.0}).value;
+            scene.aerodynamics.added_mass
+                ->mass(in.density, {steady_radius(chute), 0.0}, {1.0, 0.0}, chute.geometric_porosity)
+                .value;
     return in;
 }
 

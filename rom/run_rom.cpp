@@ -91,8 +91,8 @@ std::string filling_note(const Parachute& chute) {
     if (fill.model->name == "given") return "given in the scene";
     if (fill.table) return fmt::format("prescribed: n of {} and the snatch speed", fill.table->file);
     if (fill.balance) return "a balance of the mass of air in the canopy, from the snatch speed";
-    if (fill.porosity > 0.0)
-        return fmt::format("prescribed: lambda_g = {:g} and the snatch speed", fill.porosity);
+    if (fill.model->by_porosity)
+        return fmt::format("prescribed: lambda_g = {:g} and the snatch speed", chute.geometric_porosity);
     return fmt::format("prescribed: n = {:g} and the snatch speed", fill.n);
 }
 

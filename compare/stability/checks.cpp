@@ -156,7 +156,8 @@ double still_to_go(const Scene& scene, double time) {
     double inertia = mass_of(scene);
     if (scene.aerodynamics.added_mass)
         inertia +=
-            scene.aerodynamics.added_mass->mass(density_of(scene), {steady_radius(chute), 0.0}, {1.0, 0.0})
+            scene.aerodynamics.added_mass
+                ->mass(density_of(scene), {steady_radius(chute), 0.0}, {1.0, 0.0}, chute.geometric_porosity)
                 .value;
     const double rate = 2.0 * scene.environment.gravity * mass_of(scene) / (inertia * equilibrium(scene));
     return 100.0 * std::exp(-rate * time);

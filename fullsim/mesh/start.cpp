@@ -36,7 +36,7 @@ double load_at_start(const Scene& scene, const Inflation& inflation, Phase phase
     const double added = scene.aerodynamics.added_mass
                              ? inflation
                                    .added_mass(*scene.aerodynamics.added_mass, phase, inflation.snatch, rho,
-                                               steady_radius(chute))
+                                               steady_radius(chute), chute.geometric_porosity)
                                    .value
                              : 0.0;
     const double held_back = added * scene.environment.gravity * trailing_direction(scene).z();

@@ -85,9 +85,10 @@ ExpectedFlight expected_flight(const Scene& scene, const RunRecord* expected) {
 double added_mass_at(const Scene& scene, const ExpectedFlight& flight, double time) {
     if (!scene.aerodynamics.added_mass) return 0.0;
     const Inflation& inflation = flight.inflation;
+    const Parachute& chute = scene.parachutes.front();
     return inflation
         .added_mass(*scene.aerodynamics.added_mass, inflation.phase_at(time), time,
-                    density_at(scene, flight.altitude), steady_radius(scene.parachutes.front()))
+                    density_at(scene, flight.altitude), steady_radius(chute), chute.geometric_porosity)
         .value;
 }
 

@@ -21,18 +21,18 @@ ValueAndRate filled(double volume_per_cube, double rho, ValueAndRate radius, Val
 }
 
 /// 2/3 pi R^3
-ValueAndRate hemisphere(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp) {
+ValueAndRate hemisphere(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp, double) {
     return filled((2.0 / 3.0) * pi, rho, radius, ramp);
 }
 
 /// 2/3 pi R^2 h with the depth h = depth_ratio 2 R: the canopy keeps its shape while it grows.
-ValueAndRate half_ellipsoid(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate ramp) {
+ValueAndRate half_ellipsoid(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate ramp,
+                            double) {
     return filled((2.0 / 3.0) * pi * 2.0 * spec.depth_ratio, rho, radius, ramp);
 }
 
 /// k_a(lambda) rho 4/3 pi R^2 h, of all the air in and around the canopy: it follows the radius alone.
-ValueAndRate porous(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate) {
-    const double p = spec.porosity;
+ValueAndRate porous(const AddedMassSpec& spec, double rho, ValueAndRate radius, ValueAndRate, double p) {
     const double k = 1.068 * (1.0 + p * (-1.465 + p * (-0.25975 + p * 1.2626)));
     const double per_radius_cubed = k * rho * (4.0 / 3.0) * pi * 2.0 * spec.depth_ratio;
     const double square = radius.value * radius.value;
@@ -46,7 +46,7 @@ constexpr std::array<AddedMassModel, 3> added_masses{{
     {"porosity",
      "k_a of a cubic in the porosity, by one transcription that lost its leading 1 (grade B): for slotted "
      "canopies, to compare with",
-     porous, true},
+     porous, true, 0.5},
 }};
 
 }  // namespace

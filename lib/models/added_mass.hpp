@@ -15,9 +15,11 @@ struct AddedMassModel {
     std::string_view name;
     std::string_view source;
     /// Included plus apparent mass [kg] for air of density rho [kg/m^3], canopy radius R [m] and
-    /// apparent-mass ramp phi' [-], each with its rate per second.
-    ValueAndRate (*at)(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp);
-    bool uses_depth = false;  ///< AddedMassSpec::depth_ratio
+    /// apparent-mass ramp phi' [-], each with its rate per second. porosity: open over total area [-].
+    ValueAndRate (*at)(const AddedMassSpec&, double rho, ValueAndRate radius, ValueAndRate ramp,
+                       double porosity);
+    bool uses_depth = false;        ///< AddedMassSpec::depth_ratio
+    double largest_porosity = 1.0;  ///< up to which it holds [-]
 };
 
 /// Treatment of the momentum of air that joins the canopy.
@@ -38,10 +40,9 @@ struct AddedMassSpec {
     AddedMassMomentum momentum = AddedMassMomentum::inertia_only;
     AddedMassRadius open_radius = AddedMassRadius::shape_once_open;
     double depth_ratio = 0.41;  ///< h_p/D_p [-] (Ewing, quoted in the paper, 5.2)
-    double porosity = 0.0;      ///< open over total area [-], for "porosity"
 
-    ValueAndRate mass(double rho, ValueAndRate radius, ValueAndRate ramp) const {
-        return model->at(*this, rho, radius, ramp);
+    ValueAndRate mass(double rho, ValueAndRate radius, ValueAndRate ramp, double porosity) const {
+        return model->at(*this, rho, radius, ramp, porosity);
     }
     bool operator==(const AddedMassSpec&) const = default;
 };

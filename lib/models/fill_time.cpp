@@ -39,8 +39,8 @@ double knacke_09(const FillTime& choice, const FillTimeInputs& in) {
 }
 
 /// 0.65 lambda_g D0/v_s with lambda_g in percent.
-double ribbon(const FillTime& choice, const FillTimeInputs& in) {
-    return 65.0 * choice.porosity * in.nominal_diameter / in.snatch_speed;
+double ribbon(const FillTime&, const FillTimeInputs& in) {
+    return 65.0 * in.geometric_porosity * in.nominal_diameter / in.snatch_speed;
 }
 
 /// Straight between the points; beyond the first and last their n.
@@ -60,7 +60,7 @@ double ludtke(const FillTime& choice, const FillTimeInputs& in) {
     const double volume = balance.volume.value_or(2.0 / 3.0 * pi * R * R * R);
     const double mouth = balance.mouth_area.value_or(pi * R * R);
     const double fabric = 0.25 * pi * in.nominal_diameter * in.nominal_diameter;
-    const double k = balance.permeability / std::sqrt(permeability_pressure);
+    const double k = in.permeability / std::sqrt(permeability_pressure);
     const double taking = mouth - fabric * k * std::sqrt(0.5 * balance.pressure_coefficient * in.density);
     if (!(taking > 0.0)) return std::numeric_limits<double>::infinity();
     const double braking = in.density * in.drag_area / (2.0 * in.mass);  // [1/m]
@@ -79,7 +79,7 @@ constexpr std::array<FillTimeModel, 7> fill_times{{
     {"knacke-0.9", "cross canopies, one transcription that leaves open which length it takes; here D0",
      "n = 8.7, in feet and feet per second", knacke_09, true},
     {"ribbon", "Knacke NWC TP 6575, ribbon canopies, by two transcriptions that agree",
-     "preliminary design; geometric porosity lambda_g", ribbon, false, true},
+     "preliminary design; geometric porosity lambda_g", ribbon, false, true, true},
     {"ludtke", "balance of mass in the manner of Ludtke (NOLTR 72-146), derived anew",
      "solid fabric; drag area growing with t^6, gravity left out", ludtke},
     {"table", "a CSV file of the scene", "between its points", tabulated},

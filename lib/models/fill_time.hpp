@@ -13,14 +13,16 @@ namespace twinchute {
 
 /// Inputs that a filling-time correlation may depend on; of one canopy and its share of the payload.
 struct FillTimeInputs {
-    double nominal_diameter = 0.0;  ///< D0 [m]
-    double snatch_speed = 0.0;      ///< v_s [m/s], airspeed
-    double density = 0.0;           ///< [kg/m^3] at snatch
-    double payload_mass = 0.0;      ///< m_l [kg]
-    double mass = 0.0;              ///< [kg] of payload and canopy
-    double gravity = 0.0;           ///< [m/s^2]
-    double drag_area = 0.0;         ///< (C_D S)_0 [m^2]
-    double steady_radius = 0.0;     ///< D_p/2 [m]; 0 where the scene has none
+    double nominal_diameter = 0.0;    ///< D0 [m]
+    double snatch_speed = 0.0;        ///< v_s [m/s], airspeed
+    double density = 0.0;             ///< [kg/m^3] at snatch
+    double payload_mass = 0.0;        ///< m_l [kg]
+    double mass = 0.0;                ///< [kg] of payload and canopy
+    double gravity = 0.0;             ///< [m/s^2]
+    double drag_area = 0.0;           ///< (C_D S)_0 [m^2]
+    double steady_radius = 0.0;       ///< D_p/2 [m]; 0 where the scene has none
+    double permeability = 0.0;        ///< [m/s] through the fabric at `permeability_pressure`
+    double geometric_porosity = 0.0;  ///< lambda_g [-]
 
     double froude_number() const { return snatch_speed * snatch_speed / (gravity * nominal_diameter); }
     double mass_ratio() const {
@@ -40,6 +42,8 @@ struct FillTimeModel {
     bool dimensional = false;
     /// t_f v_s/D0 is the same at any snatch speed.
     bool by_diameters = false;
+    /// Nothing but the canopy's geometric porosity gives its constant.
+    bool by_porosity = false;
 };
 
 /// Measured fill constants n = t_f v_s/D0 against one number of the opening.
@@ -65,7 +69,6 @@ struct FillTable {
 struct FillBalance {
     std::optional<double> volume;       ///< V_0 [m^3]; absent: half a sphere, 2/3 pi R_0^3
     std::optional<double> mouth_area;   ///< A_M0 [m^2]; absent: pi R_0^2
-    double permeability = 0.0;          ///< [m/s] through the fabric at `permeability_pressure`
     double pressure_coefficient = 1.0;  ///< C_p [-] of the pressure across the fabric
 
     bool operator==(const FillBalance&) const = default;
@@ -77,7 +80,6 @@ struct FillTime {
     double n = 0.0;                 ///< fill constant [-], [ft, ft/s] with the correlations that have a unit
     double density_exponent = 0.0;  ///< k of (rho/rho_0)^k [-], beside n
     double given = 0.0;             ///< [s], for "given"
-    double porosity = 0.0;          ///< lambda_g [-], geometric, for "ribbon"
     std::optional<FillTable> table = {};      ///< for "table"
     std::optional<FillBalance> balance = {};  ///< for "ludtke"
 

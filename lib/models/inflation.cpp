@@ -69,12 +69,12 @@ ValueAndRate Inflation::ramp(Phase phase, double time) const {
 }
 
 ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
-                                   double steady_radius) const {
+                                   double steady_radius, double porosity) const {
     const ValueAndRate ratio = drag_area_ratio(phase, time);
     const double root = std::sqrt(share * ratio.value);
     // Where the canopy starts from nothing no law gives its volume, R^3, a finite rate but zero.
     const double root_rate = root > 0.0 ? 0.5 * share * ratio.rate / root : 0.0;
-    return spec.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time));
+    return spec.mass(rho, {steady_radius * root, steady_radius * root_rate}, ramp(phase, time), porosity);
 }
 
 void serialize(Archive& archive, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table) {

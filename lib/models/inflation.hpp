@@ -52,9 +52,9 @@ struct Inflation {
     ValueAndRate ramp(Phase phase, double time) const;
 
     /// Added mass [kg] and rate [kg/s] at density rho, R_c = steady_radius sqrt((C_D S)_t/(C_D S)_0) with the
-    /// radius and drag area of the open canopy.
+    /// radius and drag area of the open canopy. porosity: open over total area [-].
     ValueAndRate added_mass(const AddedMassSpec& spec, Phase phase, double time, double rho,
-                            double steady_radius) const;
+                            double steady_radius, double porosity) const;
 };
 
 /// Into a checkpoint and back; `law` and `table`: its parachute's, of which it has one or none.

@@ -170,7 +170,7 @@ void check_canopy(const Parachute& p, const Complain& complain) {
 /// The key that a filling time comes from.
 const char* fill_time_key(const FillTime& fill) {
     if (fill.given > 0.0) return "parachute.fill_time.time";
-    if (fill.porosity > 0.0) return "parachute.fill_time.geometric_porosity";
+    if (fill.model && fill.model->by_porosity) return "parachute.geometric_porosity";
     if (fill.table) return "parachute.fill_time.table";
     return fill.balance ? "parachute.fill_time.model" : "parachute.fill_time.n";
 }
@@ -183,6 +183,22 @@ void check_mach_table(const Scene& scene, const Parachute& p, const Complain& co
             fmt::format("the atmosphere '{}' has no Mach number", scene.environment.atmosphere.model->name),
             "air of one density has no temperature, and sound no speed in it",
             "write environment.atmosphere = \"us76\", or give a table of the air");
+}
+
+void check_porosity(const Scene& scene, const Parachute& p, const Complain& complain) {
+    const bool by_porosity = p.fill_time.model && p.fill_time.model->by_porosity;
+    if (by_porosity && !p.filling.is_predicted() && !(p.geometric_porosity > 0.0))
+        complain.about(
+            "parachute.geometric_porosity", "is missing",
+            fmt::format("fill_time.model = \"{}\" takes the filling time from it", p.fill_time.model->name),
+            "give it, or n");
+    const auto& added_mass = scene.aerodynamics.added_mass;
+    if (added_mass && added_mass->model->largest_porosity < p.geometric_porosity)
+        complain.about(
+            "parachute.geometric_porosity",
+            fmt::format("{} is above {}", p.geometric_porosity, added_mass->model->largest_porosity),
+            fmt::format("aerodynamics.added_mass.model = \"{}\" holds up to there", added_mass->model->name),
+            "choose another added_mass.model");
 }
 
 void check_growth(const Parachute& p, const Complain& complain) {
@@ -435,6 +451,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_needs(scene, p, complain);
     check_canopy(p, complain);
     check_growth(p, complain);
+    check_porosity(scene, p, complain);
     check_mach_table(scene, p, complain);
     check_reefing(p, complain);
     check_cluster(p, complain);

@@ -137,8 +137,7 @@ private:
                 return visit(name, node, beside(successor->path, path), is_path);
             }
         if (key && !key->formerly.empty() && document_.entries.contains(path))
-            refuse(place, path, "is given twice",
-                   fmt::format("{} is its retired name", shown_path(key->formerly, kind_.prefix)),
+            refuse(place, path, "is given twice", fmt::format("{} is its retired name", retired_names(*key)),
                    fmt::format("keep {} alone", last_of(path)));
         if (overriding_ && (path == "base" || path == "case" || path.starts_with("case.")))
             refuse(place, path, "cannot be overridden", "", "write it at the top of a scene");
@@ -163,6 +162,14 @@ private:
         } else {
             refuse(place, path, "unknown key", "", plain ? suggestion(path) : "write keys without quotes");
         }
+    }
+
+    /// In words.
+    std::string retired_names(const Key& key) const {
+        std::vector<std::string_view> shown;
+        for (const std::string_view path : words_of(key.formerly))
+            shown.push_back(shown_path(path, kind_.prefix));
+        return fmt::format("{}", fmt::join(shown, " or "));
     }
 
     void warn_of_retired(std::string_view path, std::string_view now, const SourcePlace& place) {

@@ -78,8 +78,11 @@ const Key* find_key(std::span<const Key> keys, std::string_view path) {
 }
 
 const Key* find_successor(std::span<const Key> keys, std::string_view path) {
-    const auto row = std::ranges::find(keys, row_path(keys, path), &Key::formerly);
-    return row == keys.end() || path.empty() ? nullptr : &*row;
+    const std::string retired = row_path(keys, path);
+    const auto row = std::ranges::find_if(keys, [&](const Key& key) {
+        return std::ranges::count(words_of(key.formerly), std::string_view(retired)) > 0;
+    });
+    return row == keys.end() ? nullptr : &*row;
 }
 
 std::string beside(std::string_view row, std::string_view like) {

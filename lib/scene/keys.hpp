@@ -86,7 +86,7 @@ struct Key {
     KeyUser user = KeyUser::both;
     std::string_view meaning = {};
     std::string_view source = {};    ///< of the definition or of the default
-    std::string_view formerly = {};  ///< retired path, which is read with a warning
+    std::string_view formerly = {};  ///< retired paths "a|b", which are read with a warning
 
     /// A whole number or a quantity, as opposed to words.
     bool is_number() const {
@@ -129,7 +129,7 @@ bool prescribes_filling(std::string_view path);
 /// The row of a path in a table of keys, or null; the numbers of a list's members are not part of a row.
 const Key* find_key(std::span<const Key> keys, std::string_view path);
 
-/// The row whose retired path this is, or null.
+/// The row of which this is a retired path, or null.
 const Key* find_successor(std::span<const Key> keys, std::string_view path);
 
 /// The path without the numbers of list members: "parachute.reefing.2.until.at" to

@@ -39,6 +39,9 @@ FillTimeInputs fill_inputs(const Scene& scene, const Parachute& chute, double sp
     in.gravity = scene.environment.gravity;
     in.drag_area = chute.drag_area * chute.cluster_drag_ratio;
     in.steady_radius = 0.5 * chute.projected_diameter_ratio * chute.nominal_diameter;
+    in.permeability = chute.permeability.value_or(
+        chute.fabric.permeability.value_or(Permeability{}).speed(permeability_pressure));
+    in.geometric_porosity = chute.geometric_porosity;
     return in;
 }
 

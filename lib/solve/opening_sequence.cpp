@@ -46,6 +46,7 @@ OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
             c.index = k;
             c.count = count;
             c.steady_radius = steady_radius(chute);
+            c.porosity = chute.geometric_porosity;
             if (chute.filling.is_predicted())
                 c.filling = std::make_shared<const FillingCanopy>(filling_canopy(chute));
             c.lag = lag;
@@ -63,6 +64,7 @@ OpeningSequence::OpeningSequence(const Parachute& chute, const Inflation& inflat
     c.phase = phase;
     c.inflation = inflation;
     c.steady_radius = steady_radius(chute);
+    c.porosity = chute.geometric_porosity;
     all_.push_back(c);
     weigh();
 }

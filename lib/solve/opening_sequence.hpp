@@ -38,6 +38,7 @@ struct Canopy {
     Phase phase = Phase::initial;
     Inflation inflation;         ///< of one of them; set once it is open
     double steady_radius = 0.0;  ///< R_0 [m]
+    double porosity = 0.0;       ///< lambda_g [-]
     double snatch_speed = 0.0, snatch_density = 0.0;
     std::shared_ptr<const FillingCanopy> filling = {};  ///< null: its filling is prescribed
     FillingMotion bulb = {};                            ///< of a predicted filling: where it has come to
@@ -136,7 +137,7 @@ public:
     /// Added mass [kg] and rate [kg/s] of one canopy that is out.
     static ValueAndRate added_mass_of(const Canopy& c, const AddedMassSpec& spec, double time,
                                       double density) {
-        return c.inflation.added_mass(spec, c.phase, time, density, c.steady_radius);
+        return c.inflation.added_mass(spec, c.phase, time, density, c.steady_radius, c.porosity);
     }
     /// Added mass [kg] and rate [kg/s] of all that are out.
     ValueAndRate added_mass(const AddedMassSpec& spec, double time, double density) const {

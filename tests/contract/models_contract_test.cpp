@@ -91,20 +91,20 @@ TEST(DragAreaContract, IntegralsAreThoseOfValues) {
 
 TEST(AddedMassContract, ScalesAsAirTimesVolume) {
     for (const AddedMassModel& model : added_mass_models()) {
-        const double one = AddedMassSpec{&model}.mass(1.0, {1.0, 0.0}, {0.5, 0.0}).value;
+        const double one = AddedMassSpec{&model}.mass(1.0, {1.0, 0.0}, {0.5, 0.0}, 0.1).value;
         EXPECT_GT(one, 0.0) << model.name;
-        EXPECT_NEAR(AddedMassSpec{&model}.mass(3.0, {1.0, 0.0}, {0.5, 0.0}).value, 3.0 * one, 1e-12)
+        EXPECT_NEAR(AddedMassSpec{&model}.mass(3.0, {1.0, 0.0}, {0.5, 0.0}, 0.1).value, 3.0 * one, 1e-12)
             << model.name;
-        EXPECT_NEAR(AddedMassSpec{&model}.mass(1.0, {2.0, 0.0}, {0.5, 0.0}).value, 8.0 * one, 1e-12)
+        EXPECT_NEAR(AddedMassSpec{&model}.mass(1.0, {2.0, 0.0}, {0.5, 0.0}, 0.1).value, 8.0 * one, 1e-12)
             << model.name;
-        EXPECT_EQ(AddedMassSpec{&model}.mass(1.0, {0.0, 5.0}, {0.5, 1.0}).value, 0.0) << model.name;
+        EXPECT_EQ(AddedMassSpec{&model}.mass(1.0, {0.0, 5.0}, {0.5, 1.0}, 0.1).value, 0.0) << model.name;
     }
 }
 
 TEST(AddedMassContract, GrowsWithRadiusAndRampAndRatesFollow) {
     for (const AddedMassModel& model : added_mass_models()) {
         const auto mass = [&](double t) {
-            return AddedMassSpec{&model}.mass(1.1, {1.0 + 0.5 * t, 0.5}, {0.3 * t, 0.3});
+            return AddedMassSpec{&model}.mass(1.1, {1.0 + 0.5 * t, 0.5}, {0.3 * t, 0.3}, 0.1);
         };
         for (double t = 0.1; t < 3.0; t += 0.3) {
             const double slope = central_difference([&](double s) { return mass(s).value; }, t, 1e-5);
@@ -116,13 +116,13 @@ TEST(AddedMassContract, GrowsWithRadiusAndRampAndRatesFollow) {
 
 /// Every parameter that a row may ask for.
 FillTime fill_time_of(const FillTimeModel& model) {
-    FillTime choice{&model, 8.0, 0.0, 1.4, 0.2};
+    FillTime choice{&model, 8.0, 0.0, 1.4};
     choice.table = FillTable{"a table", FillTable::By::froude_number, {10.0, 100.0}, {12.0, 6.0}};
     choice.balance.emplace();
     return choice;
 }
 
-constexpr FillTimeInputs snatch{8.5, 60.0, 1.0, 150.0, 155.0, 9.8, 42.0, 2.8};
+constexpr FillTimeInputs snatch{8.5, 60.0, 1.0, 150.0, 155.0, 9.8, 42.0, 2.8, 0.0, 0.2};
 
 /// A snatch in units of length and time that are so many metres and seconds.
 FillTimeInputs in_units(const FillTimeInputs& in, double length, double time) {
@@ -133,7 +133,9 @@ FillTimeInputs in_units(const FillTimeInputs& in, double length, double time) {
             in.mass,
             in.gravity * time * time / length,
             in.drag_area / (length * length),
-            in.steady_radius / length};
+            in.steady_radius / length,
+            in.permeability * time / length,
+            in.geometric_porosity};
 }
 
 TEST(FillTimeContract, IsATime) {

@@ -47,7 +47,7 @@ CROSSWIND = "data/scenes/c9-crosswind.toml"
 
 MUTATIONS = [
     Mutation(RADIUS, "fullsim", "fullsim/simulation.cpp",
-             "steady_radius(scene_.parachutes.front()))", "1.5 * steady_radius(scene_.parachutes.front()))",
+             "rho, steady_radius(chute),", "rho, 1.5 * steady_radius(chute),",
              scene=DEMO, piece="added-mass"),
     # The mass goes with the cube of the radius.
     Mutation(RADIUS, "rom", "rom/rigid_composite.hpp",

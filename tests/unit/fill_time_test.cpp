@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lib/math/vec.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/opening_tables.hpp"
 #include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
@@ -23,10 +24,15 @@ constexpr double foot = 0.3048;  // [m]
 /// A C-9 with its payload at 21 m/s.
 constexpr FillTimeInputs c9{8.53, 21.0, 1.225, 152.4, 157.6, 9.80665, 42.56, 2.77};
 
-FillTime ludtke(double permeability) {
+FillTime ludtke() {
     FillTime fill{find_fill_time("ludtke")};
-    fill.balance = FillBalance{std::nullopt, std::nullopt, permeability, 1.0};
+    fill.balance.emplace();
     return fill;
+}
+
+FillTimeInputs through(double permeability, FillTimeInputs in = c9) {
+    in.permeability = permeability;
+    return in;
 }
 
 TEST(FillingTimeCsv, KnackeFlatCircular) {
@@ -50,7 +56,9 @@ TEST(FillingTimeCsv, Cross) {
 TEST(FillingTimeCsv, RingslotAndRibbonByDiameters) {
     EXPECT_NEAR((FillTime{find_fill_time("fill-constant"), 14.0}.seconds({10.0, 70.0})), 2.0, 1e-14);
     // 0.65 lambda_g D0/v, lambda_g = 20 %: 13 diameters.
-    EXPECT_NEAR((FillTime{find_fill_time("ribbon"), 0.0, 0.0, 0.0, 0.2}.seconds({10.0, 65.0})), 2.0, 1e-12);
+    FillTimeInputs slotted{10.0, 65.0};
+    slotted.geometric_porosity = 0.2;
+    EXPECT_NEAR(FillTime{find_fill_time("ribbon")}.seconds(slotted), 2.0, 1e-12);
 }
 
 TEST(FillingTimeCsv, DensityExponent) {
@@ -85,7 +93,7 @@ TEST(FillingTimeCsv, LudtkeIsFullWhenItHasTakenInItsVolume) {
     // The balance of mass itself, integrated; second order in 200 000 steps leaves less than 1e-9.
     const double volume = 2.0 / 3.0 * pi * std::pow(c9.steady_radius, 3);
     for (const double permeability : {0.0, 0.5, 2.0}) {
-        const double t_f = ludtke(permeability).seconds(c9);
+        const double t_f = ludtke().seconds(through(permeability));
         EXPECT_NEAR(taken_in(c9, t_f, permeability) / volume, 1.0, 1e-8) << permeability;
     }
 }
@@ -99,15 +107,15 @@ TEST(FillingTimeCsv, LudtkeOfAnInfiniteMass) {
     const double k = 2.0 / std::sqrt(permeability_pressure);
     const double expected =
         7.0 * 2.0 / 3.0 * pi * R * R * R / (21.0 * (pi * R * R - fabric * k * std::sqrt(0.5 * 1.225)));
-    EXPECT_NEAR(ludtke(2.0).seconds(heavy) / expected, 1.0, 1e-8);
-    FillTime given = ludtke(0.0);
+    EXPECT_NEAR(ludtke().seconds(through(2.0, heavy)) / expected, 1.0, 1e-8);
+    FillTime given = ludtke();
     given.balance->volume = 10.0;
     given.balance->mouth_area = 5.0;
     EXPECT_NEAR(given.seconds(heavy), 7.0 * 10.0 / (21.0 * 5.0), 1e-8);
 }
 
 TEST(FillingTimeCsv, LudtkeNeverFillsAClothThatLetsAllThrough) {
-    EXPECT_TRUE(std::isinf(ludtke(100.0).seconds(c9)));
+    EXPECT_TRUE(std::isinf(ludtke().seconds(through(100.0))));
 }
 
 TEST(FillTable, IsStraightBetweenPointsAndHoldsItsEnds) {
@@ -159,19 +167,49 @@ TEST(FillTable, IsReadFromItsFile) {
 }
 
 TEST(LudtkeFillTime, IsReadWithItsUnits) {
-    const Scene scene = read_text(
-        with_fill("{ permeability = \"100 ft/min\", volume = \"40 m^3\", pressure_coefficient = 1.7 }"));
+    const Scene scene = read_text(with_fill("{ volume = \"40 m^3\", pressure_coefficient = 1.7 }"));
     const auto& balance = scene.parachutes.front().fill_time.balance;
     ASSERT_TRUE(balance);
-    EXPECT_NEAR(balance->permeability, 0.508, 1e-12);
     EXPECT_EQ(balance->volume, 40.0);
     EXPECT_EQ(balance->pressure_coefficient, 1.7);
     EXPECT_FALSE(balance->mouth_area);
 }
 
 TEST(LudtkeFillTime, ThatNeverFillsIsRefused) {
-    EXPECT_NE(complaint(with_fill("{ permeability = \"50 m/s\" }")).find("a filling time of inf s"),
+    EXPECT_NE(complaint(with_fill("{ model = \"ludtke\" }\npermeability = \"50 m/s\""))
+                  .find("a filling time of inf s"),
               std::string::npos);
+}
+
+// Permeability and porosity stood in tables of the models that use them.
+TEST(RetiredKeys, OfPermeabilityAndPorosityAreThoseOfTheParachute) {
+    const Scene leaky = read_text(with_fill("{ model = \"ludtke\", permeability = \"100 ft/min\" }"));
+    EXPECT_NEAR(leaky.parachutes.front().permeability.value_or(0.0), 0.508, 1e-12);
+    ASSERT_EQ(leaky.warnings.size(), 1u);
+    EXPECT_EQ(leaky.warnings.front().what,
+              "key 'parachute.fill_time.permeability' is now 'parachute.permeability'");
+    const Scene slotted = read_text(with_fill("{ model = \"ribbon\", geometric_porosity = 0.2 }"));
+    EXPECT_EQ(slotted.parachutes.front().geometric_porosity, 0.2);
+    EXPECT_NE(complaint(with_fill("{ model = \"ribbon\" }")).find("parachute.geometric_porosity: is missing"),
+              std::string::npos);
+    const std::string porous = "{ model = \"porosity\", porosity = ";
+    const Scene heavy = read_text(edited(good_scene, "{ model = \"hemisphere\" }", porous + "\"10 %\" }"));
+    EXPECT_NEAR(heavy.parachutes.front().geometric_porosity, 0.1, 1e-15);
+    EXPECT_NE(complaint(edited(good_scene, "{ model = \"hemisphere\" }", porous + "0.6 }"))
+                  .find("parachute.geometric_porosity: 0.6 is above 0.5"),
+              std::string::npos);
+}
+
+TEST(LudtkeFillTime, LeaksAsTheFabricUnlessTheParachuteSaysOtherwise) {
+    Scene scene = read_text(with_fill("{ model = \"ludtke\" }"));
+    Parachute& chute = scene.parachutes.front();
+    const auto leak = [&] { return fill_inputs(scene, chute, 21.0, 1.225).permeability; };
+    chute.fabric.permeability.reset();
+    EXPECT_EQ(leak(), 0.0);
+    chute.fabric.permeability = Permeability{0.0, permeability_pressure / 4.0};  // 2 m/s there
+    EXPECT_DOUBLE_EQ(leak(), 2.0);
+    chute.permeability = 0.7;
+    EXPECT_EQ(leak(), 0.7);
 }
 
 }  // namespace

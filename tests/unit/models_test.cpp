@@ -95,8 +95,9 @@ TEST(FillTime, KnackesPowerInFeetAndFeetPerSecond) {
 
 TEST(FillTime, RibbonByPorosityInPercent) {
     // 0.65 lambda_g D0/v with lambda_g = 20 %: 13 diameters.
-    const FillTime model{find_fill_time("ribbon"), 0.0, 0.0, 0.0, 0.2};
-    EXPECT_NEAR(model.seconds({10.0, 65.0, 1.0}), 2.0, 1e-12);
+    FillTimeInputs in{10.0, 65.0, 1.0};
+    in.geometric_porosity = 0.2;
+    EXPECT_NEAR(FillTime{find_fill_time("ribbon")}.seconds(in), 2.0, 1e-12);
 }
 
 TEST(FillTime, GivenIsGiven) {
@@ -138,11 +139,11 @@ TEST(Inflation, RatesAreTheDerivativesOfValues) {
     for (double t = 2.25; t < 3.55; t += 0.05) {
         const auto ratio = [&](double s) { return inflation.drag_area_ratio(Phase::filling, s).value; };
         const auto mass = [&](double s) {
-            return inflation.added_mass(model, Phase::filling, s, 1.225, 2.77).value;
+            return inflation.added_mass(model, Phase::filling, s, 1.225, 2.77, 0.0).value;
         };
         EXPECT_NEAR(inflation.drag_area_ratio(Phase::filling, t).rate, central_difference(ratio, t, 1e-5),
                     1e-7);
-        EXPECT_NEAR(inflation.added_mass(model, Phase::filling, t, 1.225, 2.77).rate,
+        EXPECT_NEAR(inflation.added_mass(model, Phase::filling, t, 1.225, 2.77, 0.0).rate,
                     central_difference(mass, t, 1e-5), 1e-4);
     }
 }
@@ -151,7 +152,8 @@ TEST(Inflation, FromNothingTheAddedMassHasNoRate) {
     Inflation inflation = c9_inflation();
     inflation.eta = 0.0;
     inflation.initial_time = 0.25;  // exact in binary, so that the fill fraction is zero
-    const auto start = inflation.added_mass({find_added_mass("hemisphere")}, Phase::filling, 2.25, 1.2, 2.77);
+    const auto start =
+        inflation.added_mass({find_added_mass("hemisphere")}, Phase::filling, 2.25, 1.2, 2.77, 0.0);
     EXPECT_EQ(start.value, 0.0);
     EXPECT_EQ(start.rate, 0.0);
 }
@@ -162,9 +164,10 @@ TEST(AddedMass, HemisphereIsIncludedPlusApparentMass) {
     const AddedMassSpec model{find_added_mass("hemisphere")};
     const double R = 2.77, rho = 1.225;
     const double included = rho * 2.0 / 3.0 * pi * R * R * R;  // paper, Eq. 16
-    EXPECT_NEAR(model.mass(rho, {R, 0.0}, {0.0, 0.0}).value, included, 1e-12);
+    EXPECT_NEAR(model.mass(rho, {R, 0.0}, {0.0, 0.0}, 0.0).value, included, 1e-12);
     // Eq. 18 at phi' = 1 is Eq. 17 with k' = 0.25: k' rho pi R^3.
-    EXPECT_NEAR(model.mass(rho, {R, 0.0}, {1.0, 0.0}).value, included + 0.25 * rho * pi * R * R * R, 1e-12);
+    EXPECT_NEAR(model.mass(rho, {R, 0.0}, {1.0, 0.0}, 0.0).value, included + 0.25 * rho * pi * R * R * R,
+                1e-12);
 }
 
 // --- cylinder drag ------------------------------------------------------------------------------

@@ -47,9 +47,10 @@ TEST(Keys, RowsAreConsistent) {
             const auto back = words_of(other->instead_of);
             EXPECT_EQ(std::ranges::count(back, key.path), 1);
         }
-        if (!key.formerly.empty()) {
-            EXPECT_EQ(find_key(scene_keys(), key.formerly), nullptr);
-            EXPECT_EQ(find_successor(scene_keys(), key.formerly)->path, key.path);
+        for (const std::string_view retired : words_of(key.formerly)) {
+            EXPECT_EQ(find_key(scene_keys(), retired), nullptr) << retired;
+            ASSERT_TRUE(find_successor(scene_keys(), retired)) << retired;
+            EXPECT_EQ(find_successor(scene_keys(), retired)->path, key.path);
         }
         if (key.need != KeyNeed::defaulted) continue;
         ASSERT_FALSE(key.fallback.empty());
