@@ -88,10 +88,10 @@ void serialize(Archive& archive, State& state) {
     serialize_air(archive, air);
     archive.row("inflow", inflow, [](InflowState& of, auto&& each) {
         auto& [volume, swept, mobility, mouth, ratio, leak, steady_drag_area, inside, last_inside, displaced,
-               other_pull, last_dt, loss, past_pressure] = of;
-        for (double* number :
-             {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &inside, &last_inside,
-              &displaced, &other_pull, &last_dt, &loss, &past_pressure[0], &past_pressure[1]})
+               other_pull, mean_pull, mean_of_means, last_dt, loss, past_pressure] = of;
+        for (double* number : {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &inside,
+                               &last_inside, &displaced, &other_pull, &mean_pull, &mean_of_means, &last_dt,
+                               &loss, &past_pressure[0], &past_pressure[1]})
             each(*number);
     });
     archive.row("energy", energy, energy_members);

@@ -132,20 +132,26 @@ struct InflowState {
     double last_inside = 0.0;       ///< [Pa] that at the beginning of the last step
     double displaced = 0.0;         ///< Q [m^3/s] that the fabric sweeps past its own mean velocity
     double other_pull = 0.0;        ///< [m^3/s^2] rate of Q but for the pressure's part, as it was
-    double last_dt = 0.0;           ///< [s] of the step before the last one
-    double loss = 0.0;              ///< [W] that the air takes out of the motion
-    std::array<double, 2> past_pressure{};  ///< [Pa] of the last step and of the one before
+    double mean_pull = 0.0, mean_of_means = 0.0;  ///< [m^3/s^2] of the last steps
+    double last_dt = 0.0;                         ///< [s] of the step before the last one
+    double loss = 0.0;                            ///< [W] that the air takes out of the motion
+    std::array<double, 2> past_pressure{};        ///< [Pa] of the last step and of the one before
 
     /// Q at the beginning of a step; dt [s] of the step before. Velocities have been extrapolated by half of
-    /// that step: of its acceleration there is as much more, and half a step less of the one before. A mean
-    /// over ten steps: fabric and lines that ring at the bound of the step, answered a step later at full
-    /// strength, would ring louder. A step that an event cuts short says little.
+    /// that step: of its acceleration there is as much more, and half a step less of the one before.
+    ///
+    /// A mean over ten steps, and one that makes up for its lag: fabric and lines that ring at the bound of
+    /// the step, answered a step later at full strength, would ring louder. A step that an event cuts short
+    /// says little.
     void note_displaced(double now, double dt) {
-        constexpr double newest = 0.1;
         const double by_pressure =
             mobility * ((dt + 0.5 * last_dt) * past_pressure[0] - 0.5 * last_dt * past_pressure[1]);
-        if (dt > 0.0)
-            other_pull += newest * (now - displaced - by_pressure - dt * other_pull) / std::max(dt, last_dt);
+        if (dt > 0.0) {
+            const double newest = 0.1 / std::max(dt, last_dt);
+            mean_pull += newest * (now - displaced - by_pressure - dt * mean_pull);
+            mean_of_means += newest * dt * (mean_pull - mean_of_means);
+            other_pull = 2.0 * mean_pull - mean_of_means;
+        }
         displaced = now;
         last_dt = dt;
     }

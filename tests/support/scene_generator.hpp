@@ -270,12 +270,12 @@ inline void SceneGenerator::put_opening() {
     } else if (random_bool(0.2)) {  // so small a canopy that the lightest payload lets it fill
         put_number("parachute.fill_time.volume", number_in(1e-7, 1e-6));
         put_number("parachute.fill_time.mouth_area", number_in(10.0, 20.0));
-        if (random_bool(0.5)) put_number("parachute.fill_time.permeability", number_in(0.0, 1e-3));
+        put_number("parachute.permeability", number_in(0.0, 1e-3));
         if (random_bool(0.5)) put_number("parachute.fill_time.pressure_coefficient", number_in(0.0, 2.0));
     } else if (random_bool(0.3)) {
-        const double porosity = number_in(0.001, 0.999);
+        const double porosity = number_in(0.001, 0.5);
         put("parachute.fill_time.model", "\"ribbon\"");
-        put_number("parachute.fill_time.geometric_porosity", porosity);
+        put_number("parachute.geometric_porosity", porosity);
         if (airspeed_) filling = 65.0 * porosity * diameter_ / *airspeed_;
         transit = 65.0 * porosity > 0.6;
     } else {
@@ -300,6 +300,11 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
     const auto is_put = [&](std::string_view path) {
         return std::ranges::any_of(lines_, [&](const SceneLine& line) { return line.path == path; });
     };
+    // Where no model of the filling time has them yet; added masses go to a porosity of 0.5.
+    if (!is_put("parachute.permeability") && random_bool(0.5))
+        put_number("parachute.permeability", number_in(0.0, 2.0));
+    if (!is_put("parachute.geometric_porosity") && random_bool(0.5))
+        put_number("parachute.geometric_porosity", number_in(0.0, 0.5));
     if (random_bool(0.3)) {
         put("parachute.count", "2");
         if (by != "inflated" && random_bool(0.5)) put("parachute.lag", "[0, \"500 ms\"]");
@@ -394,7 +399,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.projected_diameter_ratio",
                                                     "parachute.mass",
                                                     "parachute.line_length",
-                                                    "parachute.riser_length"};
+                                                    "parachute.riser_length",
+                                                    "parachute.permeability",
+                                                    "parachute.geometric_porosity"};
     lines_.clear();
     airspeed_.reset();
     has_wind_ = random_bool(0.4);
