@@ -41,10 +41,10 @@ void serialize_body(Archive& archive, std::optional<BodyState>& body) {
     archive.numbers("torque", std::span(torque.data(), 3));
 }
 
-constexpr auto energy_members = [](EnergyBook& book, auto&& each) {
+constexpr auto energy_members = [](EnergyTotals& totals, auto&& each) {
     auto& [kinetic_start, elastic_start, gravity_work, drag_work, damping, added_mass, gravity_power,
            drag_power, damping_power, external_work, external_power, air_loss, air_loss_power, ramp, weighs,
-           kinetic, changed_hands] = book;
+           kinetic, changed_hands] = totals;
     for (double* x : {&kinetic_start, &elastic_start, &gravity_work, &drag_work, &damping, &added_mass,
                       &gravity_power, &drag_power, &damping_power, &external_work, &external_power, &air_loss,
                       &air_loss_power, &ramp, &changed_hands})

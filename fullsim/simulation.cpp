@@ -128,7 +128,7 @@ void Simulation::book_energy(const Balance& before) {
 }
 
 double Simulation::residual_share(const EnergyLedger& e) {
-    return residual(e) / book_scale(state_.energy);
+    return residual(e) / energy_scale(state_.energy);
 }
 
 void Simulation::renew_air() {

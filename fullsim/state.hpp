@@ -163,7 +163,7 @@ struct InflowState {
 
 /// Works since the start, as EnergyLedger signs them. The central difference scheme books them from half step
 /// to half step: a work up to `time` is the booked one plus half a step of the last power.
-struct EnergyBook {
+struct EnergyTotals {
     double kinetic_start = 0.0, elastic_start = 0.0;                              // [J]
     double gravity_work = 0.0, drag_work = 0.0, damping = 0.0, added_mass = 0.0;  // [J] to time - dt/2
     double gravity_power = 0.0, drag_power = 0.0, damping_power = 0.0;            // [W] in the last step
@@ -172,7 +172,7 @@ struct EnergyBook {
     double ramp = 0.0;                                 // [J] see EnergyLedger
     bool weighs = false;         // whether a step is to say the kinetic energy that it began with,
     double kinetic = 0.0;        // [J] which is this
-    double changed_hands = 0.0;  // [J] most so far, see book_scale
+    double changed_hands = 0.0;  // [J] most so far, see energy_scale
 };
 
 /// The larger of both; once either is not a number, neither is the answer.
@@ -228,7 +228,7 @@ struct SystemState {
     NodeSums sums;
     AeroState air;
     InflowState inflow;  ///< where filling is predicted
-    EnergyBook energy;
+    EnergyTotals energy;
     double accretion_power = 0.0;     ///< [W] of the force that brings new air to speed
     double damping_power = 0.0;       ///< [W] dissipated now
     double external_power = 0.0;      ///< [W] of forces from outside the system now

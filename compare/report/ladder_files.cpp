@@ -82,7 +82,7 @@ Json level_json(const LevelResult& result) {
 
 std::string ladder_csv(const Ladder& ladder) {
     Table table;
-    table.add_words({"rung", "family", "fidelity", "physics", "setting", "status"}, "-");
+    table.add_words({"level", "family", "fidelity", "physics", "setting", "status"}, "-");
     table.add_words({"runs", "seeds"}, "1");
     table.add_words({"wall_time"}, "s");
     table.add_words({"steps", "rhs_calls"}, "1");

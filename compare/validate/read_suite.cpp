@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array evidences{Evidence::exact, Evidence::printed, Evidence::measured, Evidence::made_up};
+constexpr std::array evidences{Evidence::exact, Evidence::printed, Evidence::measured, Evidence::synthetic};
 
 std::string toml_text(const toml::node& node) {
     std::ostringstream text;

@@ -16,8 +16,8 @@ std::string_view evidence_name(Evidence evidence) {
             return "printed";
         case Evidence::measured:
             return "measured";
-        case Evidence::made_up:
-            return "made-up";
+        case Evidence::synthetic:
+            return "synthetic";
     }
     return "unknown";
 }
@@ -30,7 +30,7 @@ std::string_view agreement_word(Evidence evidence) {
             return "reproduced";
         case Evidence::measured:
             return "validated";
-        case Evidence::made_up:
+        case Evidence::synthetic:
             return "met";
     }
     return "unknown";

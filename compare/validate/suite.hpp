@@ -20,10 +20,10 @@ enum class Evidence {
     exact,     ///< closed forms and independent integrations of the same equations
     printed,   ///< results of the method that a paper prints
     measured,  ///< test data
-    made_up    ///< numbers that nobody measured, to show or to test the format
+    synthetic  ///< numbers that nobody measured, to show or to test the format
 };
 
-std::string_view evidence_name(Evidence evidence);   ///< "exact", "printed", "measured", "made-up"
+std::string_view evidence_name(Evidence evidence);   ///< "exact", "printed", "measured", "synthetic"
 std::string_view agreement_word(Evidence evidence);  ///< "verified", "reproduced", "validated", "met"
 
 /// One number that a case should give.

@@ -84,19 +84,19 @@ TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double
 void finish_step(State& state, const NodeConstants& c, const StepSums& sums, double kick, double dt,
                  double line_dt, double next_added_mass) {
     store_sums(state, c, sums);
-    EnergyBook& book = state.energy;
-    book.drag_power = sum3(sums.drag_power);
-    book.gravity_power = -c.gravity * sums.momentum[2];
-    book.damping_power = state.damping_power + sums.line_damping_power;
-    book.drag_work += kick * book.drag_power;
-    book.gravity_work += kick * book.gravity_power;
-    book.damping += kick * state.damping_power + sums.line_damping;
-    book.external_power = state.external_power;
-    book.external_work += kick * book.external_power;
-    book.air_loss_power = state.inflow.loss;
-    book.air_loss += kick * book.air_loss_power;
-    book.kinetic = sums.kinetic;
-    book.added_mass +=
+    EnergyTotals& totals = state.energy;
+    totals.drag_power = sum3(sums.drag_power);
+    totals.gravity_power = -c.gravity * sums.momentum[2];
+    totals.damping_power = state.damping_power + sums.line_damping_power;
+    totals.drag_work += kick * totals.drag_power;
+    totals.gravity_work += kick * totals.gravity_power;
+    totals.damping += kick * state.damping_power + sums.line_damping;
+    totals.external_power = state.external_power;
+    totals.external_work += kick * totals.external_power;
+    totals.air_loss_power = state.inflow.loss;
+    totals.air_loss += kick * totals.air_loss_power;
+    totals.kinetic = sums.kinetic;
+    totals.added_mass +=
         kick * state.accretion_power + 0.5 * (next_added_mass - state.added_mass) * sums.share_square;
     state.added_mass = next_added_mass;
     state.damping_power = state.accretion_power = state.external_power = 0.0;

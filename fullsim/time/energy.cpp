@@ -30,23 +30,24 @@ double elastic_energy(const State& state, const ForceModels& structure) {
     return total;
 }
 
-double book_scale(EnergyBook& book) {
+double energy_scale(EnergyTotals& totals) {
     // At rest nothing has changed hands yet, and what does not add up is rounding.
     constexpr double energy_of_rounding = 1e-6;  // [J] more than elements at rest have from rounded positions
-    const double now = energy_of_rounding + book.kinetic_start + book.elastic_start +
-                       std::abs(book.gravity_work) + std::abs(book.drag_work) + std::abs(book.external_work);
-    book.changed_hands = std::max(book.changed_hands, now);
-    return book.changed_hands;
+    const double now = energy_of_rounding + totals.kinetic_start + totals.elastic_start +
+                       std::abs(totals.gravity_work) + std::abs(totals.drag_work) +
+                       std::abs(totals.external_work);
+    totals.changed_hands = std::max(totals.changed_hands, now);
+    return totals.changed_hands;
 }
 
 void start_anew(State& state) {
-    EnergyBook& book = state.energy;
+    EnergyTotals& totals = state.energy;
     const double half = 0.5 * state.dt;
-    book.gravity_work += half * book.gravity_power;
-    book.drag_work += half * book.drag_power;
-    book.damping += half * book.damping_power;
-    book.external_work += half * book.external_power;
-    book.air_loss += half * book.air_loss_power;
+    totals.gravity_work += half * totals.gravity_power;
+    totals.drag_work += half * totals.drag_power;
+    totals.damping += half * totals.damping_power;
+    totals.external_work += half * totals.external_power;
+    totals.air_loss += half * totals.air_loss_power;
     state.dt = state.line_dt = 0.0;
     for (std::size_t i = 0; i < state.node.size(); ++i)
         state.v_half[i].value = state.node[i].v;
@@ -61,17 +62,17 @@ double residual(const EnergyLedger& e) {
 namespace {
 
 /// half: [s] from the middle of the last kick, up to which works are booked, to the time of the balance.
-EnergyLedger balance(const EnergyBook& book, double half, double kinetic, double elastic) {
+EnergyLedger balance(const EnergyTotals& totals, double half, double kinetic, double elastic) {
     EnergyLedger ledger;
-    ledger.kinetic = kinetic - book.kinetic_start;
-    ledger.elastic = elastic - book.elastic_start;
-    ledger.gravity_work = book.gravity_work + half * book.gravity_power;
-    ledger.drag_work = book.drag_work + half * book.drag_power;
-    ledger.damping = book.damping + half * book.damping_power;
-    ledger.added_mass = book.added_mass;
-    ledger.ramp = book.ramp;
-    ledger.external_work = book.external_work + half * book.external_power;
-    ledger.air_loss = book.air_loss + half * book.air_loss_power;
+    ledger.kinetic = kinetic - totals.kinetic_start;
+    ledger.elastic = elastic - totals.elastic_start;
+    ledger.gravity_work = totals.gravity_work + half * totals.gravity_power;
+    ledger.drag_work = totals.drag_work + half * totals.drag_power;
+    ledger.damping = totals.damping + half * totals.damping_power;
+    ledger.added_mass = totals.added_mass;
+    ledger.ramp = totals.ramp;
+    ledger.external_work = totals.external_work + half * totals.external_power;
+    ledger.air_loss = totals.air_loss + half * totals.air_loss_power;
     const double scale = std::abs(ledger.drag_work);
     ledger.residual_fraction = scale > 0.0 ? residual(ledger) / scale : 0.0;
     return ledger;
@@ -84,9 +85,9 @@ EnergyLedger energy_ledger(const State& state, double kinetic, double elastic) {
 }
 
 EnergyLedger ledger_before(const State& state, double elastic, double turning, double added_mass) {
-    EnergyBook book = state.energy;
-    book.added_mass = added_mass;
-    return balance(book, -0.5 * state.dt, book.kinetic + turning, elastic);
+    EnergyTotals totals = state.energy;
+    totals.added_mass = added_mass;
+    return balance(totals, -0.5 * state.dt, totals.kinetic + turning, elastic);
 }
 
 }  // namespace twinchute::fullsim

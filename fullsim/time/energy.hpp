@@ -23,7 +23,7 @@ double elastic_energy(const State& state, const ForceModels& structure);
 EnergyLedger energy_ledger(const State& state, double kinetic, double elastic);
 
 /// Energy balance at the beginning of the step that led to `state`, exactly as the central difference scheme
-/// has it: the step was asked to weigh what moves (EnergyBook). With b the velocity half a step before the
+/// has it: the step was asked to weigh what moves (EnergyTotals). With b the velocity half a step before the
 /// time and a the acceleration at it, forces linear in the positions conserve 1/2 m b (b + dt a) + elastic
 /// energy to the last bit, however long the step. elastic, turning, added_mass: [J] stored in blocks, in the
 /// rotation of a body and in the ledger then.
@@ -32,7 +32,7 @@ EnergyLedger ledger_before(const State& state, double elastic, double turning, d
 /// [J] What a residual is held against: the energy at the start with the works of gravity, drag and forces
 /// from outside, in sum the most that they have been so far. Works swing back, and what has changed hands
 /// has.
-double book_scale(EnergyBook& book);
+double energy_scale(EnergyTotals& totals);
 
 /// Books up to state.time; the next step starts from positions and velocities of that time. For masses that
 /// change at once: half a step's velocity of a light node is not that of a heavy one.

@@ -96,7 +96,7 @@ NextStep StepControl::next(State& state, double end, const StepInputs& inputs) {
 
 bool StepControl::watches_impacts(SystemState& state, bool checked) const {
     return impacts_count(state) && (checked || (state.step % steps_between_looks == 0 && impacts_.alert()) ||
-                                    impacts_.is_due(state.energy.damping, book_scale(state.energy)));
+                                    impacts_.is_due(state.energy.damping, energy_scale(state.energy)));
 }
 
 void StepControl::watch_impacts(double used_up, double damping) {

@@ -12,7 +12,7 @@
 
 namespace twinchute::test {
 
-using fullsim::BlockClock, fullsim::EnergyBook, fullsim::ForceModels, fullsim::Layout,
+using fullsim::BlockClock, fullsim::EnergyTotals, fullsim::ForceModels, fullsim::Layout,
     fullsim::EnergiesAndStrains, fullsim::NodeConstants, fullsim::CriticalSteps, fullsim::State,
     fullsim::to_vec3;
 
@@ -84,7 +84,7 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     close(reference.stable.all, other.stable.all, reference.stable.all, "critical time step");
     close(reference.stable.canopy, other.stable.canopy, reference.stable.canopy, "of the canopy");
     close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
-    const EnergyBook &rb = reference.in_subcycles.energy, &ob = other.in_subcycles.energy;
+    const EnergyTotals &rb = reference.in_subcycles.energy, &ob = other.in_subcycles.energy;
     const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * (largest + of_strains);
     close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
     close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");

@@ -86,7 +86,7 @@ TEST_F(SystemValidate, TheAnswerIsTheSameOnAnyNumberOfThreads) {
     here_.write("s.toml", R"(schema = 1
 name = "seeds"
 title = "Seeds"
-evidence = "made-up"
+evidence = "synthetic"
 [[case]]
 name = "coarse"
 base = "c9-inflation.toml"

@@ -123,7 +123,7 @@ TEST(ValidateSuite, EveryShippedSuiteIsFoundAndRead) {
         EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
     for (const std::string& name : names)
         EXPECT_EQ(read_suite(suite_file(name)).name, name);
-    EXPECT_EQ(read_suite(suite_file("example/own-test")).evidence, Evidence::made_up);
+    EXPECT_EQ(read_suite(suite_file("example/own-test")).evidence, Evidence::synthetic);
     EXPECT_THROW(suite_file("closed-form"), SceneError);
     EXPECT_THROW(suite_file("../scenes/c9-inflation"), SceneError);
 }

@@ -104,7 +104,7 @@ struct GoreAdvance {
     /// lines, and keep its acceleration in `aero` for their subcycles.
     bool together = true;
     double first_kick = 0.0;                   ///< [s] of the first subcycle, for the works
-    bool weighs = false;                       ///< as EnergyBook
+    bool weighs = false;                       ///< as EnergyTotals
     double last_dt = 0.0, last_line_dt = 0.0;  ///< [s] of the step before, and of its last subcycle
     double kick = 0.0, dt = 0.0;               ///< [s] between half steps, and of the step
     double gravity = 0.0;                      ///< [m/s^2]

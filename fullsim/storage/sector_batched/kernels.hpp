@@ -124,7 +124,7 @@ struct SectorAdvance {
     double kick = 0.0, dt = 0.0;  ///< [s] between half steps, and of the step
     Subcycle first;
     bool only = true;                          ///< a step of one subcycle
-    bool weighs = false;                       ///< as EnergyBook
+    bool weighs = false;                       ///< as EnergyTotals
     double last_dt = 0.0, last_line_dt = 0.0;  ///< [s] of the step before, and of its last subcycle
     double gravity = 0.0;                      ///< [m/s^2]
     double added_mass = 0.0;                   ///< [kg] of the whole canopy, by share, as all of these:

@@ -60,7 +60,7 @@ struct Advance {
     std::size_t first_aero = 0;             ///< nodes before it have nothing in `aero`
     double added_mass = 0.0;                ///< [kg] by share
     double kick = 0.0, dt = 0.0;            ///< [s] between half steps, and of the step
-    bool weighs = false;                    ///< as EnergyBook
+    bool weighs = false;                    ///< as EnergyTotals
     double last_dt = 0.0;                   ///< [s] of the step before
     double gravity = 0.0;                   ///< [m/s^2]
     double pressure = 0.0;                  ///< [Pa] on `push`
