@@ -140,14 +140,14 @@ struct InflowState {
     /// Q at the beginning of a step; dt [s] of the step before. Velocities have been extrapolated by half of
     /// that step: of its acceleration there is as much more, and half a step less of the one before.
     ///
-    /// A mean over ten steps, and one that makes up for its lag: fabric and lines that ring at the bound of
+    /// A mean over five steps, and one that makes up for its lag: fabric and lines that ring at the bound of
     /// the step, answered a step later at full strength, would ring louder. A step that an event cuts short
     /// says little.
     void note_displaced(double now, double dt) {
         const double by_pressure =
             mobility * ((dt + 0.5 * last_dt) * past_pressure[0] - 0.5 * last_dt * past_pressure[1]);
         if (dt > 0.0) {
-            const double newest = 0.1 / std::max(dt, last_dt);
+            const double newest = 0.2 / std::max(dt, last_dt);
             mean_pull += newest * (now - displaced - by_pressure - dt * mean_pull);
             mean_of_means += newest * dt * (mean_pull - mean_of_means);
             other_pull = 2.0 * mean_pull - mean_of_means;
