@@ -15,6 +15,7 @@
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/rom_command.hpp"
 #include "rom/size/size_command.hpp"
+#include "study/calibrate/calibrate_command.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
         rom::rom_command(full),
         fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         rom::size_command(),
+        study::calibrate_command(rom),
         compare::report_command(full, rom),
         compare::ladder_command({&rom, &full}),
         compare::stability_command(full, rom),

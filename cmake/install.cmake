@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS twinchute)
-install(DIRECTORY lib rom fullsim compare DESTINATION ${TWINCHUTE_INCLUDE_DIR} FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY lib rom fullsim compare study DESTINATION ${TWINCHUTE_INCLUDE_DIR} FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY data/ DESTINATION ${TWINCHUTE_DATA_DIR})
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

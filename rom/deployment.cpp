@@ -225,14 +225,15 @@ private:
                       (model_.phase == DeploymentPhase::static_line ? 0.0 : model_.pack_drag_area);
         r.dynamic_pressure = 0.5 * model_.atmosphere.at(m.altitude()).density *
                              airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind).squaredNorm();
-        r.acceleration = model_.payload_acceleration(t, m, s).norm();
+        const Vec<dimensions> acceleration = model_.payload_acceleration(t, m, s);
+        r.acceleration = acceleration.norm();
+        r.specific_force = (acceleration + model_.gravity * Vec<dimensions>::Unit(dimensions - 1)).norm();
         r.separation = s.length();
         if (several_) {
             const LargestPull pull = largest_pull<dimensions>(
-                sequence_,
-                {t, model_.atmosphere.at(m.altitude()).density, model_.gravity, model_.mach_number(m),
-                 model_.added_mass, false, airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind),
-                 model_.payload_acceleration(t, m, s)});
+                sequence_, {t, model_.atmosphere.at(m.altitude()).density, model_.gravity,
+                            model_.mach_number(m), model_.added_mass, false,
+                            airspeed_of<dimensions>(m.velocity, m.altitude(), model_.wind), acceleration});
             const double own = model_.tension(s) / chute_.count;  // alike, and drawn out together
             const auto leaving = std::ranges::find(sequence_.all(), *sequence_.leaves_pack(), &Canopy::index);
             r.canopies = pull.canopies + (own > 0.0 ? chute_.count : 0);

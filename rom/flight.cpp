@@ -248,6 +248,8 @@ private:
         }
         r.dynamic_pressure = 0.5 * loads.density * loads.airspeed.squaredNorm();
         r.acceleration = loads.acceleration.norm();
+        r.specific_force =
+            (loads.acceleration + model_.gravity * Vec<dimensions>::Unit(dimensions - 1)).norm();
         r.separation = separation_;
         r.added_mass = loads.added_mass;
         if (predicted_) add_air_within(r);

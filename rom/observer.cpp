@@ -10,6 +10,8 @@ namespace twinchute::rom {
 void Observer::mark(double t, std::span<const double> y) {
     rows_.push_back(row_of_(t, y));
     consider(rows_.back());
+    for (; !sample_times_.empty() && sample_times_.front() <= t; sample_times_ = sample_times_.subspan(1))
+        if (sample_times_.front() == t) samples_.push_back(rows_.back());
 }
 
 void Observer::step(const OdeSolver& solver) {
@@ -26,6 +28,8 @@ void Observer::step(const OdeSolver& solver) {
         rows_.push_back(i < pieces ? at(a + (b - a) * i / pieces) : row_of_(b, solver.state()));
         consider(rows_.back());
     }
+    for (; !sample_times_.empty() && sample_times_.front() <= b; sample_times_ = sample_times_.subspan(1))
+        samples_.push_back(at(sample_times_.front()));
     for (std::size_t i = 0; i < watched_; ++i)
         refine(peaks_[i], before[i], a, b, at);
 }

@@ -17,10 +17,11 @@ struct HistoryRow {
     double time, altitude, vertical_speed, speed;  // of the payload
     double east, north;                            // [m] from the release; downrange in a plane
     double force, drag_area, dynamic_pressure, added_mass, acceleration;
-    double separation;    // [m] of payload and parachute, packed starts only
-    double canopy_force;  // [N] of the canopy that pulls most; several canopies only
-    std::size_t canopy;   // which it is, of OpeningSequence::all()
-    int canopies;         // that pull; several canopies only
+    double specific_force;  // [m/s^2] acceleration less gravity: what an accelerometer on the payload reads
+    double separation;      // [m] of payload and parachute, packed starts only
+    double canopy_force;    // [N] of the canopy that pulls most; several canopies only
+    std::size_t canopy;     // which it is, of OpeningSequence::all()
+    int canopies;           // that pull; several canopies only
     // Air in the first canopy whose filling is predicted: [m^3] in it, [m^2] of its mouth, speed of the air
     // that enters over that of the mouth [-].
     double volume, mouth_area, inflow;
@@ -34,6 +35,10 @@ public:
     void watch(RowOf row_of) { row_of_ = std::move(row_of); }
     /// Follows the largest force of a single canopy, too.
     void watch_canopies() { watched_ = peaks_.size(); }
+
+    /// Takes rows at these times [s], too, which rise, as far as the run comes; none before it begins.
+    void sample(std::span<const double> times) { sample_times_ = times; }
+    const std::vector<HistoryRow>& samples() const { return samples_; }
 
     /// A point where a stage begins or ends; the force may jump there.
     void mark(double t, std::span<const double> y);
@@ -76,6 +81,8 @@ private:
 
     RowOf row_of_;
     std::vector<HistoryRow> rows_;
+    std::span<const double> sample_times_;  // those that are still to come
+    std::vector<HistoryRow> samples_;
     std::vector<double> buffer_;
     enum Followed { of_force, of_acceleration, of_canopy_force };
     std::array<Peak, 3> peaks_{{{&HistoryRow::force, {0.0, -1.0}},

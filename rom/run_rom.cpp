@@ -186,8 +186,29 @@ void add_bracket(RunRecord& record, const Scene& scene, const OpeningResult& res
     }
 }
 
+/// The record of Run::samples.
+template <int dimensions>
+RunRecord sample_in(const Scene& scene, Run& run) {
+    RunRecord record;
+    record.fidelity = "rom";
+    RunContext context(scene, run, record);
+    context.observer.sample(run.samples);
+    OpeningResult result;
+    OpeningSequence sequence(scene);
+    Openings openings(scene, context, sequence, result);
+    record.status = fly<dimensions>(scene, context, sequence, openings);
+    note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
+    const std::vector<HistoryRow>& rows = context.observer.samples();
+    add_channels(record, rows, scene, dimensions);
+    Channel& specific = record.channels.emplace_back("specific_force", "m/s^2", std::vector<double>{});
+    for (const HistoryRow& row : rows)
+        specific.values.push_back(row.specific_force);
+    return record;
+}
+
 template <int dimensions>
 RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
+    if (!run.samples.empty()) return sample_in<dimensions>(scene, run);
     RunRecord record = begin_record(scene, "rom");
     const Stopwatch watch;
     RunContext context(scene, run, record);
@@ -237,8 +258,8 @@ RunRecord run_rom(const Scene& scene, Run& run) {
 }
 
 const Fidelity& rom_fidelity() {
-    static constexpr Fidelity row{"rom",    "reduced-order model", &run_rom, &unsupported_keys, false, false,
-                                  &plan_rom};
+    static constexpr Fidelity row{
+        "rom", "reduced-order model", &run_rom, &unsupported_keys, false, false, &plan_rom, false, true};
     return row;
 }
 

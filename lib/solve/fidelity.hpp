@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -46,6 +47,10 @@ struct Run {
     /// way: the answer is the same but for rounding. For checks; no scene asks for it.
     bool force_unstructured = false;
     Checkpoints checkpoints = {};
+    /// [s] since release, rising. Where there are some, the record has its channels at these times alone, as
+    /// far as the run comes, with the specific force among them, and neither metrics nor inputs: for who runs
+    /// a model thousands of times. Of fidelities that say so.
+    std::span<const double> samples = {};
 };
 
 struct Fidelity {
@@ -60,6 +65,7 @@ struct Fidelity {
     /// Plan of a run: what the scene would need and cost; may be null. Throws SceneError.
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
+    bool gives_samples = false;      ///< it takes Run::samples
 };
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs

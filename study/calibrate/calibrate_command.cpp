@@ -1,0 +1,92 @@
+#include "study/calibrate/calibrate_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "lib/cli/interrupt.hpp"
+#include "lib/cli/output_dir.hpp"
+#include "lib/cli/scene_command.hpp"
+#include "lib/cli/text.hpp"
+#include "lib/record/file_batch.hpp"
+#include "lib/record/record_json.hpp"
+#include "study/calibrate/calibration_files.hpp"
+
+namespace twinchute::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
+    if (!arguments.has("to"))
+        throw UsageError("--to is missing (it names the test that inputs are fitted to), e.g. --to drop.csv");
+    CalibrationSettings settings;
+    for (const std::string& text : arguments.values("vary"))
+        settings.vary.push_back(read_vary(text));
+    const std::vector<Scene> scenes = scenes_of(arguments);
+    const Scene& scene = scenes.front();
+    if (!scene.case_name.empty())
+        throw UsageError(
+            fmt::format("{}: a series of {} cases where one scene is wanted (tests are of one canopy), "
+                        "write a scene without [[case]]",
+                        scene.file.string(), scenes.size()));
+    require_physics(scene, rom, {});
+    std::vector<DropTest> tests;
+    for (const std::string& name : arguments.values("to"))
+        tests.push_back(read_drop_test(name, scene));
+    if (arguments.has("check")) {
+        say_valid(scenes, arguments);
+        return ExitCode::done;
+    }
+    const fs::path directory =
+        arguments.value("out").value_or(default_output_dir(arguments.operand).string());
+    check_output_dir(directory);
+    const Interrupt interrupt;
+    settings.stop = interrupt.token();
+    const SceneWith scene_with = [&](const std::vector<std::string>& more) {
+        return scenes_of(arguments, more).front();
+    };
+    const Calibration calibration = calibrate(scene_with, tests, rom, settings);
+    if (calibration.interrupted) return ExitCode::interrupted;  // half a fit says nothing
+
+    FileBatch batch;
+    const std::string json = calibration_json(calibration, scene, tests);
+    batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
+    batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
+    batch.add(directory / "calibration.json", json, FileBatch::Kind::marker);
+    batch.commit();
+    if (arguments.has("json"))
+        print(json);
+    else if (!arguments.has("quiet"))
+        print(calibration_text(calibration, scene, tests, output_style()) +
+              fmt::format("scene     {}\nreport    {}\n", printable((directory / "calibrated.toml").string()),
+                          printable((directory / "report.html").string())));
+    return calibration.is_consistent() ? ExitCode::done : ExitCode::verdict;
+}
+
+}  // namespace
+
+Command calibrate_command(const Fidelity& rom) {
+    Command command;
+    command.name = "calibrate";
+    command.summary = "inputs of a scene from tests, with their uncertainty";
+    command.operand = "SCENE";
+    command.example =
+        "twinchute calibrate data/calibration/c9-drop.toml --to data/calibration/c9-drop-a.toml";
+    command.options = scene_options("write the results there instead of ./<scene file>.out");
+    command.options.insert(
+        command.options.begin(),
+        {{"to", "FILE",
+          "test to fit to: a CSV file, a TOML file that describes a test, or the directory of a record",
+          true},
+         {"vary", "KEY[=LO..HI]",
+          "fit this input, inside these bounds, in place of fill constant, drag area and initial drag-area "
+          "ratio",
+          true}});
+    command.run = [&rom](const Arguments& arguments) { return run_calibrate(arguments, rom); };
+    return command;
+}
+
+}  // namespace twinchute::study

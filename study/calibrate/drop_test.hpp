@@ -1,0 +1,71 @@
+// A test to calibrate to: histories and scalars that were measured, with their uncertainty and the instrument
+// that they came through.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lib/record/metrics.hpp"
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::study {
+
+/// A history that a test may have, and the channel of a run that it is held against.
+struct HistoryKind {
+    std::string_view name;     ///< of its column
+    std::string_view channel;  ///< of a run
+    std::string_view unit;     ///< SI
+    std::string_view title;
+    bool is_load;  ///< a wrong scale of its sensor can be told from the rest
+};
+std::span<const HistoryKind> history_kinds();
+const HistoryKind* find_history_kind(std::string_view name);
+
+struct MeasuredHistory {
+    const HistoryKind* kind = nullptr;
+    std::vector<double> time;         ///< [s] on the clock of the test
+    std::vector<double> value;        ///< [SI]
+    std::optional<double> sigma;      ///< [SI] standard uncertainty of a reading; absent: from the residuals
+    std::optional<double> bandwidth;  ///< [Hz] of a filter of first order; absent: none
+    double largest() const;           ///< by size
+};
+
+struct MeasuredScalar {
+    const MetricRow* row = nullptr;
+    double value = 0.0, sigma = 0.0;  ///< in the row's unit
+};
+
+/// What is believed of an input before the test: normal, beside its bounds.
+struct Prior {
+    std::string key;
+    double mean = 0.0, sigma = 0.0;
+};
+
+struct DropTest {
+    std::string name;                     ///< as given
+    std::vector<std::string> conditions;  ///< "key=value" that hold in this test alone
+    bool clock_known = false;             ///< time counts from release, exactly
+    bool is_record = false;               ///< of another model: what is left over is a gap, no noise
+    std::vector<MeasuredHistory> histories;
+    std::vector<MeasuredScalar> scalars;
+    std::vector<Prior> priors;
+    std::vector<std::string> notes;  ///< what was left aside
+    std::string sha256;              ///< of the file
+};
+
+/// Reads what --to names: a CSV file, a TOML file that describes a test, or the directory of a record.
+/// `scene`: for the elevation of its ground. Throws SceneError, RecordError or UsageError.
+DropTest read_drop_test(const std::string& name, const Scene& scene);
+
+/// Reads the text of a CSV file.
+DropTest read_drop_test_csv(std::string_view text, const std::string& file, const Scene& scene);
+/// Reads the text of a TOML file; `directory`: where files that it names lie.
+DropTest read_drop_test_toml(std::string_view text, const std::string& file,
+                             const std::filesystem::path& directory, const Scene& scene);
+
+}  // namespace twinchute::study

@@ -1,0 +1,36 @@
+// A scene with other values of a few keys, thousands of times.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lib/scene/scene.hpp"
+
+namespace twinchute::study {
+
+/// Reads the scene with more overrides, each "key=value".
+using SceneWith = std::function<Scene(const std::vector<std::string>& more)>;
+
+/// Values of keys go straight into a scene that was read once, where that gives what reading gives: found out
+/// at the first value of each. Otherwise the scene is read again each time.
+class VariedScene {
+public:
+    /// `probe`: a value of each key, other than the scene's own. Throws SceneError.
+    VariedScene(SceneWith scene_with, std::vector<std::string> keys, const std::vector<double>& probe);
+
+    /// Throws SceneError for values that are out of range or do not fit together, where it reads.
+    Scene at(std::span<const double> values) const;
+    /// The same by reading, with all that a record says of its inputs. Throws SceneError.
+    Scene read(std::span<const double> values) const;
+    bool is_quick() const { return quick_; }
+
+private:
+    SceneWith scene_with_;
+    std::vector<std::string> keys_;
+    Scene base_;  ///< without inputs and warnings
+    bool quick_ = false;
+};
+
+}  // namespace twinchute::study

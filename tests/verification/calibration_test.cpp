@@ -1,0 +1,191 @@
+// Inputs that are known come back from drops that were made with them, and what is wrong with a test is
+// named.
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_drop.hpp"
+
+namespace twinchute::test {
+namespace {
+
+using study::Calibration;
+using study::Parameter;
+
+constexpr const char *fill_constant = "parachute.fill_time.n", *drag_area = "parachute.drag_area",
+                     *initial_ratio = "parachute.initial_drag_area_ratio";
+
+bool any_finding_says(const Calibration& calibration, const std::string& words) {
+    return std::ranges::any_of(calibration.findings, [&](const study::Finding& f) {
+        return (f.what + f.why).find(words) != std::string::npos;
+    });
+}
+
+std::string what_is_found(const Calibration& calibration) {
+    std::string text;
+    for (const study::Finding& f : calibration.findings)
+        text += f.what + " (" + f.why + ")\n";
+    for (const Parameter& p : calibration.parameters)
+        text += p.unknown.name + " " + std::to_string(p.estimate) + (p.held ? " held " : " ") + p.why + "\n";
+    return text;
+}
+
+void expect_holds(const Calibration& calibration, const char* key, double truth) {
+    const Parameter* p = calibration.find(key);
+    ASSERT_NE(p, nullptr) << key;
+    EXPECT_TRUE(p->identified) << key << ": " << p->why;
+    EXPECT_LE(p->interval.low, truth) << key;
+    EXPECT_GE(p->interval.high, truth) << key;
+}
+
+/// Not far wider than it has to be, either.
+void expect_narrow(const Calibration& calibration, const char* key, double share) {
+    const Parameter* p = calibration.find(key);
+    EXPECT_LT((p->interval.high - p->interval.low) / p->estimate, share) << key;
+}
+
+// The truth that a fit of one number once missed by a fifth: n = 5.5, 39 m^2, 0.06.
+TEST(CalibrationOfASyntheticDrop, GivesTheTruthBack) {
+    const Calibration calibration = calibrated({SyntheticDrop{}.test()});
+    expect_holds(calibration, fill_constant, 5.5);
+    expect_holds(calibration, drag_area, 39.0);
+    expect_holds(calibration, initial_ratio, 0.06);
+    expect_narrow(calibration, fill_constant, 0.02);
+    expect_narrow(calibration, drag_area, 0.1);
+    expect_narrow(calibration, initial_ratio, 0.1);
+    EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
+}
+
+TEST(CalibrationOfASyntheticDrop, FindsTheClockAsWell) {
+    SyntheticDrop drop;
+    drop.offset = -0.7;
+    const Calibration calibration = calibrated({drop.test(false)});
+    expect_holds(calibration, fill_constant, 5.5);
+    expect_holds(calibration, drag_area, 39.0);
+    expect_holds(calibration, initial_ratio, 0.06);
+    expect_holds(calibration, study::clock_offset, -0.7);
+    EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
+}
+
+TEST(CalibrationOfASyntheticDrop, LearnsTheNoiseWhereNobodyStatesIt) {
+    study::DropTest test = SyntheticDrop{}.test();
+    const double sigma = *test.histories[0].sigma;
+    test.histories[0].sigma.reset();
+    const Calibration calibration = calibrated({test});
+    expect_holds(calibration, fill_constant, 5.5);
+    // 600 readings know a standard deviation to 3 %.
+    EXPECT_NEAR(calibration.histories[0].noise.sigma / sigma, 1.0, 0.1);
+}
+
+// Without its filter the model would lead the readings by 8 ms at 20 Hz, which a fit takes for a longer
+// filling: 0.008 s of 2.2 s are ten times what 0.1 % of noise leaves open.
+TEST(CalibrationOfASyntheticDrop, NeedsTheFilterOfTheInstrument) {
+    SyntheticDrop drop;
+    drop.noise = 1e-3;
+    drop.bandwidth = 20.0;
+    study::DropTest test = drop.test();
+    expect_holds(calibrated({test}), fill_constant, 5.5);
+    test.histories[0].bandwidth.reset();
+    EXPECT_GT(calibrated({test}).find(fill_constant)->interval.low, 5.5);
+}
+
+TEST(CalibrationOfASyntheticDrop, ReportsWhatGoesTogether) {
+    // Before the canopy is full the clock, the fill constant and the initial ratio all shift the same rise.
+    SyntheticDrop drop;
+    drop.length = 1.6;
+    const Calibration calibration = calibrated({drop.test(false)});
+    EXPECT_FALSE(calibration.pairs.empty());
+    // One peak is the same for a slow filling from little and a quick one from much.
+    study::DropTest peak;
+    peak.name = "peak";
+    peak.clock_known = true;
+    peak.scalars.push_back({find_metric_row("peak_force"), 3900.0, 20.0});
+    peak.priors = {{fill_constant, 5.0, 1.0}, {initial_ratio, 0.06, 0.03}};
+    study::CalibrationSettings settings;
+    settings.vary = {{fill_constant, {}, {}}, {initial_ratio, {}, {}}};
+    const Calibration of_peak = calibrated({peak}, settings);
+    ASSERT_EQ(of_peak.pairs.size(), 1u) << what_is_found(of_peak);
+    EXPECT_LT(of_peak.pairs[0].correlation, -0.9);
+}
+
+// A steady descent has no filling in it.
+TEST(CalibrationOfADescent, HoldsWhatItDoesNotSee) {
+    study::DropTest test;
+    test.name = "descent";
+    test.clock_known = true;
+    test.scalars.push_back({find_metric_row("descent_rate"), 8.0, 0.1});
+    const Calibration calibration = calibrated({test});
+    EXPECT_TRUE(calibration.find(fill_constant)->held);
+    EXPECT_TRUE(calibration.find(initial_ratio)->held);
+    EXPECT_DOUBLE_EQ(calibration.find(fill_constant)->estimate, 4.0);  // the scene's
+    const Parameter* area = calibration.find(drag_area);
+    ASSERT_TRUE(area->identified) << area->why;
+    // (m_l + m_p) g = 1/2 rho C_D S w^2, and sigma(C_D S)/(C_D S) = 2 sigma(w)/w.
+    const double expected = 2.0 * (152.4 + 5.19) * 9.80665 / (1.225 * 8.0 * 8.0);
+    EXPECT_NEAR(area->estimate / expected, 1.0, 0.01);  // a rate is steady to 0.5 %
+    EXPECT_NEAR((area->interval.high - area->interval.low) / area->estimate, 2 * 1.96 * 2 * 0.1 / 8.0, 0.005);
+}
+
+TEST(CalibrationOfADescent, WeighsItsPrior) {
+    study::DropTest test;
+    test.name = "descent";
+    test.clock_known = true;
+    test.scalars.push_back({find_metric_row("descent_rate"), 8.0, 0.1});
+    test.priors.push_back({drag_area, 42.0, 1.0});
+    study::CalibrationSettings settings;
+    settings.vary = {{drag_area, {}, {}}};
+    const double alone = 2.0 * (152.4 + 5.19) * 9.80665 / (1.225 * 8.0 * 8.0),
+                 sigma = 2.0 * 0.1 / 8.0 * alone;
+    const double weight = 1.0 / (sigma * sigma);
+    EXPECT_NEAR(calibrated({test}, settings).find(drag_area)->estimate,
+                (weight * alone + 42.0) / (weight + 1.0), 0.005 * alone);
+}
+
+TEST(CalibrationFindsWhatIsWrong, TheScaleOfASensor) {
+    SyntheticDrop drop;
+    drop.scale = 1.06;
+    const Calibration calibration = calibrated({drop.test()});
+    EXPECT_TRUE(any_finding_says(calibration, "scale of the force sensor")) << what_is_found(calibration);
+}
+
+TEST(CalibrationFindsWhatIsWrong, AClockThatIsSaidToBeKnown) {
+    SyntheticDrop drop;
+    drop.offset = 0.2;
+    const Calibration calibration = calibrated({drop.test()});
+    EXPECT_TRUE(any_finding_says(calibration, "clock looks wrong")) << what_is_found(calibration);
+}
+
+TEST(CalibrationFindsWhatIsWrong, AnotherCanopy) {
+    SyntheticDrop drop;
+    drop.more = {"parachute.drag_area_law=power-1"};
+    drop.drag_area = 60.0;
+    const Calibration calibration = calibrated({drop.test()});
+    EXPECT_TRUE(any_finding_says(calibration, "another shape")) << what_is_found(calibration);
+    EXPECT_FALSE(any_finding_says(calibration, "scale of the force sensor"));
+}
+
+TEST(CalibrationOfSeveralDrops, TellsScatterFromNoise) {
+    std::vector<study::DropTest> alike, apart;
+    for (const double n : {5.0, 5.5, 6.0}) {
+        SyntheticDrop drop;
+        drop.seed = static_cast<unsigned long>(10 * n);
+        alike.push_back(drop.test());
+        drop.n = n;
+        apart.push_back(drop.test());
+    }
+    const Parameter one = *calibrated(alike).find(fill_constant),
+                    other = *calibrated(apart).find(fill_constant);
+    EXPECT_LT(*one.scatter, 0.005);
+    EXPECT_NEAR(*other.scatter, 0.5 / 5.5, 0.02);  // standard deviation of 5, 5.5 and 6
+    EXPECT_GT(other.interval.high - other.interval.low, 3.0 * (one.interval.high - one.interval.low));
+}
+
+TEST(CalibrationOfASyntheticDrop, IsTheSameAgain) {
+    const Calibration one = calibrated({SyntheticDrop{}.test()}),
+                      other = calibrated({SyntheticDrop{}.test()});
+    for (std::size_t i = 0; i < one.parameters.size(); ++i) {
+        EXPECT_EQ(one.parameters[i].estimate, other.parameters[i].estimate);
+        EXPECT_EQ(one.parameters[i].interval.low, other.parameters[i].interval.low);
+    }
+}
+
+}  // namespace
+}  // namespace twinchute::test
