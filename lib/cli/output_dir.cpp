@@ -33,7 +33,7 @@ bool is_our_file(const fs::path& file) {
 }
 
 bool holds_our_file(const fs::path& directory) {
-    constexpr std::array names{"summary.json", "gap.json",       "records.json",
+    constexpr std::array names{"summary.json", "gap.json",       "records.json", "calibration.json",
                                "ladder.json",  "stability.json", "validate.json"};
     return is_checkpoint(checkpoint_file(directory)) ||
            std::ranges::any_of(names, [&](const char* name) { return is_our_file(directory / name); });
@@ -45,7 +45,7 @@ constexpr int deepest = 2;
 /// Names that the files of results have, beside a marker.
 bool is_content(const std::string& name) {
     constexpr std::array names{"history.csv", "events.csv", "frames.bin",  "fields.pvd", "force.svg",
-                               "speed.svg",   "report.md",  "report.html", "junit.xml"};
+                               "speed.svg",   "report.md",  "report.html", "junit.xml",  "calibrated.toml"};
     return std::ranges::count(names, name) > 0 || (name.starts_with("frame-") && name.ends_with(".vtu"));
 }
 

@@ -9,8 +9,8 @@ namespace twinchute {
 /// "./<stem of the scene file>.out" in the current directory, made safe by file_stem_of.
 std::filesystem::path default_output_dir(const std::filesystem::path& scene_file);
 
-/// True if a directory holds results of this program: a summary.json, gap.json or ladder.json of ours, or a
-/// checkpoint; or such directories alone, as deep as those of a series lie.
+/// True if a directory holds results of this program: a summary.json, gap.json, calibration.json or
+/// ladder.json of ours, or a checkpoint; or such directories alone, as deep as those of a series lie.
 bool is_our_output(const std::filesystem::path& directory);
 
 /// Called before anything runs. "" is the current directory. Throws UsageError for a non-empty directory that

@@ -44,14 +44,9 @@ std::vector<DropTest> thinned(const std::vector<DropTest>& tests, std::vector<st
 std::vector<FittedTest> fitted_tests(const SceneWith& scene_with, const std::vector<DropTest>& tests,
                                      const Fidelity& fidelity, const std::vector<Unknown>& unknowns) {
     std::vector<std::string> keys;
-    std::vector<double> probe;
-    for (const Unknown& unknown : unknowns) {
-        if (unknown.kind != Unknown::Kind::key) continue;
-        keys.push_back(unknown.name);
-        const FitVariable& v = unknown.variable;
-        constexpr double inside = 0.4;
-        probe.push_back(v.from_scale(v.to_scale(v.low) + inside * v.range()));
-    }
+    for (const Unknown& unknown : unknowns)
+        if (unknown.kind == Unknown::Kind::key) keys.push_back(unknown.name);
+    const std::vector<double> probe = probe_of(unknowns);
     std::vector<FittedTest> fitted;
     fitted.reserve(tests.size());
     for (const DropTest& test : tests) {

@@ -211,21 +211,23 @@ DropTest read_record_as_test(const fs::path& directory, const Scene& scene) {
     test.conditions = conditions_of(record, scene);
     test.sha256 = sha256_hex(read_text_file(place / "summary.json"));
     const double from = compare::snatch_of(record);
-    const HistoryKind* force = find_history_kind("force");
-    const auto curve = compare::curve_of(record, force->channel);
-    if (!curve)
-        throw UsageError(
-            fmt::format("'{}' has no history of the force (it is what the inputs are fitted to), "
-                        "run it again",
-                        directory.string()));
-    MeasuredHistory history{force, {}, {}, {}, {}};
-    for (std::size_t i = 0; i < curve->time.size(); ++i) {
-        const bool rises = history.time.empty() || curve->time[i] > history.time.back();
-        if (curve->time[i] < from || !rises) continue;
-        history.time.push_back(curve->time[i]);
-        history.value.push_back(curve->value[i]);
+    // The force knows when and how the canopy fills, the speed what it comes to.
+    for (const char* name : {"force", "speed"}) {
+        const HistoryKind* kind = find_history_kind(name);
+        const auto curve = compare::curve_of(record, kind->channel);
+        if (!curve)
+            throw UsageError(
+                fmt::format("'{}' has no history of the {} (inputs are fitted to it), run it again",
+                            directory.string(), name));
+        MeasuredHistory history{kind, {}, {}, {}, {}};
+        for (std::size_t i = 0; i < curve->time.size(); ++i) {
+            const bool rises = history.time.empty() || curve->time[i] > history.time.back();
+            if (curve->time[i] < from || !rises) continue;
+            history.time.push_back(curve->time[i]);
+            history.value.push_back(curve->value[i]);
+        }
+        test.histories.push_back(std::move(history));
     }
-    test.histories.push_back(std::move(history));
     return test;
 }
 

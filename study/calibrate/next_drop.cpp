@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "lib/scene/scene_error.hpp"
-#include "study/calibrate/calibration.hpp"
+#include "study/calibrate/unknowns.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -38,15 +38,15 @@ void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, co
                        const std::stop_token& stop) {
     std::vector<std::string> keys;
     std::vector<std::size_t> places;
-    std::vector<double> best, probe;
+    std::vector<double> best;
+    std::vector<Unknown> unknowns;
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {
         const Parameter& p = calibration.parameters[i];
         if (p.unknown.kind != Unknown::Kind::key) continue;
         keys.push_back(p.unknown.name);
         places.push_back(i);
         best.push_back(p.estimate);
-        const FitVariable& v = p.unknown.variable;
-        probe.push_back(v.from_scale(v.to_scale(v.low) + 0.4 * v.range()));
+        unknowns.push_back(p.unknown);
     }
     const auto count = static_cast<Eigen::Index>(places.size());
     // The next drop scatters as the tests did.
@@ -62,7 +62,7 @@ void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, co
     const Eigen::MatrixXd root =
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 
-    const VariedScene varied(scene_with, keys, probe);
+    const VariedScene varied(scene_with, keys, probe_of(unknowns));
     const auto before = run_once(scene_with({}), fidelity), after = run_once(varied.at(best), fidelity);
     if (!after) return;
     std::vector<Band> bands;

@@ -107,8 +107,8 @@ FitVariable variable_of(const Scene& scene, const Vary& vary, const Key& row) {
         v.start = std::clamp(v.start, v.low, v.high);
     }
     constexpr double margin = 1e-6;  // [-] of the range, where a bound itself is out
-    if (v.low <= row.range.low && row.range.above_low) v.low = row.range.low + margin * (v.high - v.low);
-    if (v.high >= row.range.high && row.range.below_high) v.high = row.range.high - margin * (v.high - v.low);
+    if (v.low == row.range.low && row.range.above_low) v.low = row.range.low + margin * (v.high - v.low);
+    if (v.high == row.range.high && row.range.below_high) v.high = row.range.high - margin * (v.high - v.low);
     if (!row.range.contains(v.low) || !row.range.contains(v.high) || !(v.high > v.low))
         refuse_vary(vary.key, fmt::format("{:g}..{:g} is out of its range", v.low, v.high),
                     allowed_text(row));
@@ -223,6 +223,17 @@ std::vector<Unknown> unknowns_of(const Scene& scene, const std::vector<DropTest>
         if (!tests[t].clock_known && !tests[t].histories.empty())
             unknowns.push_back(clock_unknown(t, low, high));
     return unknowns;
+}
+
+std::vector<double> probe_of(const std::vector<Unknown>& unknowns) {
+    std::vector<double> probe;
+    for (const Unknown& unknown : unknowns) {
+        if (unknown.kind != Unknown::Kind::key) continue;
+        const FitVariable& v = unknown.variable;
+        const double start = v.to_scale(v.start), middle = 0.5 * (v.to_scale(v.low) + v.to_scale(v.high));
+        probe.push_back(v.from_scale(start + (start < middle ? 0.01 : -0.01) * v.range()));
+    }
+    return probe;
 }
 
 }  // namespace twinchute::study

@@ -12,4 +12,7 @@ namespace twinchute::study {
 std::vector<Unknown> unknowns_of(const Scene& scene, const std::vector<DropTest>& tests,
                                  const std::vector<Vary>& vary);
 
+/// Values near the start, one for each key, to see what they do to a scene.
+std::vector<double> probe_of(const std::vector<Unknown>& unknowns);
+
 }  // namespace twinchute::study

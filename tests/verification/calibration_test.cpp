@@ -2,7 +2,7 @@
 // named.
 #include <gtest/gtest.h>
 
-#include "tests/support/synthetic_drop.hpp"
+#include "tests/support/calibration_coverage.hpp"
 
 namespace twinchute::test {
 namespace {
@@ -176,6 +176,16 @@ TEST(CalibrationOfSeveralDrops, TellsScatterFromNoise) {
     EXPECT_LT(*one.scatter, 0.005);
     EXPECT_NEAR(*other.scatter, 0.5 / 5.5, 0.02);  // standard deviation of 5, 5.5 and 6
     EXPECT_GT(other.interval.high - other.interval.low, 3.0 * (one.interval.high - one.interval.low));
+}
+
+// The short form of CalibrationCoverage: of 30 intervals at 95 %, fewer than 25 hold the truth in one case of
+// two hundred (binomial), and a mean of 30 is beyond 0.6 sigma in one of a thousand.
+TEST(CalibrationOfASyntheticDrop, IntervalsHoldTheTruth) {
+    for (const Coverage& one : coverage_of(30, 1)) {
+        EXPECT_GE(one.identified, 27) << one.parameter;
+        EXPECT_GE(one.held_truth, one.identified - 5) << one.parameter;
+        EXPECT_LT(std::abs(one.bias), 0.6) << one.parameter;
+    }
 }
 
 TEST(CalibrationOfASyntheticDrop, IsTheSameAgain) {

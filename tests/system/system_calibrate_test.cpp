@@ -1,0 +1,169 @@
+// `twinchute calibrate` as a script sees it: files, exit codes, what is refused.
+#include "tests/support/program_test.hpp"
+#include "tests/support/python.hpp"
+
+namespace twinchute::test {
+namespace {
+
+const std::string data = TWINCHUTE_SOURCE_DIR "/data/calibration/";
+const std::string scene = data + "c9-drop.toml", drop_a = data + "c9-drop-a.toml",
+                  drop_b = data + "c9-drop-b.toml";
+const std::set<std::string> files{"out", "out/calibrated.toml", "out/calibration.json", "out/report.html"};
+
+class SystemCalibrate : public ProgramTest {
+protected:
+    static bool says(const std::string& text, std::string_view what) {
+        return text.find(what) != std::string::npos;
+    }
+    /// The complaint of a run that is refused and writes nothing.
+    std::string refusal(const Words& words) {
+        const Ended ended = run(Words{"calibrate"} + words);
+        EXPECT_EQ(ended.code, 2) << ended.out << ended.err;
+        EXPECT_EQ(ended.out, "");
+        return ended.err;
+    }
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(here_ / name) << text;
+    }
+};
+
+TEST_F(SystemCalibrate, GivesTheTruthOfTheWorkedExample) {
+    const Ended ended = run({"calibrate", scene, "--to", drop_a, "--out", "out", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(tree_of(here_.path()), files);
+    EXPECT_EQ(ended.out, text("out/calibration.json"));
+    const json found = read("out/calibration.json");
+    const std::pair<const char*, double> truths[] = {{"parachute.fill_time.n", 5.5},
+                                                     {"parachute.drag_area", 39.0},
+                                                     {"parachute.initial_drag_area_ratio", 0.06}};
+    for (const auto& [key, truth] : truths) {
+        const json& p = found["parameters"][key];
+        EXPECT_TRUE(p["identified"].get<bool>()) << key;
+        EXPECT_NEAR(p["estimate"].get<double>() / truth, 1.0, 0.04) << key;  // three standard deviations
+        EXPECT_LT(p["interval_95"][0], p["estimate"]) << key;
+        EXPECT_GT(p["interval_95"][1], p["estimate"]) << key;
+    }
+    EXPECT_TRUE(found["consistent"].get<bool>());
+    EXPECT_GT(found["cost"]["runs"].get<int>(), 100);
+}
+
+TEST_F(SystemCalibrate, WritesASceneThatRuns) {
+    ASSERT_EQ(
+        run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet", "--set", "payload.mass=152.4 kg"})
+            .code,
+        0);
+    const Ended again = run({"rom", "out/calibrated.toml", "--json"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    const json summary = json::parse(again.out), found = read("out/calibration.json");
+    const json& n = summary["inputs"]["parachute.fill_time.n"];
+    EXPECT_EQ(n["value"], found["parameters"]["parachute.fill_time.n"]["estimate"]);
+    EXPECT_TRUE(says(n["source"].get<std::string>(), "c9-drop-a.toml"));
+    EXPECT_TRUE(says(n["source"].get<std::string>(), "[grade measured]"));
+    EXPECT_EQ(summary["metrics"]["peak_force_N"], found["predictive"]["peak_force_N"]["estimate"]);
+    EXPECT_EQ(run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet"}).code, 0);  // over its own
+}
+
+TEST_F(SystemCalibrate, TakesSeveralTestsOnClocksOfTheirOwn) {
+    const Ended ended = run({"calibrate", scene, "--to", drop_a, "--to", drop_b, "--out", "out"});
+    ASSERT_EQ(ended.code, 0) << ended.err << ended.out;
+    EXPECT_TRUE(says(ended.out, "calibrated to 2 tests")) << ended.out;
+    EXPECT_TRUE(says(ended.out, "test to test")) << ended.out;
+    const json clock = read("out/calibration.json")["parameters"]["clock_offset.2"];
+    EXPECT_NEAR(clock["estimate"].get<double>(), 0.4, 0.02);  // that the file was made with
+}
+
+TEST_F(SystemCalibrate, SaysWhatDoesNotGoTogether) {
+    std::string csv = "time,force\ns,N\n", line;
+    std::ifstream lines(data + "c9-drop-a.csv");
+    for (int i = 0; std::getline(lines, line); ++i) {
+        if (i < 3) continue;
+        const std::size_t comma = line.find(',');
+        csv += line.substr(0, comma) + "," + std::to_string(1.1 * std::stod(line.substr(comma + 1))) + "\n";
+    }
+    write("scaled.csv", csv);
+    write("scaled.toml",
+          "file = \"scaled.csv\"\nclock = \"known\"\n[force]\nsigma = \"3 %\"\nbandwidth = \"50 Hz\"\n");
+    const Ended ended = run({"calibrate", scene, "--to", "scaled.toml", "--out", "out"});
+    EXPECT_EQ(ended.code, 1) << ended.out;
+    EXPECT_TRUE(says(ended.out, "scale of the force sensor looks wrong")) << ended.out;
+    EXPECT_TRUE(says(ended.out, "inconsistent")) << ended.out;
+    EXPECT_FALSE(read("out/calibration.json")["consistent"].get<bool>());
+    EXPECT_TRUE(says(text("out/report.html"), "scale of the force sensor"));
+}
+
+TEST_F(SystemCalibrate, RefusesBadInputAndWritesNothing) {
+    write("early.csv", "time,force\ns,N\n-2,1\n-1,2\n");
+    write("bad.csv", "time,force\ns,N\n0,1\n1,x\n");
+    write("set.toml",
+          "set = { \"payload.mas\" = \"80 kg\" }\n[peak_force]\nvalue = \"5 kN\"\nsigma = \"3 %\"\n");
+    write("prior.toml",
+          "[peak_force]\nvalue = \"5 kN\"\nsigma = \"3 %\"\n[[prior]]\nkey = \"payload.mass\"\nmean = "
+          "1\nsigma = 1\n");
+    const auto before = tree_of(here_.path());
+    const std::pair<Words, const char*> cases[] = {
+        {{scene}, "--to is missing"},
+        {{scene, "--to", "early.csv"}, "early.csv:4:1: the history lies wholly before the release"},
+        {{scene, "--to", "bad.csv"}, "bad.csv:4:3: 'x' is not a number"},
+        {{scene, "--to", "none.csv"}, "none.csv"},
+        {{scene, "--to", "set.toml"}, "--to: payload.mas: unknown key"},
+        {{scene, "--to", "prior.toml"}, "a prior on 'payload.mass', which is not fitted"},
+        {{scene, "--to", drop_a, "--vary", "payload.mas"}, "--vary payload.mas: unknown key"},
+        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=9..2"}, "the lower bound comes first"},
+        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=2"}, "bounds are written LO..HI"},
+        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=-1..2"}, "out of its range"},
+        {{scene, "--to", drop_a, "--vary", "environment.ground"}, "it is 0 in the scene"},
+        {{scene, "--to", drop_a, "--vary", "full.beta"}, "the reduced-order model does not use it"},
+        {{shipped_scene("c9-inflation-speeds"), "--to", drop_a}, "a series of"},
+    };
+    for (const auto& [words, expected] : cases) {
+        const std::string complaint = refusal(words);
+        EXPECT_TRUE(says(complaint, expected)) << complaint;
+        EXPECT_FALSE(says(complaint, "--set")) << complaint;
+    }
+    EXPECT_EQ(tree_of(here_.path()), before);
+}
+
+// A record says itself how it was dropped; the model that made it gives its inputs back.
+TEST_F(SystemCalibrate, TakesARecord) {
+    ASSERT_EQ(run({"rom", scene, "--quiet", "--out", "record", "--set", "payload.mass=120 kg", "--set",
+                   "parachute.fill_time.n=5", "--set", "parachute.drag_area=45 m^2"})
+                  .code,
+              0);
+    const Ended ended = run({"calibrate", scene, "--to", "record", "--out", "out", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err << ended.out;
+    const json found = json::parse(ended.out);
+    EXPECT_EQ(found["tests"][0]["kind"], "record");
+    EXPECT_EQ(found["tests"][0]["conditions"], json({"payload.mass=120"}));
+    // To what the record's own tolerance, 1e-6, leaves.
+    EXPECT_NEAR(found["parameters"]["parachute.fill_time.n"]["estimate"].get<double>(), 5.0, 1e-3);
+    EXPECT_NEAR(found["parameters"]["parachute.drag_area"]["estimate"].get<double>(), 45.0, 1e-2);
+    EXPECT_NEAR(found["parameters"]["parachute.initial_drag_area_ratio"]["estimate"].get<double>(), 0.04,
+                1e-4);
+}
+
+TEST_F(SystemCalibrate, ItsJsonKeepsItsSchema) {
+    here_.write("speed.toml",
+                "[descent_rate]\nvalue = \"8 m/s\"\nsigma = \"2 %\"\n"
+                "[[prior]]\nkey = \"parachute.fill_time.n\"\nmean = 4\nsigma = 0.5\n");
+    here_.write("two.json",
+                run({"calibrate", scene, "--to", drop_a, "--to", drop_b, "--out", "a", "--json"}).out);
+    here_.write("held.json", run({"calibrate", scene, "--to", "speed.toml", "--out", "b", "--json"}).out);
+    EXPECT_TRUE(read("held.json")["parameters"]["parachute.initial_drag_area_ratio"]["held"].get<bool>());
+    const std::string schema = TWINCHUTE_SOURCE_DIR "/docs/schema/calibration.schema.json";
+    const Ended ended =
+        run_script("tests/support/check_schema.py", {schema, "two.json", "held.json"}, here_.path());
+    if (lacks_python(ended)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+    EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+    json wrong = read("two.json");
+    wrong["parameters"]["parachute.fill_time.n"]["unheard_of"] = 1;
+    here_.write("wrong.json", wrong.dump());
+    EXPECT_EQ(run_script("tests/support/check_schema.py", {schema, "wrong.json"}, here_.path()).code, 1);
+}
+
+TEST_F(SystemCalibrate, ChecksWithoutFitting) {
+    EXPECT_TRUE(says(run({"calibrate", scene, "--to", drop_a, "--check"}).out, "is valid; nothing was run"));
+    EXPECT_TRUE(nothing_written());
+}
+
+}  // namespace
+}  // namespace twinchute::test
