@@ -197,6 +197,7 @@ RunRecord sample_in(const Scene& scene, Run& run) {
     OpeningSequence sequence(scene);
     Openings openings(scene, context, sequence, result);
     record.status = fly<dimensions>(scene, context, sequence, openings);
+    if (context.observer.rows().empty()) return record;  // refused before it began
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     const std::vector<HistoryRow>& rows = context.observer.samples();
     add_channels(record, rows, scene, dimensions);
@@ -216,6 +217,7 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     OpeningSequence sequence(scene);
     Openings openings(scene, context, sequence, result);
     record.status = fly<dimensions>(scene, context, sequence, openings);
+    if (context.observer.rows().empty()) return record;  // refused before it began
     judge_flight(scene, dimensions, context, openings);
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     const Reached reached = reached_by(scene, context, sequence);

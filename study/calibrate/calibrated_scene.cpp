@@ -87,15 +87,33 @@ void add_command_line(SceneLines& lines, const Scene& scene, const Calibration& 
     }
 }
 
+/// What the inputs are known to together, as comments: the schema of a scene has no place for it.
+std::string covariance_comment(const Calibration& calibration) {
+    std::string text;
+    for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {
+        const Parameter& p = calibration.parameters[i];
+        if (p.unknown.kind != Unknown::Kind::key || p.held) continue;
+        text += fmt::format("#   {}{}:", p.unknown.variable.logarithmic ? "ln " : "", p.unknown.name);
+        for (std::size_t j = 0; j <= i; ++j) {
+            const Parameter& other = calibration.parameters[j];
+            if (other.unknown.kind != Unknown::Kind::key || other.held) continue;
+            text += fmt::format(" {:.6g}", calibration.covariance(static_cast<Eigen::Index>(i),
+                                                                  static_cast<Eigen::Index>(j)));
+        }
+        text += "\n";
+    }
+    return "# Covariance, its lower triangle:\n" + text;
+}
+
 }  // namespace
 
 std::string calibrated_scene(const Calibration& calibration, const Scene& scene,
                              const std::vector<DropTest>& tests, const fs::path& directory) {
     std::string text = fmt::format(
         "# Written by `twinchute calibrate` from the scene '{}'.\n"
-        "# Intervals, correlation and residuals: calibration.json\n"
+        "# Intervals, correlation and residuals: calibration.json\n{}"
         "schema = 1\nname = {}\nbase = {}\n",
-        printable(scene.name), toml_text(scene.name + ", calibrated"),
+        printable(scene.name), covariance_comment(calibration), toml_text(scene.name + ", calibrated"),
         toml_text(base_name(scene, directory)));
     SceneLines lines(scene);
     add_command_line(lines, scene, calibration);

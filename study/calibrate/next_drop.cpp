@@ -63,7 +63,7 @@ void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, co
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 
     const VariedScene varied(scene_with, keys, probe_of(unknowns));
-    const auto before = run_once(scene_with({}), fidelity), after = run_once(varied.at(best), fidelity);
+    const auto before = run_once(scene_with({}), fidelity), after = run_once(varied.read(best), fidelity);
     if (!after) return;
     std::vector<Band> bands;
     for (const char* name : predicted_metrics) {

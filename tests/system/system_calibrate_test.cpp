@@ -141,6 +141,16 @@ TEST_F(SystemCalibrate, TakesARecord) {
                 1e-4);
 }
 
+// A reefed stage cannot begin with more than the line lets through: half of the default bounds gives no drop.
+TEST_F(SystemCalibrate, GoesAroundValuesThatDoNotFitTogether) {
+    const std::string reefed = shipped_scene("c9-reefed");
+    ASSERT_EQ(run({"rom", reefed, "--quiet", "--out", "record"}).code, 0);
+    const Ended ended = run({"calibrate", reefed, "--to", "record", "--out", "out", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err << ended.out;
+    const json ratio = json::parse(ended.out)["parameters"]["parachute.initial_drag_area_ratio"];
+    EXPECT_NEAR(ratio["estimate"].get<double>(), 0.04, 1e-4);  // the scene's own
+}
+
 TEST_F(SystemCalibrate, ItsJsonKeepsItsSchema) {
     here_.write("speed.toml",
                 "[descent_rate]\nvalue = \"8 m/s\"\nsigma = \"2 %\"\n"
