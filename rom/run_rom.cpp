@@ -201,9 +201,10 @@ RunRecord sample_in(const Scene& scene, Run& run) {
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     const std::vector<HistoryRow>& rows = context.observer.samples();
     add_channels(record, rows, scene, dimensions);
-    Channel& specific = record.channels.emplace_back("specific_force", "m/s^2", std::vector<double>{});
+    Channel specific{"specific_force", "m/s^2", {}};
     for (const HistoryRow& row : rows)
         specific.values.push_back(row.specific_force);
+    record.channels.push_back(std::move(specific));
     return record;
 }
 
