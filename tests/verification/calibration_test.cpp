@@ -54,15 +54,18 @@ TEST(CalibrationOfASyntheticDrop, GivesTheTruthBack) {
     EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
 }
 
+// From seconds away a descent of the sum of squares alone ends in a peak that lies beside the readings.
 TEST(CalibrationOfASyntheticDrop, FindsTheClockAsWell) {
-    SyntheticDrop drop;
-    drop.offset = -0.7;
-    const Calibration calibration = calibrated({drop.test(false)});
-    expect_holds(calibration, fill_constant, 5.5);
-    expect_holds(calibration, drag_area, 39.0);
-    expect_holds(calibration, initial_ratio, 0.06);
-    expect_holds(calibration, study::clock_offset, -0.7);
-    EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
+    for (const double offset : {-0.7, 4.2}) {
+        SyntheticDrop drop;
+        drop.offset = offset;
+        const Calibration calibration = calibrated({drop.test(false)});
+        expect_holds(calibration, fill_constant, 5.5);
+        expect_holds(calibration, drag_area, 39.0);
+        expect_holds(calibration, initial_ratio, 0.06);
+        expect_holds(calibration, study::clock_offset, offset);
+        EXPECT_TRUE(calibration.is_consistent()) << calibration.findings.front().what;
+    }
 }
 
 TEST(CalibrationOfASyntheticDrop, LearnsTheNoiseWhereNobodyStatesIt) {
