@@ -112,6 +112,7 @@ void settle(Likelihood& likelihood, FitResult& best, std::vector<bool>& free, st
             free[i] = false;
             best.values[i] = problem.variables[i].start;
             why[i] = "the tests do not see it";
+            if (count_free(free) == 0) return;
         } else if (round >= 2) {
             break;
         }
@@ -309,6 +310,8 @@ Calibration calibrate(const SceneWith& scene_with, const std::vector<DropTest>& 
     if (settings.stop.stop_requested()) return result.interrupted = true, result;
     if (!std::isfinite(best.sum)) give_up("the model fails near every start");
     settle(likelihood, best, free, why);
+    if (count_free(free) == 0)
+        give_up("the tests see none of its inputs, as with a clock that is off by more than its bounds");
 
     const FitProblem problem = likelihood.problem();
     const auto J = jacobian(problem, best.values, free);

@@ -2,6 +2,7 @@
 // named.
 #include <gtest/gtest.h>
 
+#include "lib/cli/command.hpp"
 #include "tests/support/calibration_coverage.hpp"
 
 namespace twinchute::test {
@@ -125,6 +126,21 @@ TEST(CalibrationOfADescent, HoldsWhatItDoesNotSee) {
     const double expected = 2.0 * (152.4 + 5.19) * 9.80665 / (1.225 * 8.0 * 8.0);
     EXPECT_NEAR(area->estimate / expected, 1.0, 0.01);  // a rate is steady to 0.5 %
     EXPECT_NEAR((area->interval.high - area->interval.low) / area->estimate, 2 * 1.96 * 2 * 0.1 / 8.0, 0.005);
+}
+
+TEST(CalibrationOfASyntheticDrop, ThatLiesBesideItsClockIsRefused) {
+    // Four seconds late, with a clock that may be a tenth off: no input moves what was read.
+    SyntheticDrop drop;
+    drop.offset = 4.2;
+    study::CalibrationSettings settings;
+    settings.vary = {{study::clock_offset, -0.1, 0.1}, {fill_constant, {}, {}}, {drag_area, {}, {}}};
+    try {
+        calibrated({drop.test(false)}, settings);
+        FAIL() << "it was fitted";
+    } catch (const UsageError& error) {
+        EXPECT_NE(std::string(error.what()).find("see none of its inputs"), std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(CalibrationOfADescent, WeighsItsPrior) {
