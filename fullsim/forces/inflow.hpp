@@ -62,7 +62,7 @@ public:
 private:
     InflowBalance(const Scene& scene, const Mesh& mesh);
 
-    /// Of the air around, which has the kinetic energy 1/2 I Q^2 where the canopy displaces Q [m^3/s].
+    /// Inertia of the air around: kinetic energy 1/2 I Q^2 where the canopy displaces Q [m^3/s].
     struct Inertance {
         double value, rate;  ///< I [kg/m^4] and dI/dt
     };

@@ -130,18 +130,6 @@ bool is_letter(char c) {
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
-bool is_space(char c) {
-    return c == ' ' || c == '\t';
-}
-
-std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && is_space(text.front()))
-        text.remove_prefix(1);
-    while (!text.empty() && is_space(text.back()))
-        text.remove_suffix(1);
-    return text;
-}
-
 /// The first thing in a unit that is more than a unit, or nothing. UDUNITS-2 reads factors
 /// ("m 3" is 3 m), shifts ("m @ 5"), times and logarithms; in a scene each would be a slip.
 std::string_view foreign_part(std::string_view unit) {
@@ -263,6 +251,18 @@ double to_si(std::string_view text, std::string_view si_unit) {
 
 std::span<const UnitAlias> unit_aliases() {
     return aliases;
+}
+
+bool is_space(char c) {
+    return c == ' ' || c == '\t';
+}
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && is_space(text.front()))
+        text.remove_prefix(1);
+    while (!text.empty() && is_space(text.back()))
+        text.remove_suffix(1);
+    return text;
 }
 
 bool units_loaded() {

@@ -42,6 +42,11 @@ struct UnitAlias {
 
 std::span<const UnitAlias> unit_aliases();
 
+/// A blank or a tab.
+bool is_space(char c);
+/// The text without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
 /// True once the database of UDUNITS-2 is in memory (it takes milliseconds to load).
 bool units_loaded();
 

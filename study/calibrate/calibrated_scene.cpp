@@ -87,7 +87,7 @@ void add_command_line(SceneLines& lines, const Scene& scene, const Calibration& 
     }
 }
 
-/// What the inputs are known to together, as comments: the schema of a scene has no place for it.
+/// Covariance of the inputs as comments: the schema of a scene has no place for it.
 std::string covariance_comment(const Calibration& calibration) {
     std::string text;
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {

@@ -57,7 +57,7 @@ struct ScalarFit {
     double model = 0.0;
 };
 
-/// What the calibrated model says of a metric of the next drop, which is the scene's.
+/// Prediction of a metric for the next drop, the one that the scene describes.
 struct Band {
     const MetricRow* row = nullptr;
     std::optional<double> before;              ///< of the scene as it was

@@ -1,5 +1,5 @@
-// What residuals say beside noise. Each explanation is one more parameter: a fit that has it and is better by
-// more than chance allows names it.
+// Causes of residuals other than noise. Each is tried as one more parameter, and named where the fit with it
+// is better by more than chance allows.
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
@@ -132,7 +132,7 @@ void look_at_bounds(Calibration& calibration) {
     }
 }
 
-/// What is left where no single cause explains it.
+/// Judges the residuals that no single cause explains.
 void look_at_rest(Calibration& calibration, const Likelihood& likelihood) {
     const double freedom = freedom_of(likelihood, calibration);
     const bool measured =

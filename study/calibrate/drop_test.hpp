@@ -40,7 +40,7 @@ struct MeasuredScalar {
     double value = 0.0, sigma = 0.0;  ///< in the row's unit
 };
 
-/// What is believed of an input before the test: normal, beside its bounds.
+/// Normal distribution of an input before the test, within its bounds.
 struct Prior {
     std::string key;
     double mean = 0.0, sigma = 0.0;

@@ -212,8 +212,8 @@ void Likelihood::learn_noise(std::span<const double> values, std::size_t paramet
                 if (i > 0) product += left[i] * left[i - 1];
             }
             if (!(sum > 0.0)) continue;
-            // What passes a filter of first order is correlated as it forgets; noise that is added behind the
-            // filter is not. Of the two, and of all between them, the residuals show which.
+            // Noise that passes a filter of first order is correlated as it forgets; noise that is added
+            // behind the filter is not. Of the two, and of all between them, the residuals show which.
             std::vector<double> sorted = gaps;
             std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
             const double gap = sorted[sorted.size() / 2];

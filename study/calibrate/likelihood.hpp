@@ -50,20 +50,20 @@ class Likelihood {
 public:
     /// The tests outlive it. Residuals are those of the tests from first to last.
     Likelihood(std::vector<FittedTest>& tests, std::vector<Unknown> unknowns);
-    /// Of one test alone.
+    /// Takes one test alone.
     Likelihood(std::vector<FittedTest>& tests, std::vector<Unknown> unknowns, std::size_t only);
 
     const std::vector<Unknown>& unknowns() const { return unknowns_; }
     const std::vector<FittedTest>& tests() const { return tests_; }
     std::size_t readings() const;  ///< that are used: histories and scalars
     std::size_t data() const { return readings() + priors(); }
-    /// Of the problem: not fewer than unknowns, what is more than the data is zero.
+    /// Number of residuals, at least that of the unknowns: those beyond the data are zero.
     std::size_t residuals() const { return std::max(data(), unknowns_.size()); }
     bool all_sigma_given() const;
 
     /// The least-squares problem; this outlives it.
     FitProblem problem() const;
-    /// What the model says of a test at these values; nothing where it fails.
+    /// Prediction for a test at these values; nothing where the model fails.
     std::optional<Predicted> predicted(std::size_t test, std::span<const double> values) const;
     /// [s] of a test's clock at release.
     double offset_of(std::size_t test, std::span<const double> values) const;

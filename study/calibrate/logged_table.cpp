@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lib/scene/scene_error.hpp"
+#include "lib/scene/units.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -15,18 +16,6 @@ struct LoggedCell {
     std::string text;
     int column = 1;
 };
-
-bool is_space(char c) {
-    return c == ' ' || c == '\t';
-}
-
-std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && is_space(text.front()))
-        text.remove_prefix(1);
-    while (!text.empty() && is_space(text.back()))
-        text.remove_suffix(1);
-    return text;
-}
 
 class LoggedReader {
 public:

@@ -1,4 +1,4 @@
-// What a model says a test should have measured: its channels on the clock of the test, through the
+// Readings that a model predicts for a test: its channels on the clock of the test, through the
 // instrument.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace twinchute::study {
 
-/// What one run says of a test: values of its histories at their times, then its scalars.
+/// Prediction of one run for a test: values of its histories at their times, then its scalars.
 struct Predicted {
     std::vector<std::vector<double>> histories;
     std::vector<double> scalars;

@@ -7,7 +7,7 @@
 
 namespace twinchute::study {
 
-/// Those of the scene's keys first, then a clock for each test that has an unknown one.
+/// Unknowns of the scene's keys first, then a clock for each test that has an unknown one.
 /// Throws UsageError: not a number of the scene, no bounds, nothing to fit.
 std::vector<Unknown> unknowns_of(const Scene& scene, const std::vector<DropTest>& tests,
                                  const std::vector<Vary>& vary);

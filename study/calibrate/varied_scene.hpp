@@ -22,7 +22,7 @@ public:
 
     /// Throws SceneError for values that are out of range or do not fit together, where it reads.
     Scene at(std::span<const double> values) const;
-    /// The same by reading, with all that a record says of its inputs. Throws SceneError.
+    /// The scene at these values by reading, with all that a record says of its inputs. Throws SceneError.
     Scene read(std::span<const double> values) const;
     bool is_quick() const { return quick_; }
 
