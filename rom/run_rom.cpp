@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/record/metrics.hpp"
+#include "lib/scene/calibration.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -249,7 +252,9 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
 
 }  // namespace
 
-RunRecord run_rom(const Scene& scene, Run& run) {
+namespace {
+
+RunRecord run_plain(const Scene& scene, Run& run) {
     switch (dimensions_of(scene)) {
         case 1:
             return run_in<1>(scene, run, true);
@@ -258,6 +263,21 @@ RunRecord run_rom(const Scene& scene, Run& run) {
         default:
             return run_in<3>(scene, run, true);
     }
+}
+
+}  // namespace
+
+RunRecord run_rom(const Scene& scene, Run& run) {
+    if (!has_calibration(scene)) return run_plain(scene, run);
+    RunRecord record = run_plain(calibrated(scene), run);
+    if (!run.samples.empty()) return record;
+    Run alone;
+    const RunRecord without = run_plain(uncalibrated(scene), alone);
+    record.uncalibrated = {calibrated_inputs(scene), {}};
+    for (const MetricRow& row : metric_rows())
+        if (const Metric* metric = without.find_metric(row.key))
+            record.uncalibrated->metrics.push_back(*metric);
+    return record;
 }
 
 const Fidelity& rom_fidelity() {

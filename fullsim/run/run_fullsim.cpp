@@ -14,6 +14,7 @@
 #include "fullsim/run/frames.hpp"
 #include "fullsim/run/plan.hpp"
 #include "fullsim/run/results.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 
 namespace twinchute::fullsim {

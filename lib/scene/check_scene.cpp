@@ -7,6 +7,7 @@
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/calibration.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
@@ -212,6 +213,27 @@ void check_growth(const Parachute& p, const Complain& complain) {
                        "give it, or fill_time.volume and fill_time.mouth_area");
 }
 
+/// Factors are on what the opening of this scene is made from, and leave it in its range.
+void check_calibration(const Scene& scene, const Parachute& p, const Complain& complain) {
+    if (!p.calibration) return;
+    constexpr const char* key = "parachute.calibration";
+    for (const CalibratedFactors& input : p.calibration->inputs()) {
+        const double* value = calibrated_input(p, input.key);
+        if (value == nullptr)
+            complain.about(key, fmt::format("'{}' has factors on {}", p.calibration->file(), input.key),
+                           "the opening of this scene is not made from it",
+                           "take the column out, or calibrate for this scene");
+    }
+    const Parachute own = calibrated(p, drop_conditions(scene));
+    for (const CalibratedFactors& input : p.calibration->inputs()) {
+        const Key& row = *find_key(scene_keys(), "parachute." + input.key);
+        const double value = *calibrated_input(own, input.key);
+        if (!row.range.contains(value))
+            complain.about(key, fmt::format("makes {} {:g}", input.key, value), allowed_text(row),
+                           "check the table");
+    }
+}
+
 /// A packed start finds its snatch speed while it runs; that a filling time of n diameters outlasts an
 /// initial phase of half a diameter holds at any speed, or at none.
 void check_packed_opening(const Scene& scene, const Parachute& p, const Complain& complain) {
@@ -234,9 +256,7 @@ void check_packed_opening(const Scene& scene, const Parachute& p, const Complain
 
 /// [m/s] through the air, of a line-stretch start, which snatches at once.
 double check_speed(const Scene& scene, const Values& values, const Complain& complain) {
-    Vec3 velocity = velocity_over_ground(scene.release);
-    if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
-    const double speed = scene.environment.wind ? velocity.norm() : scene.release.speed;
+    const double speed = release_airspeed(scene).norm();
     const char* key = values.given("release.speed") ? "release.speed" : "release.airspeed";
     if (speed < smallest_airspeed)
         complain.about(key, "a line-stretch start needs a speed", "lines and canopy are drawn out by the air",
@@ -456,6 +476,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_reefing(p, complain);
     check_cluster(p, complain);
     check_filling(p, complain);
+    check_calibration(scene, p, complain);
     if (p.filling.is_predicted()) {
         if (p.deploy.by == DeployBy::line_stretch && !p.deploy_when) check_speed(scene, values, complain);
         return;

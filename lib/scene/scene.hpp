@@ -14,6 +14,7 @@
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/attitude_drag.hpp"
+#include "lib/models/calibration.hpp"
 #include "lib/models/canopy_type.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
@@ -176,13 +177,15 @@ struct Parachute {
     std::vector<Reefing> reefing;        ///< stages before the canopy may open fully
     FillTime fill_time;                  ///< of the whole opening; after reefing, of the rest
     const DragAreaLaw* drag_area_law = nullptr;
+    std::optional<double> drag_area_exponent;      ///< j of a power of the fill fraction [-], likewise
     std::optional<DragAreaTable> drag_area_table;  ///< of a whole opening, in place of the law
     double initial_drag_area_ratio = 0.0;          ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
-    /// In place of the five above, if it is predicted; they are then empty.
+    /// In place of the six above, if it is predicted; they are then empty.
     Filling filling = {};
     std::optional<double> permeability = {};  ///< [m/s] at half an inch of water, in place of the fabric's
     double geometric_porosity = 0.0;          ///< lambda_g [-]
+    std::optional<CalibrationTable> calibration = {};   ///< of the reduced-order model
     std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 
     bool operator==(const Parachute&) const = default;

@@ -68,6 +68,12 @@ std::string scene_digest(const Scene& scene) {
             contents.add("Mach number", by_mach->mach());
             contents.add("factor", by_mach->factors());
         }
+        if (const auto& calibration = chute.calibration) {
+            for (const DropConditions& run : calibration->runs())
+                contents.add("calibrated at", {run.payload_mass, run.airspeed, run.density});
+            for (const CalibratedFactors& input : calibration->inputs())
+                contents.add(input.key, input.factor);
+        }
         contents.add(chute.fill_time);
         for (const Reefing& stage : chute.reefing)
             if (stage.fill_time) contents.add(*stage.fill_time);

@@ -117,8 +117,18 @@ std::string calibrated_scene(const Calibration& calibration, const Scene& scene,
         toml_text(base_name(scene, directory)));
     SceneLines lines(scene);
     add_command_line(lines, scene, calibration);
+    const bool by_table = is_of_records(tests);
+    if (by_table)
+        for (const Parameter& p : calibration.parameters)
+            if (p.unknown.kind == Unknown::Kind::key && !p.held) {
+                const std::size_t parachute = written(p.unknown.name, scene).parachute.value_or(0);
+                lines.add(fmt::format("parachute.{}.calibration", scene.parachutes[parachute].name),
+                          fmt::format("{{ value = {}, source = {} }}", toml_text(calibration_table_name),
+                                      toml_text(source_of(tests))));
+                break;
+            }
     for (const Parameter& p : calibration.parameters) {
-        if (p.unknown.kind != Unknown::Kind::key || p.held) continue;
+        if (p.unknown.kind != Unknown::Kind::key || p.held || by_table) continue;
         const std::string source =
             fmt::format("{}; 95 % {} to {}{}", source_of(tests), readable(p.interval.low),
                         readable(p.interval.high), p.identified ? "" : ", not identified: " + p.why);

@@ -128,11 +128,11 @@ double rise_of_95(const Likelihood& likelihood, std::size_t parameters) {
     return t * t;
 }
 
-/// Scatter of each input from test to test, each test fitted by itself: what they differ by beyond their own
-/// uncertainty (DerSimonian and Laird, Controlled Clinical Trials 7 (1986) 177).
+/// Each test fitted by itself, and the scatter of each input from test to test: what they differ by beyond
+/// their own uncertainty (DerSimonian and Laird, Controlled Clinical Trials 7 (1986) 177).
 void add_scatter(Calibration& calibration, std::vector<FittedTest>& tests, const Likelihood& all,
                  const std::vector<double>& values, const std::vector<bool>& free) {
-    if (tests.size() < 2) return;
+    calibration.alone.assign(tests.size(), std::vector<std::optional<double>>(values.size()));
     std::vector<std::vector<std::pair<double, double>>> found(values.size());
     for (std::size_t t = 0; t < tests.size(); ++t) {
         const Likelihood alone(tests, all.unknowns(), t);
@@ -147,9 +147,11 @@ void add_scatter(Calibration& calibration, std::vector<FittedTest>& tests, const
         if (!least || least->share > unseen) continue;
         const Eigen::MatrixXd covariance = covariance_of(*J, own);
         for (std::size_t i = 0; i < values.size(); ++i)
-            if (own[i] && all.unknowns()[i].kind == Unknown::Kind::key)
+            if (own[i] && all.unknowns()[i].kind == Unknown::Kind::key) {
+                calibration.alone[t][i] = one.values[i];
                 found[i].emplace_back(problem.variables[i].to_scale(one.values[i]),
                                       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+            }
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (found[i].size() < 2) continue;

@@ -74,6 +74,9 @@ struct Calibration {
     std::vector<Parameter> parameters;
     Eigen::MatrixXd covariance;  ///< in the scales of the variables; zero of those held
     std::vector<Pairing> pairs;  ///< closely correlated
+    /// Estimates from each test by itself, in the order of the tests, then of the parameters; nothing of a
+    /// clock, of what is held, and where a test by itself does not see enough.
+    std::vector<std::vector<std::optional<double>>> alone;
     std::vector<HistoryFit> histories;
     std::vector<ScalarFit> scalars;
     std::vector<Band> predictive;

@@ -69,6 +69,26 @@ TEST(CalibrationOfASyntheticDrop, FindsTheClockAsWell) {
     }
 }
 
+// By the power of the growth as well, where the scene has one: four inputs of one history.
+TEST(CalibrationOfASyntheticDrop, FindsThePowerOfTheGrowth) {
+    constexpr const char* exponent = "parachute.drag_area_exponent";
+    SyntheticDrop drop;
+    drop.more = {std::string(exponent) + "=4.3"};
+    const study::DropTest test = drop.test();
+    const Calibration calibration = study::calibrate(
+        [&](const std::vector<std::string>& more) {
+            std::vector<std::string> all{std::string(exponent) + "=6"};
+            all.insert(all.end(), more.begin(), more.end());
+            return demo_scene_with(all);
+        },
+        {test}, rom::rom_fidelity(), {});
+    expect_holds(calibration, fill_constant, 5.5);
+    expect_holds(calibration, drag_area, 39.0);
+    expect_holds(calibration, initial_ratio, 0.06);
+    expect_holds(calibration, exponent, 4.3);
+    EXPECT_TRUE(calibration.is_consistent()) << what_is_found(calibration);
+}
+
 TEST(CalibrationOfASyntheticDrop, LearnsTheNoiseWhereNobodyStatesIt) {
     study::DropTest test = SyntheticDrop{}.test();
     const double sigma = *test.histories[0].sigma;
