@@ -1,6 +1,7 @@
 // Consistency checks of a scene whose keys are each right on their own.
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -466,6 +467,44 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
     }
 }
 
+/// Every input is a number of the scene, and the covariance is one.
+void check_uncertainty(const Scene& scene, const Complain& complain) {
+    if (!scene.uncertainty) return;
+    const Uncertainty& known = *scene.uncertainty;
+    for (const std::string& input : known.inputs) {
+        std::string key = input.starts_with("ln ") ? input.substr(3) : input;
+        for (const Parachute& p : scene.parachutes)
+            if (const std::string head = "parachute." + p.name + "."; key.starts_with(head))
+                key = "parachute." + key.substr(head.size());
+        const Key* row = find_key(scene_keys(), key);
+        if (row == nullptr || !row->is_number() || row->kind == KeyKind::integer)
+            complain.about("uncertainty.inputs", fmt::format("'{}' is no number of a scene", input), "",
+                           "name keys of `twinchute list keys`");
+    }
+    const auto n = static_cast<Eigen::Index>(known.inputs.size());
+    if (static_cast<Eigen::Index>(known.covariance.size()) != n * (n + 1) / 2)
+        complain.about("uncertainty.covariance", fmt::format("has {} numbers", known.covariance.size()),
+                       fmt::format("the lower triangle of {} inputs has {}", n, n * (n + 1) / 2),
+                       "write it row by row");
+    Eigen::MatrixXd covariance(n, n);
+    auto next = known.covariance.begin();
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j <= i; ++j)
+            covariance(i, j) = covariance(j, i) = *next++;
+    // In units of the deviations, so that one small variance is not lost beside a large one.
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    constexpr double rounding = 1e-6;  // numbers of a file have a few digits
+    const Eigen::VectorXd inverse = deviation.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+    const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+    const bool has_variances = (deviation.array() > 0.0).all();
+    if (!has_variances ||
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff() < -rounding)
+        complain.about(
+            "uncertainty.covariance", "is no covariance",
+            has_variances ? "inputs would be more than wholly correlated" : "a variance is not positive",
+            "check its order: row by row, from the first input on");
+}
+
 void check_parachute(const Scene& scene, const Parachute& p, const Values& values) {
     const Complain complain(values);
     check_needs(scene, p, complain);
@@ -496,6 +535,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
         check_parachute(scene, scene.parachutes[k], values[k]);
     check_sequence(scene, values);
     check_size(scene, complain);
+    check_uncertainty(scene, complain);
     check_then(scene, complain);
     check_stop(scene, values.front(), complain);
     check_body(scene, complain);

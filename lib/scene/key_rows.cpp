@@ -105,6 +105,7 @@ template <auto... m> constexpr auto of_added_mass = member<&Scene::aerodynamics,
 template <auto... m> constexpr auto of_full = member<&Scene::full, m...>;
 template <auto... m> constexpr auto of_series = member<&Scene::series, m...>;
 template <auto... m> constexpr auto of_size = member<&Scene::size, m...>;
+template <auto... m> constexpr auto of_uncertainty = member<&Scene::uncertainty, m...>;
 // clang-format on
 
 // Bindings that are more than a member.
@@ -540,6 +541,13 @@ constexpr Key scene_rows[] = {
      .meaning = "of a case, in its set: cases of one group are joined by lines and stand in the legend"},
     {.path = "series.test", .binding = of_series<&SeriesSpec::test>, .kind = csv_file, .need = optional, .fallback = "no test data", .user = compare,
      .meaning = "points of a test to show beside the runs: columns named as the metrics of x and y, sorted by x"},
+
+    {.path = "uncertainty", .kind = table, .need = optional, .user = KeyUser::campaign,
+     .meaning = "what is known of calibrated inputs, normal about the scene's values: a campaign draws them together; written by `twinchute calibrate`"},
+    {.path = "uncertainty.inputs", .binding = of_uncertainty<&Uncertainty::inputs>, .kind = list, .user = KeyUser::campaign,
+     .meaning = "keys of numbers, e.g. \"parachute.drag_area\", or \"ln \" and a key: of its logarithm"},
+    {.path = "uncertainty.covariance", .binding = of_uncertainty<&Uncertainty::covariance>, .kind = quantities, .unit = "1", .user = KeyUser::campaign,
+     .meaning = "in SI, of the inputs in their order: the lower triangle, row by row"},
 
     {.path = "size", .kind = table, .need = optional, .meaning = "what `twinchute size` has to meet: at least one limit"},
     {.path = "size.max_descent_rate", .binding = of_size<&SizeSpec::max_descent_rate>, .unit = "m/s", .need = optional, .fallback = "no limit", .range = above(0, 1000), .user = KeyUser::size,

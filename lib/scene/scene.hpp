@@ -285,6 +285,12 @@ struct FullSettings {
     bool operator==(const FullSettings&) const = default;
 };
 
+/// What is known of inputs that were calibrated: normal, with their covariance.
+struct Uncertainty {
+    std::vector<std::string> inputs;  ///< keys; "ln KEY": the logarithm of its value
+    std::vector<double> covariance;   ///< [SI] lower triangle, row by row
+};
+
 /// Requirements of `size`, and the quantities that it may change to meet them.
 struct SizeSpec {
     std::optional<double> max_descent_rate;  ///< [m/s]
@@ -325,6 +331,7 @@ struct Scene {
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
     std::optional<SizeSpec> size;
+    std::optional<Uncertainty> uncertainty;  ///< of inputs that a campaign may draw
     std::optional<SeriesSpec> series;
 
     std::vector<Input> inputs;      ///< every effective key, for the record

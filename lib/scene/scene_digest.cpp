@@ -42,6 +42,7 @@ std::string scene_digest(const Scene& scene) {
     same.full.checkpoint_interval = 0.0;
     same.tolerances.clear();
     same.size.reset();
+    same.uncertainty.reset();
     same.series.reset();
     Contents contents;
     const AirTable& air = scene.environment.atmosphere.table;

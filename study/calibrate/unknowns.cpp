@@ -127,7 +127,7 @@ Unknown key_unknown(const Scene& scene, const Vary& vary) {
     }
     if (!row->is_number() || row->kind == KeyKind::integer)
         refuse_vary(vary.key, "it is not a quantity", "name a number of the scene");
-    if (row->user == KeyUser::full || row->user == KeyUser::compare || row->user == KeyUser::size)
+    if (row->user != KeyUser::both && row->user != KeyUser::rom)
         refuse_vary(vary.key, "the reduced-order model does not use it", "name another key");
     Unknown unknown{Unknown::Kind::key,
                     vary.key,

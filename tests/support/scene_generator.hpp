@@ -414,6 +414,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     std::vector<std::string> left_out;  // tables
     std::map<std::string_view, bool> taken;
     for (const Key& key : scene_keys()) {
+        if (key.path.starts_with("uncertainty")) {  // of no run
+            if (key.kind == KeyKind::table) left_out.push_back(std::string(key.path) + ".");
+            continue;
+        }
         if (key.path.starts_with("case") || key.kind == KeyKind::tolerance || key.kind == KeyKind::data_file)
             continue;
         if (key.has_members() || key.path.starts_with("parachute.reefing.")) {

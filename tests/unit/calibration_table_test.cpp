@@ -6,6 +6,7 @@
 
 #include "lib/scene/calibration.hpp"
 #include "lib/scene/scene_digest.hpp"
+#include "lib/scene/write_scene.hpp"
 #include "rom/run_rom.hpp"
 #include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
@@ -124,6 +125,46 @@ TEST_F(CalibratedScene, RefusesWhatDoesNotFit) {
            "has factors on filling.initial_mouth");
     expect(conditions + "initial_drag_area_ratio\n" + units + "1,100,20,1.2,50\n",
            "makes initial_drag_area_ratio");
+}
+
+std::string with_uncertainty(const std::string& inputs, const std::string& covariance) {
+    return std::string(good_scene) + "\n[uncertainty]\ninputs = " + inputs + "\ncovariance = " + covariance +
+           "\n";
+}
+
+TEST(Uncertainty, StandsInASceneAndInWhatIsWrittenOfIt) {
+    const Scene scene = read_text(
+        with_uncertainty("[\"ln parachute.fill_time.n\", \"payload.mass\"]", "[0.01, -0.02, 0.25]"));
+    ASSERT_TRUE(scene.uncertainty);
+    EXPECT_EQ(scene.uncertainty->inputs,
+              (std::vector<std::string>{"ln parachute.fill_time.n", "payload.mass"}));
+    EXPECT_EQ(scene.uncertainty->covariance, (std::vector{0.01, -0.02, 0.25}));
+    const Scene again = read_text(write_scene(scene));
+    ASSERT_TRUE(again.uncertainty);
+    EXPECT_EQ(again.uncertainty->inputs, scene.uncertainty->inputs);
+    EXPECT_EQ(again.uncertainty->covariance, scene.uncertainty->covariance);
+    // No run depends on it.
+    EXPECT_EQ(scene_digest(scene), scene_digest(read_text(good_scene)));
+    EXPECT_EQ(scene.inputs.size(), read_text(good_scene).inputs.size());
+}
+
+TEST(Uncertainty, ThatIsNoneIsRefused) {
+    const auto expect = [](const std::string& inputs, const std::string& covariance,
+                           const std::string& words) {
+        try {
+            read_text(with_uncertainty(inputs, covariance));
+            ADD_FAILURE() << inputs << covariance;
+        } catch (const SceneError& error) {
+            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+        }
+    };
+    const std::string two = "[\"payload.mass\", \"parachute.drag_area\"]";
+    expect("[\"payload.mas\"]", "[1]", "'payload.mas' is no number of a scene");
+    expect("[\"full.noise.seed\"]", "[1]", "is no number of a scene");
+    expect(two, "[1, 2]", "the lower triangle of 2 inputs has 3");
+    expect(two, "[1, 2, 1]", "more than wholly correlated");
+    expect(two, "[1, 0, -1]", "a variance is not positive");
+    expect("[\"payload.mass\", \"payload.mass\"]", "[1, 0, 1]", "twice");
 }
 
 }  // namespace
