@@ -414,7 +414,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     std::vector<std::string> left_out;  // tables
     std::map<std::string_view, bool> taken;
     for (const Key& key : scene_keys()) {
-        if (key.path.starts_with("uncertainty")) {  // of no run
+        if (key.path.starts_with("uncertainty")) {  // of no run: by hand
             if (key.kind == KeyKind::table) left_out.push_back(std::string(key.path) + ".");
             continue;
         }
@@ -499,6 +499,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         if (named != lines_.end()) put("size.parachute", std::string(named->value));
     }
     if (random_bool(0.3)) put_tolerances();
+    if (random_bool(0.2)) {
+        put("uncertainty.inputs", "[\"ln payload.mass\", \"environment.gravity\"]");
+        put("uncertainty.covariance", "[0.01, -1e-5, 1e-6]");
+    }
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||
             key.path == "case.set")
