@@ -16,6 +16,7 @@
 #include "rom/sensitivity/rom_command.hpp"
 #include "rom/size/size_command.hpp"
 #include "study/calibrate/calibrate_command.hpp"
+#include "study/campaign/campaign_command.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
         fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         rom::size_command(),
         study::calibrate_command(rom),
+        study::campaign_command(rom, full),
         compare::report_command(full, rom),
         compare::ladder_command({&rom, &full}),
         compare::stability_command(full, rom),

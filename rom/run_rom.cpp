@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lib/solve/opening.hpp"
 #include "lib/solve/shortfall.hpp"
@@ -239,6 +240,35 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     return record;
 }
 
+/// Metrics of a run alone: no record of it, no estimates, no judgement of its inputs.
+template <int dimensions>
+RunStatus metrics_in(const Scene& scene, Run& run, std::span<const std::string> keys,
+                     std::span<double> values) {
+    std::ranges::fill(values, std::numeric_limits<double>::quiet_NaN());
+    RunRecord record;
+    RunContext context(scene, run, record);
+    OpeningResult result;
+    OpeningSequence sequence(scene);
+    Openings openings(scene, context, sequence, result);
+    record.status = fly<dimensions>(scene, context, sequence, openings);
+    if (context.observer.rows().empty()) return record.status;
+    judge_flight(scene, dimensions, context, openings);
+    note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
+    add_opening_metrics(record, scene, result, {}, {});
+    note_never_opened(record, scene, never_opened(sequence), reached_by(scene, context, sequence));
+    const auto of_drag_area = [](const std::string& key) { return key.ends_with("_percent_drag_area_s"); };
+    if (std::ranges::any_of(keys, of_drag_area)) {
+        add_channels(record, context.observer.rows(), scene, dimensions);
+        add_drag_area_times(record, scene, result, MetricKind::result);
+    }
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.filling.is_predicted() && scene.parachutes.size() == 1)
+        record.add_metric("initial_mouth_ratio", chute.filling.initial_mouth, MetricKind::input, "");
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (const auto value = record.metric(keys[i])) values[i] = *value;
+    return record.status;
+}
+
 /// A pack without drag falls beside its payload.
 std::vector<std::string> unsupported_keys(const Scene& scene) {
     for (const Parachute& chute : scene.parachutes)
@@ -260,9 +290,22 @@ RunRecord run_rom(const Scene& scene, Run& run) {
     }
 }
 
+RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                      std::span<double> values) {
+    switch (dimensions_of(scene)) {
+        case 1:
+            return metrics_in<1>(scene, run, keys, values);
+        case 2:
+            return metrics_in<2>(scene, run, keys, values);
+        default:
+            return metrics_in<3>(scene, run, keys, values);
+    }
+}
+
 const Fidelity& rom_fidelity() {
     static constexpr Fidelity row{
-        "rom", "reduced-order model", &run_rom, &unsupported_keys, false, false, &plan_rom, false, true};
+        "rom", "reduced-order model", &run_rom, &unsupported_keys, false, false, &plan_rom, false,
+        true,  &rom_metrics};
     return row;
 }
 
