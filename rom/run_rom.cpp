@@ -10,6 +10,7 @@
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "lib/solve/validity.hpp"
+#include "rom/batch.hpp"
 #include "rom/deployment.hpp"
 #include "rom/estimates.hpp"
 #include "rom/fidelity.hpp"
@@ -304,8 +305,8 @@ RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string>
 
 const Fidelity& rom_fidelity() {
     static constexpr Fidelity row{
-        "rom", "reduced-order model", &run_rom, &unsupported_keys, false, false, &plan_rom, false,
-        true,  &rom_metrics};
+        "rom", "reduced-order model", &run_rom, &unsupported_keys, false,      false, &plan_rom, false,
+        true,  &rom_metrics,          &batches, &batch_metrics,    batch_lanes};
     return row;
 }
 

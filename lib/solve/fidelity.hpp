@@ -70,6 +70,13 @@ struct Fidelity {
     /// who makes very many. Null: run() alone has them.
     RunStatus (*metrics)(const Scene&, Run&, std::span<const std::string> keys,
                          std::span<double> values) = nullptr;
+    /// Whether metrics_of_batch() takes scenes of this kind, for these metrics. Null: none.
+    bool (*batches)(const Scene&, std::span<const std::string> keys) = nullptr;
+    /// Metrics of `batch` scenes at once, a row of `values` each: within the tolerance those of metrics(), a
+    /// scene that is unlike the others included. The same scenes in the same order give the same bits.
+    void (*metrics_of_batch)(std::span<const Scene> scenes, Run&, std::span<const std::string> keys,
+                             std::span<double> values, std::span<StatusCode> statuses) = nullptr;
+    std::size_t batch = 0;
 };
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs

@@ -34,6 +34,12 @@ std::string digest_of(const CampaignSpec& spec, const Scene& nominal, const Fide
     return sha256_hex(text);
 }
 
+/// Whether a metric takes the whole history of its run, which costs more than all others: kept where it is
+/// asked for.
+bool takes_history(std::string_view key) {
+    return key == "impulse_N_s" || key.ends_with("_percent_drag_area_s");
+}
+
 /// Metrics to keep: those of a run of the scene that stand in the table of metrics, and those asked for.
 Columns columns_of(const CampaignSpec& spec, const RunRecord& nominal) {
     Columns columns;
@@ -42,8 +48,7 @@ Columns columns_of(const CampaignSpec& spec, const RunRecord& nominal) {
         if (std::ranges::count(columns.metrics, key) == 0) columns.metrics.push_back(std::move(key));
     };
     for (const MetricRow& row : metric_rows())
-        if (nominal.find_metric(row.key) && !row.key.ends_with("_percent_drag_area_s"))
-            add(std::string(row.key));
+        if (nominal.find_metric(row.key) && !takes_history(row.key)) add(std::string(row.key));
     for (const AnswerSpec& answer : spec.answers) {
         if (answer.kind == AnswerSpec::Kind::ellipse) {
             add("landing_east_m");
@@ -103,7 +108,11 @@ CampaignRuns open_runs(const Campaign& campaign, const Fidelity& fidelity,
     require_answers(campaign.spec, record);
     runs.columns = columns_of(campaign.spec, record);
     runs.store = std::make_unique<RunStore>(directory, identity_of(campaign.spec, nominal, runs, chunk));
-    runs.engine = fidelity.metrics ? "one by one, metrics alone" : "one by one, whole records";
+    runs.in_batches = fidelity.batches && campaign.spec.design != DesignKind::points &&
+                      fidelity.batches(nominal, runs.columns.metrics);
+    runs.engine = runs.in_batches    ? fmt::format("in batches of {}", fidelity.batch)
+                  : fidelity.metrics ? "one by one, metrics alone"
+                                     : "one by one, whole records";
     if (!campaign.sampler->is_quick()) runs.engine += ", scene read anew for each run";
     return runs;
 }
@@ -161,7 +170,8 @@ bool make_runs(const Campaign& campaign, const CampaignRuns& runs, std::uint64_t
     const Engine engine{
         campaign.spec,   *campaign.sampler, *runs.fidelity,
         runs.columns,    settings.threads,  settings.shard,
-        settings.shards, settings.stop,     [&](std::span<const double> rows) { running.add(rows); }};
+        settings.shards, settings.stop,     [&](std::span<const double> rows) { running.add(rows); },
+        runs.in_batches};
     return engine.run(*runs.store, count);
 }
 

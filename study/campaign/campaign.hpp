@@ -23,6 +23,7 @@ struct CampaignRuns {
     const Fidelity* fidelity = nullptr;
     Columns columns;
     std::unique_ptr<RunStore> store;
+    bool in_batches = false;
     std::string engine;  ///< how its runs are made, for the record
 };
 

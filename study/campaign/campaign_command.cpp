@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 #include <thread>
 
@@ -107,7 +108,17 @@ ExitCode rerun(const Campaign& campaign, std::uint64_t number, const fs::path& d
 
 /// Stores of runs that are there go on only where that is wanted; those of another campaign never.
 void check_stores(const Campaign& campaign, bool goes_on) {
-    check_output_dir(campaign.directory);
+    // Another process may be making the directory just now: it is nobody's until it has its store.json.
+    for (int tries = 0; !campaign.of.front().store->exists(); ++tries) {
+        try {
+            check_output_dir(campaign.directory);
+            break;
+        } catch (const UsageError&) {
+            constexpr int most = 50;
+            if (tries == most) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
     for (const CampaignRuns& runs : campaign.of) {
         if (!runs.store->exists()) continue;
         runs.store->require_same();

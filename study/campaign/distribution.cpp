@@ -77,20 +77,21 @@ Distribution Distribution::table(std::vector<double> values, std::vector<double>
 bool Distribution::cut(double low, double high) {
     low_ = low, high_ = high;
     cut_below_ = whole_below(low), cut_above_ = whole_above(high);
-    return cut_below_ + cut_above_ < 1.0;
+    // Of the tail that it lies in: far out one share less another, both almost 1, has no digits.
+    left_ = cut_below_ > 0.5 ? whole_above(low) - cut_above_ : whole_below(high) - cut_below_;
+    return left_ > 0.0;
 }
 
 double Distribution::at(double u) const {
     // Both tails are kept: of a distribution that is cut off far out, the nearer one counts.
-    const double left = 1.0 - cut_below_ - cut_above_;
-    const double share = cut_below_ + u * left, above = cut_above_ + (1.0 - u) * left;
+    const double share = cut_below_ + u * left_, above = cut_above_ + (1.0 - u) * left_;
     return std::clamp(whole_at(share, above), low_, high_);
 }
 
 double Distribution::below(double x) const {
     if (x <= low_) return x < low_ || kind_ != Kind::discrete ? 0.0 : whole_below(x);
     if (x >= high_) return 1.0;
-    return (whole_below(x) - cut_below_) / (1.0 - cut_below_ - cut_above_);
+    return (whole_below(x) - cut_below_) / left_;
 }
 
 double Distribution::whole_at(double u, double above) const {

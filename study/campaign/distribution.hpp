@@ -54,7 +54,7 @@ private:
     std::vector<std::string> words_;
     double low_ = -std::numeric_limits<double>::infinity();
     double high_ = std::numeric_limits<double>::infinity();
-    double cut_below_ = 0.0, cut_above_ = 0.0;  // shares that are cut off
+    double cut_below_ = 0.0, cut_above_ = 0.0, left_ = 1.0;  // shares that are cut off, and what is left
 };
 
 }  // namespace twinchute::study

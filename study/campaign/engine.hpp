@@ -25,13 +25,23 @@ struct Engine {
     std::stop_token stop = {};
     /// After so many more runs; from any thread, one at a time. May be empty.
     std::function<void(std::span<const double> rows)> made = {};
+    bool in_batches = false;  ///< by Fidelity::metrics_of_batch
 
     /// Makes the chunks of the first `runs` runs that are missing. False where it was interrupted before the
     /// end. Throws WriteError.
     bool run(const RunStore& store, std::uint64_t runs) const;
 
 private:
-    bool make_chunk(Design& design, Scene& scene, std::uint64_t first, std::span<double> rows) const;
+    /// What a thread works with.
+    struct Worker {
+        Design design;
+        Scene scene;
+        std::vector<Scene> scenes;  // of a batch
+        std::vector<double> values;
+    };
+    bool make_chunk(Worker& worker, std::uint64_t first, std::span<double> rows) const;
+    bool make_batches(Worker& worker, std::uint64_t first, std::span<double> rows) const;
+    void make_batch(Worker& worker, std::uint64_t first, std::span<double> rows) const;
     void make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const;
 };
 

@@ -119,10 +119,14 @@ std::vector<std::string> asked_metrics(const CampaignSpec& spec, const Columns& 
 
 /// The first look at all rows.
 void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& columns, std::uint64_t runs,
-                CampaignResults& results, std::vector<IndexEstimator>& estimators) {
+                std::vector<std::vector<double>>& kept, CampaignResults& results,
+                std::vector<IndexEstimator>& estimators) {
     std::vector<Tally> tallies;
     for (const AnswerSpec& answer : spec.answers)
         tallies.emplace_back(answer, columns);
+    std::vector<std::size_t> places;
+    for (const Histogram& histogram : results.histograms)
+        places.push_back(*columns.of(histogram.metric));
     const std::uint64_t stride = std::max<std::uint64_t>(1, runs / most_examples);
     each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
         ++results.made;
@@ -138,13 +142,16 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
         for (std::size_t m = 0; m < estimators.size(); ++m)
             estimators[m].add(run, row.subspan(1, columns.inputs),
                               row[*columns.of(results.indices[m].metric)]);
-        for (Histogram& histogram : results.histograms)
-            if (const double value = row[*columns.of(histogram.metric)]; std::isfinite(value)) {
-                if (histogram.moments.count == 0) histogram.low = histogram.high = value;
-                histogram.moments.add(value);
-                histogram.low = std::min(histogram.low, value);
-                histogram.high = std::max(histogram.high, value);
-            }
+        for (std::size_t m = 0; m < results.histograms.size(); ++m) {
+            Histogram& histogram = results.histograms[m];
+            const double value = row[places[m]];
+            if (!std::isfinite(value)) continue;
+            if (histogram.moments.count == 0) histogram.low = histogram.high = value;
+            histogram.moments.add(value);
+            histogram.low = std::min(histogram.low, value);
+            histogram.high = std::max(histogram.high, value);
+            if (!kept.empty()) kept[m].push_back(value);
+        }
         if (run % stride == 0) results.examples.emplace_back(row.begin(), row.end());
     });
     for (const Tally& tally : tallies)
@@ -153,7 +160,7 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
 
 /// Quantiles and histograms: shares of many narrow bins, then the numbers of those bins that matter.
 void find_quantiles(const RunStore& store, const Columns& columns, std::uint64_t runs,
-                    CampaignResults& results) {
+                    const std::vector<std::vector<double>>& kept, CampaignResults& results) {
     std::vector<RankFinder> finders;
     for (const Histogram& histogram : results.histograms)
         finders.emplace_back(histogram.low, histogram.high, histogram.moments.count);
@@ -163,6 +170,12 @@ void find_quantiles(const RunStore& store, const Columns& columns, std::uint64_t
         return nullptr;
     };
     const auto pass = [&](auto&& take) {
+        if (!kept.empty()) {
+            for (std::size_t i = 0; i < finders.size(); ++i)
+                for (const double value : kept[i])
+                    take(finders[i], value);
+            return;
+        }
         each_row(store, runs, [&](std::uint64_t, std::span<const double> row) {
             for (std::size_t i = 0; i < finders.size(); ++i)
                 if (const double value = row[*columns.of(results.histograms[i].metric)]; std::isfinite(value))
@@ -250,10 +263,13 @@ CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const 
         results.indices.push_back({metric, {}});
         estimators.emplace_back(spec);
     }
-    take_stock(spec, store, columns, runs, results, estimators);
+    // Numbers of the metrics that are asked about, where there is room; otherwise the runs are read again.
+    constexpr std::uint64_t room = 4'000'000;
+    std::vector<std::vector<double>> kept(runs * estimators.size() <= room ? estimators.size() : 0);
+    take_stock(spec, store, columns, runs, kept, results, estimators);
     for (std::size_t m = 0; m < estimators.size(); ++m)
         results.indices[m].of = estimators[m].indices();
-    find_quantiles(store, columns, runs, results);
+    find_quantiles(store, columns, runs, kept, results);
     count_inside(store, columns, runs, results);
     for (Answer& answer : results.answers) {
         answer.verdict = verdict_of(*answer.spec, answer.value);
