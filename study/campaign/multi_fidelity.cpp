@@ -15,7 +15,7 @@ namespace {
 
 constexpr double two_sided = 0.5 * (1.0 - confidence);
 constexpr std::size_t most_kept = 20'000;  // cheap runs by which the fit's uncertainty is judged
-constexpr std::size_t bootstraps = 200;
+constexpr std::size_t bootstraps = 200, most_drawn = 1000;
 
 Moments moments_of(const std::vector<double>& values) {
     Moments m;
@@ -84,7 +84,7 @@ double fit_variance(const AnswerSpec& answer, const Pairs& pairs, const Sample& 
     Moments logs;
     std::vector<std::size_t> take(pairs.count());
     Sample some;
-    const std::size_t step = std::max<std::size_t>(1, sample.runs.size() / 2000);
+    const std::size_t step = std::max<std::size_t>(1, sample.runs.size() / most_drawn);
     for (std::size_t i = 0; i < sample.runs.size(); i += step)
         some.runs.push_back(sample.runs[i]);
     for (std::size_t b = 0; b < bootstraps; ++b) {

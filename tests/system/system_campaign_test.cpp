@@ -1,6 +1,7 @@
 // `twinchute campaign` as a script sees it: files, exit codes, what is refused, what survives a kill.
 #include <chrono>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -50,6 +51,19 @@ protected:
         return ended.err;
     }
 };
+
+/// Cells of a line of a CSV file.
+std::vector<std::string> cells(const std::string& text, int line) {
+    std::istringstream lines(text);
+    std::string found;
+    for (int i = 0; i <= line; ++i)
+        std::getline(lines, found);
+    std::vector<std::string> all;
+    std::istringstream parts(found);
+    for (std::string cell; std::getline(parts, cell, ',');)
+        all.push_back(cell);
+    return all;
+}
 
 bool says(const std::string& text, std::string_view what) {
     return text.find(what) != std::string::npos;
@@ -187,12 +201,88 @@ TEST_F(SystemCampaign, OneRunCanBeLookedAt) {
     write_runs(100);
     ASSERT_EQ(campaign({"--out", "out", "--quiet", "--export", "csv"}).code, 0);
     ASSERT_EQ(campaign({"--out", "out", "--rerun", "42", "--quiet"}).code, 0);
-    const json record = read("out/rerun-42/summary.json");
-    const std::string csv = text("out/runs.csv");
-    const double peak = record["metrics"]["peak_force_N"];
-    EXPECT_TRUE(says(csv, "\n42,completed,")) << csv.substr(0, 300);
-    EXPECT_TRUE(says(csv, fmt::format("{}", peak)));
+    const std::vector<std::string> names = cells(text("out/runs.csv"), 0),
+                                   row = cells(text("out/runs.csv"), 44);
+    ASSERT_EQ(row[0], "42");
+    const auto column = std::ranges::find(names, "peak_force_N") - names.begin();
+    const double peak = read("out/rerun-42/summary.json")["metrics"]["peak_force_N"];
+    EXPECT_NEAR(std::stod(row[static_cast<std::size_t>(column)]) / peak, 1.0, 5e-5);  // that of batches
     EXPECT_EQ(campaign({"--out", "out", "--rerun", "100"}).code, 2);
+}
+
+TEST_F(SystemCampaign, JsonFollowsItsSchema) {
+    write_runs(200);
+    here_.write("rom.json", campaign({"--out", "a", "--json"}).out);
+    write("c.toml",
+          campaign_text(
+              "runs = 700\ndesign = \"saltelli\"",
+              mean + "limit = 1\n[[answer]]\nname = \"q\"\nquantile = \"peak_force\"\nlevel = 0.999\n"));
+    here_.write("saltelli.json", campaign({"--out", "b", "--json"}).out);
+    write("c.toml",
+          "base = \"c9-drift.toml\"\n[campaign]\nruns = 30\nrelease_point = { latitude = \"47 deg\", "
+          "longitude = \"8 deg\" }\n"
+          "[[vary]]\nkey = \"wind.turn\"\ndist = { normal = { mean = 0, sd = \"10 deg\" } }\n"
+          "[[answer]]\nname = \"field\"\nellipse = \"landing\"\n");
+    here_.write("landing.json", campaign({"--out", "c", "--json"}).out);
+    EXPECT_TRUE(says(text("c/landing.kml"), "<coordinates>"));
+    const std::string schema = TWINCHUTE_SOURCE_DIR "/docs/schema/campaign.schema.json";
+    const Ended ended = run_script("tests/support/check_schema.py",
+                                   {schema, "rom.json", "saltelli.json", "landing.json"}, here_.path());
+    if (lacks_python(ended)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+    EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+}
+
+TEST_F(SystemCampaign, BothModelsTogetherSayWhatTheFullOneWould) {
+    const std::string plan = "runs = 4000\nfidelity = \"both\"\npilot = 12\nfull_runs = 16";
+    write("c.toml", campaign_text(plan, mean));
+    ASSERT_EQ(campaign({"--out", "out", "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
+                        "full.mesh.gore_rows=6", "--set", "full.contact=\"none\""})
+                  .code,
+              0);
+    const json both = read("out/campaign.json")["both"], answer = both["answers"][0];
+    EXPECT_EQ(both["pairs"], 16);
+    const auto width = [](const json& a) {
+        return a["interval_95"][1].get<double>() - a["interval_95"][0].get<double>();
+    };
+    EXPECT_LT(20.0 * width(answer), width(answer["full_alone"]));  // found: 60
+    EXPECT_GT(answer["gain"]["estimate"], 50.0);
+    EXPECT_LE(answer["full_alone"]["interval_95"][0], answer["estimate"]);
+    EXPECT_GE(answer["full_alone"]["interval_95"][1], answer["estimate"]);
+}
+
+/// Whether a program is installed.
+bool has_program(const std::string& name) {
+    return Process({"/usr/bin/env", "which", name}, "/").wait().code == 0;
+}
+
+TEST_F(SystemCampaign, RanksOfMpiMakeTheSame) {
+    if (!has_program("mpirun")) GTEST_SKIP() << "no mpirun (Debian: openmpi-bin)";
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
+    const Ended ended = Process({"/usr/bin/env", "TWINCHUTE=" TWINCHUTE_PROGRAM, "OMPI_ALLOW_RUN_AS_ROOT=1",
+                                 "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "--oversubscribe", "-n", "3",
+                                 TWINCHUTE_SOURCE_DIR "/data/campaigns/mpi-rank.sh", "c.toml", "ranks"},
+                                here_.path())
+                            .wait();
+    ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+    EXPECT_EQ(digest("one"), digest("ranks"));
+}
+
+TEST_F(SystemCampaign, AnArrayOfSlurmMakesTheSame) {
+    const Ended started =
+        run_script("tests/system/slurm_array.py",
+                   {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml",
+                    "array", "--check"},
+                   here_.path());
+    if (started.code != 0) GTEST_SKIP() << started.err;
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
+    const Ended ended = run_script(
+        "tests/system/slurm_array.py",
+        {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml", "array"},
+        here_.path());
+    ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+    EXPECT_EQ(digest("one"), digest("array"));
 }
 
 TEST_F(SystemCampaign, ValuesThatASceneMustNotHaveAreRowsWithAStatus) {

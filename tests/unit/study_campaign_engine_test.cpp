@@ -22,7 +22,7 @@ TEST(CampaignEngine, MetricsAloneAreThoseOfTheRecord) {
     for (const char* name : {"c9-inflation", "c9-inflation-oblique", "c9-drift", "c9-reefed", "c9-predicted",
                              "personnel", "cargo-cluster", "cargo-extraction", "rocket-dual-deploy"}) {
         const Scene scene = shipped(name);
-        Run run;
+        twinchute::Run run;
         const RunRecord record = rom::rom_fidelity().run(scene, run);
         std::vector<std::string> keys;
         for (const MetricRow& row : metric_rows())
@@ -70,7 +70,7 @@ struct Batched {
 };
 Batched batched(const std::vector<Scene>& scenes) {
     Batched made{std::vector<double>(scenes.size() * keys.size()), std::vector<StatusCode>(scenes.size())};
-    Run run;
+    twinchute::Run run;
     rom::rom_fidelity().metrics_of_batch(scenes, run, keys, made.values, made.statuses);
     return made;
 }
@@ -88,7 +88,7 @@ TEST(CampaignEngine, BatchesAgreeWithTightRuns) {
             for (std::size_t l = 0; l < scenes.size(); ++l) {
                 Scene tight = scenes[l];
                 tight.rom.rtol = 1e-9;
-                Run run;
+                twinchute::Run run;
                 std::vector<double> exact(keys.size());
                 ASSERT_EQ(made.statuses[l], rom::rom_fidelity().metrics(tight, run, keys, exact).code);
                 for (std::size_t k = 0; k < keys.size(); ++k) {
@@ -119,7 +119,7 @@ TEST(CampaignEngine, ALaneOfAnotherKindIsRunByItself) {
     scenes[5].release.altitude = 5.0;  // on the ground before it is full
     const Batched made = batched(scenes);
     for (const std::size_t l : {3u, 5u}) {
-        Run run;
+        twinchute::Run run;
         std::vector<double> alone(keys.size());
         EXPECT_EQ(made.statuses[l], rom::rom_fidelity().metrics(scenes[l], run, keys, alone).code);
         for (std::size_t k = 0; k < keys.size(); ++k)
