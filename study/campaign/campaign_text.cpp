@@ -102,7 +102,7 @@ void export_csv(const Campaign& campaign, const CampaignRuns& runs, const std::f
 }
 
 std::string campaign_kml(const Campaign& campaign) {
-    const auto& [latitude, longitude] = *campaign.spec.release_point;
+    const double latitude = (*campaign.spec.release_point)[0], longitude = (*campaign.spec.release_point)[1];
     // Radii of curvature of WGS 84 at the release: landing points lie within some kilometres of it.
     constexpr double a = 6378137.0, e2 = 6.69437999014e-3, degree = 57.29577951308232;
     const double w = 1.0 - e2 * std::sin(latitude) * std::sin(latitude);

@@ -19,6 +19,17 @@ double student_quantile(double freedom) {
     return gsl_cdf_tdist_Qinv(tail, freedom);
 }
 
+/// Chi-square that a share of `tail` lies above (1) or below (-1). GSL's inverse goes astray for many degrees
+/// of freedom; Wilson and Hilferty's (1931) is good to 1e-5 there.
+double chi_square(double freedom, double side) {
+    constexpr double many = 1000.0;
+    if (freedom < many)
+        return side > 0.0 ? gsl_cdf_chisq_Qinv(tail, freedom) : gsl_cdf_chisq_Pinv(tail, freedom);
+    const double spread = 2.0 / (9.0 * freedom),
+                 root = 1.0 - spread + side * normal_quantile() * std::sqrt(spread);
+    return freedom * root * root * root;
+}
+
 /// P(Bin(count, level) < k), for k from 0 to count + 1. GSL's takes counts of 32 bits.
 double binomial_below(std::uint64_t k, double level, std::uint64_t count) {
     if (k == 0) return 0.0;
@@ -117,8 +128,8 @@ Ellipse normal_ellipse(const PlaneMoments& m, double level) {
     ellipse.angle = std::atan2(along.y(), along.x());
     const auto half_axis = [&](double variance) {
         const double sd = std::sqrt(std::max(0.0, variance)), freedom = n - 1.0;
-        return Interval{reach * sd, reach * sd * std::sqrt(freedom / gsl_cdf_chisq_Qinv(tail, freedom)),
-                        reach * sd * std::sqrt(freedom / gsl_cdf_chisq_Pinv(tail, freedom))};
+        return Interval{reach * sd, reach * sd * std::sqrt(freedom / chi_square(freedom, 1.0)),
+                        reach * sd * std::sqrt(freedom / chi_square(freedom, -1.0))};
     };
     ellipse.major = half_axis(axes.eigenvalues()[1]);
     ellipse.minor = half_axis(axes.eigenvalues()[0]);

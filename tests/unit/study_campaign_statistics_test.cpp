@@ -118,6 +118,8 @@ TEST(CampaignStatistics, LandingEllipseIsThatOfTheNormalDistribution) {
     const double reach = std::sqrt(-2.0 * std::log(0.05));
     EXPECT_TRUE(covers(ellipse.major, 3.0 * reach));
     EXPECT_TRUE(covers(ellipse.minor, reach));
+    // A standard deviation of n numbers is sure to 1.96/sqrt(2 n) of itself.
+    EXPECT_NEAR(ellipse.major.halfwidth() / ellipse.major.estimate, 1.96 / std::sqrt(40'000.0), 1e-4);
     EXPECT_NEAR(ellipse.major.estimate, 3.0 * reach, 0.02 * 3.0 * reach);  // four standard errors, 0.5 % each
     EXPECT_NEAR(std::remainder(ellipse.angle - turn, std::numbers::pi), 0.0, 0.02);
     EXPECT_TRUE(covers(ellipse.centre_x, 10.0));
