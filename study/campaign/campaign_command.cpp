@@ -133,7 +133,9 @@ void check_stores(const Campaign& campaign, bool goes_on) {
 void write_results(const Campaign& campaign, const std::string& json, bool exports) {
     const fs::path& directory = campaign.directory;
     for (const CampaignRuns& runs : campaign.of) {
-        runs.store->join(&runs == &campaign.of.front() ? campaign.spec.runs : campaign.full_runs);
+        const std::uint64_t count = &runs == &campaign.of.front() ? campaign.spec.runs : campaign.full_runs;
+        if (count == 0) continue;  // interrupted before
+        runs.store->join(count);
         if (exports) export_csv(campaign, runs, runs.store->folder().parent_path() / "runs.csv");
     }
     FileBatch batch;

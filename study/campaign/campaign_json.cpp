@@ -91,7 +91,7 @@ std::string campaign_json(const Campaign& campaign) {
         json["inputs"].push_back(
             {{"key", input.key},
              {"unit", input.unit},
-             {"distribution", input.distribution ? input.distribution->text() : "points"},
+             {"distribution", input.distribution ? input.distribution->shown() : "points"},
              {"source", input.source},
              {"grade", input.grade}});
     json["runs"] = {{"wanted", r.wanted}, {"made", r.made}, {"complete", r.complete}};

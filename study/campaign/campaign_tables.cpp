@@ -95,7 +95,7 @@ Table inputs_table(const Campaign& campaign) {
     for (const CampaignInput& input : campaign.spec.inputs)
         table.rows.push_back(
             {Cell(input.key, Tone::code),
-             input.distribution ? input.distribution->text() : "points of " + campaign.spec.points,
+             input.distribution ? input.distribution->shown() : "points of " + campaign.spec.points,
              input.unit.empty() ? "-" : input.unit, input.source.empty() ? "-" : input.source,
              input.grade.empty() ? "-" : input.grade});
     return table;

@@ -162,19 +162,38 @@ double Distribution::whole_above(double x) const {
     return 1.0 - whole_below(x);
 }
 
+namespace {
+
+constexpr const char* names[] = {"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
+
+}  // namespace
+
 std::string Distribution::text() const {
-    constexpr const char* names[] = {"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
     std::string text = names[static_cast<std::size_t>(kind_)];
-    if (kind_ == Kind::discrete && !words_.empty())
-        text += fmt::format("({}; {})", fmt::join(words_, ", "), fmt::join(below_, ", "));
-    else if (kind_ == Kind::discrete || kind_ == Kind::table)
-        text += fmt::format("({}; {})", fmt::join(values_, ", "), fmt::join(below_, ", "));
-    else if (kind_ == Kind::triangular)
-        text += fmt::format("({}, {}, {})", a_, b_, c_);
+    if (!values_.empty())
+        text += fmt::format("({}; {}; {})", fmt::join(words_, ", "), fmt::join(values_, ", "),
+                            fmt::join(below_, ", "));
     else
-        text += fmt::format("({}, {})", a_, b_);
-    if (std::isfinite(low_)) text += fmt::format(" from {}", low_);
-    if (std::isfinite(high_)) text += fmt::format(" to {}", high_);
+        text += fmt::format("({}, {}, {})", a_, b_, c_);
+    return text + fmt::format(" from {} to {}", low_, high_);
+}
+
+std::string Distribution::shown() const {
+    std::string text = names[static_cast<std::size_t>(kind_)];
+    if (!words_.empty())
+        text += fmt::format(" of {}", fmt::join(words_, ", "));
+    else if (!values_.empty())
+        text += fmt::format(" of {:.5g}", fmt::join(values_, ", "));
+    else if (kind_ == Kind::triangular)
+        text += fmt::format(" from {:.5g} over {:.5g} to {:.5g}", a_, b_, c_);
+    else if (kind_ == Kind::uniform)
+        text += fmt::format(" from {:.5g} to {:.5g}", a_, b_);
+    const double mean = kind_ == Kind::lognormal ? std::exp(a_ + 0.5 * b_ * b_) : a_;
+    const double sd = kind_ == Kind::lognormal ? mean * std::sqrt(std::expm1(b_ * b_)) : b_;
+    if (kind_ == Kind::normal || kind_ == Kind::lognormal)
+        text += fmt::format(", mean {:.5g}, sd {:.5g}", mean, sd);
+    if (std::isfinite(low_)) text += fmt::format(", not below {:.5g}", low_);
+    if (std::isfinite(high_)) text += fmt::format(", not above {:.5g}", high_);
     return text;
 }
 

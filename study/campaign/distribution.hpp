@@ -38,8 +38,10 @@ public:
 
     Kind kind() const { return kind_; }
     const std::vector<std::string>& words() const { return words_; }
-    /// "normal(4, 0.4) from 2", exact: part of a store's digest.
+    /// Exact: part of a store's digest.
     std::string text() const;
+    /// The same for reading, rounded; a lognormal one by its mean and standard deviation.
+    std::string shown() const;
 
 private:
     double whole_at(double u, double above) const;

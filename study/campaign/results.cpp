@@ -13,7 +13,7 @@
 namespace twinchute::study {
 namespace {
 
-constexpr std::size_t most_examples = 1500, most_indices = 10;
+constexpr std::size_t most_examples = 400, most_indices = 10;
 
 /// Calls take(run, row) for each run that is there, in order.
 void each_row(const RunStore& store, std::uint64_t runs,
@@ -127,7 +127,7 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
     std::vector<std::size_t> places;
     for (const Histogram& histogram : results.histograms)
         places.push_back(*columns.of(histogram.metric));
-    const std::uint64_t stride = std::max<std::uint64_t>(1, runs / most_examples);
+    const std::uint64_t stride = std::max<std::uint64_t>(1, (runs + most_examples - 1) / most_examples);
     each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
         ++results.made;
         if (is_complete(row[0])) {

@@ -196,7 +196,7 @@ void RunStore::require_same() const {
     };
     const auto json = ordered_json::parse(whole_file(file), nullptr, false);
     const ordered_json wanted = identity_json(identity_);
-    if (!json.is_object()) refuse("store.json is damaged: all");
+    if (!json.is_object()) refuse("store.json is damaged, all");
     constexpr std::pair<const char*, const char*> parts[] = {
         {"seed", "the seed"},
         {"digest", "the scene, an input, the design or the fidelity"},

@@ -144,6 +144,17 @@ TEST_F(SystemCampaign, AKillAtAnyMomentLosesNothing) {
     }
 }
 
+TEST_F(SystemCampaign, AChunkThatIsDamagedIsMadeAgain) {
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "whole", "--quiet"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "hurt", "--quiet"}).code, 0);
+    const std::string chunk = text("hurt/runs/chunk-00000001.h5");
+    write("hurt/runs/chunk-00000001.h5", chunk.substr(0, chunk.size() / 2));
+    write("hurt/runs/chunk-00000002.h5", "no HDF5");
+    ASSERT_EQ(campaign({"--out", "hurt", "--resume", "--quiet"}).code, 0);
+    EXPECT_EQ(digest("hurt"), digest("whole"));
+}
+
 TEST_F(SystemCampaign, CtrlCEndsItCleanly) {
     write_runs(8192 * 400);
     Process process(program({"campaign", "c.toml", "--out", "out", "--quiet"}), here_.path());
