@@ -136,7 +136,7 @@ void write_results(const Campaign& campaign, const std::string& json, bool expor
         const std::uint64_t count = &runs == &campaign.of.front() ? campaign.spec.runs : campaign.full_runs;
         if (count == 0) continue;  // interrupted before
         runs.store->join(count);
-        if (exports) export_csv(campaign, runs, runs.store->folder().parent_path() / "runs.csv");
+        if (exports) export_csv(runs, count, runs.store->folder().parent_path() / "runs.csv");
     }
     FileBatch batch;
     batch.add(directory / "report.html", campaign_page(campaign));

@@ -26,9 +26,9 @@ std::string campaign_junit(const Campaign& campaign);
 /// Landing points and ellipses around the release; only with CampaignSpec::release_point.
 std::string campaign_kml(const Campaign& campaign);
 
-/// All runs as CSV, names in the first line, units in the second, through a temporary file. Throws
-/// WriteError.
-void export_csv(const Campaign& campaign, const CampaignRuns& runs, const std::filesystem::path& target);
+/// The first `count` runs as CSV, names in the first line, units in the second, through a temporary file.
+/// Throws WriteError.
+void export_csv(const CampaignRuns& runs, std::uint64_t count, const std::filesystem::path& target);
 
 /// A probability in per cent, any other number with its unit: "0.12 %", "5.3 kN" is "5300 N".
 std::string answer_number(const AnswerSpec& answer, double value);

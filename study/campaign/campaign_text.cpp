@@ -68,7 +68,7 @@ std::string campaign_junit(const Campaign& campaign) {
         compare::xml_text(campaign.spec.name), count, failed, cases);
 }
 
-void export_csv(const Campaign& campaign, const CampaignRuns& runs, const std::filesystem::path& target) {
+void export_csv(const CampaignRuns& runs, std::uint64_t count, const std::filesystem::path& target) {
     const StoreIdentity& identity = runs.store->identity();
     std::filesystem::path temporary = target;
     temporary.replace_filename(fmt::format(".{}.{}-0.tmp", target.filename().string(), ::getpid()));
@@ -81,8 +81,8 @@ void export_csv(const Campaign& campaign, const CampaignRuns& runs, const std::f
         units += "," + identity.units[i];
     }
     stream << text << '\n' << units << '\n';
-    for (std::uint64_t chunk = 0; chunk < runs.store->chunks_of(campaign.spec.runs); ++chunk) {
-        const auto rows = runs.store->read(chunk, runs.store->rows_of(chunk, campaign.spec.runs));
+    for (std::uint64_t chunk = 0; chunk < runs.store->chunks_of(count); ++chunk) {
+        const auto rows = runs.store->read(chunk, runs.store->rows_of(chunk, count));
         text.clear();
         for (std::size_t at = 0; at < rows.size(); at += runs.store->columns()) {
             fmt::format_to(std::back_inserter(text), "{},{}",

@@ -148,16 +148,16 @@ Distribution read_table(SuiteTable& reader, const std::string& unit) {
     return Distribution::table(std::move(values), std::move(below));
 }
 
-Distribution read_kind(SuiteTable& dist, const CampaignInput& input, std::string_view path) {
+Distribution read_kind(SuiteTable& vary, SuiteTable& dist, const CampaignInput& input) {
     constexpr std::array kinds{"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
     std::vector<std::string_view> given;
     for (const char* kind : kinds)
         if (dist.find(kind)) given.push_back(kind);
     if (given.size() != 1)
-        dist.refuse("", given.empty() ? "no distribution" : "two distributions", "",
+        vary.refuse("dist", given.empty() ? "no distribution" : "two distributions", "",
                     fmt::format("give one of {}", joined({kinds.begin(), kinds.end()})));
     const std::string_view kind = given.front();
-    SuiteTable reader(*dist.table(kind), dist.file(), fmt::format("{}.{}", path, kind));
+    SuiteTable reader(*dist.table(kind), dist.file(), fmt::format("vary.dist.{}", kind));
     const bool words = input.kind == KeyKind::word;
     if (words && kind != "discrete")
         dist.refuse(kind, fmt::format("'{}' is one of several words", input.key), "", "write discrete = ...");
@@ -179,7 +179,7 @@ Distribution read_kind(SuiteTable& dist, const CampaignInput& input, std::string
 
 Distribution read_distribution(SuiteTable& vary, const CampaignInput& input) {
     SuiteTable dist(*vary.table("dist"), vary.file(), "vary.dist");
-    Distribution found = read_kind(dist, input, "vary.dist");
+    Distribution found = read_kind(vary, dist, input);
     const std::string unit = input.unit.empty() ? "1" : input.unit;
     const auto low = dist.amount("min", unit), high = dist.amount("max", unit);
     dist.end();
