@@ -17,6 +17,7 @@
 #include "rom/size/size_command.hpp"
 #include "study/calibrate/calibrate_command.hpp"
 #include "study/calibrate/calibrated_case.hpp"
+#include "study/campaign/campaign_command.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
         fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
         rom::size_command(),
         study::calibrate_command(rom),
+        study::campaign_command(rom, full),
         compare::report_command(full, rom),
         compare::ladder_command({&rom, &full}),
         compare::stability_command(full, rom),

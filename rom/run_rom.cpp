@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lib/record/metrics.hpp"
 #include "lib/scene/calibration.hpp"
@@ -13,6 +14,7 @@
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/stopwatch.hpp"
 #include "lib/solve/validity.hpp"
+#include "rom/batch.hpp"
 #include "rom/deployment.hpp"
 #include "rom/estimates.hpp"
 #include "rom/fidelity.hpp"
@@ -207,6 +209,35 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     return record;
 }
 
+/// Metrics of a run alone: no record of it, no estimates, no judgement of its inputs.
+template <int dimensions>
+RunStatus metrics_in(const Scene& scene, Run& run, std::span<const std::string> keys,
+                     std::span<double> values) {
+    std::ranges::fill(values, std::numeric_limits<double>::quiet_NaN());
+    RunRecord record;
+    RunContext context(scene, run, record);
+    OpeningResult result;
+    OpeningSequence sequence(scene);
+    Openings openings(scene, context, sequence, result);
+    record.status = fly<dimensions>(scene, context, sequence, openings);
+    if (context.observer.rows().empty()) return record.status;
+    judge_flight(scene, dimensions, context, openings);
+    note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
+    add_opening_metrics(record, scene, result, {}, {});
+    note_never_opened(record, scene, never_opened(sequence), reached_by(scene, context, sequence));
+    const auto of_drag_area = [](const std::string& key) { return key.ends_with("_percent_drag_area_s"); };
+    if (std::ranges::any_of(keys, of_drag_area)) {
+        add_channels(record, context.observer.rows(), scene, dimensions);
+        add_drag_area_times(record, scene, result, MetricKind::result);
+    }
+    const Parachute& chute = scene.parachutes.front();
+    if (chute.filling.is_predicted() && scene.parachutes.size() == 1)
+        record.add_metric("initial_mouth_ratio", chute.filling.initial_mouth, MetricKind::input, "");
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (const auto value = record.metric(keys[i])) values[i] = *value;
+    return record.status;
+}
+
 /// A pack without drag falls beside its payload.
 std::vector<std::string> unsupported_keys(const Scene& scene) {
     for (const Parachute& chute : scene.parachutes)
@@ -230,6 +261,18 @@ RunRecord run_plain(const Scene& scene, Run& run) {
     }
 }
 
+RunStatus metrics_of(const Scene& scene, Run& run, std::span<const std::string> keys,
+                     std::span<double> values) {
+    switch (dimensions_of(scene)) {
+        case 1:
+            return metrics_in<1>(scene, run, keys, values);
+        case 2:
+            return metrics_in<2>(scene, run, keys, values);
+        default:
+            return metrics_in<3>(scene, run, keys, values);
+    }
+}
+
 }  // namespace
 
 RunRecord run_rom(const Scene& scene, Run& run) {
@@ -245,9 +288,16 @@ RunRecord run_rom(const Scene& scene, Run& run) {
     return record;
 }
 
+RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                      std::span<double> values) {
+    return has_calibration(scene) ? metrics_of(calibrated(scene), run, keys, values)
+                                  : metrics_of(scene, run, keys, values);
+}
+
 const Fidelity& rom_fidelity() {
     static constexpr Fidelity row{
-        "rom", "reduced-order model", &run_rom, &unsupported_keys, false, false, &plan_rom, false, true};
+        "rom", "reduced-order model", &run_rom, &unsupported_keys, false,      false, &plan_rom, false,
+        true,  &rom_metrics,          &batches, &batch_metrics,    batch_lanes};
     return row;
 }
 

@@ -10,4 +10,8 @@ namespace twinchute::rom {
 /// One dimension for a vertical fall in still air, two for any other in still air, three with wind.
 RunRecord run_rom(const Scene& scene, Run& run);
 
+/// Metrics of such a run alone (Fidelity::metrics).
+RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                      std::span<double> values);
+
 }  // namespace twinchute::rom

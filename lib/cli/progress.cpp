@@ -33,8 +33,9 @@ std::size_t line_width() {
 std::string progress_text(std::string_view fidelity, const Progress& progress, double elapsed,
                           double before) {
     const double share = std::clamp(std::isfinite(progress.share) ? progress.share : 0.0, 0.0, 1.0);
-    std::string text =
-        fmt::format("{} {:<12} {:7.2f} s {:4.0f} %", fidelity, progress.stage, progress.time, 100 * share);
+    std::string text = fmt::format("{} {:<12}", fidelity, progress.stage);
+    if (!std::isnan(progress.time)) text += fmt::format(" {:7.2f} s", progress.time);
+    text += fmt::format(" {:4.0f} %", 100 * share);
     // Before a hundredth is done the estimate is worth nothing.
     if (share >= before + 0.01)
         text += fmt::format("   {} left", duration(elapsed * (1 - share) / (share - before)));

@@ -20,7 +20,7 @@ namespace twinchute {
 
 struct Progress {
     std::string_view stage;                 ///< e.g. "inflation"
-    double time = 0.0;                      ///< [s] simulated, since release
+    double time = 0.0;                      ///< [s] simulated, since release; not a number: none is said
     double share = 0.0;                     ///< [-] of the run, an estimate in 0..1
     std::optional<double> resumed_at = {};  ///< [s] simulated: the checkpoint that the run went on from
 };
@@ -66,6 +66,17 @@ struct Fidelity {
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
     bool gives_samples = false;      ///< it takes Run::samples
+    /// Metrics of a run by their keys in a record, NaN where it has none, and how it ended: those of run(), for
+    /// who makes very many. Null: run() alone has them.
+    RunStatus (*metrics)(const Scene&, Run&, std::span<const std::string> keys,
+                         std::span<double> values) = nullptr;
+    /// Whether metrics_of_batch() takes scenes of this kind, for these metrics. Null: none.
+    bool (*batches)(const Scene&, std::span<const std::string> keys) = nullptr;
+    /// Metrics of `batch` scenes at once, a row of `values` each: within the tolerance those of metrics(), a
+    /// scene that is unlike the others included. The same scenes in the same order give the same bits.
+    void (*metrics_of_batch)(std::span<const Scene> scenes, Run&, std::span<const std::string> keys,
+                             std::span<double> values, std::span<StatusCode> statuses) = nullptr;
+    std::size_t batch = 0;
 };
 
 /// Why a fidelity cannot run a scene, of the keys that it lacks: "it lacks the physics of 'x'", or "it needs

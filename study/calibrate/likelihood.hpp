@@ -9,7 +9,7 @@
 
 #include "study/calibrate/least_squares.hpp"
 #include "study/calibrate/prediction.hpp"
-#include "study/calibrate/varied_scene.hpp"
+#include "study/varied_scene.hpp"
 
 namespace twinchute::study {
 

@@ -59,8 +59,8 @@ report < <(awk '
                 say(own " may not include " target)
         }
         if (target ~ /^(sundials|arkode|cvodes?|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\// &&
-            FILENAME !~ /^lib\/solve\/sundials\.[ch]pp$/)
-            say("<" target ">: only lib/solve/sundials.* sees SUNDIALS")
+            FILENAME !~ /^lib\/solve\/sundials(_lanes)?\.[ch]pp$/)
+            say("<" target ">: only lib/solve/sundials* sees SUNDIALS")
     }' "${sources[@]}")
 
 # Libraries return or throw; only main ends the program.

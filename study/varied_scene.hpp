@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/scene/keys.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute::study {
@@ -19,17 +20,34 @@ class VariedScene {
 public:
     /// `probe`: a value of each key, other than the scene's own. Throws SceneError.
     VariedScene(SceneWith scene_with, std::vector<std::string> keys, const std::vector<double>& probe);
+    VariedScene(SceneWith scene_with, std::vector<std::string> keys, const std::vector<KeyValue>& probe);
 
     /// Throws SceneError for values that are out of range or do not fit together, where it reads.
     Scene at(std::span<const double> values) const;
     /// The scene at these values by reading, with all that a record says of its inputs. Throws SceneError.
     Scene read(std::span<const double> values) const;
+    Scene read(std::span<const KeyValue> values) const;
     bool is_quick() const { return quick_; }
 
+    /// The scene as it was read, without inputs and warnings.
+    const Scene& base() const { return base_; }
+    /// Puts values into a copy of base(), as often as one likes. Each key's own range is checked, not how
+    /// keys fit together, unless the scene has to be read again. Throws SceneError.
+    void put(Scene& scene, std::span<const KeyValue> values) const;
+    /// Whether putting gives what reading gives at these values as well; reads for good where not.
+    bool check(const std::vector<KeyValue>& values);
+
 private:
+    struct Setter {
+        KeyRange range;
+        std::function<void(Scene&, const KeyValue&)> set;
+    };
+    std::optional<std::vector<Setter>> setters() const;
+
     SceneWith scene_with_;
     std::vector<std::string> keys_;
-    Scene base_;  ///< without inputs and warnings
+    Scene base_;
+    std::vector<Setter> setters_;
     bool quick_ = false;
 };
 

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "study/campaign/campaign_files.hpp"
+
+namespace twinchute::study {
+namespace {
+
+using compare::Cell;
+using compare::Table;
+using compare::Tone;
+
+std::string percent(const Interval& share) {
+    if (!std::isfinite(share.estimate)) return "-";
+    return fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100.0 * share.estimate, 100.0 * share.low,
+                       100.0 * share.high);
+}
+
+Tone tone_of(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::met:
+            return Tone::good;
+        case Verdict::undecided:
+            return Tone::caution;
+        case Verdict::exceeded:
+            return Tone::bad;
+        case Verdict::open:
+            break;
+    }
+    return Tone::quiet;
+}
+
+std::string question_of(const AnswerSpec& a) {
+    switch (a.kind) {
+        case AnswerSpec::Kind::probability:
+            return fmt::format("P({})", a.asked);
+        case AnswerSpec::Kind::quantile:
+            return fmt::format("{:g} % of {}", 100.0 * a.level, metric_words(a.metric));
+        case AnswerSpec::Kind::mean:
+            return "mean of " + metric_words(a.metric);
+        case AnswerSpec::Kind::ellipse:
+            return fmt::format("{:g} % landing ellipse, half axes", 100.0 * a.level);
+    }
+    return {};
+}
+
+std::string end_text(const AnswerSpec& answer, double end) {
+    return std::isfinite(end) ? answer_number(answer, end) : "too few runs";
+}
+
+std::string interval_text(const AnswerSpec& answer, const Interval& value) {
+    if (!std::isfinite(value.estimate)) return "-";
+    return fmt::format("{} to {}", end_text(answer, value.low), end_text(answer, value.high));
+}
+
+}  // namespace
+
+std::string answer_number(const AnswerSpec& answer, double value) {
+    if (!std::isfinite(value)) return "-";
+    if (answer.kind == AnswerSpec::Kind::probability) return fmt::format("{:.4g} %", 100.0 * value);
+    return readable(value, 5) + (answer.unit.empty() ? "" : " " + answer.unit);
+}
+
+Table answers_table(const Campaign& campaign) {
+    Table table;
+    table.add_words({"Answer", "Question"});
+    table.add_numbers({"Estimate", "95 % interval", "Runs", "Limit"});
+    table.add_words({"Verdict"});
+    for (const Answer& a : campaign.results.answers) {
+        std::string estimate = answer_number(*a.spec, a.value.estimate);
+        if (a.ellipse) estimate += " and " + answer_number(*a.spec, a.ellipse->minor.estimate);
+        table.rows.push_back({Cell(a.spec->name, Tone::strong), question_of(*a.spec), estimate,
+                              interval_text(*a.spec, a.value), fmt::format("{}", a.count),
+                              a.spec->limit ? answer_number(*a.spec, *a.spec->limit) : "-",
+                              Cell(verdict_name(a.verdict), tone_of(a.verdict), a.method)});
+    }
+    return table;
+}
+
+Table indices_table(const Campaign& campaign, const MetricIndices& indices) {
+    Table table;
+    table.add_words({"Input"});
+    table.add_numbers({"First order", "Total"});
+    for (std::size_t i = 0; i < indices.of.size(); ++i)
+        table.rows.push_back({Cell(campaign.spec.inputs[i].key, Tone::code), percent(indices.of[i].first),
+                              indices.of[i].total ? percent(*indices.of[i].total) : "-"});
+    return table;
+}
+
+Table inputs_table(const Campaign& campaign) {
+    Table table;
+    table.add_words({"Input", "Distribution", "Unit", "Source", "Grade"});
+    for (const CampaignInput& input : campaign.spec.inputs)
+        table.rows.push_back(
+            {Cell(input.key, Tone::code),
+             input.distribution ? input.distribution->shown() : "points of " + campaign.spec.points,
+             input.unit.empty() ? "-" : input.unit, input.source.empty() ? "-" : input.source,
+             input.grade.empty() ? "-" : input.grade});
+    return table;
+}
+
+Table failures_table(const Campaign& campaign) {
+    Table table;
+    table.add_words({"Ended by"});
+    table.add_numbers({"Runs"});
+    table.add_words({"First of them"});
+    for (const auto& [status, failed] : campaign.results.failed)
+        table.rows.push_back({status, fmt::format("{}", failed.count),
+                              fmt::format("{}{}", fmt::join(failed.first, ", "),
+                                          failed.count > failed.first.size() ? ", ..." : "")});
+    return table;
+}
+
+Table pairs_table(const MultiFidelity& both) {
+    Table table;
+    table.add_words({"Answer of the full model"});
+    table.add_numbers({"Estimate", "95 % interval", "ROM alone", "Full runs alone", "Correlation", "Gain"});
+    table.add_words({"Verdict", "Method"});
+    for (const PairedAnswer& a : both.answers)
+        table.rows.push_back(
+            {Cell(a.spec->name, Tone::strong), answer_number(*a.spec, a.value.estimate),
+             interval_text(*a.spec, a.value), answer_number(*a.spec, a.cheap),
+             interval_text(*a.spec, a.dear_alone),
+             std::isfinite(a.correlation) ? fmt::format("{:.5f}", a.correlation) : "-",
+             std::isfinite(a.gain.estimate)
+                 ? fmt::format("{:.0f} ({:.0f} to {:.0f})", a.gain.estimate, a.gain.low, a.gain.high)
+                 : "-",
+             Cell(verdict_name(a.verdict), tone_of(a.verdict)), a.method});
+    return table;
+}
+
+}  // namespace twinchute::study

@@ -1,0 +1,139 @@
+#include "study/campaign/engine.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <future>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace twinchute::study {
+
+void Engine::make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const {
+    const std::span<double> values = row.subspan(1, columns.inputs),
+                            metrics = row.subspan(columns.first_metric());
+    std::ranges::fill(metrics, std::numeric_limits<double>::quiet_NaN());
+    design.values(run, values);
+    Run asked{stop, {}};
+    try {
+        sampler.put(scene, values);
+        if (fidelity.metrics) {
+            row[0] = static_cast<double>(fidelity.metrics(scene, asked, columns.metrics, metrics).code);
+            return;
+        }
+        const RunRecord record = fidelity.run(scene, asked);
+        row[0] = static_cast<double>(record.status.code);
+        for (std::size_t i = 0; i < metrics.size(); ++i)
+            if (const auto value = record.metric(columns.metrics[i])) metrics[i] = *value;
+    } catch (const SceneError&) {
+        row[0] = static_cast<double>(refused_inputs);
+        scene = sampler.blank();
+    }
+}
+
+/// All scenes of a batch, those behind the end of `rows` as well: a run's bits hang on its batch alone.
+void Engine::make_batch(Worker& worker, std::uint64_t first, std::span<double> rows) const {
+    const std::size_t width = columns.first_metric() + columns.metrics.size(), lanes = fidelity.batch;
+    std::vector<double> inputs(lanes * columns.inputs);
+    std::vector<char> refused(lanes);
+    worker.scenes.resize(lanes, sampler.blank());
+    for (std::size_t l = 0; l < lanes; ++l) {
+        const std::span<double> values = std::span(inputs).subspan(l * columns.inputs, columns.inputs);
+        worker.design.values(first + l, values);
+        try {
+            sampler.put(worker.scenes[l], values);
+        } catch (const SceneError&) {
+            refused[l] = 1;
+            worker.scenes[l] = sampler.blank();
+        }
+    }
+    worker.values.resize(lanes * columns.metrics.size());
+    std::vector<StatusCode> statuses(lanes);
+    Run asked{stop, {}};
+    fidelity.metrics_of_batch(worker.scenes, asked, columns.metrics, worker.values, statuses);
+    for (std::size_t l = 0; l < lanes && (l + 1) * width <= rows.size(); ++l) {
+        const std::span<double> row = rows.subspan(l * width, width);
+        row[0] = static_cast<double>(refused[l] ? refused_inputs : statuses[l]);
+        std::ranges::copy(std::span(inputs).subspan(l * columns.inputs, columns.inputs), row.begin() + 1);
+        const auto metrics = row.subspan(columns.first_metric());
+        if (refused[l])
+            std::ranges::fill(metrics, std::numeric_limits<double>::quiet_NaN());
+        else
+            std::ranges::copy(std::span(worker.values).subspan(l * metrics.size(), metrics.size()),
+                              metrics.begin());
+    }
+}
+
+bool Engine::make_batches(Worker& worker, std::uint64_t first, std::span<double> rows) const {
+    const std::size_t width = columns.first_metric() + columns.metrics.size(), batch = fidelity.batch * width;
+    for (std::size_t at = 0; at < rows.size(); at += batch) {
+        if (stop.stop_requested()) return false;
+        make_batch(worker, first + at / width, rows.subspan(at, std::min(batch, rows.size() - at)));
+    }
+    return !stop.stop_requested();
+}
+
+bool Engine::make_chunk(Worker& worker, std::uint64_t first, std::span<double> rows) const {
+    if (in_batches) return make_batches(worker, first, rows);
+    const std::size_t width = columns.first_metric() + columns.metrics.size();
+    for (std::size_t i = 0; i < rows.size() / width; ++i) {
+        if (stop.stop_requested()) return false;
+        make_row(worker.design, worker.scene, first + i, rows.subspan(i * width, width));
+    }
+    return !stop.stop_requested();
+}
+
+bool Engine::run(const RunStore& store, std::uint64_t runs) const {
+    const std::uint64_t chunks = store.chunks_of(runs);
+    std::atomic<std::uint64_t> next{shard};
+    std::atomic<bool> ended{false};
+    std::mutex lock;
+    std::exception_ptr thrown;
+    const auto work = [&] {
+        try {
+            Worker worker{Design(spec), sampler.blank(), {}, {}};
+            RunStore::Rows rows;
+            std::future<void> written;
+            while (!ended) {
+                const std::uint64_t chunk = next.fetch_add(shards);
+                if (chunk >= chunks) break;
+                const std::uint64_t count = store.rows_of(chunk, runs);
+                if (RunStore::Rows there = store.read(chunk, count); !there.empty()) {
+                    const std::scoped_lock guard(lock);
+                    if (made) made(there);
+                    continue;
+                }
+                rows.assign(count * store.columns(), 0.0);
+                if (!make_chunk(worker, chunk * store.identity().chunk, rows)) {
+                    ended = true;
+                    break;
+                }
+                // A flush to disk takes as long as a chunk: the next one is made meanwhile.
+                if (written.valid()) written.get();
+                {
+                    const std::scoped_lock guard(lock);
+                    if (made) made(rows);
+                }
+                written = std::async(std::launch::async, [&store, chunk, kept = std::exchange(rows, {})] {
+                    store.write(chunk, kept);
+                });
+            }
+            if (written.valid()) written.get();
+        } catch (...) {
+            const std::scoped_lock guard(lock);
+            if (!thrown) thrown = std::current_exception();
+            ended = true;
+        }
+    };
+    {
+        std::vector<std::jthread> workers;
+        for (int i = 1; i < threads; ++i)
+            workers.emplace_back(work);
+        work();
+    }
+    if (thrown) std::rethrow_exception(thrown);
+    return !ended;
+}
+
+}  // namespace twinchute::study

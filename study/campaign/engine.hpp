@@ -1,0 +1,51 @@
+// Makes the runs of a campaign, chunk by chunk, on some threads.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include "lib/solve/fidelity.hpp"
+#include "study/campaign/results.hpp"
+#include "study/campaign/sampler.hpp"
+#include "study/campaign/store.hpp"
+
+namespace twinchute::study {
+
+/// Runs of one fidelity.
+struct Engine {
+    const CampaignSpec& spec;
+    const Sampler& sampler;
+    const Fidelity& fidelity;
+    Columns columns;
+    int threads = 1;
+    std::uint64_t shard = 0, shards = 1;  ///< chunks whose number is `shard` modulo `shards`
+    std::stop_token stop = {};
+    /// After so many more runs; from any thread, one at a time. May be empty.
+    std::function<void(std::span<const double> rows)> made = {};
+    bool in_batches = false;  ///< by Fidelity::metrics_of_batch
+
+    /// Makes the chunks of the first `runs` runs that are missing. False where it was interrupted before the
+    /// end. Throws WriteError.
+    bool run(const RunStore& store, std::uint64_t runs) const;
+
+private:
+    /// What a thread works with.
+    struct Worker {
+        Design design;
+        Scene scene;
+        std::vector<Scene> scenes;  // of a batch
+        std::vector<double> values;
+    };
+    bool make_chunk(Worker& worker, std::uint64_t first, std::span<double> rows) const;
+    bool make_batches(Worker& worker, std::uint64_t first, std::span<double> rows) const;
+    void make_batch(Worker& worker, std::uint64_t first, std::span<double> rows) const;
+    void make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const;
+};
+
+/// Status of a run whose inputs a scene must not have.
+inline constexpr StatusCode refused_inputs = StatusCode::refused;
+
+}  // namespace twinchute::study

@@ -1,0 +1,391 @@
+#include "study/campaign/read_inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "lib/record/json_node.hpp"
+#include "lib/scene/data_files.hpp"
+#include "lib/scene/logged_table.hpp"
+#include "lib/scene/nearest.hpp"
+#include "lib/scene/units.hpp"
+
+namespace twinchute::study {
+namespace {
+
+namespace fs = std::filesystem;
+using compare::SuiteTable;
+
+/// Correlations as they were read: of two keys each.
+struct Pair {
+    std::string one, other;
+    double value = 0.0;
+};
+
+/// The row of a key, also of one of several parachutes ("parachute.main.mass"); null: there is none.
+const Key* row_of_key(const std::string& path) {
+    if (const Key* row = find_key(scene_keys(), path)) return row;
+    constexpr std::string_view head = "parachute.";
+    const std::size_t dot = path.starts_with(head) ? path.find('.', head.size()) : std::string::npos;
+    if (dot == std::string::npos) return nullptr;
+    return find_key(scene_keys(), std::string(head) + path.substr(dot + 1));
+}
+
+CampaignInput input_of(const SuiteTable& reader, std::string_view where, const std::string& key) {
+    CampaignInput input;
+    input.key = key;
+    if (key == wind_scale) return input;
+    if (key == wind_turn) return input.unit = "rad", input;
+    const Key* row = row_of_key(key);
+    if (!row) {
+        std::vector<std::string_view> paths{wind_scale, wind_turn};
+        for (const Key& known : scene_keys())
+            paths.push_back(known.path);
+        reader.refuse(where, fmt::format("'{}' is no key of a scene", key), "", suggest(key, paths));
+    }
+    input.kind = row->kind;
+    if (!row->is_number() && row->kind != KeyKind::word && row->kind != KeyKind::quantity_or_word)
+        reader.refuse(where, fmt::format("'{}' is neither a number nor one of several words", key), "",
+                      "vary a key that is");
+    input.unit = row->record_unit();
+    return input;
+}
+
+/// Numbers of a list, each with a unit or in SI.
+std::vector<double> amounts(SuiteTable& reader, std::string_view key, std::string_view unit) {
+    reader.need(key, "a list of numbers");
+    const toml::array* array = reader.find(key)->as_array();
+    if (!array || array->empty()) reader.refuse(key, "a list of numbers belongs here", "", "e.g. [1, 2]");
+    std::vector<double> found;
+    for (const toml::node& node : *array) {
+        const auto words = node.value_exact<std::string>();
+        const auto number = node.is_number() ? node.value<double>() : std::nullopt;
+        if (!words && !number) reader.refuse(key, "a list of numbers belongs here", "", "e.g. [1, 2]");
+        try {
+            found.push_back(words ? to_si(*words, unit) : *number);
+        } catch (const UnitError& error) {
+            reader.refuse(key, error.problem(), error.why(), error.suggestion());
+        }
+        if (!std::isfinite(found.back())) reader.refuse(key, "is not finite", "", "give numbers");
+    }
+    return found;
+}
+
+double needed(SuiteTable& reader, std::string_view key, std::string_view unit) {
+    reader.need(key, "the distribution needs it");
+    return *reader.amount(key, unit);
+}
+
+/// A standard deviation: an amount, or "10 %" of the mean.
+double spread(SuiteTable& reader, std::string_view key, std::string_view unit, double mean) {
+    reader.need(key, "the distribution needs it");
+    const Tolerance sd = *reader.tolerance(key, unit);
+    const double value = sd.relative ? sd.value * std::abs(mean) : sd.value;
+    if (!(value > 0.0)) reader.refuse(key, "is not positive", "", "a fixed input belongs to the scene");
+    return value;
+}
+
+Distribution read_lognormal(SuiteTable& reader, const std::string& unit) {
+    const bool by_median = reader.find("median") != nullptr;
+    const char* place = by_median ? "median" : "mean";
+    const double middle = needed(reader, place, unit);
+    if (!(middle > 0.0)) reader.refuse(place, "is not positive", "", "a lognormal has positive values alone");
+    if (!by_median) return Distribution::lognormal(middle, spread(reader, "sd", unit, middle));
+    const double log_sd = needed(reader, "log_sd", "1");
+    if (!(log_sd > 0.0)) reader.refuse("log_sd", "is not positive", "", "a fixed input belongs to the scene");
+    return Distribution::lognormal_by_median(middle, log_sd);
+}
+
+Distribution read_range(SuiteTable& reader, const std::string& unit, bool triangular) {
+    const double low = needed(reader, "low", unit), high = needed(reader, "high", unit);
+    if (!(low < high)) reader.refuse("high", "is not above low", "", "give low < high");
+    if (!triangular) return Distribution::uniform(low, high);
+    const double mode = needed(reader, "mode", unit);
+    if (!(low <= mode && mode <= high)) reader.refuse("mode", "is not between low and high", "", "");
+    return Distribution::triangular(low, mode, high);
+}
+
+std::vector<double> weights_of(SuiteTable& reader, std::size_t count) {
+    if (!reader.find("weights")) return std::vector<double>(count, 1.0);
+    const std::vector<double> weights = amounts(reader, "weights", "1");
+    if (weights.size() != count)
+        reader.refuse("weights", fmt::format("{} for {} values", weights.size(), count), "", "one a value");
+    if (!std::ranges::all_of(weights, [](double w) { return w > 0.0; }))
+        reader.refuse("weights", "are not all positive", "", "leave out values that never occur");
+    return weights;
+}
+
+Distribution read_discrete(SuiteTable& reader, const CampaignInput& input) {
+    if (input.kind != KeyKind::word && input.kind != KeyKind::quantity_or_word) {
+        std::vector<double> values = amounts(reader, "values", input.unit.empty() ? "1" : input.unit);
+        const auto weights = weights_of(reader, values.size());
+        return Distribution::discrete(std::move(values), weights);
+    }
+    std::vector<std::string> words = reader.texts("values");
+    if (words.empty())
+        reader.refuse("values", "is missing", "which words there are", "values = [\"a\", \"b\"]");
+    const auto weights = weights_of(reader, words.size());
+    return Distribution::discrete(std::move(words), weights);
+}
+
+Distribution read_table(SuiteTable& reader, const std::string& unit) {
+    std::vector<double> values = amounts(reader, "values", unit), below = amounts(reader, "below", "1");
+    const auto rises = [](const std::vector<double>& list) {
+        return std::ranges::adjacent_find(list, [](double a, double b) { return !(a < b); }) == list.end();
+    };
+    if (values.size() < 2 || values.size() != below.size())
+        reader.refuse("below", fmt::format("{} shares for {} values", below.size(), values.size()), "",
+                      "give as many of both, two or more");
+    if (!rises(values)) reader.refuse("values", "do not rise", "", "sort them");
+    if (!rises(below) || below.front() != 0.0 || below.back() != 1.0)
+        reader.refuse("below", "do not rise from 0 to 1", "they are the shares below each value", "");
+    return Distribution::table(std::move(values), std::move(below));
+}
+
+Distribution read_kind(SuiteTable& vary, SuiteTable& dist, const CampaignInput& input) {
+    constexpr std::array kinds{"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
+    std::vector<std::string_view> given;
+    for (const char* kind : kinds)
+        if (dist.find(kind)) given.push_back(kind);
+    if (given.size() != 1)
+        vary.refuse("dist", given.empty() ? "no distribution" : "two distributions", "",
+                    fmt::format("give one of {}", joined({kinds.begin(), kinds.end()})));
+    const std::string_view kind = given.front();
+    SuiteTable reader(*dist.table(kind), dist.file(), fmt::format("vary.dist.{}", kind));
+    const bool words = input.kind == KeyKind::word;
+    if (words && kind != "discrete")
+        dist.refuse(kind, fmt::format("'{}' is one of several words", input.key), "", "write discrete = ...");
+    const std::string unit = input.unit.empty() ? "1" : input.unit;
+    const auto read = [&]() -> Distribution {
+        if (kind == "normal") {
+            const double mean = needed(reader, "mean", unit);
+            return Distribution::normal(mean, spread(reader, "sd", unit, mean));
+        }
+        if (kind == "lognormal") return read_lognormal(reader, unit);
+        if (kind == "discrete") return read_discrete(reader, input);
+        if (kind == "table") return read_table(reader, unit);
+        return read_range(reader, unit, kind == "triangular");
+    };
+    Distribution found = read();
+    reader.end();
+    return found;
+}
+
+Distribution read_distribution(SuiteTable& vary, const CampaignInput& input) {
+    SuiteTable dist(*vary.table("dist"), vary.file(), "vary.dist");
+    Distribution found = read_kind(vary, dist, input);
+    const std::string unit = input.unit.empty() ? "1" : input.unit;
+    const auto low = dist.amount("min", unit), high = dist.amount("max", unit);
+    dist.end();
+    if (!low && !high) return found;
+    const char* key = low ? "min" : "max";
+    if (found.kind() == Distribution::Kind::discrete)
+        dist.refuse(key, "does not go with discrete values", "", "leave values out of the list");
+    if (!found.cut(low.value_or(-HUGE_VAL), high.value_or(HUGE_VAL)))
+        dist.refuse(key, "leaves nothing of the distribution", "", "give min < max around it");
+    return found;
+}
+
+/// Several inputs by mean and covariance.
+void read_joint(SuiteTable& vary, CampaignSpec& spec, std::vector<Pair>& pairs) {
+    const std::vector<std::string> keys = vary.texts("keys");
+    if (keys.size() < 2) vary.refuse("keys", "two or more belong here", "one has no covariance", "write key");
+    const std::vector<double> mean = [&] {
+        vary.need("mean", "of each of the keys");
+        std::vector<double> all;
+        const toml::array* array = vary.find("mean")->as_array();
+        if (!array || array->size() != keys.size())
+            vary.refuse("mean", fmt::format("{} numbers belong here", keys.size()), "", "one a key, in SI");
+        for (const toml::node& node : *array)
+            all.push_back(node.is_number() ? *node.value<double>() : NAN);
+        return all;
+    }();
+    vary.need("covariance", "how they vary together");
+    const toml::array* rows = vary.find("covariance")->as_array();
+    const auto n = static_cast<Eigen::Index>(keys.size());
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j) {
+            const toml::array* row = rows && rows->size() == keys.size() ? (*rows)[i].as_array() : nullptr;
+            const bool has = row && row->size() == keys.size() && (*row)[j].is_number();
+            if (!has || !std::isfinite(mean[i]))
+                vary.refuse("covariance", fmt::format("{0} rows of {0} numbers belong here", keys.size()),
+                            "in SI, as are the means", "");
+            covariance(i, j) = *(*row)[j].value<double>();
+        }
+    if (!covariance.isApprox(covariance.transpose(), 1e-12) || !(covariance.diagonal().minCoeff() > 0.0))
+        vary.refuse("covariance", "is not symmetric with positive variances", "", "correct it");
+    for (Eigen::Index i = 0; i < n; ++i) {
+        CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "keys", keys[i]));
+        input.distribution = Distribution::normal(mean[i], std::sqrt(covariance(i, i)));
+        for (Eigen::Index j = 0; j < i; ++j)
+            if (covariance(i, j) != 0.0)
+                pairs.push_back(
+                    {keys[i], keys[j], covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j))});
+    }
+}
+
+/// The inputs that `twinchute calibrate` found, with their covariance.
+void read_calibrated(SuiteTable& vary, const fs::path& directory, CampaignSpec& spec,
+                     std::vector<Pair>& pairs) {
+    const fs::path named = vary.text("calibrated"), file = named.is_absolute() ? named : directory / named;
+    const std::vector<std::string> wanted = vary.texts("keys");
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored))
+        vary.refuse("calibrated", fmt::format("there is no '{}'", file.string()), "",
+                    "name the calibration.json of a calibration");
+    const std::string name = file.string(), text = read_text_file(file);
+    const JsonDocument document(text, name);
+    const JsonNode top = document.top();
+    std::vector<std::string> taken;
+    top.at("parameters").each_key([&](const std::string& key, const JsonNode& p) {
+        const bool asked = wanted.empty() ? row_of_key(key) != nullptr : std::ranges::count(wanted, key) > 0;
+        if (!asked || !p.find("standard_deviation")) return;
+        const double estimate = p.at("estimate").number(), sd = p.at("standard_deviation").number();
+        if (!(sd > 0.0)) return;
+        CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "calibrated", key));
+        input.distribution = p.text_at("scale") == "logarithmic"
+                                 ? Distribution::lognormal_by_median(estimate, sd)
+                                 : Distribution::normal(estimate, sd);
+        double low = -HUGE_VAL, high = HUGE_VAL;
+        int end = 0;
+        p.at("bounds").each_row([&](const JsonNode& b) { (end++ == 0 ? low : high) = b.number(); });
+        input.distribution->cut(low, high);
+        input.source = "calibration, " + named.filename().string();
+        taken.push_back(key);
+    });
+    for (const std::string& key : wanted)
+        if (std::ranges::count(taken, key) == 0)
+            vary.refuse("keys", fmt::format("'{}' was not fitted there", key), "", "leave it out");
+    if (taken.empty()) vary.refuse("calibrated", "has no fitted input", "", "name another calibration");
+    std::vector<std::string> labels;
+    const JsonNode correlation = top.at("correlation");
+    correlation.at("keys").each_row([&](const JsonNode& k) { labels.push_back(k.text()); });
+    std::size_t i = 0;
+    correlation.at("matrix").each_row([&](const JsonNode& row) {
+        std::size_t j = 0;
+        row.each_row([&](const JsonNode& value) {
+            const bool both = i < labels.size() && j < i && std::ranges::count(taken, labels[i]) > 0 &&
+                              std::ranges::count(taken, labels[j]) > 0;
+            if (both) pairs.push_back({labels[i], labels[j], value.number()});
+            ++j;
+        });
+        ++i;
+    });
+}
+
+void read_one(SuiteTable& vary, CampaignSpec& spec) {
+    const std::string key = vary.needed_text("key", "which input varies");
+    CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "key", key));
+    if (vary.find("dist")) input.distribution = read_distribution(vary, input);
+    input.levels = vary.count("levels", input.levels, 10'000);
+}
+
+void read_pairs(SuiteTable& top, std::vector<Pair>& pairs) {
+    for (SuiteTable& reader : top.list("correlation")) {
+        const std::vector<std::string> keys = reader.texts("between");
+        if (keys.size() != 2)
+            reader.refuse("between", "two keys belong here", "", "between = [\"a\", \"b\"]");
+        const double value = needed(reader, "value", "1");
+        if (!(std::abs(value) < 1.0)) reader.refuse("value", "is not between -1 and 1", "", "");
+        reader.end();
+        pairs.push_back({keys[0], keys[1], value});
+    }
+}
+
+void correlate(SuiteTable& top, CampaignSpec& spec, const std::vector<Pair>& pairs) {
+    const auto n = static_cast<Eigen::Index>(spec.inputs.size());
+    spec.correlation = Eigen::MatrixXd::Identity(n, n);
+    const auto index = [&](const std::string& key) {
+        const auto found = std::ranges::find(spec.inputs, key, &CampaignInput::key);
+        if (found == spec.inputs.end())
+            top.refuse("correlation", fmt::format("'{}' does not vary", key), "", "name keys of [[vary]]");
+        return found - spec.inputs.begin();
+    };
+    for (const Pair& pair : pairs) {
+        const auto i = index(pair.one), j = index(pair.other);
+        if (i == j) top.refuse("correlation", fmt::format("'{}' with itself", pair.one), "", "name two keys");
+        spec.correlation(i, j) = spec.correlation(j, i) = pair.value;
+    }
+    if (Eigen::LLT<Eigen::MatrixXd>(spec.correlation).info() != Eigen::Success)
+        top.refuse("correlation", "is not positive definite", "no inputs can go together in this way",
+                   "correct the correlations or the covariance");
+}
+
+void read_points(const fs::path& directory, CampaignSpec& spec) {
+    const fs::path named = spec.points, file = named.is_absolute() ? named : directory / named;
+    const LoggedTable table = read_logged_table(read_text_file(file), file.string());
+    for (const CampaignInput& input : spec.inputs) {
+        const LoggedColumn* column = table.find(input.key);
+        if (!column)
+            throw SceneError({file.string(), table.head_line, 1}, input.key, "has no column", "it varies",
+                             "name a column by its key");
+        std::vector<std::vector<double>>& rows = spec.point_rows;
+        rows.resize(column->values.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const SourcePlace place{file.string(), table.lines[i], column->column};
+            if (!column->values[i])
+                throw SceneError(place, input.key, "an empty cell", "each point has all inputs",
+                                 "fill it in");
+            const double value = *column->values[i];
+            rows[i].push_back(column->unit.empty() ? value
+                                                   : to_si(fmt::format("{} {}", value, column->unit),
+                                                           input.unit.empty() ? "1" : input.unit));
+        }
+    }
+    spec.runs = spec.point_rows.size();
+}
+
+}  // namespace
+
+void read_inputs(SuiteTable& top, const fs::path& directory, CampaignSpec& spec) {
+    std::vector<Pair> pairs;
+    top.need("vary", "which inputs vary");
+    for (SuiteTable& vary : top.list("vary")) {
+        const std::size_t before = spec.inputs.size();
+        if (vary.find("calibrated"))
+            read_calibrated(vary, directory, spec, pairs);
+        else if (vary.find("keys"))
+            read_joint(vary, spec, pairs);
+        else
+            read_one(vary, spec);
+        const std::string source = vary.text("source"), grade = vary.text("grade");
+        for (std::size_t i = before; i < spec.inputs.size(); ++i) {
+            CampaignInput& input = spec.inputs[i];
+            if (!source.empty()) input.source = source;
+            input.grade = grade;
+            const auto same = [&](const CampaignInput& other) { return other.key == input.key; };
+            if (std::ranges::count_if(spec.inputs, same) > 1)
+                vary.refuse("key", fmt::format("'{}' varies twice", input.key), "", "name each key once");
+        }
+        vary.end();
+    }
+    read_pairs(top, pairs);
+    correlate(top, spec, pairs);
+}
+
+void finish_inputs(const fs::path& directory, CampaignSpec& spec) {
+    if (spec.design == DesignKind::points) return read_points(directory, spec);
+    for (const CampaignInput& input : spec.inputs)
+        if (!input.distribution)
+            throw SceneError({spec.file.string(), 1, 1}, "vary.dist",
+                             fmt::format("of '{}' is missing", input.key), "points.csv alone does without",
+                             "add e.g. dist = { normal = { mean = 4, sd = 0.4 } }");
+    if (spec.design != DesignKind::grid) return;
+    double runs = 1.0;
+    for (const CampaignInput& input : spec.inputs)
+        runs *= input.levels;
+    if (runs > 1e9)
+        throw SceneError({spec.file.string(), 1, 1}, "campaign.design",
+                         fmt::format("a grid of {:g} points", runs), "",
+                         "give fewer levels, or choose sobol");
+    spec.runs = static_cast<std::uint64_t>(runs);
+}
+
+}  // namespace twinchute::study

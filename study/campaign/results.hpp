@@ -1,0 +1,97 @@
+// What the runs of a campaign say: answers with their intervals, which input matters, what failed.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/campaign/sensitivity_indices.hpp"
+#include "study/campaign/spec.hpp"
+#include "study/campaign/statistics.hpp"
+#include "study/campaign/store.hpp"
+
+namespace twinchute::study {
+
+/// Columns of a store: status, inputs, metrics.
+struct Columns {
+    std::vector<std::string> metrics;  ///< keys in a record
+    std::size_t inputs = 0;
+
+    std::size_t first_metric() const { return 1 + inputs; }
+    /// Place of a metric in a row; nothing where it is not kept.
+    std::optional<std::size_t> of(std::string_view metric) const;
+};
+
+enum class Verdict {
+    open,       ///< no limit
+    met,        ///< the whole interval lies within it
+    undecided,  ///< the limit lies inside the interval
+    exceeded
+};
+std::string_view verdict_name(Verdict verdict);
+
+/// Interval of an answer after so many runs.
+struct TrailPoint {
+    std::uint64_t runs = 0;
+    Interval value = {};
+};
+
+struct Answer {
+    const AnswerSpec* spec = nullptr;
+    std::uint64_t count = 0;  ///< runs that have the metric
+    std::uint64_t hits = 0;   ///< of a probability
+    Interval value = {};      ///< of an ellipse its major half axis
+    std::optional<Ellipse> ellipse = {};
+    std::vector<TrailPoint> trail = {};  ///< of probabilities and means
+    Verdict verdict = Verdict::open;
+    std::string method;  ///< of the interval
+};
+
+/// Runs that ended in one way other than complete.
+struct FailedRuns {
+    std::uint64_t count = 0;
+    std::vector<std::uint64_t> first = {};  ///< indices of some
+};
+
+/// Frequencies of a metric in equal parts from `low` to `high`.
+struct Histogram {
+    std::string metric;
+    double low = 0.0, high = 0.0;
+    Moments moments = {};
+    std::vector<std::uint64_t> counts;
+};
+
+struct MetricIndices {
+    std::string metric;
+    std::vector<Index> of;  ///< each input
+};
+
+struct CampaignResults {
+    std::uint64_t wanted = 0, made = 0, complete = 0;
+    std::map<std::string, FailedRuns> failed;
+    std::vector<Answer> answers;
+    std::vector<Histogram> histograms;
+    std::vector<MetricIndices> indices;
+    /// Rows of some runs, evenly spread, for pictures.
+    std::vector<std::vector<double>> examples;
+    bool has_landing = false;
+
+    const Answer* find(std::string_view name) const;
+    bool meets_limits() const;
+};
+
+/// Reads the chunks of the first `runs` runs of a store, some times over, in constant memory; runs that are
+/// missing are counted.
+CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,
+                         std::uint64_t runs);
+
+/// Probabilities and means alone, for a campaign that goes on until one is known well enough.
+Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const RunStore& store,
+                     const Columns& columns, std::uint64_t runs);
+
+/// Judges the interval of an answer by its limit.
+Verdict verdict_of(const AnswerSpec& spec, const Interval& value);
+
+}  // namespace twinchute::study

@@ -1,0 +1,120 @@
+#include "study/campaign/sampler.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/scene/assemble.hpp"
+#include "lib/scene/read_scene.hpp"
+
+namespace twinchute::study {
+namespace {
+
+bool is_wind(const CampaignInput& input) {
+    return input.key == wind_scale || input.key == wind_turn;
+}
+
+SceneWith reader_of(const CampaignSpec& spec, const std::vector<std::string>& more) {
+    std::vector<std::string> overrides;
+    for (const std::string& text : spec.set)
+        overrides.push_back("--set " + text);
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    const std::string text = fmt::format("base = '{}'\n", spec.base);
+    return [overrides, text, file = spec.file](const std::vector<std::string>& values) {
+        std::vector<std::string> all = overrides;
+        all.insert(all.end(), values.begin(), values.end());
+        return read_scene_text(text, file.string(), file.parent_path(), all);
+    };
+}
+
+}  // namespace
+
+Sampler::Sampler(const CampaignSpec& spec, const std::vector<std::string>& more) : spec_(spec) {
+    const SceneWith reader = reader_of(spec, more);
+    nominal_ = reader({});
+    nominal_.sha256 = spec.sha256;
+    std::vector<std::string> keys;
+    for (std::size_t i = 0; i < spec.inputs.size(); ++i) {
+        if (is_wind(spec.inputs[i])) {
+            if (!nominal_.environment.wind)
+                throw SceneError({spec.file.string(), 1, 1}, spec.inputs[i].key, "the scene has no wind",
+                                 "nothing can be scaled or turned", "add environment.wind to the scene");
+            continue;
+        }
+        keyed_.push_back(i);
+        keys.push_back(spec.inputs[i].key);
+    }
+    through_air_ = std::ranges::any_of(nominal_.inputs, [](const Input& input) {
+        return input.key == "release.airspeed" && input.origin != InputOrigin::fallback;
+    });
+    // Points where putting values in is held against reading: the middle, and both ends together.
+    std::vector<double> point(spec.inputs.size());
+    const auto at = [&](double share) {
+        for (std::size_t i = 0; i < point.size(); ++i)
+            point[i] = spec.point_rows.empty()
+                           ? spec.inputs[i].distribution->at(share)
+                           : spec.point_rows[share < 0.5 ? 0 : spec.point_rows.size() - 1][i];
+        return key_values(point);
+    };
+    varied_ = std::make_unique<VariedScene>(reader, keys, at(0.45));
+    for (const double share : {0.1, 0.9}) {
+        try {
+            varied_->check(at(share));
+        } catch (const SceneError&) {
+            continue;  // such runs are refused one by one
+        }
+    }
+}
+
+std::vector<KeyValue> Sampler::key_values(std::span<const double> values) const {
+    std::vector<KeyValue> all;
+    all.reserve(keyed_.size());
+    for (const std::size_t i : keyed_) {
+        const CampaignInput& input = spec_.inputs[i];
+        const auto* words = input.distribution ? &input.distribution->words() : nullptr;
+        if (words && !words->empty())
+            all.emplace_back((*words)[static_cast<std::size_t>(values[i])]);
+        else if (input.kind == KeyKind::integer)
+            all.emplace_back(static_cast<std::int64_t>(std::llround(values[i])));
+        else
+            all.emplace_back(values[i]);
+    }
+    return all;
+}
+
+void Sampler::put(Scene& scene, std::span<const double> values) const {
+    if (keyed_.size() < values.size()) {
+        scene.environment.wind = varied_->base().environment.wind;
+        scene.release = varied_->base().release;
+    }
+    if (!keyed_.empty()) varied_->put(scene, key_values(values));
+    disperse_wind(scene, values);
+}
+
+Scene Sampler::scene_at(std::span<const double> values) const {
+    Scene scene = varied_->read(key_values(values));
+    scene.sha256 = spec_.sha256;
+    disperse_wind(scene, values);
+    return scene;
+}
+
+void Sampler::disperse_wind(Scene& scene, std::span<const double> values) const {
+    double scale = 1.0, turn = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (spec_.inputs[i].key == wind_scale) scale = values[i];
+        if (spec_.inputs[i].key == wind_turn) turn = values[i];
+    }
+    if (scale == 1.0 && turn == 0.0) return;
+    const Vec3 before = scene.environment.wind->at(scene.release.altitude);
+    const double c = std::cos(turn), s = std::sin(turn);
+    for (WindLevel& level : scene.environment.wind->levels) {
+        const Vec3 v = level.velocity;  // headings count clockwise
+        level.velocity = scale * Vec3(c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z());
+    }
+    if (!through_air_) return;
+    const Vec3 after = scene.environment.wind->at(scene.release.altitude);
+    scene.release = carried_by(after - before, scene.release);
+}
+
+}  // namespace twinchute::study

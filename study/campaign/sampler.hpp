@@ -1,0 +1,45 @@
+// The scene of run i: values of a design put into the scene that varies.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "study/campaign/design.hpp"
+#include "study/campaign/spec.hpp"
+#include "study/varied_scene.hpp"
+
+namespace twinchute::study {
+
+/// Scenes of runs; the same for all threads, each of which has its own Design and scene to put values in.
+class Sampler {
+public:
+    /// `more`: overrides of the scene, as --set gives them. Throws SceneError where the scene, or a value
+    /// from the middle of a distribution, is refused.
+    Sampler(const CampaignSpec& spec, const std::vector<std::string>& more);
+
+    /// The scene that varies, with all that a record says of its inputs.
+    const Scene& nominal() const { return nominal_; }
+    /// Scene to put values in.
+    const Scene& blank() const { return varied_->base(); }
+    /// Throws SceneError for values that a scene must not have.
+    void put(Scene& scene, std::span<const double> values) const;
+    /// The scene of values by reading, as `twinchute rom` would run it. Throws SceneError.
+    Scene scene_at(std::span<const double> values) const;
+    /// Values are put into the scene without reading it again.
+    bool is_quick() const { return varied_->is_quick(); }
+
+private:
+    std::vector<KeyValue> key_values(std::span<const double> values) const;
+    void disperse_wind(Scene& scene, std::span<const double> values) const;
+
+    const CampaignSpec spec_;
+    Scene nominal_;
+    std::vector<std::size_t> keyed_;  // inputs that are keys of the scene
+    std::unique_ptr<VariedScene> varied_;
+    bool through_air_ = false;  // the release goes with the wind
+};
+
+}  // namespace twinchute::study

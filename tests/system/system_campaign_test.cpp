@@ -1,0 +1,365 @@
+// `twinchute campaign` as a script sees it: files, exit codes, what is refused, what survives a kill.
+#include <chrono>
+#include <csignal>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "lib/math/sha256.hpp"
+#include "tests/support/killed_process.hpp"
+#include "tests/support/program_test.hpp"
+#include "tests/support/python.hpp"
+#include "tests/support/small_disk.hpp"
+
+namespace twinchute::test {
+namespace {
+
+const std::string example = TWINCHUTE_SOURCE_DIR "/data/campaigns/c9-overload.toml";
+
+/// A campaign of the C-9 to its peak force, one input.
+std::string campaign_text(const std::string& plan, const std::string& answers) {
+    return "base = \"c9-inflation.toml\"\nset = ['stop.at=\"peak-force\"']\n[campaign]\n" + plan +
+           "\n[[vary]]\nkey = \"parachute.fill_time.n\"\ndist = { normal = { mean = 4, sd = 0.4 } }\n" +
+           answers;
+}
+const std::string mean = "[[answer]]\nname = \"peak\"\nmean = \"peak_force\"\n";
+
+class SystemCampaign : public ProgramTest {
+protected:
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(here_ / name) << text;
+    }
+    /// A campaign file of so many runs: three chunks of 8192.
+    void write_runs(int runs = 20'000) const {
+        write("c.toml", campaign_text("runs = " + std::to_string(runs) + "\nseed = 3", mean));
+    }
+    Ended campaign(const Words& words) const { return run(Words{"campaign", "c.toml"} + words); }
+    /// One digest over the names and bytes of all chunks.
+    std::string digest(const std::string& directory) const {
+        std::string all;
+        for (const std::string& name : tree_of(here_ / directory))
+            if (name.ends_with(".h5") && name.starts_with("runs/"))
+                all += name + sha256_hex(text(directory + "/" + name));
+        return sha256_hex(all);
+    }
+    std::string refusal(const std::string& file) {
+        write("c.toml", file);
+        const Ended ended = campaign({});
+        EXPECT_EQ(ended.code, 2) << ended.out << ended.err;
+        EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"c.toml"}));
+        return ended.err;
+    }
+};
+
+/// Cells of a line of a CSV file.
+std::vector<std::string> cells(const std::string& text, int line) {
+    std::istringstream lines(text);
+    std::string found;
+    for (int i = 0; i <= line; ++i)
+        std::getline(lines, found);
+    std::vector<std::string> all;
+    std::istringstream parts(found);
+    for (std::string cell; std::getline(parts, cell, ',');)
+        all.push_back(cell);
+    return all;
+}
+
+bool says(const std::string& text, std::string_view what) {
+    return text.find(what) != std::string::npos;
+}
+
+TEST_F(SystemCampaign, TheExampleAnswersItsQuestions) {
+    const Ended ended = run({"campaign", example, "--out", "out", "--json", "--export", "csv"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, text("out/campaign.json"));
+    const json found = read("out/campaign.json");
+    EXPECT_EQ(found["runs"]["complete"], 20'000);
+    EXPECT_EQ(found["status"], "complete");
+    for (const json& answer : found["answers"]) {
+        EXPECT_LT(answer["interval_95"][0], answer["estimate"]) << answer["name"];
+        EXPECT_GT(answer["interval_95"][1], answer["estimate"]) << answer["name"];
+    }
+    EXPECT_EQ(found["answers"][0]["verdict"], "met");
+    for (const char* file : {"report.html", "junit.xml", "campaign.h5", "store.json", "runs.csv"})
+        EXPECT_TRUE(std::filesystem::exists(here_ / "out" / file)) << file;
+    const std::string csv = text("out/runs.csv");
+    EXPECT_EQ(std::ranges::count(csv, '\n'), 20'002);
+    EXPECT_TRUE(csv.starts_with("run,status,parachute.fill_time.n,parachute.drag_area,"));
+}
+
+// The file is opened by h5py, which knows nothing of this program.
+TEST_F(SystemCampaign, OthersReadTheRuns) {
+    write_runs(9000);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const Ended ended = run_script("tests/system/read_campaign.py", {"out/campaign.h5"}, here_.path());
+    if (lacks_python(ended)) GTEST_SKIP() << "no h5py (Debian: python3-h5py)";
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const json found = json::parse(ended.out);
+    EXPECT_EQ(found["runs"], 9000);
+    EXPECT_NEAR(found["mean"]["parachute.fill_time.n"].get<double>(), 4.0, 0.02);  // five standard errors
+    EXPECT_NEAR(found["mean"]["peak_force_N"].get<double>(),
+                read("out/campaign.json")["answers"][0]["estimate"].get<double>(), 1e-6);
+}
+
+TEST_F(SystemCampaign, SameBytesForThreadsAndShards) {
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--threads", "1", "--quiet"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "two", "--threads", "2", "--quiet"}).code, 0);
+    for (const char* shard : {"3/3", "1/3", "2/3"})
+        ASSERT_EQ(campaign({"--out", "parts", "--shard", shard, "--quiet"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "parts", "--resume", "--quiet"}).code, 0);
+    EXPECT_EQ(digest("one"), digest("two"));
+    EXPECT_EQ(digest("one"), digest("parts"));
+    EXPECT_EQ(text("one/campaign.h5"), text("parts/campaign.h5"));
+    EXPECT_EQ(read("one/campaign.json")["answers"], read("parts/campaign.json")["answers"]);
+}
+
+TEST_F(SystemCampaign, TwoWorkersAtOnceMakeTheSame) {
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
+    Process first(program({"campaign", "c.toml", "--out", "both", "--shard", "1/1", "--quiet"}),
+                  here_.path());
+    Process second(program({"campaign", "c.toml", "--out", "both", "--shard", "1/1", "--quiet"}),
+                   here_.path());
+    EXPECT_EQ(first.wait().code, 0);
+    EXPECT_EQ(second.wait().code, 0);
+    EXPECT_EQ(digest("one"), digest("both"));
+}
+
+TEST_F(SystemCampaign, AKillAtAnyMomentLosesNothing) {
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "whole", "--quiet"}).code, 0);
+    for (int n = 1;; n += 3) {
+        const std::string out = "killed-" + std::to_string(n);
+        const KilledAt at = kill_before_change(
+            n, program({"campaign", "c.toml", "--out", out, "--quiet", "--threads", "1"}), here_.path());
+        if (at == KilledAt::untraceable) GTEST_SKIP() << "no process may trace another here";
+        if (at == KilledAt::never) break;
+        const Ended ended = campaign({"--out", out, "--resume", "--quiet"});
+        ASSERT_EQ(ended.code, 0) << n << ended.err;
+        ASSERT_EQ(digest(out), digest("whole")) << n;
+        std::filesystem::remove_all(here_ / out);
+        ASSERT_LT(n, 300);
+    }
+}
+
+TEST_F(SystemCampaign, AChunkThatIsDamagedIsMadeAgain) {
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "whole", "--quiet"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "hurt", "--quiet"}).code, 0);
+    const std::string chunk = text("hurt/runs/chunk-00000001.h5");
+    write("hurt/runs/chunk-00000001.h5", chunk.substr(0, chunk.size() / 2));
+    write("hurt/runs/chunk-00000002.h5", "no HDF5");
+    ASSERT_EQ(campaign({"--out", "hurt", "--resume", "--quiet"}).code, 0);
+    EXPECT_EQ(digest("hurt"), digest("whole"));
+}
+
+TEST_F(SystemCampaign, CtrlCEndsItCleanly) {
+    write_runs(8192 * 400);
+    Process process(program({"campaign", "c.toml", "--out", "out", "--quiet"}), here_.path());
+    ASSERT_TRUE(process.wait_until_handled(SIGINT));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // some chunks are there
+    ::kill(process.id(), SIGINT);
+    const Ended ended = process.wait();
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    const json found = read("out/campaign.json");
+    EXPECT_EQ(found["status"], "interrupted");
+    EXPECT_LT(found["runs"]["made"], found["runs"]["wanted"]);
+}
+
+TEST_F(SystemCampaign, GoesOnOnlyWhereItIsWanted) {
+    write_runs(100);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const Ended again = campaign({"--out", "out"});
+    EXPECT_EQ(again.code, 2);
+    EXPECT_TRUE(says(again.err, "--resume")) << again.err;
+    write_runs(9000);  // more of the same
+    ASSERT_EQ(campaign({"--out", "out", "--quiet", "--resume"}).code, 0);
+    EXPECT_EQ(read("out/campaign.json")["runs"]["made"], 9000);
+    write("c.toml", campaign_text("runs = 100\nseed = 4", mean));
+    const Ended other = campaign({"--out", "out", "--resume"});
+    EXPECT_EQ(other.code, 2);
+    EXPECT_TRUE(says(other.err, "the seed")) << other.err;
+    const Ended heavier = campaign({"--out", "out", "--resume", "--set", "payload.mass=80 kg"});
+    EXPECT_EQ(heavier.code, 2);
+}
+
+TEST_F(SystemCampaign, LimitsDecideOnTheExitCode) {
+    const auto code_with = [&](const std::string& limit) {
+        write("c.toml", campaign_text("runs = 2000", mean + "limit = \"" + limit + "\"\n"));
+        const Ended ended = campaign({"--out", "out-" + limit, "--quiet"});
+        EXPECT_EQ(says(text("out-" + limit + "/junit.xml"), "<failure"), ended.code == 1);
+        return ended.code;
+    };
+    EXPECT_EQ(code_with("20 kN"), 0);
+    EXPECT_EQ(code_with("1 kN"), 1);
+}
+
+TEST_F(SystemCampaign, StopsWhereTheIntervalIsNarrow) {
+    write("c.toml", campaign_text("until = { answer = \"peak\", halfwidth = \"0.1 %\" }", mean));
+    ASSERT_EQ(campaign({"--out", "one", "--quiet", "--threads", "1"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "two", "--quiet", "--threads", "2"}).code, 0);
+    const json found = read("one/campaign.json");
+    const double half = 0.5 * (found["answers"][0]["interval_95"][1].get<double>() -
+                               found["answers"][0]["interval_95"][0].get<double>());
+    EXPECT_LE(half, 0.001 * found["answers"][0]["estimate"].get<double>());
+    EXPECT_LT(found["runs"]["made"], 100'000);
+    EXPECT_EQ(digest("one"), digest("two"));
+}
+
+TEST_F(SystemCampaign, OneRunCanBeLookedAt) {
+    write_runs(100);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet", "--export", "csv"}).code, 0);
+    ASSERT_EQ(campaign({"--out", "out", "--rerun", "42", "--quiet"}).code, 0);
+    const std::vector<std::string> names = cells(text("out/runs.csv"), 0),
+                                   row = cells(text("out/runs.csv"), 44);
+    ASSERT_EQ(row[0], "42");
+    const auto column = std::ranges::find(names, "peak_force_N") - names.begin();
+    const double peak = read("out/rerun-42/summary.json")["metrics"]["peak_force_N"];
+    EXPECT_NEAR(std::stod(row[static_cast<std::size_t>(column)]) / peak, 1.0, 5e-5);  // that of batches
+    EXPECT_EQ(campaign({"--out", "out", "--rerun", "100"}).code, 2);
+}
+
+TEST_F(SystemCampaign, JsonFollowsItsSchema) {
+    write_runs(200);
+    here_.write("rom.json", campaign({"--out", "a", "--json"}).out);
+    write("c.toml",
+          campaign_text(
+              "runs = 700\ndesign = \"saltelli\"",
+              mean + "limit = 1\n[[answer]]\nname = \"q\"\nquantile = \"peak_force\"\nlevel = 0.999\n"));
+    here_.write("saltelli.json", campaign({"--out", "b", "--json"}).out);
+    write("c.toml",
+          "base = \"c9-drift.toml\"\n[campaign]\nruns = 30\nrelease_point = { latitude = \"47 deg\", "
+          "longitude = \"8 deg\" }\n"
+          "[[vary]]\nkey = \"wind.turn\"\ndist = { normal = { mean = 0, sd = \"10 deg\" } }\n"
+          "[[answer]]\nname = \"field\"\nellipse = \"landing\"\n");
+    here_.write("landing.json", campaign({"--out", "c", "--json"}).out);
+    EXPECT_TRUE(says(text("c/landing.kml"), "<coordinates>"));
+    const std::string schema = TWINCHUTE_SOURCE_DIR "/docs/schema/campaign.schema.json";
+    const Ended ended = run_script("tests/support/check_schema.py",
+                                   {schema, "rom.json", "saltelli.json", "landing.json"}, here_.path());
+    if (lacks_python(ended)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
+    EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+}
+
+TEST_F(SystemCampaign, BothModelsTogetherSayWhatTheFullOneWould) {
+    const std::string plan = "runs = 4000\nfidelity = \"both\"\npilot = 12\nfull_runs = 16";
+    write("c.toml", campaign_text(plan, mean));
+    ASSERT_EQ(campaign({"--out", "out", "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
+                        "full.mesh.gore_rows=6", "--set", "full.contact=\"none\""})
+                  .code,
+              0);
+    const json both = read("out/campaign.json")["both"], answer = both["answers"][0];
+    EXPECT_EQ(both["pairs"], 16);
+    const auto width = [](const json& a) {
+        return a["interval_95"][1].get<double>() - a["interval_95"][0].get<double>();
+    };
+    EXPECT_LT(10.0 * width(answer),
+              width(answer["full_alone"]));  // found: 17, 4000 runs of the ROM leave most
+    EXPECT_GT(answer["gain"]["estimate"], 50.0);
+    EXPECT_LE(answer["full_alone"]["interval_95"][0], answer["estimate"]);
+    EXPECT_GE(answer["full_alone"]["interval_95"][1], answer["estimate"]);
+}
+
+/// Whether a program is installed.
+bool has_program(const std::string& name) {
+    return Process({"/usr/bin/env", "which", name}, "/").wait().code == 0;
+}
+
+TEST_F(SystemCampaign, RanksOfMpiMakeTheSame) {
+    if (!has_program("mpirun")) GTEST_SKIP() << "no mpirun (Debian: openmpi-bin)";
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
+    const Ended ended = Process({"/usr/bin/env", "TWINCHUTE=" TWINCHUTE_PROGRAM, "OMPI_ALLOW_RUN_AS_ROOT=1",
+                                 "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "--oversubscribe", "-n", "3",
+                                 TWINCHUTE_SOURCE_DIR "/data/campaigns/mpi-rank.sh", "c.toml", "ranks"},
+                                here_.path())
+                            .wait();
+    ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+    EXPECT_EQ(digest("one"), digest("ranks"));
+}
+
+TEST_F(SystemCampaign, AnArrayOfSlurmMakesTheSame) {
+    const Ended started =
+        run_script("tests/system/slurm_array.py",
+                   {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml",
+                    "array", "--check"},
+                   here_.path());
+    if (started.code != 0) GTEST_SKIP() << started.err;
+    write_runs();
+    ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
+    const Ended ended = run_script(
+        "tests/system/slurm_array.py",
+        {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml", "array"},
+        here_.path());
+    ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+    EXPECT_EQ(digest("one"), digest("array"));
+}
+
+TEST_F(SystemCampaign, ValuesThatASceneMustNotHaveAreRowsWithAStatus) {
+    write("c.toml",
+          "base = \"c9-inflation.toml\"\nset = ['stop.at=\"peak-force\"']\n[campaign]\nruns = 200\n[[vary]]\n"
+          "key = \"parachute.fill_time.n\"\ndist = { uniform = { low = -1, high = 4 } }\n" +
+              mean);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const json found = read("out/campaign.json");
+    const int refused = found["failures"]["refused"]["runs"];
+    EXPECT_GT(refused, 15);  // a fifth and more of 200
+    EXPECT_EQ(found["runs"]["complete"].get<int>() + refused, 200);
+    EXPECT_EQ(found["answers"][0]["runs"], found["runs"]["complete"]);
+}
+
+TEST_F(SystemCampaign, APointsTableIsRunAsItStands) {
+    write("p.csv", "release.speed [m/s]\n20\n25\n");
+    write(
+        "c.toml",
+        "base = \"c9-inflation.toml\"\n[campaign]\ndesign = \"p.csv\"\n[[vary]]\nkey = \"release.speed\"\n" +
+            mean);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet", "--export", "csv"}).code, 0);
+    EXPECT_TRUE(says(text("out/runs.csv"), "\n1,completed,25,"));
+}
+
+TEST_F(SystemCampaign, RefusesWhatItDoesNotUnderstand) {
+    const std::string plan = "runs = 10";
+    EXPECT_TRUE(says(refusal(campaign_text(plan + "\nrunz = 3", mean)), "runz"));
+    EXPECT_TRUE(says(refusal(campaign_text("seed = 1", mean)), "runs"));
+    EXPECT_TRUE(says(refusal(campaign_text(plan + "\nrare = \"subset\"", mean)), "libopenturns-dev"));
+    EXPECT_TRUE(says(refusal(campaign_text(plan, "[[answer]]\nname = \"a\"\nmean = \"peak_farce\"\n")),
+                     "peak_force"));
+    EXPECT_TRUE(
+        says(refusal(campaign_text(plan, "[[answer]]\nname = \"a\"\nprobability = \"peak_force > 3 m\"\n")),
+             "answer"));
+    EXPECT_TRUE(says(refusal(campaign_text(plan, "[[answer]]\nname = \"a\"\nellipse = \"landing\"\n")),
+                     "landing east"));
+    EXPECT_TRUE(says(refusal(campaign_text(plan, mean + mean)), "two answers"));
+    EXPECT_TRUE(
+        says(refusal(campaign_text(plan, mean + "[[vary]]\nkey = \"payload.mess\"\n")), "payload.mass"));
+    EXPECT_TRUE(says(
+        refusal(campaign_text(
+            plan, mean + "[[vary]]\nkey = \"wind.scale\"\ndist = { uniform = { low = 0, high = 1 } }\n")),
+        "no wind"));
+    EXPECT_TRUE(says(
+        refusal(campaign_text(
+            plan,
+            mean +
+                "[[correlation]]\nbetween = [\"parachute.fill_time.n\", \"payload.mass\"]\nvalue = 0.5\n")),
+        "does not vary"));
+    EXPECT_TRUE(says(refusal("base = \"none.toml\"\n[campaign]\nruns = 1\n[[vary]]\nkey = "
+                             "\"payload.mass\"\ndist = { uniform = { low = 1, high = 2 } }\n"),
+                     "none.toml"));
+}
+
+TEST_F(SystemCampaign, ADiskThatIsFullIsAClearError) {
+    SmallDisk disk("size=1m");
+    if (!disk.why().empty()) GTEST_SKIP() << disk.why();
+    write_runs();
+    const Ended ended = campaign({"--out", (disk.path() / "out").string(), "--quiet"});
+    EXPECT_EQ(ended.code, 4) << ended.err;
+    EXPECT_TRUE(says(ended.err, "cannot write")) << ended.err;
+    for (const std::string& name : tree_of(disk.path()))
+        EXPECT_FALSE(name.ends_with(".tmp")) << name;
+}
+
+}  // namespace
+}  // namespace twinchute::test

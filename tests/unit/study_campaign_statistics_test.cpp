@@ -1,0 +1,302 @@
+// Intervals of campaigns: textbook values, and how often they hold.
+#include <gtest/gtest.h>
+
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "study/campaign/design.hpp"
+#include "study/campaign/multi_fidelity.hpp"
+#include "study/campaign/quantiles.hpp"
+#include "study/campaign/random.hpp"
+#include "study/campaign/sensitivity_indices.hpp"
+#include "study/campaign/statistics.hpp"
+#include "tests/support/campaign_spec.hpp"
+#include "tests/support/scratch_dir.hpp"
+
+namespace twinchute::study {
+namespace {
+
+double uniform(std::uint64_t repetition, std::uint64_t index, std::uint32_t dimension = 0) {
+    return unit_number(random_bits(repetition, index, dimension, RandomStream::test));
+}
+double normal(std::uint64_t repetition, std::uint64_t index, std::uint32_t dimension = 0) {
+    return gsl_cdf_ugaussian_Pinv(uniform(repetition, index, dimension));
+}
+
+bool covers(const Interval& interval, double truth) {
+    return interval.low <= truth && truth <= interval.high;
+}
+
+constexpr int repetitions = 1000;
+// 95 % of 1000 repetitions, give or take four standard errors of 0.7 %.
+constexpr int fewest = 922, most = 978;
+
+// Newcombe, Statistics in Medicine 17 (1998), Table I: method 3 (Wilson), and method 5 (exact) without a hit.
+TEST(CampaignStatistics, SharesHaveTheTextbookIntervals) {
+    const Interval a = share_interval(81, 263), b = share_interval(15, 148), c = share_interval(1, 29),
+                   none = share_interval(0, 20), all = share_interval(20, 20);
+    EXPECT_NEAR(a.low, 0.2553, 5e-5);
+    EXPECT_NEAR(a.high, 0.3662, 5e-5);
+    EXPECT_NEAR(b.low, 0.0624, 5e-5);
+    EXPECT_NEAR(b.high, 0.1605, 5e-5);
+    EXPECT_NEAR(c.low, 0.0061, 5e-5);
+    EXPECT_NEAR(c.high, 0.1718, 5e-5);
+    EXPECT_EQ(none.low, 0.0);
+    EXPECT_NEAR(none.high, 0.1684, 5e-5);
+    EXPECT_NEAR(all.low, 1.0 - 0.1684, 5e-5);
+    EXPECT_EQ(all.high, 1.0);
+}
+
+// Conover, Practical Nonparametric Statistics, table of binomial sums: of 10 numbers the 2nd and 9th hold the
+// median with 97.9 %, of 20 the 6th and 15th with 95.9 %. 1 - 0.95^n reaches 97.5 % at n = 72.
+TEST(CampaignStatistics, QuantilesHaveTheTextbookRanks) {
+    const QuantileRanks ten = quantile_ranks(0.5, 10), twenty = quantile_ranks(0.5, 20);
+    EXPECT_EQ(ten.low, 1u);
+    EXPECT_EQ(ten.high, 8u);
+    EXPECT_EQ(twenty.low, 5u);
+    EXPECT_EQ(twenty.high, 14u);
+    EXPECT_EQ(quantile_ranks(0.95, 71).high, std::nullopt);
+    EXPECT_EQ(quantile_ranks(0.95, 72).high, 71u);
+}
+
+TEST(CampaignStatistics, IntervalsHoldAsOftenAsTheySay) {
+    int means = 0, shares = 0, rare = 0, quantiles = 0;
+    for (std::uint64_t r = 0; r < repetitions; ++r) {
+        Moments moments;
+        std::uint64_t hits = 0, rare_hits = 0;
+        std::vector<double> values;
+        for (std::uint64_t i = 0; i < 200; ++i) {
+            values.push_back(uniform(r, i));
+            moments.add(values.back());
+            hits += values.back() < 0.1 ? 1 : 0;
+            rare_hits += values.back() < 0.001 ? 1 : 0;
+        }
+        means += covers(mean_interval(moments), 0.5) ? 1 : 0;
+        shares += covers(share_interval(hits, 200), 0.1) ? 1 : 0;
+        rare += covers(share_interval(rare_hits, 200), 0.001) ? 1 : 0;
+        std::ranges::sort(values);
+        const QuantileRanks ranks = quantile_ranks(0.9, values.size());
+        quantiles += values[*ranks.low] <= 0.9 && 0.9 <= values[*ranks.high] ? 1 : 0;
+    }
+    EXPECT_GE(means, fewest);
+    EXPECT_LE(means, most);
+    EXPECT_GE(shares, fewest);
+    EXPECT_LE(shares, most);
+    EXPECT_GE(rare, 930);
+    EXPECT_GE(quantiles, 930);
+}
+
+TEST(CampaignStatistics, MomentsAddUpAsIfTheyCameOneByOne) {
+    Moments one, other, all;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+        const double x = 1e6 + uniform(1, i);
+        (i < 30 ? one : other).add(x);
+        all.add(x);
+    }
+    one.add(other);
+    EXPECT_EQ(one.count, all.count);
+    EXPECT_NEAR(one.mean, all.mean, 1e-9);
+    EXPECT_NEAR(one.variance(), all.variance(), 1e-9);
+}
+
+// Axes sd sqrt(-2 ln(1 - level)) of a normal distribution with standard deviations 3 and 1, turned by 30 deg.
+TEST(CampaignStatistics, LandingEllipseIsThatOfTheNormalDistribution) {
+    PlaneMoments plane;
+    const double turn = std::numbers::pi / 6.0;
+    std::vector<Eigen::Vector2d> places;
+    for (std::uint64_t i = 0; i < 20'000; ++i) {
+        const double a = 3.0 * normal(1, i), b = normal(2, i);
+        places.emplace_back(10.0 + std::cos(turn) * a - std::sin(turn) * b,
+                            -5.0 + std::sin(turn) * a + std::cos(turn) * b);
+        plane.add(places.back());
+    }
+    Ellipse ellipse = normal_ellipse(plane, 0.95);
+    const double reach = std::sqrt(-2.0 * std::log(0.05));
+    EXPECT_TRUE(covers(ellipse.major, 3.0 * reach));
+    EXPECT_TRUE(covers(ellipse.minor, reach));
+    // A standard deviation of n numbers is sure to 1.96/sqrt(2 n) of itself.
+    EXPECT_NEAR(ellipse.major.halfwidth() / ellipse.major.estimate, 1.96 / std::sqrt(40'000.0), 1e-4);
+    EXPECT_NEAR(ellipse.major.estimate, 3.0 * reach, 0.02 * 3.0 * reach);  // four standard errors, 0.5 % each
+    EXPECT_NEAR(std::remainder(ellipse.angle - turn, std::numbers::pi), 0.0, 0.02);
+    EXPECT_TRUE(covers(ellipse.centre_x, 10.0));
+    EXPECT_TRUE(covers(ellipse.centre_y, -5.0));
+    const auto inside = std::ranges::count_if(places, [&](const auto& p) { return ellipse.contains(p); });
+    EXPECT_NEAR(static_cast<double>(inside) / 20'000.0, 0.95, 0.007);
+}
+
+TEST(CampaignStatistics, RankFinderFindsOrderStatistics) {
+    std::vector<double> values;
+    for (std::uint64_t i = 0; i < 5000; ++i)
+        values.push_back(std::exp(normal(7, i)));
+    const auto [low, high] = std::ranges::minmax(values);
+    RankFinder finder(low, high, values.size());
+    for (const double value : values)
+        finder.count(value);
+    for (const std::uint64_t rank : {0u, 17u, 2500u, 4999u})
+        finder.want(rank);
+    for (const double value : values)
+        finder.collect(value);
+    std::ranges::sort(values);
+    for (const std::uint64_t rank : {0u, 17u, 2500u, 4999u})
+        EXPECT_EQ(finder.at(rank), values[rank]);
+}
+
+// Ishigami and Homma (1990), a = 7, b = 0.1: indices in closed form, e.g. Saltelli et al., Global Sensitivity
+// Analysis: The Primer, 4.
+double ishigami(const std::vector<double>& x) {
+    return std::sin(x[0]) + 7.0 * std::pow(std::sin(x[1]), 2) + 0.1 * std::pow(x[2], 4) * std::sin(x[0]);
+}
+constexpr double ishigami_first[] = {0.3139, 0.4424, 0.0}, ishigami_total[] = {0.5576, 0.4424, 0.2437};
+
+std::vector<Index> ishigami_indices(DesignKind design, std::uint64_t runs) {
+    const CampaignSpec spec = test::campaign_of(
+        std::vector(3, Distribution::uniform(-std::numbers::pi, std::numbers::pi)), design, runs);
+    Design points(spec);
+    IndexEstimator estimator(spec);
+    std::vector<double> x(3);
+    for (std::uint64_t run = 0; run < runs; ++run) {
+        points.values(run, x);
+        estimator.add(run, x, ishigami(x));
+    }
+    return estimator.indices();
+}
+
+TEST(CampaignSensitivity, SaltellisDesignGivesIshigamisIndices) {
+    const std::vector<Index> indices = ishigami_indices(DesignKind::saltelli, 5 * 8192);
+    for (std::size_t i = 0; i < 3; ++i) {
+        // Plain sampling of 8192 points would scatter by 0.015.
+        EXPECT_NEAR(indices[i].first.estimate, ishigami_first[i], 0.02) << i;
+        EXPECT_NEAR(indices[i].total->estimate, ishigami_total[i], 0.02) << i;
+        EXPECT_TRUE(covers(indices[i].first, ishigami_first[i])) << i;
+        EXPECT_TRUE(covers(*indices[i].total, ishigami_total[i])) << i;
+    }
+}
+
+TEST(CampaignSensitivity, AnyDesignGivesFirstOrderIndices) {
+    for (const DesignKind design : {DesignKind::random, DesignKind::lhs, DesignKind::sobol}) {
+        const std::vector<Index> indices = ishigami_indices(design, 40'000);
+        for (std::size_t i = 0; i < 3; ++i)
+            EXPECT_NEAR(indices[i].first.estimate, ishigami_first[i], 0.02) << design_name(design) << i;
+        EXPECT_FALSE(indices[0].total.has_value());
+    }
+}
+
+// Y = 3 x1 + 4 x2 of standard normals: shares 9/25 and 16/25.
+TEST(CampaignSensitivity, IntervalsHoldForALinearAnswer) {
+    int held = 0;
+    constexpr int tries = 200;
+    for (std::uint64_t r = 0; r < tries; ++r) {
+        const CampaignSpec spec =
+            test::campaign_of(std::vector(2, Distribution::normal(0.0, 1.0)), DesignKind::random, 2000, r);
+        Design points(spec);
+        IndexEstimator estimator(spec);
+        std::vector<double> x(2);
+        for (std::uint64_t run = 0; run < spec.runs; ++run) {
+            points.values(run, x);
+            estimator.add(run, x, 3.0 * x[0] + 4.0 * x[1]);
+        }
+        held += covers(estimator.indices()[0].first, 9.0 / 25.0) ? 1 : 0;
+    }
+    EXPECT_GE(held, 176);  // 95 % of 200 less four standard errors, and the bins' own width
+}
+
+/// dear = cheap exp(0.02 + 0.01 x + 0.01 e), ln cheap = 0.1 x, x and e standard normal.
+struct Twins {
+    double cheap, dear, x;
+};
+Twins twins(std::uint64_t repetition, std::uint64_t run) {
+    const double x = normal(repetition, run, 0), e = normal(repetition, run, 1);
+    return {std::exp(0.1 * x), std::exp(0.02 + 0.11 * x + 0.01 * e), x};
+}
+
+TEST(CampaignPairs, ControlVariateMeanHoldsAsOftenAsItSays) {
+    const double variance = 0.11 * 0.11 + 0.01 * 0.01, truth = std::exp(0.02 + 0.5 * variance);
+    int held = 0;
+    for (std::uint64_t r = 0; r < repetitions; ++r) {
+        Pairs pairs;
+        Moments cheap;
+        for (std::uint64_t i = 0; i < 400; ++i) {
+            const Twins t = twins(r, i);
+            cheap.add(t.cheap);
+            if (i >= 30) continue;
+            pairs.cheap.push_back(t.cheap);
+            pairs.dear.push_back(t.dear);
+        }
+        held += covers(control_variate_mean(pairs, cheap), truth) ? 1 : 0;
+    }
+    EXPECT_GE(held, fewest);
+    EXPECT_LE(held, most);
+}
+
+TEST(CampaignPairs, GainIsThatOfTheCorrelation) {
+    Pairs pairs;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+        pairs.cheap.push_back(twins(3, i).cheap);
+        pairs.dear.push_back(twins(3, i).dear);
+    }
+    const double r2 = std::pow(pairs.correlation(), 2);
+    const Interval gain = control_variate_gain(pairs, 400);
+    EXPECT_DOUBLE_EQ(gain.estimate, 1.0 / (1.0 - r2 + 0.1 * r2));
+    EXPECT_LT(gain.low, gain.estimate);
+    EXPECT_GT(gain.high, gain.estimate);
+}
+
+TEST(CampaignPairs, CorrectionFindsScatterAndTrend) {
+    Pairs pairs;
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        const Twins t = twins(5, i);
+        pairs.cheap.push_back(t.cheap), pairs.dear.push_back(t.dear), pairs.inputs.push_back({t.x});
+    }
+    const auto fit = fit_correction(pairs);
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_NEAR(fit->scatter, 0.01, 0.002);  // four standard errors of 200 residuals
+    EXPECT_NEAR(fit->at(std::vector{1.0}), 0.03, 0.004);
+}
+
+/// A campaign's stores of both models, `dear_runs` of the dear one.
+MultiFidelity combined(const CampaignSpec& spec, const ScratchDir& here, std::uint64_t repetition,
+                       std::uint64_t dear_runs) {
+    StoreIdentity identity{"program", "digest", 1, 8192, {"status", "x1", "y"}, {"", "", ""}, {"completed"}};
+    RunStore cheap(here / "cheap", identity), dear(here / "dear", identity);
+    cheap.begin(), dear.begin();
+    std::vector<double> of_cheap, of_dear;
+    for (std::uint64_t run = 0; run < spec.runs; ++run) {
+        const Twins t = twins(repetition, run);
+        of_cheap.insert(of_cheap.end(), {0.0, t.x, t.cheap});
+        if (run < dear_runs) of_dear.insert(of_dear.end(), {0.0, t.x, t.dear});
+    }
+    cheap.write(0, of_cheap), dear.write(0, of_dear);
+    const Columns columns{{"y"}, 1};
+    return combine(spec, cheap, columns, dear, columns, spec.runs, dear_runs);
+}
+
+// P(ln dear > 0.2), ln dear normal with mean 0.02 and variance 0.0122; the cheap model alone says 2.3 %.
+TEST(CampaignPairs, ExceedanceAndQuantileAreThoseOfTheDearModel) {
+    CampaignSpec spec = test::campaign_of({Distribution::normal(0.0, 1.0)}, DesignKind::random, 8000);
+    AnswerSpec overload, high;
+    overload.kind = AnswerSpec::Kind::probability, overload.metric = "y", overload.threshold = std::exp(0.2);
+    high.kind = AnswerSpec::Kind::quantile, high.metric = "y", high.level = 0.9;
+    spec.answers = {overload, high};
+    const double sd = std::sqrt(0.0122);
+    const double truth = gsl_cdf_ugaussian_Q(0.18 / sd),
+                 top = std::exp(0.02 + sd * gsl_cdf_ugaussian_Pinv(0.9));
+    int held = 0, tops = 0;
+    constexpr int tries = 40;
+    for (std::uint64_t r = 0; r < tries; ++r) {
+        const ScratchDir here;
+        const MultiFidelity both = combined(spec, here, r, 40);
+        held += covers(both.answers[0].value, truth) ? 1 : 0;
+        tops += covers(both.answers[1].value, top) ? 1 : 0;
+        EXPECT_NEAR(both.answers[0].value.estimate, truth, 0.35 * truth);
+        EXPECT_NEAR(both.answers[0].cheap, gsl_cdf_ugaussian_Q(2.0), 0.01);
+    }
+    EXPECT_GE(held, 32);
+    EXPECT_GE(tops, 32);  // 95 % of 40 less four standard errors
+}
+
+}  // namespace
+}  // namespace twinchute::study
