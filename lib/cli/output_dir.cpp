@@ -33,9 +33,9 @@ bool is_our_file(const fs::path& file) {
 }
 
 bool holds_our_file(const fs::path& directory) {
-    constexpr std::array names{"summary.json", "gap.json",       "records.json", "calibration.json",
-                               "ladder.json",  "stability.json", "validate.json", "campaign.json",
-                               "store.json"};
+    constexpr std::array names{"summary.json",     "gap.json",      "records.json",
+                               "calibration.json", "ladder.json",   "stability.json",
+                               "validate.json",    "campaign.json", "store.json"};
     return is_checkpoint(checkpoint_file(directory)) ||
            std::ranges::any_of(names, [&](const char* name) { return is_our_file(directory / name); });
 }

@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <limits>
 #include <set>
 #include <utility>
 
-#include "lib/record/json_node.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/logged_table.hpp"
 #include "lib/scene/nearest.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/scene/units.hpp"
 
 namespace twinchute::study {
@@ -187,7 +187,8 @@ Distribution read_distribution(SuiteTable& vary, const CampaignInput& input) {
     const char* key = low ? "min" : "max";
     if (found.kind() == Distribution::Kind::discrete)
         dist.refuse(key, "does not go with discrete values", "", "leave values out of the list");
-    if (!found.cut(low.value_or(-HUGE_VAL), high.value_or(HUGE_VAL)))
+    if (!found.cut(low.value_or(-std::numeric_limits<double>::infinity()),
+                   high.value_or(std::numeric_limits<double>::infinity())))
         dist.refuse(key, "leaves nothing of the distribution", "", "give min < max around it");
     return found;
 }
@@ -231,53 +232,44 @@ void read_joint(SuiteTable& vary, CampaignSpec& spec, std::vector<Pair>& pairs) 
     }
 }
 
-/// The inputs that `twinchute calibrate` found, with their covariance.
+/// Calibrated inputs of a scene, about its values with the covariance of its `uncertainty`.
 void read_calibrated(SuiteTable& vary, const fs::path& directory, CampaignSpec& spec,
                      std::vector<Pair>& pairs) {
     const fs::path named = vary.text("calibrated"), file = named.is_absolute() ? named : directory / named;
     const std::vector<std::string> wanted = vary.texts("keys");
-    std::error_code ignored;
-    if (!fs::is_regular_file(file, ignored))
-        vary.refuse("calibrated", fmt::format("there is no '{}'", file.string()), "",
-                    "name the calibration.json of a calibration");
-    const std::string name = file.string(), text = read_text_file(file);
-    const JsonDocument document(text, name);
-    const JsonNode top = document.top();
-    std::vector<std::string> taken;
-    top.at("parameters").each_key([&](const std::string& key, const JsonNode& p) {
-        const bool asked = wanted.empty() ? row_of_key(key) != nullptr : std::ranges::count(wanted, key) > 0;
-        if (!asked || !p.find("standard_deviation")) return;
-        const double estimate = p.at("estimate").number(), sd = p.at("standard_deviation").number();
-        if (!(sd > 0.0)) return;
+    const Scene scene = read_scene(file);
+    if (!scene.uncertainty)
+        vary.refuse("calibrated", fmt::format("'{}' has no uncertainty", named.string()),
+                    "`twinchute calibrate` writes it to the scene that it calibrates to tests",
+                    "name its calibrated.toml");
+    const Uncertainty& known = *scene.uncertainty;
+    const auto covariance = [&](std::size_t i, std::size_t j) {
+        return known.covariance[i * (i + 1) / 2 + j];
+    };
+    std::vector<std::pair<std::size_t, std::string>> taken;
+    for (std::size_t i = 0; i < known.inputs.size(); ++i) {
+        const bool logarithmic = known.inputs[i].starts_with("ln ");
+        const std::string key = logarithmic ? known.inputs[i].substr(3) : known.inputs[i];
+        if (!wanted.empty() && std::ranges::count(wanted, key) == 0) continue;
+        const auto value = std::ranges::find(scene.inputs, key, &Input::key);
+        const double* middle = value == scene.inputs.end() ? nullptr : std::get_if<double>(&value->value);
+        if (middle == nullptr || (logarithmic && !(*middle > 0.0)))
+            vary.refuse("calibrated", fmt::format("'{}' does not give {}", named.string(), key), "",
+                        "give it there");
         CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "calibrated", key));
-        input.distribution = p.text_at("scale") == "logarithmic"
-                                 ? Distribution::lognormal_by_median(estimate, sd)
-                                 : Distribution::normal(estimate, sd);
-        double low = -HUGE_VAL, high = HUGE_VAL;
-        int end = 0;
-        p.at("bounds").each_row([&](const JsonNode& b) { (end++ == 0 ? low : high) = b.number(); });
-        input.distribution->cut(low, high);
-        input.source = "calibration, " + named.filename().string();
-        taken.push_back(key);
-    });
+        const double sd = std::sqrt(covariance(i, i));
+        input.distribution =
+            logarithmic ? Distribution::lognormal_by_median(*middle, sd) : Distribution::normal(*middle, sd);
+        const KeyRange& range = row_of_key(key)->range;
+        input.distribution->cut(range.low, range.high);
+        input.source = value->source;
+        for (const auto& [j, other] : taken)
+            pairs.push_back({key, other, covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j))});
+        taken.emplace_back(i, key);
+    }
     for (const std::string& key : wanted)
-        if (std::ranges::count(taken, key) == 0)
-            vary.refuse("keys", fmt::format("'{}' was not fitted there", key), "", "leave it out");
-    if (taken.empty()) vary.refuse("calibrated", "has no fitted input", "", "name another calibration");
-    std::vector<std::string> labels;
-    const JsonNode correlation = top.at("correlation");
-    correlation.at("keys").each_row([&](const JsonNode& k) { labels.push_back(k.text()); });
-    std::size_t i = 0;
-    correlation.at("matrix").each_row([&](const JsonNode& row) {
-        std::size_t j = 0;
-        row.each_row([&](const JsonNode& value) {
-            const bool both = i < labels.size() && j < i && std::ranges::count(taken, labels[i]) > 0 &&
-                              std::ranges::count(taken, labels[j]) > 0;
-            if (both) pairs.push_back({labels[i], labels[j], value.number()});
-            ++j;
-        });
-        ++i;
-    });
+        if (std::ranges::find(taken, key, &std::pair<std::size_t, std::string>::second) == taken.end())
+            vary.refuse("keys", fmt::format("'{}' is not known there", key), "", "leave it out");
 }
 
 void read_one(SuiteTable& vary, CampaignSpec& spec) {

@@ -59,26 +59,24 @@ TEST(CampaignRead, TakesACovarianceApart) {
 
 TEST(CampaignRead, TakesInputsOfACalibration) {
     const ScratchDir here;
-    here.write("calibration.json",
-               R"({"parameters": {
-                 "parachute.fill_time.n": {"estimate": 5.5, "scale": "logarithmic", "standard_deviation": 0.1, "bounds": [0.5, 50]},
-                 "parachute.drag_area": {"estimate": 39, "scale": "linear", "standard_deviation": 2, "bounds": [10, 90]},
-                 "clock_offset": {"estimate": 0.1, "scale": "linear", "standard_deviation": 0.01, "bounds": [-5, 5]}},
-               "correlation": {"keys": ["parachute.fill_time.n", "parachute.drag_area", "clock_offset"],
-                 "matrix": [[1, -0.9, 0.1], [-0.9, 1, 0], [0.1, 0, 1]]}})");
-    const CampaignSpec spec = read(head + "[[vary]]\ncalibrated = \"calibration.json\"\n", here.path());
-    ASSERT_EQ(spec.inputs.size(), 2u);  // a clock is no input of a scene
+    here.write("calibrated.toml",
+               "schema = 1\nname = \"c\"\nbase = \"c9-inflation.toml\"\n"
+               "[[parachute]]\nfill_time.n = 5.5\ndrag_area = 39\n[uncertainty]\n"
+               "inputs = [\"ln parachute.fill_time.n\", \"parachute.drag_area\"]\n"
+               "covariance = [0.01, -0.18, 4]\n");
+    const std::string all = head + "[[vary]]\ncalibrated = \"calibrated.toml\"\n";
+    const CampaignSpec spec = read(all, here.path());
+    ASSERT_EQ(spec.inputs.size(), 2u);
     EXPECT_NEAR(spec.inputs[0].distribution->at(0.5), 5.5, 1e-12);
+    // One standard deviation up: of the logarithm 0.1, of the drag area 2.
     EXPECT_NEAR(spec.inputs[0].distribution->at(0.8413447460685429), 5.5 * std::exp(0.1), 1e-8);
+    EXPECT_NEAR(spec.inputs[1].distribution->at(0.8413447460685429), 41.0, 1e-8);
     EXPECT_DOUBLE_EQ(spec.correlation(1, 0), -0.9);
-    const CampaignSpec one =
-        read(head + "[[vary]]\ncalibrated = \"calibration.json\"\nkeys = [\"parachute.drag_area\"]\n",
-             here.path());
-    EXPECT_EQ(one.inputs.size(), 1u);
-    EXPECT_TRUE(
-        says(complaint(head + "[[vary]]\ncalibrated = \"calibration.json\"\nkeys = [\"payload.mass\"]\n",
-                       here.path()),
-             "'payload.mass' was not fitted there"));
+    EXPECT_EQ(read(all + "keys = [\"parachute.drag_area\"]\n", here.path()).inputs.size(), 1u);
+    EXPECT_TRUE(says(complaint(all + "keys = [\"payload.mass\"]\n", here.path()),
+                     "'payload.mass' is not known there"));
+    here.write("calibrated.toml", "schema = 1\nname = \"c\"\nbase = \"c9-inflation.toml\"\n");
+    EXPECT_TRUE(says(complaint(all, here.path()), "'calibrated.toml' has no uncertainty"));
 }
 
 TEST(CampaignRead, SaysWhereAMistakeIs) {
