@@ -35,7 +35,6 @@ struct LaneData {
     Row weighed, hung;              ///< [kg] material of all, and of the payload
     Row gravity;                    ///< [m/s^2]
     Row steady_area, payload_area;  ///< [m^2]
-    Row eta;                        ///< [-]
     /// [m^3] Air mass over density is (still + ramping phi') r^1.5, r the drag area over the steady one.
     Row still, ramping;
     Row duration;               ///< [s] of the stage
@@ -51,24 +50,43 @@ struct Node {
     Row force, acceleration;           ///< [N], [m/s^2]
 };
 
-/// Accelerations at s in a stage; r and r^1.5 of each lane. `force`: null where none is wanted.
+/// Rates of one lane, and what its risers pull.
+struct LaneLoads {
+    double ahead_rate, climb_rate;  ///< [m/s^2]
+    double force;                   ///< [N]
+};
+
+/// The equation of motion of RigidComposite at s in a stage, of canopies that batches take; `ratio` of the
+/// drag area to the steady one, `power` its power of 1.5. Typed again for this layout, and held to it by
+/// tests.
+inline LaneLoads loads_of(const LaneData& d, std::size_t l, double s, double ratio, double power, double z,
+                          double vx, double vz) {
+    const double h = z - d.level[l];
+    const double rho = d.density[l] + h * (d.slope[l] + h * d.bend[l]);
+    const double half = 0.5 * rho * std::sqrt(vx * vx + vz * vz);
+    const double drag = half * (d.steady_area[l] * ratio + d.payload_area[l]);
+    const double ramp = d.ramp_begin[l] + s * d.ramp_rise[l];
+    const double mass = d.weighed[l] + rho * power * (d.still[l] + ramp * d.ramping[l]);
+    const double ax = -drag * vx / mass, az = (-drag * vz - d.weighed[l] * d.gravity[l]) / mass;
+    const double own = half * d.payload_area[l];
+    const double fx = d.hung[l] * ax + own * vx, fz = d.hung[l] * (az + d.gravity[l]) + own * vz;
+    return {ax, az, std::sqrt(fx * fx + fz * fz)};
+}
+
+/// Loads of all lanes; null: not wanted.
 TWINCHUTE_FOR_EACH_CPU
 void accelerate(const LaneData& d, double s, const double* ratio, const double* power, const double* z,
                 const double* vx, const double* vz, double* ax, double* az, double* force) {
-    for (int l = 0; l < lanes; ++l) {
-        const double h = z[l] - d.level[l];
-        const double rho = d.density[l] + h * (d.slope[l] + h * d.bend[l]);
-        const double half = 0.5 * rho * std::sqrt(vx[l] * vx[l] + vz[l] * vz[l]);
-        const double drag = half * (d.steady_area[l] * ratio[l] + d.payload_area[l]);
-        const double ramp = d.ramp_begin[l] + s * d.ramp_rise[l];
-        const double mass = d.weighed[l] + rho * power[l] * (d.still[l] + ramp * d.ramping[l]);
-        ax[l] = -drag * vx[l] / mass;
-        az[l] = (-drag * vz[l] - d.weighed[l] * d.gravity[l]) / mass;
-        if (!force) continue;
-        const double own = half * d.payload_area[l];
-        const double fx = d.hung[l] * ax[l] + own * vx[l],
-                     fz = d.hung[l] * (az[l] + d.gravity[l]) + own * vz[l];
-        force[l] = std::sqrt(fx * fx + fz * fz);
+    if (force) {
+        for (std::size_t l = 0; l < batch_lanes; ++l) {
+            const LaneLoads now = loads_of(d, l, s, ratio[l], power[l], z[l], vx[l], vz[l]);
+            ax[l] = now.ahead_rate, az[l] = now.climb_rate, force[l] = now.force;
+        }
+        return;
+    }
+    for (std::size_t l = 0; l < batch_lanes; ++l) {
+        const LaneLoads now = loads_of(d, l, s, ratio[l], power[l], z[l], vx[l], vz[l]);
+        ax[l] = now.ahead_rate, az[l] = now.climb_rate;
     }
 }
 
@@ -157,7 +175,6 @@ private:
         data_.gravity[l] = scene.environment.gravity;
         data_.steady_area[l] = in.steady_drag_area;
         data_.payload_area[l] = scene.payload.drag_area.value_or(0.0);
-        data_.eta[l] = in.eta;
         data_.still[l] = data_.ramping[l] = 0.0;
         if (const auto& spec = scene.aerodynamics.added_mass) {
             // All models are proportional to density and cube of the radius, and linear in the ramp.
@@ -234,9 +251,7 @@ private:
                 ratio_[l] = ratio_[0], power_[l] = power_[0];
                 continue;
             }
-            ratio_[l] = phase_ == Phase::open      ? 1.0
-                        : phase_ == Phase::initial ? in.eta * in.eta
-                                                   : in.growth().at(s, 0).value;
+            ratio_[l] = ratio_at(l, s);
             power_[l] = ratio_[l] * std::sqrt(ratio_[l]);
         }
     }
@@ -365,22 +380,18 @@ private:
         return quantity_at(l, s, y[1], y[2], y[3], quantity == &Node::force);
     }
 
-    double quantity_at(std::size_t l, double s, double z, double vx, double vz, bool force) const {
+    /// Drag area over the steady one, of one lane.
+    double ratio_at(std::size_t l, double s) const {
         const Inflation& in = inflation_[l];
-        const double ratio = phase_ == Phase::open      ? 1.0
-                             : phase_ == Phase::initial ? in.eta * in.eta
-                                                        : in.growth().at(s, 0).value;
-        const double h = z - data_.level[l];
-        const double rho = data_.density[l] + h * (data_.slope[l] + h * data_.bend[l]);
-        const double half = 0.5 * rho * length_of(vx, vz);
-        const double drag = half * (data_.steady_area[l] * ratio + data_.payload_area[l]);
-        const double ramp = data_.ramp_begin[l] + s * data_.ramp_rise[l];
-        const double mass =
-            data_.weighed[l] + rho * ratio * std::sqrt(ratio) * (data_.still[l] + ramp * data_.ramping[l]);
-        const double ax = -drag * vx / mass, az = (-drag * vz - data_.weighed[l] * data_.gravity[l]) / mass;
-        if (!force) return length_of(ax, az);
-        const double own = half * data_.payload_area[l];
-        return length_of(data_.hung[l] * ax + own * vx, data_.hung[l] * (az + data_.gravity[l]) + own * vz);
+        return phase_ == Phase::open      ? 1.0
+               : phase_ == Phase::initial ? in.eta * in.eta
+                                          : in.growth().at(s, 0).value;
+    }
+
+    double quantity_at(std::size_t l, double s, double z, double vx, double vz, bool force) const {
+        const double ratio = ratio_at(l, s);
+        const LaneLoads now = loads_of(data_, l, s, ratio, ratio * std::sqrt(ratio), z, vx, vz);
+        return force ? now.force : length_of(now.ahead_rate, now.climb_rate);
     }
 
     std::span<const Scene> scenes_;
