@@ -7,7 +7,7 @@
 namespace twinchute::study {
 
 /// Streams that must not meet.
-enum class RandomStream : std::uint32_t { sample, shift, permutation, bootstrap, groups, test };
+enum class RandomStream : std::uint32_t { sample, shift, permutation, bootstrap, groups, examples, test };
 
 /// 64 random bits.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t index, std::uint32_t dimension,

@@ -9,6 +9,7 @@
 
 #include "lib/record/run_record.hpp"
 #include "study/campaign/quantiles.hpp"
+#include "study/campaign/random.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -127,7 +128,11 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
     std::vector<std::size_t> places;
     for (const Histogram& histogram : results.histograms)
         places.push_back(*columns.of(histogram.metric));
-    const std::uint64_t stride = std::max<std::uint64_t>(1, (runs + most_examples - 1) / most_examples);
+    // Drawn, not counted out: every 64th point of Sobol's sequence lies in one corner.
+    const double share = static_cast<double>(most_examples) / static_cast<double>(runs);
+    const auto is_example = [&](std::uint64_t run) {
+        return unit_number(random_bits(spec.seed, run, 0, RandomStream::examples)) < share;
+    };
     each_row(store, runs, [&](std::uint64_t run, std::span<const double> row) {
         ++results.made;
         if (is_complete(row[0])) {
@@ -152,7 +157,7 @@ void take_stock(const CampaignSpec& spec, const RunStore& store, const Columns& 
             histogram.high = std::max(histogram.high, value);
             if (!kept.empty()) kept[m].push_back(value);
         }
-        if (run % stride == 0) results.examples.emplace_back(row.begin(), row.end());
+        if (is_example(run)) results.examples.emplace_back(row.begin(), row.end());
     });
     for (const Tally& tally : tallies)
         results.answers.push_back(tally.answer());

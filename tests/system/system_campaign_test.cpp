@@ -69,6 +69,32 @@ bool says(const std::string& text, std::string_view what) {
     return text.find(what) != std::string::npos;
 }
 
+// The points of its pictures fill the range of an input. Every 50th point of Sobol's sequence lay above the
+// middle.
+TEST_F(SystemCampaign, ShowsRunsFromEverywhere) {
+    write("c.toml",
+          "base = \"c9-inflation.toml\"\nset = ['stop.at=\"peak-force\"']\n[campaign]\nruns = 20000\n"
+          "seed = 42\n[[vary]]\nkey = \"parachute.fill_time.n\"\ndist = { uniform = { low = 3, high = 5 } }\n"
+          "[[vary]]\nkey = \"payload.mass\"\ndist = { uniform = { low = 140, high = 160 } }\n" +
+              mean);
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const std::string page = text("out/report.html");
+    for (const std::string input : {"parachute.fill_time.n", "payload.mass"}) {
+        const std::size_t begin = page.find("peak force against " + input), end = page.find("</svg>", begin);
+        ASSERT_NE(begin, std::string::npos);
+        double left = 1e9, right = 0.0;
+        std::vector<double> places;
+        for (std::size_t at = begin; (at = page.find("<circle cx=\"", at)) < end; ++at) {
+            places.push_back(std::stod(page.substr(at + 12, 12)));
+            left = std::min(left, places.back()), right = std::max(right, places.back());
+        }
+        ASSERT_GT(places.size(), 300u);
+        // A uniform input: half of some 400 points to either side, to five standard deviations.
+        const auto below = std::ranges::count_if(places, [&](double x) { return x < 0.5 * (left + right); });
+        EXPECT_NEAR(static_cast<double>(below) / static_cast<double>(places.size()), 0.5, 0.125) << input;
+    }
+}
+
 TEST_F(SystemCampaign, TheExampleAnswersItsQuestions) {
     const Ended ended = run({"campaign", example, "--out", "out", "--json", "--export", "csv"});
     ASSERT_EQ(ended.code, 0) << ended.err;
