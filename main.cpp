@@ -16,6 +16,7 @@
 #include "rom/sensitivity/rom_command.hpp"
 #include "rom/size/size_command.hpp"
 #include "study/calibrate/calibrate_command.hpp"
+#include "study/calibrate/calibrated_case.hpp"
 #include "study/campaign/campaign_command.hpp"
 
 int main(int argc, char** argv) {
@@ -33,7 +34,7 @@ int main(int argc, char** argv) {
         compare::report_command(full, rom),
         compare::ladder_command({&rom, &full}),
         compare::stability_command(full, rom),
-        compare::validate_command({&rom, &full}),
+        compare::validate_command({&rom, &full}, study::case_calibrator(rom)),
         fullsim::mesh_command(),
         plan_command({&rom, &full}),
         list_command(),

@@ -318,7 +318,8 @@ Command compare_command(const Fidelity& reference, const Fidelity& candidate) {
         {"seeds", "N",
          fmt::format("of scenes with noise, for --why: scatter over N seeds, {} unless given",
                      AttributionOptions{}.seeds)}};
-    own.push_back(drop_test_option());
+    for (Option& option : drop_test_options())
+        own.push_back(std::move(option));
     const std::vector<Option> of_baseline = baseline_options();
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     command.options.insert(command.options.begin() + 1, own.begin(), own.end());

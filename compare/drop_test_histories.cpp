@@ -4,20 +4,11 @@
 
 #include <algorithm>
 
-#include "lib/scene/csv_table.hpp"
+#include "lib/scene/logged_table.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-constexpr double longest = 36000.0;  // [s]
-
-std::vector<CsvColumn> columns() {
-    std::vector<CsvColumn> known{{"time", "s", {-longest, longest}}};
-    for (const MetricRow& row : history_rows())
-        known.push_back({row.key, row.unit, {-1e9, 1e9}});
-    return known;
-}
 
 std::optional<double> distance(const Curve& test, const std::optional<Curve>& run) {
     if (!run) return {};
@@ -43,15 +34,35 @@ const Curve* DropTestHistories::find(std::string_view channel) const {
     return found == curves.end() ? nullptr : &found->second;
 }
 
-DropTestHistories read_test_histories(std::string_view text, const std::string& file) {
-    const CsvTable table = read_csv_table(text, file, columns());
-    DropTestHistories test{file, {}};
-    for (const MetricRow& row : history_rows())
-        if (table.has(row.key)) test.curves.emplace(row.key, Curve{table.at("time"), table.at(row.key)});
+DropTestHistories read_test_histories(std::string_view text, const std::string& file, double release) {
+    const LoggedTable table = read_logged_table(text, file);
+    std::vector<double> times = logged_times(table);
+    for (double& time : times)
+        time -= release;
+    DropTestHistories test{file, {}, {}};
+    for (const LoggedColumn& column : table.columns) {
+        if (column.name == "time" || column.name == "t") continue;
+        const auto row = std::ranges::find(history_rows(), column.name, &MetricRow::key);
+        if (row == history_rows().end()) {
+            test.notes.push_back(
+                fmt::format("column '{}' is left aside: no history of that name", column.name));
+            continue;
+        }
+        const auto [time, value] = logged_history(table, times, column, row->unit);
+        if (time.size() > 1)
+            test.curves.emplace(row->key, Curve{time, value});
+        else
+            test.notes.push_back(
+                fmt::format("column '{}' is left aside: a curve needs two readings", column.name));
+    }
     if (test.curves.empty())
-        throw SceneError({file, 1, 1}, "", "there is nothing beside the time",
+        throw SceneError({file, table.head_line, 1}, "", "there is no history beside the time",
                          "a test is drawn over the histories of the runs",
                          fmt::format("the columns are time and any of {}", test_channels()));
+    if (!(times.back() > 0.0))
+        throw SceneError({file, table.lines.back(), 1}, "", "the history lies wholly before the release",
+                         fmt::format("its last line is at {:g} s, time counts from release", times.back()),
+                         "give the reading of its clock at release, --test-clock");
     return test;
 }
 

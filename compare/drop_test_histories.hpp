@@ -16,12 +16,14 @@ namespace twinchute::compare {
 struct DropTestHistories {
     std::string file;                                  ///< as given
     std::map<std::string, Curve, std::less<>> curves;  ///< by channel of a record; [s] since release, SI
+    std::vector<std::string> notes = {};               ///< what was left aside
     const Curve* find(std::string_view channel) const;
 };
 
-/// Reads a CSV file whose first line names the columns and whose second their units: time, since release, and
-/// at least one channel of history_rows(). Throws SceneError, with file and line, for everything else.
-DropTestHistories read_test_histories(std::string_view text, const std::string& file);
+/// Reads a table as loggers and spreadsheets write it (read_logged_table): time, and at least one channel of
+/// history_rows(); other columns are noted. `release` [s]: what its clock reads at release. Throws SceneError
+/// with file and line.
+DropTestHistories read_test_histories(std::string_view text, const std::string& file, double release = 0.0);
 
 /// "force, speed, ...": the columns that a file may have beside the time.
 std::string test_channels();

@@ -1,16 +1,17 @@
-// The option --test of commands that compare.
+// The options --test and --test-clock of commands that compare.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "compare/drop_test_histories.hpp"
 #include "lib/cli/command.hpp"
 
 namespace twinchute::compare {
 
-Option drop_test_option();
+std::vector<Option> drop_test_options();
 
-/// The file that it names, read. Throws SceneError.
+/// The file that they name, read. Throws SceneError and UsageError.
 std::optional<DropTestHistories> test_of(const Arguments& arguments);
 
 }  // namespace twinchute::compare

@@ -184,6 +184,20 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
     return gap;
 }
 
+std::vector<CalibrationGap> calibration_gaps(const Comparison& comparison) {
+    std::vector<CalibrationGap> gaps;
+    if (!comparison.candidate.uncalibrated) return gaps;
+    const std::vector<Metric>& without = comparison.candidate.uncalibrated->metrics;
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        const auto before = std::ranges::find(without, metric.row->key, &Metric::key);
+        if (!metric.tolerance || !metric.relative || before == without.end()) continue;
+        const double reference = metric.reference->value;
+        gaps.push_back({metric.row, before->value, metric.candidate->value, reference,
+                        (before->value - reference) / std::abs(reference), *metric.relative});
+    }
+    return gaps;
+}
+
 Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase) {
     if (history.verdict == Verdict::not_judged || phase.phase == HistoryPhase::deployment)
         return Verdict::not_judged;

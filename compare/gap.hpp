@@ -89,6 +89,16 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                         const std::map<std::string, Tolerance>& tolerances,
                         const std::set<std::string, std::less<>>& of_command_line = {});
 
+/// A metric with a tolerance before and after calibration of the candidate.
+struct CalibrationGap {
+    const MetricRow* row = nullptr;
+    double before = 0.0, after = 0.0, reference = 0.0;  ///< in the row's unit
+    double gap_before = 0.0, gap_after = 0.0;           ///< [-] over |reference|
+};
+
+/// None where the candidate is not calibrated.
+std::vector<CalibrationGap> calibration_gaps(const Comparison& comparison);
+
 /// Verdict on one phase of a history, by its own L2; deployment is not judged.
 Verdict phase_verdict(const HistoryGap& history, const PhaseScore& phase);
 

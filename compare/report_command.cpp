@@ -65,7 +65,8 @@ void require_same_scene(const Comparison& comparison, const fs::path& place) {
         refuse("the SHA-256 of their scenes differ");
     for (const Input& input : comparison.reference.inputs) {
         const Input* other = comparison.candidate.find_input(input.key);
-        if (other != nullptr && !same_value(*other, input)) refuse("they differ in " + input.key);
+        if (other == nullptr || other->origin == InputOrigin::calibrated) continue;
+        if (!same_value(*other, input)) refuse("they differ in " + input.key);
     }
 }
 
@@ -197,11 +198,13 @@ Command report_command(const Fidelity& reference, const Fidelity& candidate) {
     command.summary = "make the reports of comparisons again, from their records; of many, a table";
     command.operand = "DIR...";
     command.example = "twinchute report c9-inflation.out";
-    command.options = {tolerance_option(reference.name),
-                       drop_test_option(),
-                       {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
-                       {"json", "", "print the gap as JSON and nothing else"},
-                       {"quiet", "", "print nothing but errors"}};
+    command.options = drop_test_options();
+    command.options.insert(command.options.begin(), tolerance_option(reference.name));
+    for (Option& option : std::vector<Option>{
+             {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
+             {"json", "", "print the gap as JSON and nothing else"},
+             {"quiet", "", "print nothing but errors"}})
+        command.options.push_back(std::move(option));
     command.run = [&reference, &candidate](const Arguments& arguments) {
         return run_report(reference, candidate, arguments);
     };

@@ -24,6 +24,7 @@ OpeningForceInputs inputs_of(const RunRecord& record, const Scene& scene, const 
     in.eta = inflation.eta;
     in.law = inflation.law;
     in.table = inflation.table;
+    in.exponent = inflation.exponent;
     in.coefficient = chute.opening_force_coefficient;
     if (scene.aerodynamics.added_mass)
         in.added_mass =

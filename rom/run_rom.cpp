@@ -6,6 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/record/metrics.hpp"
+#include "lib/scene/calibration.hpp"
+#include "lib/scene/line_stretch.hpp"
+#include "lib/solve/filling_bracket.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/stopwatch.hpp"
@@ -148,46 +152,6 @@ Reached reached_by(const Scene& scene, const RunContext& context, const OpeningS
     return {landed, sequence.unopened().empty() && sequence.is_open()};
 }
 
-template <int dimensions>
-RunRecord run_in(const Scene& scene, Run& run, bool with_bracket);
-
-/// Adds the same drop with the lowest and the highest initial mouth of the bracket.
-template <int dimensions>
-void add_bracket(RunRecord& record, const Scene& scene, const OpeningResult& result) {
-    const auto predicted =
-        std::ranges::find_if(scene.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
-    if (predicted == scene.parachutes.end()) return;
-    const Parachute& chute = *predicted;
-    const FillingCanopy canopy = filling_canopy(chute);
-    record.filling = {std::string(chute.filling.model->name),
-                      chute.filling.initial_mouth,
-                      chute.filling.entrance_loss,
-                      canopy.critical_speed(result.snatch_density),
-                      {}};
-    std::vector<RunRecord> ends;
-    for (double Filling::*end : {&Filling::lowest_mouth, &Filling::highest_mouth}) {
-        Scene other = scene;
-        for (Parachute& p : other.parachutes)
-            p.filling.initial_mouth = p.filling.*end;
-        Run alone;
-        const RunRecord& at = ends.emplace_back(run_in<dimensions>(other, alone, false));
-        record.filling->bracket.push_back({chute.filling.*end, std::string(status_name(at.status.code)),
-                                           at.metric("filling_time_s"), at.metric("fill_constant"),
-                                           at.metric("peak_force_N")});
-    }
-    // No filling time that is predicted stands without its bracket, of whichever parachute or stage it is.
-    const auto text = [](const std::optional<double>& value) {
-        return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
-    };
-    for (Metric& time : record.metrics) {
-        if (!time.key.ends_with("filling_time_s") || time.kind != MetricKind::result) continue;
-        time.note += fmt::format("{}{} from the lowest mouth, {:g}, {} from the highest, {:g}",
-                                 time.note.empty() ? "" : "; ", text(ends[0].metric(time.key)),
-                                 chute.filling.lowest_mouth, text(ends[1].metric(time.key)),
-                                 chute.filling.highest_mouth);
-    }
-}
-
 /// The record of Run::samples.
 template <int dimensions>
 RunRecord sample_in(const Scene& scene, Run& run) {
@@ -237,7 +201,11 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
-    if (with_bracket) add_bracket<dimensions>(record, scene, result);
+    if (with_bracket)
+        add_filling_bracket(record, scene, result.snatch_density, [](const Scene& other) {
+            Run alone;
+            return run_in<dimensions>(other, alone, false);
+        });
     return record;
 }
 
@@ -280,7 +248,9 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
 
 }  // namespace
 
-RunRecord run_rom(const Scene& scene, Run& run) {
+namespace {
+
+RunRecord run_plain(const Scene& scene, Run& run) {
     switch (dimensions_of(scene)) {
         case 1:
             return run_in<1>(scene, run, true);
@@ -291,8 +261,8 @@ RunRecord run_rom(const Scene& scene, Run& run) {
     }
 }
 
-RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
-                      std::span<double> values) {
+RunStatus plain_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                        std::span<double> values) {
     switch (dimensions_of(scene)) {
         case 1:
             return metrics_in<1>(scene, run, keys, values);
@@ -301,6 +271,27 @@ RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string>
         default:
             return metrics_in<3>(scene, run, keys, values);
     }
+}
+
+}  // namespace
+
+RunRecord run_rom(const Scene& scene, Run& run) {
+    if (!has_calibration(scene)) return run_plain(scene, run);
+    RunRecord record = run_plain(calibrated(scene), run);
+    if (!run.samples.empty()) return record;
+    Run alone;
+    const RunRecord without = run_plain(uncalibrated(scene), alone);
+    record.uncalibrated = {calibrated_inputs(scene), {}};
+    for (const MetricRow& row : metric_rows())
+        if (const Metric* metric = without.find_metric(row.key))
+            record.uncalibrated->metrics.push_back(*metric);
+    return record;
+}
+
+RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                      std::span<double> values) {
+    if (!has_calibration(scene)) return plain_metrics(scene, run, keys, values);
+    return plain_metrics(calibrated(scene), run, keys, values);
 }
 
 const Fidelity& rom_fidelity() {

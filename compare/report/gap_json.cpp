@@ -75,9 +75,23 @@ Json side_json(const RunRecord& record, const std::string& title) {
             {"warnings", warnings_json(record.warnings)}};
 }
 
+Json calibration_json(const Comparison& comparison) {
+    Json json{{"factors", Json::object()}, {"metrics", Json::object()}};
+    for (const CalibratedInput& input : comparison.candidate.uncalibrated->inputs)
+        json["factors"][input.key] = input.factor;
+    for (const CalibrationGap& one : calibration_gaps(comparison)) {
+        Json& metric = json["metrics"][std::string(one.row->key)] = Json::object();
+        metric["before"] = one.before;
+        put(metric, "relative_before", one.gap_before);
+        put(metric, "relative_after", one.gap_after);
+    }
+    return json;
+}
+
 Json test_json(const Comparison& comparison) {
     Json json;
     json["file"] = comparison.test->file;
+    if (!comparison.test->notes.empty()) json["notes"] = comparison.test->notes;
     Json& channels = json["channels"] = Json::object();
     for (const TestScore& score : scores_of_test(comparison)) {
         Json& channel = channels[std::string(score.row->key)];
@@ -106,6 +120,7 @@ std::string gap_json(const Comparison& comparison) {
     Json& histories = json["histories"] = Json::object();
     for (const HistoryGap& history : comparison.gap.histories)
         histories[std::string(history.row->name)] = history_json(history);
+    if (comparison.candidate.uncalibrated) json["calibration"] = calibration_json(comparison);
     if (comparison.test) json["test"] = test_json(comparison);
     Json& cost = json["cost"] = Json::object();
     cost["reference"] = cost_json(comparison.reference.cost);

@@ -237,6 +237,21 @@ Table events_table(const Comparison& comparison) {
     return table;
 }
 
+Table calibration_table(const Comparison& comparison) {
+    Table table;
+    table.add_words({"metric"});
+    table.add_numbers({comparison.candidate.fidelity + " before", "after", comparison.reference.fidelity},
+                      "");
+    table.add_words({"unit"});
+    table.add_numbers({"gap before", "after"}, "%");
+    for (const CalibrationGap& one : calibration_gaps(comparison))
+        table.rows.push_back({std::string(one.row->title), readable(one.before, 4), readable(one.after, 4),
+                              readable(one.reference, 4), std::string(one.row->unit),
+                              fmt::format("{:+.2f}", 100.0 * one.gap_before),
+                              fmt::format("{:+.2f}", 100.0 * one.gap_after)});
+    return table;
+}
+
 Table filling_table(const Comparison& comparison) {
     Table table;
     table.add_words({"of", ""});

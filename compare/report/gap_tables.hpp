@@ -30,6 +30,9 @@ Table energy_table(const Comparison& comparison);
 /// A row an event, in the order of EventPair.
 Table events_table(const Comparison& comparison);
 /// Physics that each side left out, and why.
+/// Where the candidate is calibrated: the gap of metrics with a tolerance, before and after.
+Table calibration_table(const Comparison& comparison);
+
 /// Where filling is predicted: how far it hangs on the initial mouth.
 Table filling_table(const Comparison& comparison);
 Table left_out_table(const Comparison& comparison);

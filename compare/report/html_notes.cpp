@@ -53,7 +53,10 @@ std::string provenance(const Comparison& comparison) {
 }  // namespace
 
 std::string notes_sections(const Comparison& comparison) {
-    std::string text = section("filling", "Predicted filling", filling_table(comparison),
+    std::string text = section("calibration", "Before and after calibration", calibration_table(comparison),
+                               "What the calibration of the candidate does to the gap, in metrics that have "
+                               "a tolerance.") +
+                       section("filling", "Predicted filling", filling_table(comparison),
                                "Initial mouth, entrance loss and fabric are shared inputs; shape, volume and "
                                "mouth are each model's own.") +
                        section("left-out", "Left out", left_out_table(comparison),

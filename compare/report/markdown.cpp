@@ -124,6 +124,7 @@ std::string report_markdown(const Comparison& comparison) {
     text +=
         histories_section(comparison.gap) + test_section(comparison) + cost_section(comparison, sides) + "\n";
     text += section("Events", events_table(comparison)) + section("Energy", energy_table(comparison));
+    text += section("Before and after calibration", calibration_table(comparison));
     text += section("Predicted filling", filling_table(comparison));
     text += section("Left out", left_out_table(comparison)) +
             section("Warnings", warnings_table(comparison)) +

@@ -17,10 +17,19 @@ std::string with_legend(const Table& table, const Style& style, const std::strin
 
 std::string test_text(const Comparison& comparison, const Style& style) {
     if (!comparison.test) return {};
-    return with_legend(
+    std::string text = with_legend(
         test_table(comparison), style,
         fmt::format("L2 norm of the difference over that of {}, from release on, where both have values",
                     printable(comparison.test->file)));
+    for (const std::string& note : comparison.test->notes)
+        text += fmt::format("test      {}\n", printable(note));
+    return text;
+}
+
+std::string calibration_part(const Comparison& comparison, const Style& style) {
+    return with_legend(calibration_table(comparison), style,
+                       fmt::format("{} without its calibration and with it, in metrics with a tolerance",
+                                   comparison.candidate.fidelity));
 }
 
 std::string attribution_part(const Comparison& comparison, const Style& style) {
@@ -38,6 +47,7 @@ std::string attribution_part(const Comparison& comparison, const Style& style) {
 std::string side_notes(const RunRecord& record, const Style& style) {
     std::string text;
     if (record.filling) text += filling_text(*record.filling, record.fidelity + ": ");
+    text += calibration_text(record, record.fidelity + ": ");
     for (const LeftOut& row : record.left_out) {
         text += fmt::format("left out  {}: {}{}\n", record.fidelity, printable(row.what),
                             row.why.empty() ? "" : fmt::format(" ({})", printable(row.why)));
@@ -61,6 +71,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
     text += with_legend(histories_table(comparison.gap), style,
                         fmt::format("L2 norm of the difference over that of {}; both clocks begin at snatch",
                                     comparison.reference.fidelity));
+    text += calibration_part(comparison, style);
     text += test_text(comparison, style);
     text += attribution_part(comparison, style);
     text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));

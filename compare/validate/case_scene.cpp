@@ -96,6 +96,17 @@ Scene CaseScene::scene(std::optional<std::size_t> line, const std::vector<std::s
     }
 }
 
+Scene CaseScene::before_set(const std::vector<std::string>& more) const {
+    std::vector<std::string> overrides;
+    if (type_) overrides = *type_;
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    try {
+        return read_scene_text(case_.scene, suite_.file.string(), suite_.file.parent_path(), overrides);
+    } catch (const SceneError& error) {
+        refuse(error);
+    }
+}
+
 std::vector<Scene> CaseScene::series(const std::vector<std::string>& more) const {
     std::vector<std::string> overrides = case_.set;
     overrides.insert(overrides.end(), more.begin(), more.end());

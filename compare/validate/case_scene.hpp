@@ -26,6 +26,12 @@ public:
     /// The scene for a line, with "key=value" over it.
     Scene scene(std::optional<std::size_t> line, const std::vector<std::string>& more = {}) const;
 
+    /// The scene without what `set` says of the case's own drop, with "key=value" over it.
+    Scene before_set(const std::vector<std::string>& more) const;
+
+    /// A file beside the suite or in the data; `key`: of the case, that names it.
+    std::filesystem::path file(const std::string& name, const char* key) const;
+
     /// Scenes of a series, with "key=value" over each.
     std::vector<Scene> series(const std::vector<std::string>& more = {}) const;
 
@@ -35,7 +41,6 @@ public:
 
 private:
     [[noreturn]] void refuse(const SceneError& error) const;
-    std::filesystem::path file(const std::string& name, const char* key) const;
     std::size_t column(const std::string& name, const char* key) const;
 
     const ValidationSuite& suite_;

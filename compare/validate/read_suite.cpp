@@ -217,6 +217,22 @@ void read_uncertainties(SuiteTable& reader, ValidationCase& found) {
     }
 }
 
+void read_calibration(SuiteTable& reader, ValidationCase& found) {
+    const toml::table* table = reader.table("calibrate");
+    if (table == nullptr) return;
+    SuiteTable keys(*table, reader.file(), reader.path_of("calibrate"));
+    keys.need("to", "the drops that inputs are calibrated to");
+    found.calibration = {keys.texts("to"), keys.texts("vary")};
+    keys.end();
+    if (found.calibration->to.empty()) keys.refuse("to", "names no test", "", "name one or more");
+    if (found.fit || !found.table.empty() || found.is_series)
+        reader.refuse("calibrate", "stands beside fit, a table or a series",
+                      "inputs of one canopy are calibrated, and one drop is judged", "keep one of them");
+    if (found.fidelities != std::vector<std::string>{"rom"})
+        reader.refuse("calibrate", "goes with the fidelity rom alone",
+                      "the reduced-order model is calibrated", "take fidelities out");
+}
+
 ValidationCase read_case(SuiteTable& reader) {
     ValidationCase found;
     found.place = reader.place();
@@ -242,6 +258,7 @@ ValidationCase read_case(SuiteTable& reader) {
     found.missing = reader.texts("missing");
     found.shown_by = reader.text("shown_by");
     read_uncertainties(reader, found);
+    read_calibration(reader, found);
     const std::string source = reader.text("source"), grade = reader.text("grade"),
                       where = reader.text("where");
     for (SuiteTable& row : reader.list("row"))

@@ -40,6 +40,8 @@ std::string suite_text(const SuiteResult& suite, const Style& style) {
                         fmt::format("  {}: {}: {}", row_verdict_name(row.verdict), row_title(row), row.why)) +
                     "\n";
     }
+    for (const std::string& calibration : suite.calibrations)
+        text += printable(fmt::format("  {}", calibration)) + "\n";
     for (const std::string& offsets : suite.offsets)
         text += printable(fmt::format("  off by: {}", offsets)) + "\n";
     for (const GroupResult& group : suite.groups())
@@ -137,8 +139,37 @@ std::string agreement_text(const GroupResult& group) {
         a.capped ? " (more than the points scatter: taken as half their variance)" : "");
 }
 
-std::string validation_terminal(const Validation& validation, const Style& style) {
+std::string soundness_text(const Validation& validation, const Style& style) {
+    int within = 0, judged = 0;
+    std::string outside;
+    for (const SuiteResult& suite : validation.suites) {
+        if (suite.evidence == Evidence::exact) {
+            within += suite.count(RowVerdict::within), judged += suite.judged();
+            continue;
+        }
+        std::vector<std::string> names;
+        for (const RowResult& row : suite.rows)
+            if (row.verdict == RowVerdict::exceeded &&
+                std::ranges::find(names, row_title(row)) == names.end())
+                names.push_back(row_title(row));
+        if (names.empty()) continue;
+        outside +=
+            fmt::format("outside   {} ({}): {} of {} judged rows\n", suite.name,
+                        evidence_name(suite.evidence), suite.count(RowVerdict::exceeded), suite.judged());
+        for (const std::string& name : names)
+            outside += fmt::format("          {}\n", printable(name));
+    }
     std::string text;
+    if (judged > 0)
+        text = (within == judged ? style.paint("sound", Colour::green) + "     "
+                                 : style.paint("NOT SOUND", Colour::red) + " ") +
+               fmt::format("{} of {} rows with exact answers verified\n", within, judged);
+    return text + outside;
+}
+
+std::string validation_terminal(const Validation& validation, const Style& style) {
+    std::string text = soundness_text(validation, style);
+    if (!text.empty()) text += "\n";
     for (const SuiteResult& suite : validation.suites)
         text += style.paint(printable(suite.title), Colour::bold) + "  (" + suite.name + ")\n" +
                 suite_text(suite, style) + "  " + suite_summary(suite) + "\n\n";
@@ -186,6 +217,7 @@ std::string validation_json(const Validation& validation, const Provenance& prov
     json["schema"] = 1;
     json["summary"] = validation_summary(validation);
     json["within"] = !validation.failed();
+    json["decided_by"] = validation.exact_alone ? "exact" : "all";
     auto& suites = json["suites"] = nlohmann::ordered_json::array();
     for (const SuiteResult& suite : validation.suites) {
         nlohmann::ordered_json one{{"name", suite.name},

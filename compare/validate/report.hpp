@@ -26,6 +26,9 @@ std::string validation_summary(const Validation& validation);
 /// "bias 1.04, model 0.12, experiment 0.05 (5 points)".
 std::string agreement_text(const GroupResult& group);
 
+/// Whether exact answers are met, then which rows of other suites fall outside: a line or more.
+std::string soundness_text(const Validation& validation, const Style& style);
+
 std::string validation_terminal(const Validation& validation, const Style& style);
 std::string validation_csv(const Validation& validation);
 std::string validation_json(const Validation& validation, const Provenance& provenance);

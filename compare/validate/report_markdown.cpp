@@ -119,6 +119,7 @@ std::string validation_markdown(const Validation& validation, const Provenance& 
         text += suite_summary(suite) + ".\n\n";
         if (const Table table = suite_table(shown); !table.rows.empty()) text += markdown_table(table) + "\n";
         text += group_text(suite);
+        text += list("Calibrated to other drops", suite.calibrations);
         text += list("Predicted less expected, together", suite.offsets) + list("Cases", suite.remarks);
         text += notes(shown) + left_out(suite, RowVerdict::not_run, "Not run") +
                 left_out(suite, RowVerdict::by_test, "Shown by tests alone") + sources(suite);

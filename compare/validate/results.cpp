@@ -61,8 +61,9 @@ std::vector<GroupResult> SuiteResult::groups() const {
 }
 
 bool Validation::failed() const {
-    return std::ranges::any_of(
-        suites, [](const SuiteResult& suite) { return suite.count(RowVerdict::exceeded) > 0; });
+    return std::ranges::any_of(suites, [this](const SuiteResult& suite) {
+        return (suite.evidence == Evidence::exact || !exact_alone) && suite.count(RowVerdict::exceeded) > 0;
+    });
 }
 
 }  // namespace twinchute::compare

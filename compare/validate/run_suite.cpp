@@ -55,13 +55,22 @@ public:
                 return of_this_fidelity(std::move(rows));
             }
         }
+        if (case_.calibration) calibrate();
         predict(rows);
+        if (case_.calibration) {
+            const Spread spread = spread_of(run_all(draws_));
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                rows[i].sigma_inputs = spread.sigma[i];
+        }
         if (!case_.uncertain.empty()) propagate(rows, nominal);
         if (case_.bracket) bracket(rows, nominal);
         for (std::size_t i = 0; i < rows.size(); ++i)
             judge(rows[i], case_.rows[i], i == 0 && case_.fit);
         return of_this_fidelity(std::move(rows));
     }
+
+    /// What results() calibrated; empty: nothing.
+    const std::string& calibration() const { return calibration_text_; }
 
 private:
     std::vector<RowResult> of_this_fidelity(std::vector<RowResult> rows) const {
@@ -218,6 +227,21 @@ private:
                            wanted.high);
     }
 
+    void calibrate() {
+        if (!options_.calibrate)
+            throw SceneError(case_.place, "case.calibrate", "nothing calibrates here",
+                             "only `twinchute validate` brings what does", "run it there");
+        std::vector<std::string> tests;
+        for (const std::string& name : case_.calibration->to)
+            tests.push_back(scenes_.file(name, "case.calibrate.to").string());
+        CalibratedCase found = options_.calibrate(
+            [this](const std::vector<std::string>& more) { return scenes_.before_set(more); }, tests,
+            case_.calibration->vary, options_.quick ? quick_samples : most_samples);
+        fitted_ = std::move(found.values);
+        draws_ = std::move(found.draws);
+        calibration_text_ = std::move(found.text);
+    }
+
     void judge(RowResult& row, const ExpectedRow& asked, bool was_fitted) const {
         const auto amount = [&](const std::optional<Tolerance>& given) -> std::optional<double> {
             if (!given || !row.expected) return {};
@@ -257,7 +281,8 @@ private:
     std::span<const Fidelity* const> others_;
     const ValidationOptions& options_;
     std::vector<std::string> fitted_;
-    std::string fit_text_;
+    std::vector<std::vector<std::string>> draws_;
+    std::string fit_text_, calibration_text_;
 };
 
 /// The rows of a case that is not run.
@@ -345,9 +370,10 @@ SuiteResult run_suite(const ValidationSuite& suite, std::span<const Fidelity* co
                 continue;
             }
             for (const auto line : scenes.lines()) {
-                std::vector<RowResult> of_run =
-                    CaseRun(one, scenes, line, fidelity_of(one, name, fidelities), fidelities, options)
-                        .results();
+                CaseRun run(one, scenes, line, fidelity_of(one, name, fidelities), fidelities, options);
+                std::vector<RowResult> of_run = run.results();
+                if (!run.calibration().empty())
+                    result.calibrations.push_back(fmt::format("{}: {}", one.name, run.calibration()));
                 if (std::string text = offsets_of(one, of_run); !text.empty())
                     offsets.push_back(std::move(text));
                 std::ranges::move(of_run, std::back_inserter(rows));

@@ -60,6 +60,7 @@ struct SuiteResult {
     Evidence evidence = Evidence::exact;
     std::vector<RowResult> rows;
     std::vector<std::string> remarks;  ///< what a case says of itself, a sentence each
+    std::vector<std::string> calibrations;  ///< inputs of cases that are judged by other drops, a line each
     std::vector<std::string> offsets;  ///< errors that cases say together, a line each (ValidationCase)
     double seconds = 0.0;              ///< [s] wall time
 
@@ -73,15 +74,30 @@ struct SuiteResult {
 struct Validation {
     std::vector<SuiteResult> suites;
     bool interrupted = false;  ///< the rest was not run
+    bool exact_alone = false;  ///< rows of exact suites alone decide
 
-    bool failed() const;  ///< a judged row is not within
+    bool failed() const;  ///< a judged row that decides is not within
 };
+
+/// Inputs of a case from other drops.
+struct CalibratedCase {
+    std::vector<std::string> values;              ///< "key=value"
+    std::vector<std::vector<std::string>> draws;  ///< the same, from what is known of them
+    std::string text;                             ///< what they are, and doubts
+};
+
+/// Calibrates inputs of a scene, which it takes with "key=value" over it, to tests. Throws SceneError,
+/// UsageError and RecordError.
+using Calibrator = std::function<CalibratedCase(
+    const std::function<Scene(const std::vector<std::string>&)>& scene_with,
+    const std::vector<std::string>& tests, const std::vector<std::string>& vary, int draws)>;
 
 struct ValidationOptions {
     bool quick = false;  ///< one seed of each packed scene, fewer samples
     int threads = 1;     ///< runs at the same time; the answer is the same
     std::stop_token stop = {};
     std::function<void(const Progress&)> progress = {};
+    Calibrator calibrate = {};  ///< of cases that ask for it
 };
 
 /// Seeds, and samples of uncertain inputs; 200 samples know a standard deviation to 5 %.

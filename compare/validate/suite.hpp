@@ -76,6 +76,12 @@ struct ValidationCase {
         double low = 0.0, high = 0.0;
     };
     std::optional<Fit> fit;
+    /// Inputs calibrated to other drops of the same canopy: every row is then judged blind.
+    struct Calibration {
+        std::vector<std::string> to;    ///< tests, as calibrate --to takes them
+        std::vector<std::string> vary;  ///< as its --vary; empty: by default
+    };
+    std::optional<Calibration> calibration;
 
     /// Quantities of its rows whose errors are said together, in one line: instants that one shift of the
     /// clock would have to explain.

@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-#include "lib/scene/csv_table.hpp"
+#include "lib/scene/logged_table.hpp"
 #include "lib/scene/scene_error.hpp"
 
 namespace twinchute::compare {
@@ -21,11 +21,6 @@ std::vector<std::string> cells_of(std::string_view line) {
         begin = comma + 1;
     }
 }
-
-constexpr std::array<CsvColumn, 4> recording_columns{{{"time", "s", {-1e6, 1e6}},
-                                                      {"force", "N", {-1e9, 1e9}},
-                                                      {"height", "m", {-1e5, 1e5}},
-                                                      {"speed", "m/s", {-1e4, 1e4}}}};
 
 }  // namespace
 
@@ -102,28 +97,35 @@ std::optional<std::vector<std::string>> canopy_type_keys(const ReferenceTable& t
 }
 
 RunRecord read_recording(std::string_view text, const std::string& file, const Scene& scene) {
-    const CsvTable table = read_csv_table(text, file, recording_columns);
-    if (table.columns.size() < 2)
-        throw SceneError({file, 1, 1}, "", "nothing is recorded beside the time", "",
-                         "the columns are time, and force, height or speed");
+    struct Row {
+        std::string_view column;
+        Channel channel;
+        double factor, offset;
+    };
+    const Row rows[] = {{"force", {"force", "N", {}}, 1.0, 0.0},
+                        {"height", {"altitude", "m", {}}, 1.0, scene.environment.ground},
+                        {"speed", {"vertical_speed", "m/s", {}}, -1.0, 0.0}};
+    const LoggedTable table = read_logged_table(text, file);
+    const std::vector<double> times = logged_times(table);
     RunRecord record;
     record.fidelity = "recording";
-    for (const auto& [name, values] : table.columns) {
-        Channel channel{name, "", values};
-        if (name == "time") channel.unit = "s";
-        if (name == "force") channel.unit = "N";
-        if (name == "height") {
-            channel = {"altitude", "m", values};
-            for (double& value : channel.values)
-                value += scene.environment.ground;
-        }
-        if (name == "speed") {
-            channel = {"vertical_speed", "m/s", values};
-            for (double& value : channel.values)
-                value = -value;
-        }
+    record.channels.push_back({"time", "s", times});
+    for (const Row& row : rows) {
+        const LoggedColumn* column = table.find(row.column);
+        if (column == nullptr) continue;
+        Channel channel = row.channel;
+        channel.values = logged_history(table, times, *column, channel.unit).value;
+        if (channel.values.size() != times.size())
+            throw SceneError({file, table.head_line, column->column}, "",
+                             fmt::format("{} is missing in some lines", row.column),
+                             "the columns of a recording share their times", "leave out lines without it");
+        for (double& value : channel.values)
+            value = row.factor * value + row.offset;
         record.channels.push_back(std::move(channel));
     }
+    if (record.channels.size() < 2)
+        throw SceneError({file, table.head_line, 1}, "", "nothing is recorded beside the time", "",
+                         "the columns are time, and force, height or speed");
     return record;
 }
 

@@ -8,6 +8,7 @@
 #include "fullsim/run/observer.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/record/archive.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/opening_sequence.hpp"
 #include "lib/solve/steady_descent.hpp"

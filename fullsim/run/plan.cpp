@@ -14,6 +14,7 @@
 #include "fullsim/run/parts.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/time/choose_step.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/stopwatch.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fullsim/run/parts.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/validity.hpp"
 

@@ -14,7 +14,9 @@
 #include "fullsim/run/frames.hpp"
 #include "fullsim/run/plan.hpp"
 #include "fullsim/run/results.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/solve/filling_bracket.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -548,46 +550,22 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     return keys;
 }
 
-/// Adds the filling from the lowest and the highest initial mouth, each flown past its peak force.
-void add_bracket(const Scene& scene, double stated_mass, const Run& run, RunRecord& record) {
-    const Parachute& chute = scene.parachutes.front();
-    const Filling& filling = chute.filling;
-    const double speed = record.metric("snatch_speed_m_s").value_or(release_airspeed(scene).norm());
-    const double altitude =
-        record.find_event("snatch") ? record.find_event("snatch")->altitude : scene.release.altitude;
-    record.filling = {std::string(filling.model->name),
-                      filling.initial_mouth,
-                      filling.entrance_loss,
-                      filling_canopy(chute).critical_speed(scene.environment.atmosphere.at(altitude).density),
-                      {}};
-    for (const double mouth : {filling.lowest_mouth, filling.highest_mouth}) {
-        Scene other = scene;
-        other.parachutes.front().filling.initial_mouth = mouth;
-        other.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
-        Run control;
-        control.stop = run.stop;
-        control.threads = run.threads;
-        control.force_unstructured = run.force_unstructured;
-        const RunRecord at =
-            mouth == filling.initial_mouth ? record : FullRun(other, stated_mass, control).fly();
-        PredictedFilling::At of{
-            mouth, std::string(status_name(at.status.code)), {}, {}, at.metric("peak_force_N")};
-        const Event *full = at.find_event("full-open"), *begin = at.find_event("snatch");
-        if (full) {
-            of.filling_time = full->time - (begin ? begin->time : 0.0);
-            of.fill_constant =
-                *of.filling_time * at.metric("snatch_speed_m_s").value_or(speed) / chute.nominal_diameter;
-        }
-        record.filling->bracket.push_back(of);
+/// A run past its peak force, for the bracket of a predicted filling.
+RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
+    scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
+    Run control;
+    control.stop = run.stop;
+    control.threads = run.threads;
+    control.force_unstructured = run.force_unstructured;
+    RunRecord record = FullRun(scene, stated_mass, control).fly();
+    if (const Event* full = record.find_event("full-open"), *begin = record.find_event("snatch"); full) {
+        const double time = full->time - (begin ? begin->time : 0.0);
+        record.add_metric("filling_time_s", time);
+        record.add_metric("fill_constant",
+                          time * record.metric("snatch_speed_m_s").value_or(release_airspeed(scene).norm()) /
+                              scene.parachutes.front().nominal_diameter);
     }
-    const auto text = [](const PredictedFilling::At& at) {
-        return at.filling_time ? fmt::format("{:.3g} s", *at.filling_time) : std::string("no opening");
-    };
-    for (Metric& time : record.metrics)
-        if (time.key == "filling_time_s")
-            time.note += fmt::format("; full after {} from the lowest mouth, {:g}, {} from the highest, {:g}",
-                                     text(record.filling->bracket.front()), filling.lowest_mouth,
-                                     text(record.filling->bracket.back()), filling.highest_mouth);
+    return record;
 }
 
 }  // namespace
@@ -599,8 +577,12 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
     const bool ended = record.status.code == StatusCode::completed ||
                        record.status.code == StatusCode::stopped_by_event ||
                        record.status.code == StatusCode::squids;
-    if (scene.parachutes.front().filling.is_predicted() && ended)
-        add_bracket(meshed, stated_mass, run, record);
+    if (ended) {
+        const Event* snatch = record.find_event("snatch");
+        const double altitude = snatch != nullptr ? snatch->altitude : scene.release.altitude;
+        add_filling_bracket(record, meshed, scene.environment.atmosphere.at(altitude).density,
+                            [&](const Scene& other) { return fly_to_peak(other, stated_mass, run); });
+    }
     return record;
 }
 

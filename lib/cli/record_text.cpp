@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lib/record/metrics.hpp"
@@ -82,6 +83,26 @@ std::string filling_text(const PredictedFilling& filling, std::string_view whose
     return text;
 }
 
+std::string calibration_text(const RunRecord& record, std::string_view whose) {
+    if (!record.uncalibrated) return {};
+    std::string text;
+    for (const CalibratedInput& input : record.uncalibrated->inputs)
+        text +=
+            fmt::format("{}{} times {:.4g}", text.empty() ? "" : ", ", printable(input.key), input.factor);
+    return fmt::format("factors   {}{}, by its calibration\n", whose, text);
+}
+
+std::string uncalibrated_text(const RunRecord& record) {
+    if (!record.uncalibrated) return {};
+    std::string text;
+    for (const char* key : {"peak_force_N", "time_to_peak_force_s", "descent_rate_m_s"})
+        if (const auto metric = std::ranges::find(record.uncalibrated->metrics, key, &Metric::key);
+            metric != record.uncalibrated->metrics.end())
+            text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", metric_words(key),
+                                readable(metric->value, 4), split_metric_key(key).unit);
+    return text.empty() ? text : fmt::format("without   {}\n", text);
+}
+
 std::string time_text(double seconds) {
     const double magnitude = std::abs(seconds);
     if (magnitude < 1e-6) return fmt::format("{:.3g} ns", seconds * 1e9);
@@ -156,6 +177,7 @@ std::string record_text(const RunRecord& record, std::string_view title, const S
                             100 * std::abs(record.energy->residual_fraction));
     }
     if (record.filling) text += filling_text(*record.filling);
+    text += calibration_text(record) + uncalibrated_text(record);
     text += fmt::format("cost      {}\n", cost_text(record.cost));
     for (const LeftOut& row : record.left_out) {
         text += fmt::format("left out  {}{}\n", printable(row.what),

@@ -26,6 +26,11 @@ std::string fill_constant_text(const RunRecord& record);
 /// A predicted filling with its bracket, a line each. `whose`: in front of what each says, e.g. "rom: ".
 std::string filling_text(const PredictedFilling& filling, std::string_view whose = {});
 
+/// Factors on inputs by a calibration; empty where there is none. `whose`: as above.
+std::string calibration_text(const RunRecord& record, std::string_view whose = {});
+/// What the run gives without them; empty likewise.
+std::string uncalibrated_text(const RunRecord& record);
+
 /// [s] in the unit that reads best, e.g. "340 us", "12.3 s".
 std::string time_text(double seconds);
 

@@ -20,15 +20,13 @@ ValueAndRate ludtke(double x, double eta) {
     return {root * root, 2.0 * root * root_rate};
 }
 
-/// eta^2 + (1 - eta^2) x^j with j = half_powers/2. With eta = 0 it is (t/t_f)^j, the drag-area family of
+/// eta^2 + (1 - eta^2) x^j. With eta = 0 it is (t/t_f)^j, the drag-area family of
 /// Knacke (NWC TP 6575, Fig. 5-51: j = 1/2, 1, 2, 6); eta lifts its start without moving its end.
-/// For j = 1/2 the drag area rises with infinite rate at x = 0; there, and there alone, the rate
+/// For j < 1 the drag area rises with infinite rate at x = 0; there, and there alone, the rate
 /// is given as 0, so that it is finite everywhere. It can be integrated from either side.
-template <int half_powers>
-ValueAndRate power(double x, double eta) {
-    constexpr double j = 0.5 * half_powers;
+ValueAndRate power(double x, double eta, double j) {
     const double start = eta * eta;
-    if (x <= 0.0) return {start, half_powers == 2 ? 1.0 - start : 0.0};  // below 0 by round-off only
+    if (x <= 0.0) return {start, j == 1.0 ? 1.0 - start : 0.0};  // below 0 by round-off only
     return {start + (1.0 - start) * std::pow(x, j), (1.0 - start) * j * std::pow(x, j - 1.0)};
 }
 
@@ -37,11 +35,19 @@ double ludtke_integral(double x, double eta) {
     return x * (rise * rise * x3 * x3 / 7.0 + rise * eta * x3 / 2.0 + eta * eta);
 }
 
-template <int half_powers>
-double power_integral(double x, double eta) {
-    constexpr double j = 0.5 * half_powers;
+double power_integral(double x, double eta, double j) {
     const double start = eta * eta;
     return start * x + (x > 0.0 ? (1.0 - start) * std::pow(x, j + 1.0) / (j + 1.0) : 0.0);
+}
+
+/// j = half_powers/2, of the rows.
+template <int half_powers>
+ValueAndRate power_of(double x, double eta) {
+    return power(x, eta, 0.5 * half_powers);
+}
+template <int half_powers>
+double power_of_integral(double x, double eta) {
+    return power_integral(x, eta, 0.5 * half_powers);
 }
 
 constexpr std::string_view knacke_powers =
@@ -49,17 +55,27 @@ constexpr std::string_view knacke_powers =
 
 constexpr std::array<DragAreaLaw, 6> laws{{
     {"ludtke", "Ludtke's law for solid flat circular canopies, paper Eqs 14-15", ludtke, ludtke_integral},
-    {"power-0.5", knacke_powers, power<1>, power_integral<1>},
-    {"power-1", knacke_powers, power<2>, power_integral<2>},
-    {"power-2", knacke_powers, power<4>, power_integral<4>},
-    {"power-3", "here: between Knacke's powers of 2 and 6", power<6>, power_integral<6>},
-    {"power-6", knacke_powers, power<12>, power_integral<12>},
+    {"power-0.5", knacke_powers, power_of<1>, power_of_integral<1>},
+    {"power-1", knacke_powers, power_of<2>, power_of_integral<2>},
+    {"power-2", knacke_powers, power_of<4>, power_of_integral<4>},
+    {"power-3", "here: between Knacke's powers of 2 and 6", power_of<6>, power_of_integral<6>},
+    {"power-6", knacke_powers, power_of<12>, power_of_integral<12>},
 }};
 
 }  // namespace
 
 std::span<const DragAreaLaw> drag_area_laws() {
     return laws;
+}
+
+ValueAndRate DragAreaGrowth::at(double x, std::size_t piece) const {
+    if (table != nullptr) return table->at(x, piece);
+    return exponent > 0.0 ? power(x, eta, exponent) : law->at(x, eta);
+}
+
+double DragAreaGrowth::integral(double x) const {
+    if (table != nullptr) return table->integral(x);
+    return exponent > 0.0 ? power_integral(x, eta, exponent) : law->integral(x, eta);
 }
 
 const DragAreaLaw* find_drag_area_law(std::string_view name) {

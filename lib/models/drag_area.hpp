@@ -68,17 +68,16 @@ private:
     std::vector<Piece> pieces_;
 };
 
-/// How one drag area grows: by a law, or by a table where there is one.
+/// How one drag area grows: by a law, or by a table or a power where there is one.
 struct DragAreaGrowth {
     const DragAreaLaw* law = nullptr;
     double eta = 0.0;
     const DragAreaTable* table = nullptr;
+    double exponent = 0.0;  ///< j of eta^2 + (1 - eta^2) x^j [-] in place of the law; 0: none
 
     /// `piece`: of the table, see there.
-    ValueAndRate at(double x, std::size_t piece = 0) const {
-        return table != nullptr ? table->at(x, piece) : law->at(x, eta);
-    }
-    double integral(double x) const { return table != nullptr ? table->integral(x) : law->integral(x, eta); }
+    ValueAndRate at(double x, std::size_t piece = 0) const;
+    double integral(double x) const;
     /// The fill fraction from which on the drag area is steady; 1 unless the canopy over-inflates.
     double end() const { return table != nullptr ? table->end() : 1.0; }
 };

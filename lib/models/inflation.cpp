@@ -80,11 +80,11 @@ ValueAndRate Inflation::added_mass(const AddedMassSpec& spec, Phase phase, doubl
 void serialize(Archive& archive, Inflation& inflation, const DragAreaLaw* law, const DragAreaTable* table) {
     archive.row("inflation", inflation, [](Inflation& of, auto&& each) {
         auto& [snatch, initial_time, filling_time, steady_drag_area, eta, its_law, share, ramp_start,
-               its_table, its_piece] = of;
+               its_table, its_piece, exponent] = of;
         static_cast<void>(its_law), static_cast<void>(its_table);  // rows of tables, the parachute's own
         static_cast<void>(its_piece);
         for (double* x :
-             {&snatch, &initial_time, &filling_time, &steady_drag_area, &eta, &share, &ramp_start})
+             {&snatch, &initial_time, &filling_time, &steady_drag_area, &eta, &share, &ramp_start, &exponent})
             each(*x);
     });
     bool has_law = inflation.law != nullptr, has_table = inflation.table != nullptr;

@@ -31,8 +31,9 @@ struct Inflation {
     double ramp_start = 0.0;  ///< phi' at its beginning [-]
     const DragAreaTable* table = nullptr;  ///< in place of the law; the parachute's
     std::size_t piece = 0;                 ///< of the table, between two of its kinks: where time stands
+    double exponent = 0.0;                 ///< of a power in place of the law [-]; 0: none
 
-    DragAreaGrowth growth() const { return {law, eta, table}; }
+    DragAreaGrowth growth() const { return {law, eta, table, exponent}; }
 
     /// [s] since release at which a phase ends; infinite for Phase::open.
     double end_of(Phase phase) const;

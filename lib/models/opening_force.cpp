@@ -38,12 +38,13 @@ double loading(const OpeningForceInputs& in) {
 }
 
 /// Solid fabric by Fig. 5-51, unless the scene chose a power of its own.
-const DragAreaLaw& power_law(const OpeningForceInputs& in) {
-    return in.law != nullptr && in.law->name.starts_with("power") ? *in.law : *find_drag_area_law("power-2");
+DragAreaGrowth power_growth(const OpeningForceInputs& in) {
+    const bool is_power = in.law != nullptr && in.law->name.starts_with("power");
+    return {is_power ? in.law : find_drag_area_law("power-2"), 0.0, nullptr, in.exponent};
 }
 
 double reduction_by_pflanz(const OpeningForceInputs& in) {
-    return drag_only_peak(power_law(in), 0.0, ballistic_parameter(in, in.filling_time));
+    return drag_only_peak(power_growth(in), ballistic_parameter(in, in.filling_time), 1.0);
 }
 
 /// R_m and n of the momentum-impulse theorem.
@@ -64,9 +65,9 @@ double momentum_impulse(const OpeningForceInputs& in) {
 
 /// (t/t_f)^j goes on until it reaches C_x.
 double overshooting(const OpeningForceInputs& in) {
-    const DragAreaLaw& law = power_law(in);
-    const double exponent = law.at(1.0, 0.0).rate;  // of x^j
-    return steady_drag(in) * drag_only_peak({&law, 0.0}, ballistic_parameter(in, in.filling_time),
+    const DragAreaGrowth growth = power_growth(in);
+    const double exponent = growth.at(1.0).rate;  // of x^j
+    return steady_drag(in) * drag_only_peak(growth, ballistic_parameter(in, in.filling_time),
                                             std::pow(coefficient(in), 1.0 / exponent));
 }
 
@@ -88,7 +89,8 @@ double ludtke(const OpeningForceInputs& in) {
     const double left =
         1.0 / (1.0 + (in.initial_time > 0.0 ? start / ballistic_parameter(in, in.initial_time) : 0.0));
     const double ballistic = ballistic_parameter(in, in.filling_time - in.initial_time) / left;
-    const double later = left * left * drag_only_peak({in.law, in.eta, in.table}, ballistic, 1.0);
+    const double later =
+        left * left * drag_only_peak({in.law, in.eta, in.table, in.exponent}, ballistic, 1.0);
     return steady_drag(in) * std::max(start, later);
 }
 

@@ -25,6 +25,7 @@ struct OpeningForceInputs {
     double added_mass = 0.0;    ///< [kg] of the open canopy; 0 where the scene has none
     const DragAreaLaw* law = nullptr;
     const DragAreaTable* table = nullptr;  ///< in place of the law
+    double exponent = 0.0;                 ///< of a power in place of the law; 0: none
     std::optional<double> coefficient;     ///< C_x [-] of the canopy's type
 };
 

@@ -75,6 +75,17 @@ PredictedFilling read_filling(const JsonNode& node) {
     return filling;
 }
 
+Uncalibrated read_uncalibrated(const JsonNode& node) {
+    Uncalibrated without;
+    node.at("factors").each_key([&](const std::string& key, const JsonNode& factor) {
+        without.inputs.push_back({key, factor.number()});
+    });
+    node.at("without").each_key([&](const std::string& key, const JsonNode& value) {
+        without.metrics.push_back({key, value.number(), MetricKind::result, {}});
+    });
+    return without;
+}
+
 HandOver read_hand_over(const JsonNode& node) {
     HandOver made{node.text_at("to"), node.at("time_s").number(), {}};
     node.at("metrics").each_row([&](const JsonNode& key) { made.metrics.push_back(key.text()); });
@@ -170,6 +181,8 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileCheck
                                         outside ? outside->text() : std::string()});
         });
     if (const auto filling = top.find("filling")) record.filling = read_filling(*filling);
+    if (const auto calibration = top.find("calibration"))
+        record.uncalibrated = read_uncalibrated(*calibration);
     if (const auto handed_over = top.find("handed_over")) record.handed_over = read_hand_over(*handed_over);
     top.at("warnings").each_row([&](const JsonNode& row) {
         record.warnings.push_back({row.text_at("what"), row.text_at("why"), row.text_at("suggestion")});

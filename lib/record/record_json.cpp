@@ -144,6 +144,15 @@ Json filling_json(const PredictedFilling& filling) {
     return json;
 }
 
+Json uncalibrated_json(const Uncalibrated& without) {
+    Json json{{"factors", Json::object()}, {"without", Json::object()}};
+    for (const CalibratedInput& input : without.inputs)
+        json["factors"][input.key] = input.factor;
+    for (const Metric& metric : without.metrics)
+        put(json["without"], metric.key, metric.value);
+    return json;
+}
+
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     Json json = Json::array();
     for (const Warning& warning : warnings) {
@@ -191,6 +200,7 @@ std::string summary_json(const RunRecord& record, const FileChecksums& files) {
     json["cost"] = cost_json(record.cost);
     put_estimates(json, record.estimates);
     if (record.filling) json["filling"] = filling_json(*record.filling);
+    if (record.uncalibrated) json["calibration"] = uncalibrated_json(*record.uncalibrated);
     if (record.handed_over)
         json["handed_over"] = {{"to", record.handed_over->to},
                                {"time_s", record.handed_over->time},

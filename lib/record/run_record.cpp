@@ -91,6 +91,8 @@ std::string_view origin_name(InputOrigin origin) {
             return "design";
         case InputOrigin::scaled:
             return "scaled";
+        case InputOrigin::calibrated:
+            return "calibrated";
         case InputOrigin::fallback:
             return "default";
     }

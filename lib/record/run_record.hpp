@@ -49,19 +49,20 @@ struct RunStatus {
 enum class InputOrigin {
     given,
     design,
-    scaled,   ///< a design's value, scaled to a nominal diameter of the scene's own
-    fallback  ///< "default"
+    scaled,      ///< a design's value, scaled to a nominal diameter of the scene's own
+    calibrated,  ///< another of these, times the factor of a calibration
+    fallback     ///< "default"
 };
 
-/// "given", "design", "scaled" or "default".
+/// "given", "design", "scaled", "calibrated" or "default".
 std::string_view origin_name(InputOrigin origin);
 
 /// One effective input of a run, in SI.
 struct Input {
     std::string key;  ///< as in the scene, e.g. "payload.mass", "parachute.fill_time.n"
     std::variant<double, std::string> value;
-    std::string unit;    ///< SI unit, empty for words and dimensionless numbers
-    InputOrigin origin;  ///< "given", "design" (a design or material file), "scaled" or "default"
+    std::string unit;  ///< SI unit, empty for words and dimensionless numbers
+    InputOrigin origin;
     std::string source;  ///< where the value is from, when its file says so
 };
 
@@ -186,6 +187,18 @@ struct PredictedFilling {
     std::vector<At> bracket;  ///< lowest and highest mouth
 };
 
+/// An input that a calibration has changed.
+struct CalibratedInput {
+    std::string key;  ///< as in the scene
+    double factor = 1.0;
+};
+
+/// What a calibrated run would be without its calibration.
+struct Uncalibrated {
+    std::vector<CalibratedInput> inputs;
+    std::vector<Metric> metrics;  ///< numbers of metric_rows() that it has
+};
+
 /// The version, commit, compiler and host of this process, and the time now (UTC, ISO 8601).
 Provenance current_provenance();
 
@@ -210,8 +223,9 @@ struct RunRecord {
     Provenance provenance;
     std::vector<Channel> channels;
     std::vector<Event> events;
-    std::optional<PredictedFilling> filling;  ///< absent: prescribed
-    std::optional<HandOver> handed_over;      ///< absent: one fidelity flew all of it
+    std::optional<PredictedFilling> filling;   ///< absent: prescribed
+    std::optional<HandOver> handed_over;       ///< absent: one fidelity flew all of it
+    std::optional<Uncalibrated> uncalibrated;  ///< absent: nothing is calibrated
 
     /// The value of a metric, or nothing when its physics was left out.
     std::optional<double> metric(std::string_view key) const;

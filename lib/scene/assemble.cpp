@@ -212,6 +212,7 @@ Parachute parachute(const Values& v, Materials& materials, const Environment& en
         p.fill_time = fill_time(v, "parachute.fill_time");
         finish_growth(v, p);
     }
+    read_table(v, "parachute.calibration", p.calibration, read_calibration_table);
     read_table(v, "parachute.drag_area_mach_table", p.drag_area_mach_table, read_mach_drag);
     return p;
 }

@@ -171,7 +171,7 @@ bool takes_fill_constant(const Document& document) {
 
 void put_law(Below& below, const CanopyType& type) {
     const auto& exponent = type.growth_exponent;
-    if (below.has("parachute.drag_area_table")) return;
+    if (below.has("parachute.drag_area_table") || below.has("parachute.drag_area_exponent")) return;
     if (!exponent || !exponent->may_be_default()) return;
     const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", exponent->middle()));
     if (law) below.put("parachute.drag_area_law", std::string(law->name), source_text(type, *exponent));

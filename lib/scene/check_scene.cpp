@@ -1,12 +1,14 @@
 // Consistency checks of a scene whose keys are each right on their own.
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/calibration.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
@@ -212,6 +214,27 @@ void check_growth(const Parachute& p, const Complain& complain) {
                        "give it, or fill_time.volume and fill_time.mouth_area");
 }
 
+/// Factors are on what the opening of this scene is made from, and leave it in its range.
+void check_calibration(const Scene& scene, const Parachute& p, const Complain& complain) {
+    if (!p.calibration) return;
+    constexpr const char* key = "parachute.calibration";
+    for (const CalibratedFactors& input : p.calibration->inputs()) {
+        const double* value = calibrated_input(p, input.key);
+        if (value == nullptr)
+            complain.about(key, fmt::format("'{}' has factors on {}", p.calibration->file(), input.key),
+                           "the opening of this scene is not made from it",
+                           "take the column out, or calibrate for this scene");
+    }
+    const Parachute own = calibrated(p, drop_conditions(scene));
+    for (const CalibratedFactors& input : p.calibration->inputs()) {
+        const Key& row = *find_key(scene_keys(), "parachute." + input.key);
+        const double value = *calibrated_input(own, input.key);
+        if (!row.range.contains(value))
+            complain.about(key, fmt::format("makes {} {:g}", input.key, value), allowed_text(row),
+                           "check the table");
+    }
+}
+
 /// A packed start finds its snatch speed while it runs; that a filling time of n diameters outlasts an
 /// initial phase of half a diameter holds at any speed, or at none.
 void check_packed_opening(const Scene& scene, const Parachute& p, const Complain& complain) {
@@ -234,9 +257,7 @@ void check_packed_opening(const Scene& scene, const Parachute& p, const Complain
 
 /// [m/s] through the air, of a line-stretch start, which snatches at once.
 double check_speed(const Scene& scene, const Values& values, const Complain& complain) {
-    Vec3 velocity = velocity_over_ground(scene.release);
-    if (scene.environment.wind) velocity -= scene.environment.wind->at(scene.release.altitude);
-    const double speed = scene.environment.wind ? velocity.norm() : scene.release.speed;
+    const double speed = release_airspeed(scene).norm();
     const char* key = values.given("release.speed") ? "release.speed" : "release.airspeed";
     if (speed < smallest_airspeed)
         complain.about(key, "a line-stretch start needs a speed", "lines and canopy are drawn out by the air",
@@ -446,6 +467,44 @@ void check_sequence(const Scene& scene, const std::vector<Values>& values) {
     }
 }
 
+/// Every input is a number of the scene, and the covariance is one.
+void check_uncertainty(const Scene& scene, const Complain& complain) {
+    if (!scene.uncertainty) return;
+    const Uncertainty& known = *scene.uncertainty;
+    for (const std::string& input : known.inputs) {
+        std::string key = input.starts_with("ln ") ? input.substr(3) : input;
+        for (const Parachute& p : scene.parachutes)
+            if (const std::string head = "parachute." + p.name + "."; key.starts_with(head))
+                key = "parachute." + key.substr(head.size());
+        const Key* row = find_key(scene_keys(), key);
+        if (row == nullptr || !row->is_number() || row->kind == KeyKind::integer)
+            complain.about("uncertainty.inputs", fmt::format("'{}' is no number of a scene", input), "",
+                           "name keys of `twinchute list keys`");
+    }
+    const auto n = static_cast<Eigen::Index>(known.inputs.size());
+    if (static_cast<Eigen::Index>(known.covariance.size()) != n * (n + 1) / 2)
+        complain.about("uncertainty.covariance", fmt::format("has {} numbers", known.covariance.size()),
+                       fmt::format("the lower triangle of {} inputs has {}", n, n * (n + 1) / 2),
+                       "write it row by row");
+    Eigen::MatrixXd covariance(n, n);
+    auto next = known.covariance.begin();
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j <= i; ++j)
+            covariance(i, j) = covariance(j, i) = *next++;
+    // In units of the deviations, so that one small variance is not lost beside a large one.
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    constexpr double rounding = 1e-6;  // numbers of a file have a few digits
+    const Eigen::VectorXd inverse = deviation.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+    const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+    const bool has_variances = (deviation.array() > 0.0).all();
+    if (!has_variances ||
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff() < -rounding)
+        complain.about(
+            "uncertainty.covariance", "is no covariance",
+            has_variances ? "inputs would be more than wholly correlated" : "a variance is not positive",
+            "check its order: row by row, from the first input on");
+}
+
 void check_parachute(const Scene& scene, const Parachute& p, const Values& values) {
     const Complain complain(values);
     check_needs(scene, p, complain);
@@ -456,6 +515,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_reefing(p, complain);
     check_cluster(p, complain);
     check_filling(p, complain);
+    check_calibration(scene, p, complain);
     if (p.filling.is_predicted()) {
         if (p.deploy.by == DeployBy::line_stretch && !p.deploy_when) check_speed(scene, values, complain);
         return;
@@ -475,6 +535,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
         check_parachute(scene, scene.parachutes[k], values[k]);
     check_sequence(scene, values);
     check_size(scene, complain);
+    check_uncertainty(scene, complain);
     check_then(scene, complain);
     check_stop(scene, values.front(), complain);
     check_body(scene, complain);

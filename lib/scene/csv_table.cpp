@@ -59,7 +59,7 @@ class Reader {
 public:
     Reader(const std::string& file, std::span<const CsvColumn> known) : file_(file), known_(known) {}
 
-    CsvTable read(std::string_view text) {
+    CsvTable read(std::string_view text, std::size_t fewest) {
         const std::vector<Line> lines = lines_of(text);
         if (lines.size() < 2)
             refuse({}, static_cast<int>(lines.size()) + 1, "is not a table",
@@ -70,9 +70,11 @@ public:
         for (std::size_t i = 2; i < lines.size(); ++i)
             read_values(lines[i]);
         const std::vector<double>& first = values_[first_column_];
-        if (first.size() < 2)
+        if (first.size() < fewest)
             refuse({}, static_cast<int>(lines.size()), "too few lines of numbers",
-                   fmt::format("{} found, two are the fewest to go between", first.size()), "add levels");
+                   fewest == 1 ? "there is none"
+                               : fmt::format("{} found, two are the fewest to go between", first.size()),
+                   "add levels");
         CsvTable table;
         table.file = file_;
         for (std::size_t i = 0; i < columns_.size(); ++i)
@@ -179,8 +181,9 @@ private:
 
 }  // namespace
 
-CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known) {
-    return Reader(file, known).read(text);
+CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known,
+                        std::size_t fewest) {
+    return Reader(file, known).read(text, fewest);
 }
 
 }  // namespace twinchute

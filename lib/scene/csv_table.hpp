@@ -30,9 +30,10 @@ struct CsvTable {
 };
 
 /// Reads a table whose columns are among `known` and whose first one in that list is there, rises from line
-/// to line (see CsvColumn::twice) and has at least two values. Cells are plain: no quotes, no empty ones; the
-/// last line may end without a line feed, lines may end in CR LF. Throws SceneError with file, line and
-/// column (counted in bytes from 1) of the cell that is wrong.
-CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known);
+/// to line (see CsvColumn::twice) and has at least `fewest` values. Cells are plain: no quotes, no empty
+/// ones; the last line may end without a line feed, lines may end in CR LF. Throws SceneError with file, line
+/// and column (counted in bytes from 1) of the cell that is wrong.
+CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known,
+                        std::size_t fewest = 2);
 
 }  // namespace twinchute

@@ -105,6 +105,7 @@ template <auto... m> constexpr auto of_added_mass = member<&Scene::aerodynamics,
 template <auto... m> constexpr auto of_full = member<&Scene::full, m...>;
 template <auto... m> constexpr auto of_series = member<&Scene::series, m...>;
 template <auto... m> constexpr auto of_size = member<&Scene::size, m...>;
+template <auto... m> constexpr auto of_uncertainty = member<&Scene::uncertainty, m...>;
 // clang-format on
 
 // Bindings that are more than a member.
@@ -382,9 +383,13 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.deploy.when", .kind = table, .need = optional, .user = rom,
      .meaning = "what deployment waits for; absent: it begins at release"},
     {.path = "parachute.drag_area_law", .binding = row_of<find_drag_area_law, &Parachute::drag_area_law>, .kind = word, .need = defaulted, .fallback = "ludtke", .choices = names_of<drag_area_laws>,
-     .instead_of = "parachute.drag_area_table", .meaning = "growth of the drag area", .source = "paper Eqs 14-15; power laws: Knacke NWC TP 6575, Fig. 5-51"},
+     .instead_of = "parachute.drag_area_table|parachute.drag_area_exponent", .meaning = "growth of the drag area", .source = "paper Eqs 14-15; power laws: Knacke NWC TP 6575, Fig. 5-51"},
+    {.path = "parachute.calibration", .binding = file_of<&Parachute::calibration>, .kind = csv_file, .need = optional, .user = rom,
+     .meaning = "columns run, payload_mass, airspeed and air_density at release, and factors on inputs of this table, e.g. fill_time.n and drag_area: what makes the reduced-order model that of a family of full runs; written by `twinchute calibrate --to RECORD`"},
+    {.path = "parachute.drag_area_exponent", .binding = member<&Parachute::drag_area_exponent>, .unit = "1", .need = optional, .fallback = "drag_area_law", .range = from(0.5, 12),
+     .instead_of = "parachute.drag_area_law|parachute.drag_area_table", .meaning = "j of a growth with (t/t_f)^j above the initial drag area: any power, where the laws have five", .source = "Knacke NWC TP 6575, Fig. 5-51"},
     {.path = "parachute.drag_area_table", .binding = file_of<&Parachute::drag_area_table>, .kind = csv_file, .need = optional, .fallback = "drag_area_law",
-     .instead_of = "parachute.drag_area_law|parachute.initial_drag_area_ratio",
+     .instead_of = "parachute.drag_area_law|parachute.drag_area_exponent|parachute.initial_drag_area_ratio",
      .meaning = "columns fill_fraction and drag_area_ratio: (C_D S)/(C_D S)_0 from snatch or the end of the initial phase, at 0, to full open, at 1, and back to 1 beyond that where the canopy over-inflates"},
     {.path = "parachute.drag_area_mach_table", .binding = file_of<&Parachute::drag_area_mach_table>, .kind = csv_file, .need = optional, .fallback = "one drag area at all Mach numbers",
      .meaning = "columns mach_number and drag_area_factor, on drag_area by the Mach number of the air; its ends hold beyond them"},
@@ -536,6 +541,13 @@ constexpr Key scene_rows[] = {
      .meaning = "of a case, in its set: cases of one group are joined by lines and stand in the legend"},
     {.path = "series.test", .binding = of_series<&SeriesSpec::test>, .kind = csv_file, .need = optional, .fallback = "no test data", .user = compare,
      .meaning = "points of a test to show beside the runs: columns named as the metrics of x and y, sorted by x"},
+
+    {.path = "uncertainty", .kind = table, .need = optional, .user = KeyUser::campaign,
+     .meaning = "what is known of calibrated inputs, normal about the scene's values: a campaign draws them together; written by `twinchute calibrate`"},
+    {.path = "uncertainty.inputs", .binding = of_uncertainty<&Uncertainty::inputs>, .kind = list, .user = KeyUser::campaign,
+     .meaning = "keys of numbers, e.g. \"parachute.drag_area\", or \"ln \" and a key: of its logarithm"},
+    {.path = "uncertainty.covariance", .binding = of_uncertainty<&Uncertainty::covariance>, .kind = quantities, .unit = "1", .user = KeyUser::campaign,
+     .meaning = "in SI, of the inputs in their order: the lower triangle, row by row"},
 
     {.path = "size", .kind = table, .need = optional, .meaning = "what `twinchute size` has to meet: at least one limit"},
     {.path = "size.max_descent_rate", .binding = of_size<&SizeSpec::max_descent_rate>, .unit = "m/s", .need = optional, .fallback = "no limit", .range = above(0, 1000), .user = KeyUser::size,

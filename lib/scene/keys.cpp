@@ -39,8 +39,8 @@ bool prescribes_filling(std::string_view path) {
     constexpr std::string_view reefing = "parachute.reefing.", fill_time = "fill_time.";
     if (path.starts_with(reefing)) return path.find(fill_time, reefing.size()) != std::string_view::npos;
     return is_below(path, "parachute.fill_time") || path == "parachute.drag_area_law" ||
-           path == "parachute.drag_area_table" || path == "parachute.initial_drag_area_ratio" ||
-           path == "parachute.initial_phase";
+           path == "parachute.drag_area_exponent" || path == "parachute.drag_area_table" ||
+           path == "parachute.initial_drag_area_ratio" || path == "parachute.initial_phase";
 }
 
 namespace {

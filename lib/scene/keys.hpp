@@ -19,7 +19,7 @@ enum class KeyKind {
     word,              ///< one of `choices`
     text,              ///< any text, not empty
     data_file,         ///< the name of a file in `folder` of the data, without .toml
-    list,              ///< an array of texts: words of `choices`, or names of files in `folder`
+    list,              ///< an array of texts: words of `choices`, names of files in `folder`, or any
     csv_file,          ///< the name of a CSV file beside the scene or in the data
     mesh_file,         ///< likewise, of a Gmsh file
     tolerance,         ///< a table of metrics, each "10 %" or absolute in the metric's unit
@@ -35,7 +35,7 @@ enum class KeyNeed {
 };
 
 /// Who reads it.
-enum class KeyUser { both, rom, full, compare, size };
+enum class KeyUser { both, rom, full, compare, size, campaign };
 
 /// From low to high, in SI. Everything but +-infinity is allowed by default.
 struct KeyRange {
@@ -152,7 +152,7 @@ std::string range_text(const Key& key);
 /// "allowed: > 0 and <= 1e+06 kg", for messages.
 std::string allowed_text(const Key& key);
 
-/// "both", "rom", "full", "compare" or "size".
+/// "both", "rom", "full", "compare", "size" or "campaign".
 std::string_view user_name(KeyUser user);
 
 /// Rows at this path and below it, of scenes and materials, in the order of the tables; "": all of them.

@@ -84,7 +84,7 @@ std::string escaped(std::string text) {
 }  // namespace
 
 std::string_view user_name(KeyUser user) {
-    constexpr std::array<std::string_view, 5> names{"both", "rom", "full", "compare", "size"};
+    constexpr std::array<std::string_view, 6> names{"both", "rom", "full", "compare", "size", "campaign"};
     return names[static_cast<std::size_t>(user)];
 }
 
@@ -110,7 +110,8 @@ std::string range_text(const Key& key) {
         case KeyKind::mesh_file:
             return "a Gmsh file (.msh)";
         case KeyKind::list:
-            return words.empty() ? fmt::format("a list of files in {}/", key.folder) : "a list of " + words;
+            if (!words.empty()) return "a list of " + words;
+            return key.folder.empty() ? "a list of texts" : fmt::format("a list of files in {}/", key.folder);
         case KeyKind::table:
             return "a table";
         case KeyKind::tables:

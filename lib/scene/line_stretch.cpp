@@ -12,6 +12,12 @@ Vec3 velocity_over_ground(const Release& r) {
                           std::cos(r.path_angle) * std::cos(r.heading), -std::sin(r.path_angle));
 }
 
+Vec3 release_airspeed(const Scene& scene) {
+    const Vec3 velocity = velocity_over_ground(scene.release);
+    return scene.environment.wind ? Vec3(velocity - scene.environment.wind->at(scene.release.altitude))
+                                  : velocity;
+}
+
 double smallest_projected_area(const Parachute& chute) {
     const double scale = chute.nominal_diameter / 8.53;
     return 0.05 * scale * scale;

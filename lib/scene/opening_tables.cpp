@@ -104,6 +104,31 @@ FillTable read_fill_table(std::string_view text, const std::string& file, const 
     return read;
 }
 
+CalibrationTable read_calibration_table(std::string_view text, const std::string& file,
+                                        const std::string& name) {
+    constexpr KeyRange positive{0.0, 1e9, true}, factor{0.01, 100.0};
+    std::vector<CsvColumn> known{{"run", "1", {1.0, 1e6}}};
+    for (const ConditionRow& row : condition_rows())
+        known.push_back({row.column, row.unit, positive});
+    for (const std::string_view key : calibrated_keys())
+        known.push_back({key, "1", factor});
+    const CsvTable table = read_csv_table(text, file, known, 1);
+    for (const ConditionRow& row : condition_rows())
+        if (!table.has(row.column))
+            refuse_columns(file, fmt::format("the column '{}' is missing", row.column),
+                           "factors hold at the conditions of their run");
+    std::vector<DropConditions> runs;
+    for (std::size_t i = 0; i < table.at("run").size(); ++i)
+        runs.push_back({table.at("payload_mass")[i], table.at("airspeed")[i], table.at("air_density")[i]});
+    std::vector<CalibratedFactors> inputs;
+    for (const std::string_view key : calibrated_keys())
+        if (table.has(key)) inputs.push_back({std::string(key), table.at(key)});
+    if (inputs.empty())
+        refuse_columns(file, "there is no column of factors",
+                       fmt::format("add one or more of {}", fmt::join(calibrated_keys(), ", ")));
+    return {name, std::move(runs), std::move(inputs)};
+}
+
 AttitudeDrag read_attitude_drag(std::string_view text, const std::string& file, const std::string& name) {
     const CsvTable table = read_csv_table(text, file, by_attitude);
     if (!table.has("drag_area"))

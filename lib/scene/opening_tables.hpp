@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/models/attitude_drag.hpp"
+#include "lib/models/calibration.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/fill_time.hpp"
 #include "lib/models/mach_drag.hpp"
@@ -19,6 +20,8 @@ namespace twinchute {
 DragAreaTable read_drag_area_table(std::string_view text, const std::string& file, const std::string& name);
 
 /// Columns froude_number or mass_ratio, and fill_constant. Throws SceneError.
+CalibrationTable read_calibration_table(std::string_view text, const std::string& file,
+                                        const std::string& name);
 FillTable read_fill_table(std::string_view text, const std::string& file, const std::string& name);
 
 /// Columns angle and drag_area; see AttitudeDrag. Throws SceneError.

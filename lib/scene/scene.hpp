@@ -14,6 +14,7 @@
 #include "lib/models/added_mass.hpp"
 #include "lib/models/atmosphere.hpp"
 #include "lib/models/attitude_drag.hpp"
+#include "lib/models/calibration.hpp"
 #include "lib/models/canopy_type.hpp"
 #include "lib/models/drag_area.hpp"
 #include "lib/models/drag_correction.hpp"
@@ -176,13 +177,15 @@ struct Parachute {
     std::vector<Reefing> reefing;        ///< stages before the canopy may open fully
     FillTime fill_time;                  ///< of the whole opening; after reefing, of the rest
     const DragAreaLaw* drag_area_law = nullptr;
+    std::optional<double> drag_area_exponent;      ///< j of a power of the fill fraction [-], likewise
     std::optional<DragAreaTable> drag_area_table;  ///< of a whole opening, in place of the law
     double initial_drag_area_ratio = 0.0;          ///< (C_D S)_i/(C_D S)_0 = eta^2 [-]
     InitialPhase initial_phase;
-    /// In place of the five above, if it is predicted; they are then empty.
+    /// In place of the six above, if it is predicted; they are then empty.
     Filling filling = {};
     std::optional<double> permeability = {};  ///< [m/s] at half an inch of water, in place of the fabric's
     double geometric_porosity = 0.0;          ///< lambda_g [-]
+    std::optional<CalibrationTable> calibration = {};   ///< of the reduced-order model
     std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 
     bool operator==(const Parachute&) const = default;
@@ -282,6 +285,12 @@ struct FullSettings {
     bool operator==(const FullSettings&) const = default;
 };
 
+/// What is known of inputs that were calibrated: normal, with their covariance.
+struct Uncertainty {
+    std::vector<std::string> inputs;  ///< keys; "ln KEY": the logarithm of its value
+    std::vector<double> covariance;   ///< [SI] lower triangle, row by row
+};
+
 /// Requirements of `size`, and the quantities that it may change to meet them.
 struct SizeSpec {
     std::optional<double> max_descent_rate;  ///< [m/s]
@@ -322,6 +331,7 @@ struct Scene {
     FullSettings full;
     std::map<std::string, Tolerance> tolerances;  ///< by metric name without unit, e.g. "peak_force"
     std::optional<SizeSpec> size;
+    std::optional<Uncertainty> uncertainty;  ///< of inputs that a campaign may draw
     std::optional<SeriesSpec> series;
 
     std::vector<Input> inputs;      ///< every effective key, for the record

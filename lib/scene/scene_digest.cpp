@@ -42,6 +42,7 @@ std::string scene_digest(const Scene& scene) {
     same.full.checkpoint_interval = 0.0;
     same.tolerances.clear();
     same.size.reset();
+    same.uncertainty.reset();
     same.series.reset();
     Contents contents;
     const AirTable& air = scene.environment.atmosphere.table;
@@ -67,6 +68,12 @@ std::string scene_digest(const Scene& scene) {
         if (const auto& by_mach = chute.drag_area_mach_table) {
             contents.add("Mach number", by_mach->mach());
             contents.add("factor", by_mach->factors());
+        }
+        if (const auto& calibration = chute.calibration) {
+            for (const DropConditions& run : calibration->runs())
+                contents.add("calibrated at", {run.payload_mass, run.airspeed, run.density});
+            for (const CalibratedFactors& input : calibration->inputs())
+                contents.add(input.key, input.factor);
         }
         contents.add(chute.fill_time);
         for (const Reefing& stage : chute.reefing)

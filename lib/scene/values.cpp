@@ -338,7 +338,7 @@ std::vector<Input> Values::inputs() const {
     std::vector<Input> list;
     for (const Key& row : kind_.keys)
         for (const auto& [path, value] : values_) {
-            if (value.key->path != row.path) continue;
+            if (value.key->path != row.path || row.user == KeyUser::campaign) continue;
             Input input{path, {}, std::string(row.record_unit()), value.origin, source_of(value)};
             if (const auto* number = std::get_if<double>(&value.value)) {
                 input.value = *number;

@@ -13,12 +13,6 @@ Vec3 heading_direction(const Release& release) {
     return {std::sin(release.heading), std::cos(release.heading), 0.0};
 }
 
-Vec3 release_airspeed(const Scene& scene) {
-    const Vec3 velocity = velocity_over_ground(scene.release);
-    return scene.environment.wind ? Vec3(velocity - scene.environment.wind->at(scene.release.altitude))
-                                  : velocity;
-}
-
 namespace {
 
 /// (C_D S) over (C_D S)_0 at the end of a stage.
@@ -69,6 +63,7 @@ Inflation stage_of(const Scene& scene, const Parachute& chute, std::size_t stage
     inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio * inflation.share;
     inflation.eta = std::sqrt(share / inflation.share);
     inflation.law = chute.drag_area_law;
+    inflation.exponent = chute.drag_area_exponent.value_or(0.0);
     if (chute.drag_area_table) inflation.table = &*chute.drag_area_table;
     return inflation;
 }
@@ -115,6 +110,7 @@ Inflation inflated(const Parachute& chute) {
     inflation.steady_drag_area = chute.drag_area * chute.cluster_drag_ratio;
     inflation.eta = 1.0;
     inflation.law = chute.drag_area_law;
+    inflation.exponent = chute.drag_area_exponent.value_or(0.0);
     return inflation;
 }
 
@@ -260,7 +256,7 @@ void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningRes
             at -= (area->values[i] - wanted) / (area->values[i] - area->values[i - 1]) *
                   (at - time->values[i - 1]);
         record.add_metric(fmt::format("time_to_{}_percent_drag_area_s", percent), at - r.snatch_time, kind,
-                          kind == MetricKind::input ? "by fill_time and drag_area_law" : "from snatch");
+                          kind == MetricKind::input ? "by fill_time and the law of growth" : "from snatch");
     }
 }
 

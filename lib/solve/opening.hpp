@@ -14,8 +14,6 @@ namespace twinchute {
 
 /// Horizontal unit vector of the release; x east, y north, z up.
 Vec3 heading_direction(const Release& release);
-/// Velocity [m/s] of the release through the air.
-Vec3 release_airspeed(const Scene& scene);
 
 /// t_i/t_f that tests show at most (paper, 3.2.2).
 inline constexpr double longest_initial_share = 0.15;

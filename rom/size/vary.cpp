@@ -161,7 +161,7 @@ Scene with_type(const Scene& scene, const CanopyType& type, std::vector<std::str
             p.fill_time.model = find_fill_time("fill-constant");
             p.fill_time.n = n;
         });
-    if (!predicted && !is_given(scene, "drag_area_law") && !p.drag_area_table)
+    if (!predicted && !is_given(scene, "drag_area_law") && !p.drag_area_table && !p.drag_area_exponent)
         take(type.growth_exponent, "law of growth", [&](double j) {
             if (const DragAreaLaw* law = find_drag_area_law(fmt::format("power-{:g}", j)))
                 p.drag_area_law = law;

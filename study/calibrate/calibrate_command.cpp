@@ -12,6 +12,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/calibration.hpp"
 #include "study/calibrate/calibration_files.hpp"
 
 namespace twinchute::study {
@@ -33,6 +34,10 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
                         "write a scene without [[case]]",
                         scene.file.string(), scenes.size()));
     require_physics(scene, rom, {});
+    if (has_calibration(scene))
+        throw UsageError(fmt::format(
+            "{}: is calibrated already (parachute.calibration), calibrate the scene that it is based on",
+            scene.file.string()));
     std::vector<DropTest> tests;
     for (const std::string& name : arguments.values("to"))
         tests.push_back(read_drop_test(name, scene));
@@ -48,10 +53,12 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
     const SceneWith scene_with = [&](const std::vector<std::string>& more) {
         return scenes_of(arguments, more).front();
     };
-    const Calibration calibration = calibrate(scene_with, tests, rom, settings);
+    Calibration calibration = calibrate(scene_with, tests, rom, settings);
     if (calibration.interrupted) return ExitCode::interrupted;  // half a fit says nothing
 
     FileBatch batch;
+    if (is_of_records(tests))
+        batch.add(directory / calibration_table_name, calibration_table(calibration, scene_with, tests));
     const std::string json = calibration_json(calibration, scene, tests);
     batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
     batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
@@ -82,8 +89,9 @@ Command calibrate_command(const Fidelity& rom) {
           "test to fit to: a CSV file, a TOML file that describes a test, or the directory of a record",
           true},
          {"vary", "KEY[=LO..HI]",
-          "fit this input, inside these bounds, in place of fill constant, drag area and initial drag-area "
-          "ratio",
+          "fit this input, inside these bounds, in place of fill constant, drag area, initial drag-area "
+          "ratio "
+          "and exponent",
           true}});
     command.run = [&rom](const Arguments& arguments) { return run_calibrate(arguments, rom); };
     return command;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 #include <system_error>
 
@@ -87,22 +88,29 @@ void add_command_line(SceneLines& lines, const Scene& scene, const Calibration& 
     }
 }
 
-/// Covariance of the inputs as comments: the schema of a scene has no place for it.
-std::string covariance_comment(const Calibration& calibration) {
-    std::string text;
+/// Whether a parameter stands in the scene.
+bool is_written(const Parameter& p) {
+    return p.unknown.kind == Unknown::Kind::key && !p.held;
+}
+
+/// The table `uncertainty`: what a campaign draws from. The next drop scatters as the tests did.
+std::string uncertainty_table(const Calibration& calibration) {
+    std::string inputs, rows;
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {
         const Parameter& p = calibration.parameters[i];
-        if (p.unknown.kind != Unknown::Kind::key || p.held) continue;
-        text += fmt::format("#   {}{}:", p.unknown.variable.logarithmic ? "ln " : "", p.unknown.name);
+        if (!is_written(p)) continue;
+        inputs += fmt::format("{}{}", inputs.empty() ? "" : ", ",
+                              toml_text((p.unknown.variable.logarithmic ? "ln " : "") + p.unknown.name));
+        rows += "\n   ";
         for (std::size_t j = 0; j <= i; ++j) {
-            const Parameter& other = calibration.parameters[j];
-            if (other.unknown.kind != Unknown::Kind::key || other.held) continue;
-            text += fmt::format(" {:.6g}", calibration.covariance(static_cast<Eigen::Index>(i),
-                                                                  static_cast<Eigen::Index>(j)));
+            if (!is_written(calibration.parameters[j])) continue;
+            double value = calibration.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            if (i == j) value += std::pow(p.scatter.value_or(0.0), 2);
+            rows += fmt::format(" {},", value);
         }
-        text += "\n";
     }
-    return "# Covariance, its lower triangle:\n" + text;
+    return fmt::format("\n[uncertainty]\ninputs     = [{}]\ncovariance = [  # lower triangle{}\n]\n", inputs,
+                       rows);
 }
 
 }  // namespace
@@ -111,21 +119,31 @@ std::string calibrated_scene(const Calibration& calibration, const Scene& scene,
                              const std::vector<DropTest>& tests, const fs::path& directory) {
     std::string text = fmt::format(
         "# Written by `twinchute calibrate` from the scene '{}'.\n"
-        "# Intervals, correlation and residuals: calibration.json\n{}"
+        "# Intervals, correlation and residuals: calibration.json\n"
         "schema = 1\nname = {}\nbase = {}\n",
-        printable(scene.name), covariance_comment(calibration), toml_text(scene.name + ", calibrated"),
+        printable(scene.name), toml_text(scene.name + ", calibrated"),
         toml_text(base_name(scene, directory)));
     SceneLines lines(scene);
     add_command_line(lines, scene, calibration);
+    const bool by_table = is_of_records(tests);
+    if (by_table)
+        for (const Parameter& p : calibration.parameters)
+            if (is_written(p)) {
+                const std::size_t parachute = written(p.unknown.name, scene).parachute.value_or(0);
+                lines.add(fmt::format("parachute.{}.calibration", scene.parachutes[parachute].name),
+                          fmt::format("{{ value = {}, source = {} }}", toml_text(calibration_table_name),
+                                      toml_text(source_of(tests))));
+                break;
+            }
     for (const Parameter& p : calibration.parameters) {
-        if (p.unknown.kind != Unknown::Kind::key || p.held) continue;
+        if (!is_written(p) || by_table) continue;
         const std::string source =
             fmt::format("{}; 95 % {} to {}{}", source_of(tests), readable(p.interval.low),
                         readable(p.interval.high), p.identified ? "" : ", not identified: " + p.why);
         lines.add(p.unknown.name, fmt::format("{{ value = {}, source = {}, grade = \"measured\" }}",
                                               p.estimate, toml_text(source)));
     }
-    return text + lines.text();
+    return text + lines.text() + (by_table ? "" : uncertainty_table(calibration));
 }
 
 }  // namespace twinchute::study

@@ -15,7 +15,9 @@
 namespace twinchute::study {
 namespace {
 
-constexpr int starts_looked_at = 48, starts_fitted = 4, most_iterations = 40;
+constexpr int starts_looked_at = 48, most_iterations = 40;
+constexpr std::size_t starts_fitted = 4;
+constexpr double apart = 0.3;                // [-] of an input's range, between two of these
 constexpr std::size_t most_readings = 2000;  // of a history: more are thinned out
 /// [-] of the ranges: where the weakest direction is known no better, a parameter is not seen.
 constexpr double unseen = 0.15;
@@ -78,39 +80,66 @@ std::vector<std::vector<double>> best_starts(const Likelihood& likelihood, const
         if (sum && std::isfinite(*sum)) found.emplace_back(*sum, std::move(point));
     }
     std::ranges::stable_sort(found, {}, &std::pair<double, std::vector<double>>::first);
+    // From as many valleys as there may be: each start is apart from those before it in some input.
+    const auto is_apart = [&](const std::vector<double>& one, const std::vector<double>& other) {
+        for (std::size_t i = 0; i < one.size(); ++i) {
+            const FitVariable& v = problem.variables[i];
+            if (looked_for[i] && std::abs(v.to_scale(one[i]) - v.to_scale(other[i])) > apart * v.range())
+                return true;
+        }
+        return false;
+    };
     std::vector<std::vector<double>> starts;
-    for (std::size_t i = 0; i < found.size() && i < starts_fitted; ++i)
-        starts.push_back(std::move(found[i].second));
+    for (const auto& [sum, point] : found)
+        if (starts.size() < starts_fitted &&
+            std::ranges::all_of(starts, [&](const auto& before) { return is_apart(point, before); }))
+            starts.push_back(point);
     return starts;
 }
 
-FitResult best_fit(const FitProblem& problem, const std::vector<std::vector<double>>& starts,
-                   const std::vector<bool>& free, const std::stop_token& stop) {
-    FitResult best{{}, std::numeric_limits<double>::infinity(), false};
+/// Optima, the best first: what is found from each start. Several of them where the sum of squares has
+/// several valleys, as of a pulse between a few readings.
+std::vector<FitResult> optima_from(const FitProblem& problem, const std::vector<std::vector<double>>& starts,
+                                   const std::vector<bool>& free, const std::stop_token& stop) {
+    std::vector<FitResult> optima;
     for (const std::vector<double>& start : starts) {
         if (stop.stop_requested()) break;
         FitResult one = fit_from(problem, start, free, most_iterations);
-        if (one.sum < best.sum) best = std::move(one);
+        if (std::isfinite(one.sum)) optima.push_back(std::move(one));
     }
-    return best;
+    std::ranges::stable_sort(optima, {}, &FitResult::sum);
+    return optima;
+}
+
+std::vector<std::vector<double>> values_of(const std::vector<FitResult>& optima) {
+    std::vector<std::vector<double>> values;
+    for (const FitResult& one : optima)
+        values.push_back(one.values);
+    return values;
 }
 
 std::size_t count_free(const std::vector<bool>& free) {
     return static_cast<std::size_t>(std::ranges::count(free, true));
 }
 
-/// Fits again with the noise that the residuals show, and holds what the tests do not see.
-void settle(Likelihood& likelihood, FitResult& best, std::vector<bool>& free, std::vector<std::string>& why) {
+/// Fits again with the noise that the residuals show, and holds what the tests do not see. What is held moves
+/// the valleys, so that each is fitted again then.
+void settle(Likelihood& likelihood, std::vector<FitResult>& optima, std::vector<bool>& free,
+            std::vector<std::string>& why, const std::stop_token& stop) {
     for (int round = 0; round < 3 + static_cast<int>(free.size()); ++round) {
-        likelihood.learn_noise(best.values, count_free(free));
+        likelihood.learn_noise(optima.front().values, count_free(free));
         const FitProblem problem = likelihood.problem();
-        best = fit_from(problem, best.values, free, most_iterations);
+        std::vector<FitResult> again = optima_from(problem, values_of(optima), free, stop);
+        if (again.empty()) return;
+        optima = std::move(again);
+        const FitResult& best = optima.front();
         const auto J = jacobian(problem, best.values, free);
         const auto least = J ? weakest(*J, problem, free) : std::nullopt;
         if (least && least->share > unseen) {
             const std::size_t i = least->variable;
             free[i] = false;
-            best.values[i] = problem.variables[i].start;
+            for (FitResult& one : optima)
+                one.values[i] = problem.variables[i].start;
             why[i] = "the tests do not see it";
             if (count_free(free) == 0) return;
         } else if (round >= 2) {
@@ -128,11 +157,11 @@ double rise_of_95(const Likelihood& likelihood, std::size_t parameters) {
     return t * t;
 }
 
-/// Scatter of each input from test to test, each test fitted by itself: what they differ by beyond their own
-/// uncertainty (DerSimonian and Laird, Controlled Clinical Trials 7 (1986) 177).
+/// Each test fitted by itself, and the scatter of each input from test to test: what they differ by beyond
+/// their own uncertainty (DerSimonian and Laird, Controlled Clinical Trials 7 (1986) 177).
 void add_scatter(Calibration& calibration, std::vector<FittedTest>& tests, const Likelihood& all,
                  const std::vector<double>& values, const std::vector<bool>& free) {
-    if (tests.size() < 2) return;
+    calibration.alone.assign(tests.size(), std::vector<std::optional<double>>(values.size()));
     std::vector<std::vector<std::pair<double, double>>> found(values.size());
     for (std::size_t t = 0; t < tests.size(); ++t) {
         const Likelihood alone(tests, all.unknowns(), t);
@@ -147,9 +176,11 @@ void add_scatter(Calibration& calibration, std::vector<FittedTest>& tests, const
         if (!least || least->share > unseen) continue;
         const Eigen::MatrixXd covariance = covariance_of(*J, own);
         for (std::size_t i = 0; i < values.size(); ++i)
-            if (own[i] && all.unknowns()[i].kind == Unknown::Kind::key)
+            if (own[i] && all.unknowns()[i].kind == Unknown::Kind::key) {
+                calibration.alone[t][i] = one.values[i];
                 found[i].emplace_back(problem.variables[i].to_scale(one.values[i]),
                                       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+            }
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (found[i].size() < 2) continue;
@@ -183,10 +214,48 @@ void widen(Parameter& p, std::size_t tests) {
     p.interval.high_open = p.interval.high_open || p.interval.high >= v.high;
 }
 
-void add_parameters(Calibration& calibration, const Likelihood& likelihood, const FitResult& best,
-                    const std::vector<bool>& free, const std::vector<std::string>& why, std::size_t tests) {
+/// Whether two optima are one, to a thousandth of the ranges.
+bool is_same(const FitProblem& problem, const FitResult& one, const FitResult& other) {
+    for (std::size_t i = 0; i < one.values.size(); ++i) {
+        const FitVariable& v = problem.variables[i];
+        if (std::abs(v.to_scale(one.values[i]) - v.to_scale(other.values[i])) > 1e-3 * v.range())
+            return false;
+    }
+    return true;
+}
+
+/// Takes into the intervals what other valleys hold that are nearly as deep as the best one.
+void take_in_other_valleys(Calibration& calibration, const FitProblem& problem,
+                           const std::vector<FitResult>& optima, const std::vector<bool>& free, double rise) {
+    for (const FitResult& other : optima) {
+        const double left = rise - (other.sum - optima.front().sum);
+        if (!(left > 0.0) || is_same(problem, optima.front(), other)) continue;
+        const auto J = jacobian(problem, other.values, free);
+        if (!J) continue;
+        const Eigen::MatrixXd covariance = covariance_of(*J, free);
+        std::string where;
+        for (std::size_t i = 0; i < free.size(); ++i) {
+            if (!free[i]) continue;
+            Parameter& p = calibration.parameters[i];
+            const ProfileInterval own =
+                profile_interval(problem, other, covariance, std::vector<bool>(free.size(), true), i, left);
+            p.interval = {std::min(p.interval.low, own.low), std::max(p.interval.high, own.high),
+                          p.interval.low_open || own.low_open, p.interval.high_open || own.high_open};
+            where += fmt::format("{}{} = {:.4g}", where.empty() ? "" : ", ", p.label(), other.values[i]);
+        }
+        calibration.notes.push_back(fmt::format(
+            "other values explain the tests nearly as well, and the intervals reach to them: {}", where));
+    }
+}
+
+void add_parameters(Calibration& calibration, const Likelihood& likelihood,
+                    const std::vector<FitResult>& optima, const std::vector<bool>& free,
+                    const std::vector<std::string>& why, std::size_t tests) {
+    const FitResult& best = optima.front();
     const double rise = rise_of_95(likelihood, count_free(free));
     const FitProblem problem = likelihood.problem();
+    // What is held is not known: within its bounds it may make up for the others.
+    const std::vector<bool> all(free.size(), true);
     for (std::size_t i = 0; i < best.values.size(); ++i) {
         const Unknown& unknown = likelihood.unknowns()[i];
         Parameter p;
@@ -200,12 +269,11 @@ void add_parameters(Calibration& calibration, const Likelihood& likelihood, cons
         if (free[i]) {
             const auto k = static_cast<Eigen::Index>(i);
             p.sigma = std::sqrt(std::max(0.0, calibration.covariance(k, k)));
-            p.interval = profile_interval(problem, best, calibration.covariance, free, i, rise);
-            p.identified = !p.interval.low_open && !p.interval.high_open;
-            if (!p.identified) p.why = "its interval reaches a bound";
+            p.interval = profile_interval(problem, best, calibration.covariance, all, i, rise);
         }
         calibration.parameters.push_back(std::move(p));
     }
+    take_in_other_valleys(calibration, problem, optima, free, rise);
 }
 
 /// Ljung and Box, Biometrika 65 (1978) 297: sum of squared correlations up to some lags.
@@ -257,6 +325,31 @@ void add_fits(Calibration& calibration, const Likelihood& likelihood, const std:
     }
 }
 
+/// Says where a test has hardly a reading of the filling: the sum of squares is then a landscape of valleys.
+void note_sparse_readings(Calibration& calibration, const Likelihood& likelihood,
+                          const std::vector<double>& values) {
+    constexpr int few = 6;
+    for (std::size_t t = 0; t < likelihood.tests().size(); ++t) {
+        const FittedTest& one = likelihood.tests()[t];
+        const auto [begin, end] = one.prediction.filling(likelihood.scene_of(t, values));
+        int most = 0;
+        for (std::size_t h = 0; h < one.test.histories.size() && end > begin; ++h) {
+            int count = 0;
+            for (std::size_t i = 0; i < one.test.histories[h].time.size(); ++i) {
+                const double time = one.test.histories[h].time[i] - likelihood.offset_of(t, values);
+                count += one.used[h][i] && time >= begin && time <= end ? 1 : 0;
+            }
+            most = std::max(most, count);
+        }
+        if (!one.test.histories.empty() && end > begin && most < few)
+            calibration.notes.push_back(
+                fmt::format("{}: {} readings lie within the filling of {:.2g} s: what it alone sees, the "
+                            "fill constant, the "
+                            "initial ratio and the clock, is not to be relied on",
+                            one.test.name, most, end - begin));
+    }
+}
+
 void add_pairs(Calibration& calibration) {
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i)
         for (std::size_t j = i + 1; j < calibration.parameters.size(); ++j)
@@ -305,11 +398,15 @@ Calibration calibrate(const SceneWith& scene_with, const std::vector<DropTest>& 
     if (settings.stop.stop_requested()) return result.interrupted = true, result;
     if (starts.empty()) give_up("the model runs with none of the values inside the bounds");
     if (!likelihood.leave_out_before_release(starts.front()))
-        give_up("nothing is left of a history after the release");
-    FitResult best = best_fit(likelihood.problem(), starts, free, settings.stop);
+        give_up(
+            "at the likeliest clock a history lies wholly before the release, nothing in it is like the "
+            "drop");
+    std::vector<FitResult> optima = optima_from(likelihood.problem(), starts, free, settings.stop);
     if (settings.stop.stop_requested()) return result.interrupted = true, result;
-    if (!std::isfinite(best.sum)) give_up("the model fails near every start");
-    settle(likelihood, best, free, why);
+    if (optima.empty()) give_up("the model fails near every start");
+    settle(likelihood, optima, free, why, settings.stop);
+    if (settings.stop.stop_requested()) return result.interrupted = true, result;
+    const FitResult& best = optima.front();
     if (count_free(free) == 0)
         give_up("the tests see none of its inputs, as with a clock that is off by more than its bounds");
 
@@ -317,13 +414,15 @@ Calibration calibrate(const SceneWith& scene_with, const std::vector<DropTest>& 
     const auto J = jacobian(problem, best.values, free);
     if (!J) give_up("the model fails beside the best values");
     result.covariance = covariance_of(*J, free);
-    add_parameters(result, likelihood, best, free, why, tests.size());
+    add_parameters(result, likelihood, optima, free, why, tests.size());
     add_scatter(result, fitted, likelihood, best.values, free);
     for (Parameter& p : result.parameters) {
         widen(p, tests.size());
-        p.identified = p.identified && !p.interval.low_open && !p.interval.high_open;
+        p.identified = !p.held && !p.interval.low_open && !p.interval.high_open;
+        if (!p.held && !p.identified) p.why = "its interval reaches a bound";
     }
     add_pairs(result);
+    note_sparse_readings(result, likelihood, best.values);
     result.sum = best.sum;
     result.readings = likelihood.readings();
     result.fitted = count_free(free);

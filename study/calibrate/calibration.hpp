@@ -74,6 +74,9 @@ struct Calibration {
     std::vector<Parameter> parameters;
     Eigen::MatrixXd covariance;  ///< in the scales of the variables; zero of those held
     std::vector<Pairing> pairs;  ///< closely correlated
+    /// Estimates from each test by itself, in the order of the tests, then of the parameters; nothing of a
+    /// clock, of what is held, and where a test by itself does not see enough.
+    std::vector<std::vector<std::optional<double>>> alone;
     std::vector<HistoryFit> histories;
     std::vector<ScalarFit> scalars;
     std::vector<Band> predictive;
@@ -107,6 +110,17 @@ Calibration calibrate(const SceneWith& scene_with, const std::vector<DropTest>& 
 void judge_consistency(Calibration& calibration, std::vector<FittedTest>& tests,
                        const std::vector<double>& values, const std::vector<bool>& free,
                        const Likelihood& likelihood);
+
+/// Inputs that are keys, in the order of the parameters, and draws of them from what is known.
+struct InputDraws {
+    std::vector<std::string> keys;
+    std::vector<double> best;
+    std::vector<std::vector<double>> values;  ///< of each draw, in the order of the keys
+};
+
+/// Halton's sequence over the normal distribution of their covariance and their scatter from test to test,
+/// within their bounds.
+InputDraws draw_inputs(const Calibration& calibration, int draws);
 
 /// Draws from the calibrated inputs, run through the scene: bands of peak force and descent rate.
 void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, const Fidelity& fidelity,

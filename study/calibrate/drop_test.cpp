@@ -15,10 +15,10 @@
 #include "lib/record/read_record.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/keys.hpp"
+#include "lib/scene/logged_table.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/scene/units.hpp"
-#include "study/calibrate/logged_table.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -45,72 +45,22 @@ std::string known_columns() {
     return text;
 }
 
-bool is_acceleration(std::string_view unit) {
-    return unit == "m/s^2";
-}
-
-/// Factor of a unit to SI. Accelerometers count in standard gravities, which the units database takes for
-/// grams.
-double factor_of(const std::string& unit, std::string_view si, const SourcePlace& place,
-                 const std::string& column) {
-    if (unit.empty()) return 1.0;
-    if (is_acceleration(si) && (unit == "g" || unit == "G" || unit == "g0")) return 9.80665;
-    try {
-        return to_si("1 " + unit, si);
-    } catch (const UnitError& error) {
-        throw SceneError(place, "", fmt::format("{}: {}", column, error.problem()), error.why(),
-                         error.suggestion());
-    }
-}
-
-const LoggedColumn& time_column(const LoggedTable& table) {
-    for (const char* name : {"time", "t"})
-        if (const LoggedColumn* column = table.find(name)) return *column;
-    throw SceneError({table.file, table.head_line, 1}, "", "the column 'time' is missing",
-                     "a history is read against it", "name it in the first line");
-}
-
-std::vector<double> times_of(const LoggedTable& table, const LoggedColumn& column) {
-    const SourcePlace head{table.file, table.head_line, column.column};
-    const double factor = factor_of(column.unit, "s", head, "time");
-    std::vector<double> times;
-    for (std::size_t i = 0; i < column.values.size(); ++i) {
-        const SourcePlace place{table.file, table.lines[i], column.column};
-        if (!column.values[i])
-            throw SceneError(place, "", "a line without a time", "",
-                             "leave out a line that was not measured");
-        const double time = *column.values[i] * factor;
-        if (!times.empty() && !(time > times.back()))
-            throw SceneError(place, "", "time does not rise",
-                             fmt::format("{} s after {} s", time, times.back()),
-                             "sort the lines by time, each once");
-        times.push_back(time);
-    }
-    return times;
-}
-
 /// Histories in a CSV file; columns that are none are noted.
 void read_histories(DropTest& test, std::string_view text, const std::string& file, const Scene& scene) {
     const LoggedTable table = read_logged_table(text, file);
-    const LoggedColumn& time = time_column(table);
-    const std::vector<double> times = times_of(table, time);
+    const std::vector<double> times = logged_times(table);
     for (const LoggedColumn& column : table.columns) {
-        if (&column == &time) continue;
+        if (column.name == "time" || column.name == "t") continue;
         const HistoryKind* kind = find_history_kind(column.name);
         if (!kind) {
             test.notes.push_back(
                 fmt::format("column '{}' of {} is left aside: no history of that name", column.name, file));
             continue;
         }
-        const double factor =
-            factor_of(column.unit, kind->unit, {file, table.head_line, column.column}, column.name);
-        MeasuredHistory history{kind, {}, {}, {}, {}};
-        for (std::size_t i = 0; i < times.size(); ++i) {
-            if (!column.values[i]) continue;
-            history.time.push_back(times[i]);
-            history.value.push_back(*column.values[i] * factor +
-                                    (kind->name == "height" ? scene.environment.ground : 0.0));
-        }
+        const auto [time, value] = logged_history(table, times, column, kind->unit);
+        MeasuredHistory history{kind, time, value, {}, {}};
+        for (double& height : history.value)
+            if (kind->name == "height") height += scene.environment.ground;
         if (history.time.empty()) {
             test.notes.push_back(
                 fmt::format("column '{}' of {} is left aside: it holds no number", column.name, file));
@@ -123,8 +73,7 @@ void read_histories(DropTest& test, std::string_view text, const std::string& fi
                          "inputs are fitted to what was measured",
                          "the columns are time and any of " + known_columns());
     if (!(times.back() > 0.0))
-        throw SceneError({file, table.lines.back(), time.column}, "",
-                         "the history lies wholly before the release",
+        throw SceneError({file, table.lines.back(), 1}, "", "the history lies wholly before the release",
                          fmt::format("its last line is at {:g} s, time counts from release", times.back()),
                          "shift its clock");
 }
@@ -197,6 +146,8 @@ std::vector<std::string> conditions_of(const RunRecord& record, const Scene& sce
     return conditions;
 }
 
+constexpr int record_readings = 40;  // of each history
+
 DropTest read_record_as_test(const fs::path& directory, const Scene& scene) {
     fs::path place = directory;
     std::error_code ignored;
@@ -210,6 +161,13 @@ DropTest read_record_as_test(const fs::path& directory, const Scene& scene) {
     test.clock_known = record.find_event("snatch") == nullptr;
     test.conditions = conditions_of(record, scene);
     test.sha256 = sha256_hex(read_text_file(place / "summary.json"));
+    // What the table of the gap is judged by weighs as much as it does there: a tenth of its tolerance.
+    for (const MetricRow& row : metric_rows()) {
+        const auto value = record.metric(row.key);
+        const bool is_answer =
+            row.name == "peak_force" || row.name == "time_to_peak_force" || row.name == "descent_rate";
+        if (is_answer && value && *value > 0.0) test.scalars.push_back({&row, *value, 2e-3 * *value});
+    }
     const double from = compare::snatch_of(record);
     // The force knows when and how the canopy fills, the speed what it comes to.
     for (const char* name : {"force", "speed"}) {
@@ -220,9 +178,12 @@ DropTest read_record_as_test(const fs::path& directory, const Scene& scene) {
                 fmt::format("'{}' has no history of the {} (inputs are fitted to it), run it again",
                             directory.string(), name));
         MeasuredHistory history{kind, {}, {}, {}, {}};
+        // What is left over of a record is the models' gap, the same from reading to reading: many more would
+        // only outvote the answers above.
+        const double step = (curve->time.back() - from) / record_readings;
         for (std::size_t i = 0; i < curve->time.size(); ++i) {
-            const bool rises = history.time.empty() || curve->time[i] > history.time.back();
-            if (curve->time[i] < from || !rises) continue;
+            const bool is_next = history.time.empty() || curve->time[i] >= history.time.back() + step;
+            if (curve->time[i] < from || !is_next) continue;
             history.time.push_back(curve->time[i]);
             history.value.push_back(curve->value[i]);
         }

@@ -77,8 +77,7 @@ double Likelihood::scale_of(std::size_t test, std::size_t history, std::span<con
 
 std::optional<Predicted> Likelihood::predicted(std::size_t test, std::span<const double> values) const {
     try {
-        auto found =
-            tests_[test].prediction.at(tests_[test].scene.at(keys_of(values)), offset_of(test, values));
+        auto found = tests_[test].prediction.at(scene_of(test, values), offset_of(test, values));
         if (!found) return {};
         for (std::size_t h = 0; h < found->histories.size(); ++h)
             if (const double scale = scale_of(test, h, values); scale != 1.0)

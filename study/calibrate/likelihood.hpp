@@ -65,6 +65,10 @@ public:
     FitProblem problem() const;
     /// Prediction for a test at these values; nothing where the model fails.
     std::optional<Predicted> predicted(std::size_t test, std::span<const double> values) const;
+    /// Scene of a test at these values. Throws SceneError.
+    Scene scene_of(std::size_t test, std::span<const double> values) const {
+        return tests_[test].scene.at(keys_of(values));
+    }
     /// [s] of a test's clock at release.
     double offset_of(std::size_t test, std::span<const double> values) const;
 

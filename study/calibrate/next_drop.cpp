@@ -34,19 +34,15 @@ std::optional<RunRecord> run_once(const Scene& scene, const Fidelity& fidelity) 
 
 }  // namespace
 
-void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, const Fidelity& fidelity,
-                       const std::stop_token& stop) {
-    std::vector<std::string> keys;
+InputDraws draw_inputs(const Calibration& calibration, int draws) {
+    InputDraws drawn;
     std::vector<std::size_t> places;
-    std::vector<double> best;
-    std::vector<Unknown> unknowns;
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {
         const Parameter& p = calibration.parameters[i];
         if (p.unknown.kind != Unknown::Kind::key) continue;
-        keys.push_back(p.unknown.name);
+        drawn.keys.push_back(p.unknown.name);
+        drawn.best.push_back(p.estimate);
         places.push_back(i);
-        best.push_back(p.estimate);
-        unknowns.push_back(p.unknown);
     }
     const auto count = static_cast<Eigen::Index>(places.size());
     // The next drop scatters as the tests did.
@@ -62,8 +58,35 @@ void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, co
     const Eigen::MatrixXd root =
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 
-    const VariedScene varied(scene_with, keys, probe_of(unknowns));
-    const auto before = run_once(scene_with({}), fidelity), after = run_once(varied.read(best), fidelity);
+    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> halton(
+        gsl_qrng_alloc(gsl_qrng_halton, static_cast<unsigned>(count)), gsl_qrng_free);
+    std::vector<double> share(places.size());
+    for (int draw = 0; draw < draws; ++draw) {
+        gsl_qrng_get(halton.get(), share.data());
+        Eigen::VectorXd normal(count);
+        for (Eigen::Index i = 0; i < count; ++i)
+            normal[i] = gsl_cdf_ugaussian_Pinv(share[static_cast<std::size_t>(i)]);
+        const Eigen::VectorXd moved = root * normal;
+        std::vector<double> values = drawn.best;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const FitVariable& v = calibration.parameters[places[i]].unknown.variable;
+            const double scale = v.to_scale(values[i]) + moved[static_cast<Eigen::Index>(i)];
+            values[i] = std::clamp(v.from_scale(scale), v.low, v.high);
+        }
+        drawn.values.push_back(std::move(values));
+    }
+    return drawn;
+}
+
+void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, const Fidelity& fidelity,
+                       const std::stop_token& stop) {
+    const InputDraws drawn = draw_inputs(calibration, draws);
+    std::vector<Unknown> unknowns;
+    for (const Parameter& p : calibration.parameters)
+        if (p.unknown.kind == Unknown::Kind::key) unknowns.push_back(p.unknown);
+    const VariedScene varied(scene_with, drawn.keys, probe_of(unknowns));
+    const auto before = run_once(scene_with({}), fidelity),
+               after = run_once(varied.read(drawn.best), fidelity);
     if (!after) return;
     std::vector<Band> bands;
     for (const char* name : predicted_metrics) {
@@ -72,22 +95,9 @@ void predict_next_drop(Calibration& calibration, const SceneWith& scene_with, co
         if (!value) continue;
         bands.push_back({row, before ? before->metric(row->key) : std::nullopt, *value, *value, *value, {}});
     }
-    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> halton(
-        gsl_qrng_alloc(gsl_qrng_halton, static_cast<unsigned>(count)), gsl_qrng_free);
-    std::vector<double> share(places.size());
     int failed = 0;
-    for (int draw = 0; draw < draws && !stop.stop_requested(); ++draw) {
-        gsl_qrng_get(halton.get(), share.data());
-        Eigen::VectorXd normal(count);
-        for (Eigen::Index i = 0; i < count; ++i)
-            normal[i] = gsl_cdf_ugaussian_Pinv(share[static_cast<std::size_t>(i)]);
-        const Eigen::VectorXd moved = root * normal;
-        std::vector<double> values = best;
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            const FitVariable& v = calibration.parameters[places[i]].unknown.variable;
-            const double scale = v.to_scale(values[i]) + moved[static_cast<Eigen::Index>(i)];
-            values[i] = std::clamp(v.from_scale(scale), v.low, v.high);
-        }
+    for (const std::vector<double>& values : drawn.values) {
+        if (stop.stop_requested()) break;
         std::optional<RunRecord> record;
         try {
             record = run_once(varied.at(values), fidelity);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double steps_a_time_constant = 0.8;  // of a filter: between them its input is a straight line
 constexpr double settling = 6.0;               // time constants before the first reading
-constexpr double scan_rate = 100.0;            // [1/s] of the run that is shifted along a test
+constexpr double fastest_scan = 100.0;         // [1/s] of the run that is shifted along a test
+constexpr double scans_a_reading = 4.0;        // of it: finer than the test no clock has to be found
 
 /// [s] of a filter of first order.
 double time_constant(double bandwidth) {
@@ -53,6 +54,10 @@ Prediction::Prediction(const DropTest& test, const Fidelity& fidelity) : test_(t
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());
     if (times.empty()) return;
+    double spacing = times.back() - times.front();
+    for (std::size_t i = 1; i < times.size(); ++i)
+        spacing = std::min(spacing, times[i] - times[i - 1]);
+    if (spacing > 0.0) scan_rate_ = std::min(fastest_scan, scans_a_reading / spacing);
     const double step = finest / steps_a_time_constant;
     if (finest > 0.0)
         for (int i = static_cast<int>(settling * steps_a_time_constant); i > 0; --i)
@@ -140,10 +145,10 @@ std::optional<std::vector<Predicted>> Prediction::scan(const Scene& scene,
                                                        std::span<const double> offsets) const {
     Scene one = scene;
     one.then.clear();
-    const double end = std::max(1.0 / scan_rate, grid_.back() - std::ranges::min(offsets));
+    const double end = std::max(1.0 / scan_rate_, grid_.back() - std::ranges::min(offsets));
     std::vector<double> times;
-    for (int i = 0; i <= std::ceil(end * scan_rate); ++i)
-        times.push_back(i / scan_rate);
+    for (int i = 0; i <= std::ceil(end * scan_rate_); ++i)
+        times.push_back(i / scan_rate_);
     one.stop = {Trigger::Kind::time, times.back() + 1e-3, 0.0, {}};
     const auto run = sampled(one, times);
     if (!run) return {};
@@ -155,7 +160,7 @@ std::optional<std::vector<Predicted>> Prediction::scan(const Scene& scene,
             const std::vector<double>& values = run->channels[h];
             for (const double t : test_.histories[h].time) {
                 const double at =
-                    std::clamp((t - offset) * scan_rate, 0.0, static_cast<double>(values.size() - 1));
+                    std::clamp((t - offset) * scan_rate_, 0.0, static_cast<double>(values.size() - 1));
                 const auto left = std::min(static_cast<std::size_t>(at), values.size() - 1);
                 const std::size_t right = std::min(left + 1, values.size() - 1);
                 const double share = at - static_cast<double>(left);
@@ -164,6 +169,17 @@ std::optional<std::vector<Predicted>> Prediction::scan(const Scene& scene,
         }
     }
     return all;
+}
+
+std::pair<double, double> Prediction::filling(const Scene& scene) const {
+    Run run;
+    ++runs_;
+    const RunRecord record = fidelity_.run(scene, run);
+    const auto time = record.metric("filling_time_s");
+    if (!time) return {};
+    const Event* snatch = record.find_event("snatch");
+    const double begin = snatch != nullptr ? snatch->time : 0.0;
+    return {begin, begin + *time};
 }
 
 }  // namespace twinchute::study

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lib/solve/fidelity.hpp"
@@ -29,6 +30,9 @@ public:
     /// Histories for several offsets, of one run without instrument: to look for the right one.
     std::optional<std::vector<Predicted>> scan(const Scene& scene, std::span<const double> offsets) const;
 
+    /// [s] since release from snatch to full open; both 0 where the run does not tell.
+    std::pair<double, double> filling(const Scene& scene) const;
+
     const DropTest& test() const { return test_; }
     int runs() const { return runs_; }  ///< so far
 
@@ -43,6 +47,7 @@ private:
     const Fidelity& fidelity_;
     std::vector<double> grid_;                      ///< [s] on the clock of the test
     std::vector<std::vector<std::size_t>> places_;  ///< of each history's times in it
+    double scan_rate_ = 1.0;                        ///< [1/s] of scan()'s run
     mutable int runs_ = 0;
 };
 

@@ -17,8 +17,8 @@ namespace {
 constexpr double longest_offset = 5.0;  // [s] by which a clock may be off where nobody says
 
 /// Bounds of an input by default, assumptions of this toolkit: for n and the initial ratio what handbooks and
-/// tests span over all types; for the drag area what tests of one type span about the coefficient in a table,
-/// and a margin.
+/// tests span over all types, for the exponent what a scene may say; for the drag area what tests of one type
+/// span about the coefficient in a table, and a margin.
 struct DefaultBounds {
     std::string_view path;
     double low, high;
@@ -26,7 +26,8 @@ struct DefaultBounds {
 };
 constexpr DefaultBounds default_bounds[] = {{"parachute.fill_time.n", 0.25, 4.0, true},
                                             {"parachute.drag_area", 0.6, 1.6, true},
-                                            {"parachute.initial_drag_area_ratio", 0.001, 0.5, false}};
+                                            {"parachute.initial_drag_area_ratio", 0.001, 0.5, false},
+                                            {"parachute.drag_area_exponent", 0.5, 12.0, false}};
 
 /// The row of a key; those of one of several parachutes carry its name.
 const Key* varied_row(const Scene& scene, std::string key) {
@@ -126,7 +127,7 @@ Unknown key_unknown(const Scene& scene, const Vary& vary) {
     }
     if (!row->is_number() || row->kind == KeyKind::integer)
         refuse_vary(vary.key, "it is not a quantity", "name a number of the scene");
-    if (row->user == KeyUser::full || row->user == KeyUser::compare || row->user == KeyUser::size)
+    if (row->user != KeyUser::both && row->user != KeyUser::rom)
         refuse_vary(vary.key, "the reduced-order model does not use it", "name another key");
     Unknown unknown{Unknown::Kind::key,
                     vary.key,

@@ -12,9 +12,9 @@
 
 #include "lib/record/json_node.hpp"
 #include "lib/scene/data_files.hpp"
+#include "lib/scene/logged_table.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/units.hpp"
-#include "study/calibrate/logged_table.hpp"
 
 namespace twinchute::study {
 namespace {

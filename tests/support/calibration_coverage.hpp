@@ -22,8 +22,9 @@ struct Coverage {
 };
 
 /// Drops of the demo with n from 3 to 9, a drag area of 34 to 52 m^2, a ratio of 0.02 to 0.15 and a clock
-/// that is off by up to 1 s. They are as long as filling and a second of descent take.
-inline std::vector<Coverage> coverage_of(int drops, int threads) {
+/// that is off by up to 1 s. They are as long as filling and a second of descent take. `step` [s]: from reading
+/// to reading.
+inline std::vector<Coverage> coverage_of(int drops, int threads, double step = 5e-3) {
     constexpr std::array names{"parachute.fill_time.n", "parachute.drag_area",
                                "parachute.initial_drag_area_ratio", study::clock_offset};
     struct One {
@@ -43,6 +44,7 @@ inline std::vector<Coverage> coverage_of(int drops, int threads) {
         drop.offset = between(-1.0, 1.0);
         drop.length = drop.n * 8.53 / 21.0 + 1.0;
         drop.seed = 5000 + i;
+        drop.step = step;
         const std::array truth{drop.n, drop.drag_area, drop.ratio, drop.offset};
         study::CalibrationSettings settings;
         settings.predict = false;

@@ -54,6 +54,9 @@ inline void write_generated_tables(const ScratchDir& directory) {
                     "fill_fraction,drag_area_ratio\n1,%\n0,2\n0.6,30\n1,100\n1.1,115\n1.4,100\n");
     directory.write("generated-attitude.csv", "angle,drag_area\ndeg,ft^2\n0,4\n45,9.5\n90,7\n");
     directory.write("generated-mach.csv", "mach_number,drag_area_factor\n1,%\n0,100\n0.9,110\n1.5,80\n");
+    directory.write("generated-calibration.csv",
+                    "run,payload_mass,airspeed,air_density,drag_area\n1,kg,m/s,kg/m^3,1\n1,50,15,1.2,0.95\n"
+                    "2,200,30,1.1,1.02\n");
     directory.write("generated-mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");  // read by a run alone
     directory.write("generated-force.csv", "time,force\nms,kN\n50,0.5\n300,2\n800,0.1\n");
 }
@@ -313,7 +316,7 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
         put("parachute.deploy.when", "{ " + one_of(conditions) + " }");
     if (random_bool(0.2)) put("parachute.cut", "{ " + one_of(conditions) + " }");
     if (!is_put("parachute.initial_drag_area_ratio") && !is_put("parachute.drag_area_law") &&
-        random_bool(0.3))
+        !is_put("parachute.drag_area_exponent") && random_bool(0.3))
         return put("parachute.drag_area_table", "\"generated-growth.csv\"");
     if (by == "inflated" || is_put("parachute.initial_drag_area_ratio") || random_bool(0.6)) return;
     std::string stages;
@@ -387,6 +390,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.count",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
+                                                    "parachute.calibration",
                                                     "parachute.drag_area_table",
                                                     "parachute.drag_area_mach_table",
                                                     "parachute.initial_phase",
@@ -410,6 +414,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     std::vector<std::string> left_out;  // tables
     std::map<std::string_view, bool> taken;
     for (const Key& key : scene_keys()) {
+        if (key.path.starts_with("uncertainty")) {  // of no run: by hand
+            if (key.kind == KeyKind::table) left_out.push_back(std::string(key.path) + ".");
+            continue;
+        }
         if (key.path.starts_with("case") || key.kind == KeyKind::tolerance || key.kind == KeyKind::data_file)
             continue;
         if (key.has_members() || key.path.starts_with("parachute.reefing.")) {
@@ -463,6 +471,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     if (words["environment.atmosphere.model"] != "constant" && random_bool(0.3))
         put("parachute.drag_area_mach_table", "\"generated-mach.csv\"");
     put_filling(by);
+    if (random_bool(0.2)) put("parachute.calibration", "\"generated-calibration.csv\"");
     const auto has = [&](std::string_view table) {
         return std::ranges::none_of(left_out, [&](const auto& out) { return out == table; });
     };
@@ -490,6 +499,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         if (named != lines_.end()) put("size.parachute", std::string(named->value));
     }
     if (random_bool(0.3)) put_tolerances();
+    if (random_bool(0.2)) {
+        put("uncertainty.inputs", "[\"ln payload.mass\", \"environment.gravity\"]");
+        put("uncertainty.covariance", "[0.01, -1e-5, 1e-6]");
+    }
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||
             key.path == "case.set")

@@ -38,7 +38,7 @@ struct SyntheticDrop {
 
     /// Its readings. The filter is integrated here by itself, in steps of a sixth of a millisecond.
     study::MeasuredHistory readings() const {
-        constexpr int fine = 30;
+        const int fine = std::max(30, static_cast<int>(step / 1.5e-4));
         Scene scene = demo_scene_with(truth());
         scene.stop = {Trigger::Kind::time, length + step, 0.0, {}};
         scene.rom.rtol = 1e-11;

@@ -179,6 +179,16 @@ TEST_F(SystemRecords, ATestIsDrawnBesideBothOrRefusedBeforeAnythingRuns) {
     EXPECT_NE(bad.err.find("bad.csv:2:3"), std::string::npos) << bad.err;
     EXPECT_EQ(run({"compare", "scene.toml", "--check", "--test", "bad.csv"}).code, 2);
     EXPECT_FALSE(std::filesystem::exists(here_ / "out"));
+    here_.write("early.csv", "time,force\n-3,1\n-2,1\n");
+    const Ended early = run({"compare", "scene.toml", "--out", "out", "--test", "early.csv"});
+    EXPECT_EQ(early.code, 2);
+    EXPECT_NE(early.err.find("early.csv:3:1: the history lies wholly before the release"), std::string::npos)
+        << early.err;
+    const Ended clock = run({"compare", "scene.toml", "--test", "good.csv", "--test-clock", "soon"});
+    EXPECT_EQ(clock.code, 2);
+    EXPECT_NE(clock.err.find("--test-clock soon: "), std::string::npos) << clock.err;
+    EXPECT_EQ(run({"compare", "scene.toml", "--test-clock", "1 s"}).code, 2);
+    EXPECT_FALSE(std::filesystem::exists(here_ / "out"));
     const Ended good = run({"compare", "scene.toml", "--out", "out", "--test", "good.csv"});
     EXPECT_NE(good.out.find("444.8 N"), std::string::npos) << good.out;
     EXPECT_NE(text("out/report.md").find("## Test"), std::string::npos);
@@ -241,13 +251,15 @@ TEST_F(SystemRecords, AreWhatTheSchemasSay) {
                                    "payload.mass=160 kg", "--baseline", "out"})
                                   .out);
     run({"compare", "scene.toml", "--quiet", "--out", "broken", "--set", "full.strain_limit=1e-6"});
+    here_.write("drop.csv", "time,force,oops\n0,0,1\n0.5,100,2\n");
+    run({"compare", "scene.toml", "--quiet", "--out", "tested", "--test", "drop.csv"});
     here_.write("printed.json", run({"full", "scene.toml", "--json", "--out", "f"}).out);
     const auto check = [&](const char* schema, Words names) {
         names.insert(names.begin(), std::string(TWINCHUTE_SOURCE_DIR "/docs/schema/") + schema);
         return run_script("tests/support/check_schema.py", names, here_.path());
     };
-    const Ended gaps =
-        check("gap.schema.json", {"out/gap.json", "whole/gap.json", "broken/gap.json", "trend.json"});
+    const Ended gaps = check("gap.schema.json", {"out/gap.json", "whole/gap.json", "broken/gap.json",
+                                                 "trend.json", "tested/gap.json"});
     if (lacks_python(gaps)) GTEST_SKIP() << "no Python with jsonschema (Debian: python3-jsonschema)";
     EXPECT_EQ(gaps.code, 0) << gaps.out << gaps.err;
     const Ended summaries = check("summary.schema.json",

@@ -28,12 +28,13 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
     ASSERT_TRUE(ended.code == 0 || ended.code == 1) << ended.err;
     EXPECT_EQ(ended.out, content_of(here_ / "validate.out/validate.json"));
     const json result = json::parse(ended.out);
-    int judged = 0, exceeded = 0, listed = 0;
+    int judged = 0, exceeded = 0, wrong = 0, listed = 0;
     for (const json& suite : result["suites"])
         for (const json& row : suite["rows"]) {
             const std::string verdict = row["verdict"];
             judged += verdict == "within" || verdict == "exceeded";
             exceeded += verdict == "exceeded";
+            wrong += verdict == "exceeded" && suite["evidence"] == "exact";
             ++listed;
             if (verdict == "not run" || verdict == "by test") {
                 EXPECT_NE(row["why"], "") << row;
@@ -42,8 +43,11 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
                 EXPECT_TRUE(row.contains("predicted") && row.contains("expected")) << row;
             }
         }
-    EXPECT_EQ(ended.code, exceeded > 0 ? 1 : 0);
-    EXPECT_EQ(result["within"], exceeded == 0);
+    // Of what comes with the program exact answers alone decide, unless all are asked for.
+    EXPECT_EQ(ended.code, wrong > 0 ? 1 : 0);
+    EXPECT_EQ(result["within"], wrong == 0);
+    EXPECT_EQ(result["decided_by"], "exact");
+    EXPECT_GT(exceeded, wrong) << "or the check of --strict below shows nothing";
     EXPECT_GT(judged, 150);
     // Closed forms hold, whatever tests and papers say.
     for (const json& suite : result["suites"]) {
@@ -58,6 +62,43 @@ TEST_F(SystemValidate, ExitCodeIsWhatTheTableSays) {
                     ((name.starts_with("scatter-measured-") || name.starts_with("scatter-filling-")) &&
                      name.ends_with(".svg")))
             << name;
+}
+
+TEST_F(SystemValidate, SaysFirstWhetherTheProgramIsSound) {
+    // The suite of printed numbers has rows that are not met; whoever names it asks about them.
+    here_.write(
+        "printed.toml",
+        "schema = 1\nname = \"printed\"\ntitle = \"Printed\"\nevidence = \"printed\"\n[[case]]\nname = "
+        "\"c\"\n"
+        "base = \"c9-inflation.toml\"\nsource = \"s\"\nrow = [{ quantity = \"peak_force\", expected = 1, "
+        "tolerance = \"5 %\" }]\n");
+    const Ended named = run({"printed.toml", "--out", "n"});
+    EXPECT_EQ(named.code, 1);
+    EXPECT_TRUE(
+        named.out.starts_with("outside   printed (printed): 1 of 1 judged rows\n          c, peak force"))
+        << named.out;
+    write_suite("right.toml", "2.257778");
+    const Ended both = run({"right.toml", "printed.toml", "--out", "b"});
+    EXPECT_EQ(both.code, 1);
+    EXPECT_TRUE(both.out.starts_with("sound     1 of 1 rows with exact answers verified\noutside   printed"))
+        << both.out;
+    write_suite("wrong.toml", "2.257");
+    EXPECT_TRUE(run({"wrong.toml", "--out", "w"}).out.starts_with("NOT SOUND 0 of 1 rows"));
+}
+
+// The truth of the synthetic drops is n = 5.5 and 39 m^2; the scene says 4 and 42.56 m^2, and its peak is a
+// quarter too high.
+TEST_F(SystemValidate, ADropIsJudgedByAnotherOfTheSameCanopy) {
+    const Ended ended = run({"--suite", "example/blind-drop", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+    const json rows = json::parse(ended.out)["suites"][0]["rows"];
+    EXPECT_EQ(rows[0]["verdict"], "within");
+    EXPECT_LT(std::abs(rows[0]["relative_error"].get<double>()), 0.02);
+    // What the calibration leaves open of the inputs is part of what is allowed.
+    EXPECT_GT(rows[0]["sigma_inputs"].get<double>(), 1.0);
+    EXPECT_GT(rows[2]["relative_error"].get<double>(), 0.2);
+    EXPECT_NE(content_of(here_ / "validate.out/report.md").find("parachute.fill\\_time.n = 5.5"),
+              std::string::npos);
 }
 
 TEST_F(SystemValidate, AWrongExpectedValueExitsWithOne) {

@@ -36,12 +36,31 @@ TEST(DropTestHistories, WhatIsNoHistoryIsRefusedWithItsPlace) {
         }
         return "";
     };
-    EXPECT_NE(refusal("time\ns\n0\n1\n").find("drop.csv:1:1: there is nothing beside the time"),
+    EXPECT_NE(refusal("time\ns\n0\n1\n").find("drop.csv:1:1: there is no history beside the time"),
               std::string::npos);
     EXPECT_NE(refusal("force\nN\n0\n1\n").find("drop.csv:1"), std::string::npos);
-    EXPECT_NE(refusal("time,mass\ns,kg\n0,1\n1,1\n").find("drop.csv:1:6"), std::string::npos);
+    EXPECT_NE(refusal("time,mass\ns,kg\n0,1\n1,1\n").find("there is no history beside the time"),
+              std::string::npos);
+    EXPECT_NE(refusal("time,force\ns,N\n-2,1\n-1,1\n").find("drop.csv:4:1: the history lies wholly before"),
+              std::string::npos);
     EXPECT_NE(refusal("time,force\ns,m\n0,1\n1,1\n").find("drop.csv:2:3"), std::string::npos);
     EXPECT_NE(refusal("time,force\ns,N\n1,1\n0,1\n").find("drop.csv:4:1"), std::string::npos);
+}
+
+TEST(DropTestHistories, AreReadAsPeopleHaveThem) {
+    for (const char* text :
+         {"\"Time (ms)\";\"Force (kN)\"\r\n0;1,5\r\n100;2\r\n\r\n",
+          "# rig 3\nt\tforce\n% units\ns\tkN\n0\t1.5\n0.1\t2\n", "time,force\n0,1500\n0.1,2000",
+          "time,force,air [degC]\ns,N,\n0,1500,20\n0.1,2000,\n"}) {
+        const DropTestHistories test = read_test_histories(text, "drop.csv");
+        ASSERT_NE(test.find("force"), nullptr) << text;
+        EXPECT_EQ(test.find("force")->time, (std::vector{0.0, 0.1})) << text;
+        EXPECT_EQ(test.find("force")->value, (std::vector{1500.0, 2000.0})) << text;
+        EXPECT_EQ(test.notes.size(), std::string_view(text).find("degC") == std::string_view::npos ? 0u : 1u);
+    }
+    // What its clock reads at release is time 0.
+    const DropTestHistories late = read_test_histories("time,force\n12,1\n13,2\n", "drop.csv", 12.5);
+    EXPECT_EQ(late.find("force")->time, (std::vector{-0.5, 0.5}));
 }
 
 /// A record of one channel that is straight from (0, a) to (4, b).

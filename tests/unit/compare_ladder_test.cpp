@@ -13,6 +13,7 @@
 #include "compare/ladder.hpp"
 #include "compare/report/ladder_files.hpp"
 #include "lib/scene/scene_error.hpp"
+#include "tests/support/count.hpp"
 #include "tests/support/synthetic_ladder.hpp"
 
 namespace twinchute::compare {
@@ -272,13 +273,6 @@ TEST(CompareLadder, AnInterruptedLevelIsTheLastThatIsRun) {
     EXPECT_TRUE(level(ladder, "rom, rtol 1e-8").error);  // what was computed is there
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-    std::size_t found = 0;
-    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
-        ++found;
-    return found;
-}
-
 /// Every element closes, in the right order. Attributes are quoted and hold no '>', which xml_text escapes.
 void expect_well_formed(const std::string& xml) {
     std::vector<std::string> open;
@@ -286,8 +280,8 @@ void expect_well_formed(const std::string& xml) {
         const std::size_t end = xml.find('>', at);
         ASSERT_NE(end, std::string::npos);
         const std::string tag = xml.substr(at + 1, end - at - 1);
-        EXPECT_EQ(count(tag, "\"") % 2, 0u) << tag;
-        EXPECT_EQ(count(tag, "<"), 0u) << tag;
+        EXPECT_EQ(test::count_of(tag, "\"") % 2, 0u) << tag;
+        EXPECT_EQ(test::count_of(tag, "<"), 0u) << tag;
         const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
         if (tag.starts_with("/")) {
             ASSERT_FALSE(open.empty());

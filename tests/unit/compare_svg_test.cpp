@@ -13,6 +13,7 @@
 #include "compare/render/ticks.hpp"
 #include "compare/report/plots.hpp"
 #include "tests/support/compare_records.hpp"
+#include "tests/support/count.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -82,19 +83,12 @@ TEST(CompareThinning, LeavesShortSeriesAlone) {
     EXPECT_TRUE(thinned({}, 600).empty());
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-    std::size_t found = 0;
-    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
-        ++found;
-    return found;
-}
-
 TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
     const std::string svg = force_svg(synthetic_comparison());
-    EXPECT_EQ(count(svg, "<path "), 2u);
+    EXPECT_EQ(test::count_of(svg, "<path "), 2u);
     EXPECT_NE(svg.find("full: peak 5000 N at 1.50 s"), std::string::npos);
     EXPECT_NE(svg.find("rom: peak 4800 N at 1.45 s"), std::string::npos);
-    EXPECT_EQ(count(svg, "full open, "), 2u);
+    EXPECT_EQ(test::count_of(svg, "full open, "), 2u);
     EXPECT_NE(svg.find("opening force [N]"), std::string::npos);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), svg.find("inflation"));  // the scene's name and nothing else
@@ -113,7 +107,7 @@ TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
     plot.series = {{.label = "a", .x = {0, 1, 2, 3, 4}, .y = {0, 1, nan, 1, 2}}};
     const std::string svg = svg_plot(plot);
     const auto begin = svg.find(" d=\"") + 4;
-    EXPECT_EQ(count(svg.substr(begin, svg.find('"', begin) - begin), "M"), 2u);
+    EXPECT_EQ(test::count_of(svg.substr(begin, svg.find('"', begin) - begin), "M"), 2u);
 }
 
 TEST(CompareSvg, AJumpIsDrawnUpright) {
@@ -147,7 +141,7 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
 TEST(CompareSvg, WithoutDataItSaysSo) {
     Comparison comparison = synthetic_comparison();
     comparison.reference.channels.clear();
-    EXPECT_EQ(count(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
+    EXPECT_EQ(test::count_of(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
     comparison.candidate.channels.clear();
     EXPECT_NE(force_svg(comparison).find("no data"), std::string::npos);
 }

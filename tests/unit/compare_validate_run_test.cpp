@@ -97,6 +97,11 @@ TEST_F(ValidateRun, AnExpectedValueIsWithinOrNot) {
     EXPECT_EQ(wrong.rows[0].verdict, RowVerdict::exceeded);
     EXPECT_NEAR(*wrong.rows[0].relative_error(), 1.0 / 1.01 - 1.0, 1e-4);
     EXPECT_TRUE((Validation{{right, wrong}, false}).failed());
+    EXPECT_FALSE(
+        (Validation{{right, wrong}, false, true}).failed());  // not exact, and exact ones alone decide
+    SuiteResult exact = wrong;
+    exact.evidence = Evidence::exact;
+    EXPECT_TRUE((Validation{{right, exact}, false, true}).failed());
     EXPECT_FALSE((Validation{{right}, false}).failed());
     const SuiteResult counter_example = run_case("grade = \"D\"", row + "99");
     EXPECT_EQ(counter_example.rows[0].verdict, RowVerdict::not_judged);

@@ -29,6 +29,19 @@ TEST(PowerLaws, HaveTheValueAndRateOfTheirFormula) {
     }
 }
 
+// An exponent of the scene is the row of that power, and between the rows what its formula says.
+TEST(PowerLaws, TakeAnyExponent) {
+    const DragAreaGrowth second{nullptr, 0.2, nullptr, 2.0}, any{nullptr, 0.2, nullptr, 4.3};
+    const DragAreaLaw& row = *find_drag_area_law("power-2");
+    for (double x = 0.0; x <= 1.0; x += 0.125) {
+        EXPECT_NEAR(second.at(x).value, row.at(x, 0.2).value, 1e-15);
+        EXPECT_NEAR(second.at(x).rate, row.at(x, 0.2).rate, 1e-15);
+        EXPECT_NEAR(second.integral(x), row.integral(x, 0.2), 1e-15);
+        EXPECT_NEAR(any.at(x).value, 0.04 + 0.96 * std::pow(x, 4.3), 1e-15);
+        EXPECT_NEAR(any.integral(x), 0.04 * x + 0.96 * std::pow(x, 5.3) / 5.3, 1e-15);
+    }
+}
+
 TEST(PowerLaws, OfTheSixthPowerIsLudtkesFromNothing) {
     const DragAreaLaw &power = *find_drag_area_law("power-6"), &ludtke = *find_drag_area_law("ludtke");
     for (double x = 0.0; x <= 1.0; x += 0.125) {

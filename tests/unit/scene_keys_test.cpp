@@ -31,8 +31,8 @@ TEST(Keys, RowsAreConsistent) {
         EXPECT_EQ(key.kind == KeyKind::quantity || key.kind == KeyKind::quantity_or_word ||
                       key.kind == KeyKind::quantities,
                   !key.unit.empty());
-        if (key.kind == KeyKind::list) {  // of words, or of names of files
-            EXPECT_NE(key.choices != nullptr, !key.folder.empty());
+        if (key.kind == KeyKind::list) {  // of words, of names of files, or of keys
+            EXPECT_FALSE(key.choices != nullptr && !key.folder.empty());
         } else {
             EXPECT_EQ(key.kind == KeyKind::word || key.kind == KeyKind::quantity_or_word,
                       key.choices != nullptr);

@@ -1,10 +1,10 @@
 // Test files as people have them, and what is wrong with them in words.
 #include <gtest/gtest.h>
 
+#include "lib/scene/logged_table.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "study/calibrate/drop_test.hpp"
-#include "study/calibrate/logged_table.hpp"
 #include "tests/support/scratch_dir.hpp"
 
 namespace twinchute::test {
@@ -74,7 +74,7 @@ TEST(LoggedTest, SaysWhereItIsWrong) {
         {"force\n1\n2\n", "drop.csv:1:1: the column 'time' is missing"},
         {"time,load\n0,1\n1,2\n", "drop.csv:1:1: there is no history beside the time"},
         {"time,force,force\n0,1,1\n1,2,2\n", "drop.csv:1:12: the column 'force' stands here twice"},
-        {"time,force\ns,m\n0,1\n1,2\n", "drop.csv:1:6: force: "},
+        {"time,force\ns,m\n0,1\n1,2\n", "drop.csv:2:3: force: "},
         {"time,force\n0,inf\n1,2\n", "drop.csv:2:3: an infinite number"},
         {"time,force\n", "drop.csv:1:1: too few lines of numbers"},
         {"", "drop.csv:1:1: too few lines of numbers"},

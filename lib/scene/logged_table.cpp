@@ -1,4 +1,4 @@
-#include "study/calibrate/logged_table.hpp"
+#include "lib/scene/logged_table.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "lib/scene/scene_error.hpp"
 #include "lib/scene/units.hpp"
 
-namespace twinchute::study {
+namespace twinchute {
 namespace {
 
 struct LoggedCell {
@@ -61,7 +61,11 @@ private:
         if (table_.lines.empty() && !has_units_line_ && is_line_of_units(cells)) {
             has_units_line_ = true;
             for (std::size_t i = 0; i < cells.size(); ++i)
-                if (!cells[i].text.empty()) table_.columns[i].unit = bare_unit(cells[i].text);
+                if (!cells[i].text.empty()) {
+                    table_.columns[i].unit = bare_unit(cells[i].text);
+                    table_.columns[i].unit_line = number;
+                    table_.columns[i].unit_column = cells[i].column;
+                }
             return;
         }
         table_.lines.push_back(number);
@@ -81,7 +85,8 @@ private:
             cells.pop_back();
         for (const LoggedCell& cell : cells) {
             LoggedColumn column;
-            column.column = cell.column;
+            column.column = column.unit_column = cell.column;
+            column.unit_line = number;
             std::string_view name = cell.text;
             if (const std::size_t open = name.find_first_of("[("); open != name.npos) {
                 column.unit = bare_unit(name.substr(open));
@@ -197,4 +202,65 @@ LoggedTable read_logged_table(std::string_view text, const std::string& file) {
     return LoggedReader(file).read(text);
 }
 
-}  // namespace twinchute::study
+namespace {
+
+bool is_acceleration(std::string_view unit) {
+    return unit == "m/s^2";
+}
+
+/// Factor of a column's unit to SI. Accelerometers count in standard gravities, which the units database
+/// takes for grams.
+double factor_of(const LoggedTable& table, const LoggedColumn& column, std::string_view si) {
+    const std::string& unit = column.unit;
+    if (unit.empty()) return 1.0;
+    if (is_acceleration(si) && (unit == "g" || unit == "G" || unit == "g0")) return 9.80665;
+    try {
+        return to_si("1 " + unit, si);
+    } catch (const UnitError& error) {
+        throw SceneError({table.file, column.unit_line, column.unit_column}, "",
+                         fmt::format("{}: {}", column.name, error.problem()), error.why(),
+                         error.suggestion());
+    }
+}
+
+const LoggedColumn& time_column(const LoggedTable& table) {
+    for (const char* name : {"time", "t"})
+        if (const LoggedColumn* column = table.find(name)) return *column;
+    throw SceneError({table.file, table.head_line, 1}, "", "the column 'time' is missing",
+                     "a history is read against it", "name it in the first line");
+}
+
+}  // namespace
+
+std::vector<double> logged_times(const LoggedTable& table) {
+    const LoggedColumn& column = time_column(table);
+    const double factor = factor_of(table, column, "s");
+    std::vector<double> times;
+    for (std::size_t i = 0; i < column.values.size(); ++i) {
+        const SourcePlace place{table.file, table.lines[i], column.column};
+        if (!column.values[i])
+            throw SceneError(place, "", "a line without a time", "",
+                             "leave out a line that was not measured");
+        const double time = *column.values[i] * factor;
+        if (!times.empty() && !(time > times.back()))
+            throw SceneError(place, "", "time does not rise",
+                             fmt::format("{} s after {} s", time, times.back()),
+                             "sort the lines by time, each once");
+        times.push_back(time);
+    }
+    return times;
+}
+
+LoggedHistory logged_history(const LoggedTable& table, const std::vector<double>& times,
+                             const LoggedColumn& column, std::string_view unit) {
+    const double factor = factor_of(table, column, unit);
+    LoggedHistory history;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        if (!column.values[i]) continue;
+        history.time.push_back(times[i]);
+        history.value.push_back(*column.values[i] * factor);
+    }
+    return history;
+}
+
+}  // namespace twinchute

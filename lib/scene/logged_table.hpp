@@ -6,12 +6,13 @@
 #include <string_view>
 #include <vector>
 
-namespace twinchute::study {
+namespace twinchute {
 
 struct LoggedColumn {
     std::string name;  ///< in lower case, blanks as '_', without the unit
     std::string unit;  ///< as written, from a line of its own or from brackets behind the name; empty: none
     int column = 1;    ///< of its cell in the first line, counted in bytes from 1
+    int unit_line = 1, unit_column = 1;  ///< of its unit, where it has one
     std::vector<std::optional<double>> values;  ///< nothing: an empty cell, or "nan"
 };
 
@@ -30,4 +31,17 @@ struct LoggedTable {
 /// and column of the cell that is wrong.
 LoggedTable read_logged_table(std::string_view text, const std::string& file);
 
-}  // namespace twinchute::study
+/// Readings of a column with their times: lines in which it holds a number.
+struct LoggedHistory {
+    std::vector<double> time;   ///< [s], rises
+    std::vector<double> value;  ///< [SI]
+};
+
+/// Time [s] of each line: the column `time` or `t`, which rises from line to line. Throws SceneError.
+std::vector<double> logged_times(const LoggedTable& table);
+/// `times`: logged_times(table); `unit`: SI, which a column without a unit is in. Accelerations may count in
+/// standard gravities, "g". Throws SceneError.
+LoggedHistory logged_history(const LoggedTable& table, const std::vector<double>& times,
+                             const LoggedColumn& column, std::string_view unit);
+
+}  // namespace twinchute
