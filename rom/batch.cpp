@@ -10,6 +10,7 @@
 #include "lib/math/lanes.hpp"
 #include "lib/math/maximum.hpp"
 #include "lib/models/inflation.hpp"
+#include "lib/scene/calibration.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/dense_output.hpp"
 #include "lib/solve/opening.hpp"
@@ -408,7 +409,7 @@ private:
 
 /// A scene whose own numbers let it go in a batch.
 bool takes(const Scene& scene) {
-    if (scene.parachutes.size() != 1 || scene.environment.wind) return false;
+    if (scene.parachutes.size() != 1 || scene.environment.wind || has_calibration(scene)) return false;
     const Parachute& p = scene.parachutes.front();
     const bool at_once =
         p.deploy.by == DeployBy::line_stretch && !p.deploy_when && !p.cut && p.reefing.empty();

@@ -261,8 +261,8 @@ RunRecord run_plain(const Scene& scene, Run& run) {
     }
 }
 
-RunStatus metrics_of(const Scene& scene, Run& run, std::span<const std::string> keys,
-                     std::span<double> values) {
+RunStatus plain_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
+                        std::span<double> values) {
     switch (dimensions_of(scene)) {
         case 1:
             return metrics_in<1>(scene, run, keys, values);
@@ -290,8 +290,8 @@ RunRecord run_rom(const Scene& scene, Run& run) {
 
 RunStatus rom_metrics(const Scene& scene, Run& run, std::span<const std::string> keys,
                       std::span<double> values) {
-    return has_calibration(scene) ? metrics_of(calibrated(scene), run, keys, values)
-                                  : metrics_of(scene, run, keys, values);
+    if (!has_calibration(scene)) return plain_metrics(scene, run, keys, values);
+    return plain_metrics(calibrated(scene), run, keys, values);
 }
 
 const Fidelity& rom_fidelity() {

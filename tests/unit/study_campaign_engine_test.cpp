@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lib/scene/calibration.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "rom/fidelity.hpp"
 #include "study/campaign/random.hpp"
@@ -39,6 +40,18 @@ TEST(CampaignEngine, MetricsAloneAreThoseOfTheRecord) {
             }
         }
     }
+}
+
+TEST(CampaignEngine, CalibratedParachutesAreThoseOfTheRecord) {
+    Scene scene = shipped("c9-inflation", {"stop.at=\"peak-force\""});
+    scene.parachutes.front().calibration =
+        CalibrationTable{"c.csv", {{150, 20, 1.2}}, {{"drag_area", {1.07}}}};
+    twinchute::Run run;
+    const std::vector<std::string> peak{"peak_force_N"};
+    std::vector<double> value(1);
+    rom::rom_fidelity().metrics(scene, run, peak, value);
+    EXPECT_EQ(value[0], rom::rom_fidelity().run(scene, run).metric("peak_force_N"));
+    EXPECT_FALSE(rom::rom_fidelity().batches(scene, peak));
 }
 
 const std::vector<std::string> keys{"peak_force_N",   "max_force_N",     "max_deceleration_g",
