@@ -76,6 +76,7 @@ bool says(const std::string& text, std::string_view what) {
 TEST_F(SystemCampaign, ShowsRunsFromEverywhere) {
     write("c.toml",
           "base = \"c9-inflation.toml\"\nset = ['stop.at=\"peak-force\"']\n[campaign]\nruns = 20000\n"
+          "design = \"sobol\"\n"
           "seed = 42\n[[vary]]\nkey = \"parachute.fill_time.n\"\ndist = { uniform = { low = 3, high = 5 } }\n"
           "[[vary]]\nkey = \"payload.mass\"\ndist = { uniform = { low = 140, high = 160 } }\n" +
               mean);
@@ -87,7 +88,7 @@ TEST_F(SystemCampaign, ShowsRunsFromEverywhere) {
         const std::size_t begin = page.find(std::string("peak force against ") + input);
         ASSERT_NE(begin, std::string::npos);
         const std::string picture = page.substr(begin, page.find("</svg>", begin) - begin);
-        EXPECT_GT(count_of(picture, "<circle"), 300u);
+        EXPECT_GT(count_of(picture, "<circle"), 230u);  // five deviations below 320
         for (const char* tick : ticks)
             EXPECT_TRUE(says(picture, tick)) << input << " " << tick;
     }
