@@ -90,10 +90,10 @@ std::vector<std::vector<double>> best_starts(const Likelihood& likelihood, const
         return false;
     };
     std::vector<std::vector<double>> starts;
-    for (const auto& [sum, point] : found)
+    for (const auto& one : found)
         if (starts.size() < starts_fitted &&
-            std::ranges::all_of(starts, [&](const auto& before) { return is_apart(point, before); }))
-            starts.push_back(point);
+            std::ranges::all_of(starts, [&](const auto& before) { return is_apart(one.second, before); }))
+            starts.push_back(one.second);
     return starts;
 }
 
