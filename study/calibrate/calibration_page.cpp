@@ -6,9 +6,9 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/render/plot.hpp"
-#include "compare/report/page_files.hpp"
 #include "study/calibrate/calibration_files.hpp"
 #include "study/calibrate/calibration_tables.hpp"
+#include "study/page.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -16,18 +16,6 @@ namespace {
 using compare::Plot;
 using compare::PlotSeries;
 using compare::xml_text;
-
-// Nothing may be fetched, sent or framed, whatever a name in a file manages to smuggle in.
-constexpr const char* policy =
-    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
-
-std::string section(const char* id, const char* title, const std::string& body) {
-    return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, title, body);
-}
-
-std::string figure(const Plot& plot) {
-    return "<figure>" + svg_plot(plot) + "</figure>\n";
-}
 
 std::string history_title(const HistoryFit& fit) {
     return fmt::format("{}, {}", fit.measured.kind->title, fit.test->name);
@@ -130,7 +118,7 @@ std::string summary_of(const Calibration& calibration, const Scene& scene,
     for (const std::string& remark : remarks_of(calibration))
         remarks += "<li>" + xml_text(remark) + "</li>\n";
     if (!remarks.empty()) body += "<ul>\n" + remarks + "</ul>\n";
-    return section("summary", xml_text(scene.name).c_str(), body);
+    return page_section("summary", xml_text(scene.name), body);
 }
 
 }  // namespace
@@ -140,27 +128,18 @@ std::string calibration_page(const Calibration& calibration, const Scene& scene,
     std::string fits =
         html_table(fits_table(calibration), "What was measured, and what the model leaves over", "", "fits");
     for (const HistoryFit& fit : calibration.histories)
-        fits += figure(fit_plot(fit)) + figure(residual_plot(fit));
+        fits += page_figure(fit_plot(fit)) + page_figure(residual_plot(fit));
     std::string marginals = html_table(correlation_table(calibration), "Correlation", "", "correlation");
     for (const Parameter& p : calibration.parameters)
-        if (!p.held && p.sigma > 0.0) marginals += figure(marginal_plot(p));
+        if (!p.held && p.sigma > 0.0) marginals += page_figure(marginal_plot(p));
     std::string bands = html_table(bands_table(calibration), "The scene itself, dropped again", "", "bands");
     for (const Band& band : calibration.predictive)
-        if (band.draws.size() > 1) bands += figure(band_plot(band));
-    const Provenance made = current_provenance();
-    std::string page = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<meta name=\"color-scheme\" content=\"light dark\">\n<meta name=\"generator\" "
-        "content=\"twinchute\">\n"
-        "<title>{}, calibrated - twinchute</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
-        policy, xml_text(scene.name), compare::page_file("report.css"));
-    page += summary_of(calibration, scene, tests) + section("fit", "Fit and residuals", fits) +
-            section("marginals", "Inputs", marginals);
-    if (!calibration.predictive.empty()) page += section("next", "The next drop", bands);
-    return page + fmt::format("<footer><p>twinchute {} ({})</p></footer>\n</main>\n</body>\n</html>\n",
-                              xml_text(made.version), xml_text(made.commit));
+        if (band.draws.size() > 1) bands += page_figure(band_plot(band));
+    std::string page;
+    page += summary_of(calibration, scene, tests) + page_section("fit", "Fit and residuals", fits) +
+            page_section("marginals", "Inputs", marginals);
+    if (!calibration.predictive.empty()) page += page_section("next", "The next drop", bands);
+    return whole_page(scene.name + ", calibrated", page);
 }
 
 }  // namespace twinchute::study

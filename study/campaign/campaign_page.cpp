@@ -6,8 +6,8 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/render/plot.hpp"
-#include "compare/report/page_files.hpp"
 #include "study/campaign/campaign_files.hpp"
+#include "study/page.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -15,18 +15,6 @@ namespace {
 using compare::Plot;
 using compare::PlotSeries;
 using compare::xml_text;
-
-// Nothing may be fetched, sent or framed, whatever a name in a file manages to smuggle in.
-constexpr const char* policy =
-    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
-
-std::string section(const char* id, const char* title, const std::string& body) {
-    return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, title, body);
-}
-
-std::string figure(const Plot& plot) {
-    return "<figure>" + svg_plot(plot) + "</figure>\n";
-}
 
 std::string label_of(std::string_view metric) {
     const std::string_view unit = split_metric_key(metric).unit;
@@ -180,50 +168,41 @@ std::string summary_of(const Campaign& campaign) {
                         campaign.both->pilot) +
             html_table(pairs_table(*campaign.both), "The full model, by way of the reduced one", "", "pairs");
     body += html_table(inputs_table(campaign), "What varies", "", "inputs");
-    return section("summary", xml_text(campaign.spec.name).c_str(), body);
+    return page_section("summary", xml_text(campaign.spec.name), body);
 }
 
 std::string metric_section(const Campaign& campaign, std::size_t m) {
     const Histogram& h = campaign.results.histograms[m];
     if (h.moments.count == 0) return {};
-    std::string body = figure(histogram_plot(campaign, h)) + figure(exceedance_plot(campaign, h));
+    std::string body = page_figure(histogram_plot(campaign, h)) + page_figure(exceedance_plot(campaign, h));
     const MetricIndices& indices = campaign.results.indices[m];
     body += html_table(indices_table(campaign, indices),
                        "Share of the variance that goes with each input, with its 95 % interval", "",
                        fmt::format("indices-{}", m));
     for (std::size_t i = 0; i < campaign.spec.inputs.size(); ++i)
-        body += figure(scatter_plot(campaign, h.metric, i));
-    return section(fmt::format("metric-{}", m).c_str(), xml_text(metric_words(h.metric)).c_str(), body);
+        body += page_figure(scatter_plot(campaign, h.metric, i));
+    return page_section(fmt::format("metric-{}", m), xml_text(metric_words(h.metric)), body);
 }
 
 }  // namespace
 
 std::string campaign_page(const Campaign& campaign) {
     const CampaignResults& r = campaign.results;
-    const Provenance made = current_provenance();
-    std::string page = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<meta name=\"color-scheme\" content=\"light dark\">\n<meta name=\"generator\" "
-        "content=\"twinchute\">\n<title>{}, campaign - "
-        "twinchute</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
-        policy, xml_text(campaign.spec.name), compare::page_file("report.css"));
+    std::string page;
     page += summary_of(campaign);
-    if (r.has_landing) page += section("landing", "Landing", figure(landing_plot(campaign)));
+    if (r.has_landing) page += page_section("landing", "Landing", page_figure(landing_plot(campaign)));
     for (std::size_t m = 0; m < r.histograms.size(); ++m)
         page += metric_section(campaign, m);
     std::string trails;
     for (const Answer& answer : r.answers)
-        if (answer.trail.size() > 1) trails += figure(trail_plot(answer));
-    if (!trails.empty()) page += section("intervals", "Intervals", trails);
+        if (answer.trail.size() > 1) trails += page_figure(trail_plot(answer));
+    if (!trails.empty()) page += page_section("intervals", "Intervals", trails);
     if (!r.failed.empty())
-        page += section(
+        page += page_section(
             "failures", "Runs that did not end as they should",
             html_table(failures_table(campaign),
                        "Indices count from 0; <code>--rerun INDEX</code> runs one in full", "", "failed"));
-    return page + fmt::format("<footer><p>twinchute {} ({})</p></footer>\n</main>\n</body>\n</html>\n",
-                              xml_text(made.version), xml_text(made.commit));
+    return whole_page(campaign.spec.name + ", campaign", page);
 }
 
 }  // namespace twinchute::study

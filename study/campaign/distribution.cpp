@@ -164,12 +164,12 @@ double Distribution::whole_above(double x) const {
 
 namespace {
 
-constexpr const char* names[] = {"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
+constexpr const char* kind_names[] = {"normal", "lognormal", "uniform", "triangular", "discrete", "table"};
 
 }  // namespace
 
 std::string Distribution::text() const {
-    std::string text = names[static_cast<std::size_t>(kind_)];
+    std::string text = kind_names[static_cast<std::size_t>(kind_)];
     if (!values_.empty())
         text += fmt::format("({}; {}; {})", fmt::join(words_, ", "), fmt::join(values_, ", "),
                             fmt::join(below_, ", "));
@@ -179,7 +179,7 @@ std::string Distribution::text() const {
 }
 
 std::string Distribution::shown() const {
-    std::string text = names[static_cast<std::size_t>(kind_)];
+    std::string text = kind_names[static_cast<std::size_t>(kind_)];
     if (!words_.empty())
         text += fmt::format(" of {}", fmt::join(words_, ", "));
     else if (!values_.empty())
