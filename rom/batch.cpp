@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "lib/math/lanes.hpp"
@@ -149,10 +149,10 @@ private:
     LaneSolver& shared_solver(double rtol) {
         thread_local Batch* flying = nullptr;
         thread_local double its_rtol = 0.0;
-        thread_local std::unique_ptr<LaneSolver> solver;
+        thread_local std::optional<LaneSolver> solver;
         flying = this;
         if (!solver || its_rtol != rtol) {
-            solver = std::make_unique<LaneSolver>(
+            solver.emplace(
                 lanes, 3, [](double s, const double* y, double* dyds) { flying->rhs(s, y, dyds); }, rtol,
                 smallest_scale);
             its_rtol = rtol;

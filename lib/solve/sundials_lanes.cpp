@@ -64,7 +64,7 @@ void combine(int count, const double* c, const double* const* x, double* z, suni
 
 int linear_combination(int count, realtype* c, N_Vector* x, N_Vector z) {
     constexpr int most = 16;
-    if (count > most) return -1;
+    if (count < 1 || count > most) return -1;
     const double* parts[most];
     for (int k = 0; k < count; ++k)
         parts[k] = NV_DATA_S(x[k]);
