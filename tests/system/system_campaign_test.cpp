@@ -17,7 +17,8 @@
 namespace twinchute::test {
 namespace {
 
-const std::string example = TWINCHUTE_SOURCE_DIR "/data/campaigns/c9-overload.toml";
+const std::string templates = TWINCHUTE_SOURCE_DIR "/data/campaigns/",
+                  example = templates + "c9-overload.toml";
 
 /// A campaign of the C-9 to its peak force, one input.
 std::string campaign_text(const std::string& plan, const std::string& answers) {
@@ -296,9 +297,9 @@ TEST_F(SystemCampaign, RanksOfMpiMakeTheSame) {
     if (!has_program("mpirun")) GTEST_SKIP() << "no mpirun (Debian: openmpi-bin)";
     write_runs();
     ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
-    const Ended ended = Process({"/usr/bin/env", "TWINCHUTE=" TWINCHUTE_PROGRAM, "OMPI_ALLOW_RUN_AS_ROOT=1",
-                                 "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "--oversubscribe", "-n", "3",
-                                 TWINCHUTE_SOURCE_DIR "/data/campaigns/mpi-rank.sh", "c.toml", "ranks"},
+    const Ended ended = Process({"/usr/bin/env", std::string("TWINCHUTE=") + TWINCHUTE_PROGRAM,
+                                 "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun",
+                                 "--oversubscribe", "-n", "3", templates + "mpi-rank.sh", "c.toml", "ranks"},
                                 here_.path())
                             .wait();
     ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
@@ -306,18 +307,15 @@ TEST_F(SystemCampaign, RanksOfMpiMakeTheSame) {
 }
 
 TEST_F(SystemCampaign, AnArrayOfSlurmMakesTheSame) {
-    const Ended started =
-        run_script("tests/system/slurm_array.py",
-                   {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml",
-                    "array", "--check"},
-                   here_.path());
+    const Ended started = run_script(
+        "tests/system/slurm_array.py",
+        {TWINCHUTE_PROGRAM, templates + "slurm-array.sh", "4", "c.toml", "array", "--check"}, here_.path());
     if (started.code != 0) GTEST_SKIP() << started.err;
     write_runs();
     ASSERT_EQ(campaign({"--out", "one", "--quiet"}).code, 0);
-    const Ended ended = run_script(
-        "tests/system/slurm_array.py",
-        {TWINCHUTE_PROGRAM, TWINCHUTE_SOURCE_DIR "/data/campaigns/slurm-array.sh", "4", "c.toml", "array"},
-        here_.path());
+    const Ended ended =
+        run_script("tests/system/slurm_array.py",
+                   {TWINCHUTE_PROGRAM, templates + "slurm-array.sh", "4", "c.toml", "array"}, here_.path());
     ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
     EXPECT_EQ(digest("one"), digest("array"));
 }
