@@ -1,6 +1,6 @@
-// Many runs of one kind of scene side by side: a canopy that opens at once from line stretch, to its peak force
-// or until it is full. All that happens is known at snatch then, so that each stage takes as long as it takes in
-// its own normalised time, and all lanes come to its end together.
+// Many runs of one kind of scene side by side: a canopy that opens at once from line stretch, to its peak
+// force or until it is full. All that happens is known at snatch then, so that each stage takes as long as it
+// takes in its own normalised time, and all lanes come to its end together.
 #pragma once
 
 #include <span>

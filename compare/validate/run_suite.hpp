@@ -59,10 +59,10 @@ struct SuiteResult {
     std::string name, title, about, file;
     Evidence evidence = Evidence::exact;
     std::vector<RowResult> rows;
-    std::vector<std::string> remarks;  ///< what a case says of itself, a sentence each
+    std::vector<std::string> remarks;       ///< what a case says of itself, a sentence each
     std::vector<std::string> calibrations;  ///< inputs of cases that are judged by other drops, a line each
-    std::vector<std::string> offsets;  ///< errors that cases say together, a line each (ValidationCase)
-    double seconds = 0.0;              ///< [s] wall time
+    std::vector<std::string> offsets;       ///< errors that cases say together, a line each (ValidationCase)
+    double seconds = 0.0;                   ///< [s] wall time
 
     int count(RowVerdict verdict) const;
     int judged() const { return count(RowVerdict::within) + count(RowVerdict::exceeded); }

@@ -12,7 +12,7 @@ struct LoggedColumn {
     std::string name;  ///< in lower case, blanks as '_', without the unit
     std::string unit;  ///< as written, from a line of its own or from brackets behind the name; empty: none
     int column = 1;    ///< of its cell in the first line, counted in bytes from 1
-    int unit_line = 1, unit_column = 1;  ///< of its unit, where it has one
+    int unit_line = 1, unit_column = 1;         ///< of its unit, where it has one
     std::vector<std::optional<double>> values;  ///< nothing: an empty cell, or "nan"
 };
 

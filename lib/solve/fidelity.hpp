@@ -66,8 +66,8 @@ struct Fidelity {
     Plan (*plan)(const Scene&, const PlanBasis&) = nullptr;
     bool keeps_checkpoints = false;  ///< its runs may be long: it saves states, and goes on from them
     bool gives_samples = false;      ///< it takes Run::samples
-    /// Metrics of a run by their keys in a record, NaN where it has none, and how it ended: those of run(), for
-    /// who makes very many. Null: run() alone has them.
+    /// Metrics of a run by their keys in a record, NaN where it has none, and how it ended: those of run(),
+    /// for who makes very many. Null: run() alone has them.
     RunStatus (*metrics)(const Scene&, Run&, std::span<const std::string> keys,
                          std::span<double> values) = nullptr;
     /// Whether metrics_of_batch() takes scenes of this kind, for these metrics. Null: none.

@@ -22,8 +22,8 @@ struct Coverage {
 };
 
 /// Drops of the demo with n from 3 to 9, a drag area of 34 to 52 m^2, a ratio of 0.02 to 0.15 and a clock
-/// that is off by up to 1 s. They are as long as filling and a second of descent take. `step` [s]: from reading
-/// to reading.
+/// that is off by up to 1 s. They are as long as filling and a second of descent take. `step` [s]: from
+/// reading to reading.
 inline std::vector<Coverage> coverage_of(int drops, int threads, double step = 5e-3) {
     constexpr std::array names{"parachute.fill_time.n", "parachute.drag_area",
                                "parachute.initial_drag_area_ratio", study::clock_offset};
