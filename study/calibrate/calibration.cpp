@@ -325,10 +325,13 @@ void add_fits(Calibration& calibration, const Likelihood& likelihood, const std:
     }
 }
 
-/// Says where a test has hardly a reading of the filling: the sum of squares is then a landscape of valleys.
+/// Says where a test has hardly a reading of the filling: the sum of squares is then a landscape of valleys,
+/// and no interval of what the filling alone tells is to be relied on. A record has its answers beside its
+/// readings.
 void note_sparse_readings(Calibration& calibration, const Likelihood& likelihood,
                           const std::vector<double>& values) {
     constexpr int few = 6;
+    bool any = false, all = true;
     for (std::size_t t = 0; t < likelihood.tests().size(); ++t) {
         const FittedTest& one = likelihood.tests()[t];
         const auto [begin, end] = one.prediction.filling(likelihood.scene_of(t, values));
@@ -341,12 +344,25 @@ void note_sparse_readings(Calibration& calibration, const Likelihood& likelihood
             }
             most = std::max(most, count);
         }
-        if (!one.test.histories.empty() && end > begin && most < few)
+        if (one.test.is_record || one.test.histories.empty() || !(end > begin)) continue;
+        any = true;
+        all = all && most < few;
+        if (most < few)
             calibration.notes.push_back(
                 fmt::format("{}: {} readings lie within the filling of {:.2g} s: what it alone sees, the "
                             "fill constant, the "
                             "initial ratio and the clock, is not to be relied on",
                             one.test.name, most, end - begin));
+    }
+    if (!any || !all) return;
+    for (Parameter& p : calibration.parameters) {
+        const std::string& name = p.unknown.name;
+        const bool of_filling = p.unknown.kind == Unknown::Kind::clock || name.ends_with(".fill_time.n") ||
+                                name.ends_with(".initial_drag_area_ratio") ||
+                                name.ends_with(".drag_area_exponent");
+        if (!of_filling || p.held) continue;
+        p.identified = false;
+        p.why = "too few readings lie within the filling";
     }
 }
 

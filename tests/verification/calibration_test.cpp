@@ -243,10 +243,17 @@ TEST(CalibrationOfASyntheticDrop, SaysWhereFewReadingsLieInTheFilling) {
         });
     };
     SyntheticDrop drop;
-    EXPECT_FALSE(says(calibrated({drop.test()})));
+    const Calibration dense = calibrated({drop.test()});
+    EXPECT_FALSE(says(dense));
+    EXPECT_TRUE(dense.find(fill_constant)->identified);
     drop.step = 0.6;
     drop.length = 6.0;
-    EXPECT_TRUE(says(calibrated({drop.test()})));
+    const Calibration sparse = calibrated({drop.test()});
+    EXPECT_TRUE(says(sparse));
+    EXPECT_FALSE(sparse.find(fill_constant)->identified);
+    EXPECT_FALSE(sparse.find(initial_ratio)->identified);
+    // A descent of three seconds knows the drag area, or says itself that it does not.
+    EXPECT_EQ(sparse.find(drag_area)->why.find("readings"), std::string::npos);
 }
 
 TEST(CalibrationOfASyntheticDrop, IsTheSameAgain) {
