@@ -68,14 +68,12 @@ std::span<const DragAreaLaw> drag_area_laws() {
     return laws;
 }
 
-ValueAndRate DragAreaGrowth::at(double x, std::size_t piece) const {
-    if (table != nullptr) return table->at(x, piece);
-    return exponent > 0.0 ? power(x, eta, exponent) : law->at(x, eta);
+ValueAndRate DragAreaGrowth::power(double x) const {
+    return twinchute::power(x, eta, exponent);
 }
 
-double DragAreaGrowth::integral(double x) const {
-    if (table != nullptr) return table->integral(x);
-    return exponent > 0.0 ? power_integral(x, eta, exponent) : law->integral(x, eta);
+double DragAreaGrowth::power_integral(double x) const {
+    return twinchute::power_integral(x, eta, exponent);
 }
 
 const DragAreaLaw* find_drag_area_law(std::string_view name) {

@@ -76,10 +76,20 @@ struct DragAreaGrowth {
     double exponent = 0.0;  ///< j of eta^2 + (1 - eta^2) x^j [-] in place of the law; 0: none
 
     /// `piece`: of the table, see there.
-    ValueAndRate at(double x, std::size_t piece = 0) const;
-    double integral(double x) const;
+    ValueAndRate at(double x, std::size_t piece = 0) const {
+        return table != nullptr ? table->at(x, piece) : exponent > 0.0 ? power(x) : law->at(x, eta);
+    }
+    double integral(double x) const {
+        return table != nullptr ? table->integral(x)
+               : exponent > 0.0 ? power_integral(x)
+                                : law->integral(x, eta);
+    }
     /// The fill fraction from which on the drag area is steady; 1 unless the canopy over-inflates.
     double end() const { return table != nullptr ? table->end() : 1.0; }
+
+private:
+    ValueAndRate power(double x) const;
+    double power_integral(double x) const;
 };
 
 }  // namespace twinchute
