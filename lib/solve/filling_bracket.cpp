@@ -20,6 +20,14 @@ void add_filling_bracket(RunRecord& record, const Scene& scene, double density,
                       filling.entrance_loss,
                       filling_canopy(*predicted).critical_speed(density),
                       {}};
+    const auto is_filling_time = [](const Metric& metric) {
+        return metric.key.ends_with("filling_time_s") && metric.kind == MetricKind::result;
+    };
+    // A scene that stops before its canopy is open asks for no filling time, and neither do longer runs.
+    const StatusCode code = record.status.code;
+    if ((code == StatusCode::completed || code == StatusCode::stopped_by_event) &&
+        std::ranges::none_of(record.metrics, is_filling_time))
+        return;
     std::vector<RunRecord> ends;
     for (const double mouth : {filling.lowest_mouth, filling.highest_mouth}) {
         Scene other = scene;
@@ -35,7 +43,7 @@ void add_filling_bracket(RunRecord& record, const Scene& scene, double density,
         return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
     };
     for (Metric& time : record.metrics) {
-        if (!time.key.ends_with("filling_time_s") || time.kind != MetricKind::result) continue;
+        if (!is_filling_time(time)) continue;
         time.note += fmt::format("{}{} from the lowest mouth, {:g}, {} from the highest, {:g}",
                                  time.note.empty() ? "" : "; ", text(ends[0].metric(time.key)),
                                  filling.lowest_mouth, text(ends[1].metric(time.key)), filling.highest_mouth);

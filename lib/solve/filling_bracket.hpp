@@ -11,7 +11,7 @@ namespace twinchute {
 /// Adds the filling of a record, and the same drop from the lowest and the highest initial mouth; every
 /// predicted filling time says what they make of it. `density` [kg/m^3]: at snatch. `run_again`: runs a scene
 /// that differs in its mouth, past its peak force at least; its record has the metrics of a filling that it
-/// came to. Does nothing where no filling is predicted.
+/// came to. Does nothing where no filling is predicted, and runs nothing where the record stopped before one.
 void add_filling_bracket(RunRecord& record, const Scene& scene, double density,
                          const std::function<RunRecord(const Scene&)>& run_again);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "fullsim/fidelity.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "rom/fidelity.hpp"
@@ -82,14 +83,15 @@ TEST_F(GeneratedRuns, RomEndsSoundly) {
 TEST_F(GeneratedRuns, FullEndsSoundly) {
     SceneGenerator generator(5);
     std::map<StatusCode, int> endings;
-    for (int i = 0; i < full_runs; ++i) {
+    for (int made = 0; made < full_runs;) {
         const std::string text = scene_of_lines(generator.valid());
         Scene scene = read_scene_text(text, "generated.toml", directory_.path());
-        if (scene.parachutes.front().filling.is_predicted()) continue;  // that is the other model's
-        scene.parachutes.front().mesh.reset();                          // there is no such file
+        scene.parachutes.front().mesh.reset();  // there is no such file
         if (scene.payload.body)  // one that any number of risers reaches over
             scene.payload.body = {PayloadBody::Shape::cylinder,
                                   {0.5 * scene.parachutes.front().riser_length, 1.0}};
+        if (!fullsim::full_fidelity().unsupported_keys(scene).empty()) continue;
+        ++made;
         scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores
         // Random materials may ask for steps of nanoseconds: as far as 20 000 of them go.
         const double step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
@@ -101,6 +103,7 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
     }
     for (const auto& [code, count] : endings)
         RecordProperty(std::string(status_name(code)), count);
+    // Random materials tear or ask for steps too small; a battery of those alone would show nothing.
     EXPECT_GT(endings[StatusCode::completed], full_runs / 5);
 }
 

@@ -168,6 +168,16 @@ TEST(RomFilling, IsBracketedByItsInitialMouth) {
     EXPECT_FALSE(run_rom(test::c9_scene()).filling) << "a prescribed filling has none";
 }
 
+// The other mouths are flown to their peak, which may be far past a stop that the scene names.
+TEST(RomFilling, HasNoBracketWhereTheSceneStopsBeforeTheOpening) {
+    Scene scene = predicted_scene();
+    scene.stop = {Trigger::Kind::time, 0.1, 0.0};
+    const RunRecord record = run_rom(scene);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    ASSERT_TRUE(record.filling);
+    EXPECT_TRUE(record.filling->bracket.empty());
+}
+
 // Fabric of 300 ft^3/min/ft^2 at 100 m/s lets out all that the mouth takes in. Without gravity the drop slows
 // down to the critical speed, and opens there; with a payload too heavy to slow down it lands so.
 TEST(RomFilling, SquidsAboveTheCriticalSpeed) {
