@@ -87,7 +87,7 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
         const std::string text = scene_of_lines(generator.valid());
         Scene scene = read_scene_text(text, "generated.toml", directory_.path());
         scene.parachutes.front().mesh.reset();  // there is no such file
-        if (scene.payload.body)  // one that any number of risers reaches over
+        if (scene.payload.body)                 // one that any number of risers reaches over
             scene.payload.body = {PayloadBody::Shape::cylinder,
                                   {0.5 * scene.parachutes.front().riser_length, 1.0}};
         if (!fullsim::full_fidelity().unsupported_keys(scene).empty()) continue;
