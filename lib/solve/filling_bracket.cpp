@@ -20,13 +20,10 @@ void add_filling_bracket(RunRecord& record, const Scene& scene, double density,
                       filling.entrance_loss,
                       filling_canopy(*predicted).critical_speed(density),
                       {}};
-    const auto is_filling_time = [](const Metric& metric) {
-        return metric.key.ends_with("filling_time_s") && metric.kind == MetricKind::result;
-    };
     // A scene that stops before its canopy is open asks for no filling time, and neither do longer runs.
     const StatusCode code = record.status.code;
     if ((code == StatusCode::completed || code == StatusCode::stopped_by_event) &&
-        std::ranges::none_of(record.metrics, is_filling_time))
+        std::ranges::none_of(record.events, [](const Event& e) { return e.name.ends_with("full-open"); }))
         return;
     std::vector<RunRecord> ends;
     for (const double mouth : {filling.lowest_mouth, filling.highest_mouth}) {
@@ -43,7 +40,7 @@ void add_filling_bracket(RunRecord& record, const Scene& scene, double density,
         return value ? fmt::format("{:.3g} s", *value) : std::string("no opening");
     };
     for (Metric& time : record.metrics) {
-        if (!is_filling_time(time)) continue;
+        if (!time.key.ends_with("filling_time_s") || time.kind != MetricKind::result) continue;
         time.note += fmt::format("{}{} from the lowest mouth, {:g}, {} from the highest, {:g}",
                                  time.note.empty() ? "" : "; ", text(ends[0].metric(time.key)),
                                  filling.lowest_mouth, text(ends[1].metric(time.key)), filling.highest_mouth);

@@ -56,7 +56,7 @@ TEST_F(SystemReport, PrintsWhatComparePrints) {
 }
 
 TEST_F(SystemReport, APredictedFillingStandsBesideItsBracket) {
-    const Ended compared = run({"compare", "scene.toml", "--out", "out", "--set", "stop.time=1", "--set",
+    const Ended compared = run({"compare", "scene.toml", "--out", "out", "--set", "stop.time=2", "--set",
                                 "parachute.filling={model='predicted',initial_mouth=0.02}"});
     EXPECT_LT(compared.code, 2) << compared.err;
     const auto before = files("out");
