@@ -164,15 +164,34 @@ private:
     Moments moments_;
 };
 
+Engine engine_of(const Campaign& campaign, const CampaignRuns& runs, const CampaignSettings& settings) {
+    return {campaign.spec,  *campaign.sampler, *runs.fidelity, runs.columns, settings.threads,
+            settings.shard, settings.shards,   settings.stop,  {},           runs.in_batches};
+}
+
 bool make_runs(const Campaign& campaign, const CampaignRuns& runs, std::uint64_t count,
                const CampaignSettings& settings) {
     Running running(campaign, runs, count, settings);
-    const Engine engine{
-        campaign.spec,   *campaign.sampler, *runs.fidelity,
-        runs.columns,    settings.threads,  settings.shard,
-        settings.shards, settings.stop,     [&](std::span<const double> rows) { running.add(rows); },
-        runs.in_batches};
+    Engine engine = engine_of(campaign, runs, settings);
+    engine.made = [&](std::span<const double> rows) { running.add(rows); };
     return engine.run(*runs.store, count);
+}
+
+/// Simulations of the answers that are probabilities.
+bool simulate_rare(Campaign& campaign, const CampaignSettings& settings) {
+    const CampaignRuns& runs = campaign.of.front();
+    const Engine engine = engine_of(campaign, runs, settings);
+    for (std::size_t i = 0; i < campaign.spec.answers.size(); ++i) {
+        const AnswerSpec& answer = campaign.spec.answers[i];
+        std::optional<RareEvent>& event = campaign.rare.emplace_back();
+        if (answer.kind != AnswerSpec::Kind::probability || !runs.columns.of(answer.metric)) continue;
+        if (settings.progress)
+            settings.progress({fmt::format("{}, subset simulation", answer.name),
+                               std::numeric_limits<double>::quiet_NaN(), 1.0});
+        event = estimate_rare(engine, answer, i);
+        if (!event) return false;
+    }
+    return true;
 }
 
 bool is_narrow(const StopRule& rule, const Interval& value) {
@@ -252,6 +271,7 @@ void run_campaign(Campaign& campaign, const CampaignSettings& settings) {
     bool done = campaign.spec.until && !both ? run_until(campaign, settings)
                                              : make_runs(campaign, first, campaign.spec.runs, settings);
     if (done && both) done = run_pairs(campaign, settings);
+    if (done && campaign.spec.rare) done = simulate_rare(campaign, settings);
     campaign.interrupted = !done;
     campaign.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -259,6 +279,8 @@ void run_campaign(Campaign& campaign, const CampaignSettings& settings) {
 void evaluate_campaign(Campaign& campaign) {
     const CampaignRuns& first = campaign.of.front();
     campaign.results = evaluate(campaign.spec, *first.store, first.columns, campaign.spec.runs);
+    for (std::size_t i = 0; i < campaign.rare.size(); ++i)
+        if (campaign.rare[i]) take_simulation(campaign.results.answers[i], *campaign.rare[i]);
     if (campaign.of.size() < 2) return;
     const CampaignRuns& dear = campaign.of[1];
     campaign.both = combine(campaign.spec, *first.store, first.columns, *dear.store, dear.columns,

@@ -11,6 +11,7 @@
 
 #include "lib/solve/fidelity.hpp"
 #include "study/campaign/multi_fidelity.hpp"
+#include "study/campaign/rare.hpp"
 #include "study/campaign/results.hpp"
 #include "study/campaign/sampler.hpp"
 #include "study/campaign/spec.hpp"
@@ -36,7 +37,9 @@ struct Campaign {
     CampaignResults results = {};
     std::optional<MultiFidelity> both = {};
     std::uint64_t full_runs = 0;  ///< of `both`
-    double seconds = 0.0;         ///< [s] that making the runs took
+    std::vector<std::optional<RareEvent>> rare =
+        {};                ///< of each answer that is a probability, once it is made
+    double seconds = 0.0;  ///< [s] that making the runs took
     int threads = 1;
     bool interrupted = false;
 };

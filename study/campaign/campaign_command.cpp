@@ -165,9 +165,9 @@ ExitCode run_command(const Fidelity& rom, const Fidelity& full, const Arguments&
     CampaignSettings settings = settings_of(arguments);
     CampaignSpec spec = read_campaign(arguments.operand);
     const bool is_shard = arguments.has("shard");
-    if (is_shard && (spec.until || spec.fidelity == CampaignFidelity::both))
+    if (is_shard && (spec.until || spec.rare || spec.fidelity == CampaignFidelity::both))
         throw UsageError(
-            "--shard does not go with 'until' or fidelity = \"both\" (how many runs there are follows "
+            "--shard does not go with 'until', 'rare' or fidelity = \"both\" (which runs there are follows "
             "from all of them), give runs");
     const fs::path directory =
         arguments.value("out").value_or(default_output_dir(arguments.operand).string());

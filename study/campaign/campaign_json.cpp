@@ -19,7 +19,18 @@ ordered_json interval_json(const Interval& value) {
     return {{"estimate", number(value.estimate)}, {"interval_95", {number(value.low), number(value.high)}}};
 }
 
-ordered_json answer_json(const Answer& answer) {
+ordered_json rare_json(const RareEvent& event, const CampaignSpec& spec) {
+    ordered_json json{{"simulations", simulations},
+                      {"levels", event.levels},
+                      {"failed", event.failed},
+                      {"direct", interval_json(event.direct)},
+                      {"inputs", ordered_json::object()}};
+    for (std::size_t i = 0; i < event.inputs.size(); ++i)
+        json["inputs"][spec.inputs[i].key] = number(event.inputs[i]);
+    return json;
+}
+
+ordered_json answer_json(const Answer& answer, const CampaignSpec& campaign) {
     const AnswerSpec& spec = *answer.spec;
     constexpr const char* kinds[] = {"probability", "quantile", "mean", "ellipse"};
     ordered_json json = interval_json(answer.value);
@@ -29,7 +40,10 @@ ordered_json answer_json(const Answer& answer) {
     json["unit"] = spec.kind == AnswerSpec::Kind::probability ? "" : spec.unit;
     json["method"] = answer.method;
     json["runs"] = answer.count;
-    if (spec.kind == AnswerSpec::Kind::probability) json["hits"] = answer.hits;
+    if (answer.rare)
+        json["rare"] = rare_json(*answer.rare, campaign);
+    else if (spec.kind == AnswerSpec::Kind::probability)
+        json["hits"] = answer.hits;
     if (spec.level > 0.0) json["level"] = spec.level;
     if (answer.ellipse) {
         const Ellipse& e = *answer.ellipse;
@@ -101,7 +115,7 @@ std::string campaign_json(const Campaign& campaign) {
         json["failures"][status] = {{"runs", failed.count}, {"first", failed.first}};
     json["answers"] = ordered_json::array();
     for (const Answer& answer : r.answers)
-        json["answers"].push_back(answer_json(answer));
+        json["answers"].push_back(answer_json(answer, spec));
     json["sensitivity"] = indices_json(campaign);
     if (campaign.both) json["both"] = both_json(*campaign.both);
     json["engine"] = campaign.of.front().engine;

@@ -16,6 +16,11 @@ std::size_t sequence_dimensions(const CampaignSpec& spec) {
     return spec.inputs.size() * (spec.design == DesignKind::saltelli ? 2 : 1);
 }
 
+/// Share of a standard normal variable that lies below, never an end of the interval from 0 to 1.
+double share_below(double score) {
+    return std::clamp(gsl_cdf_ugaussian_P(score), 0x1p-54, 1.0 - 0x1p-53);
+}
+
 }  // namespace
 
 Design::Design(const CampaignSpec& spec)
@@ -39,16 +44,26 @@ void Design::values(std::uint64_t run, std::span<double> values) {
             scores_[i] =
                 point_[i] < 0.5 ? gsl_cdf_ugaussian_Pinv(point_[i]) : gsl_cdf_ugaussian_Qinv(1.0 - point_[i]);
         for (std::size_t i = 0; i < point_.size(); ++i) {
-            double score = 0.0;
-            for (std::size_t j = 0; j <= i; ++j)
-                score += root_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * scores_[j];
             // An uncorrelated input keeps its bits.
             if (root_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) != 1.0)
-                point_[i] = std::clamp(gsl_cdf_ugaussian_P(score), 0x1p-54, 1.0 - 0x1p-53);
+                point_[i] = share_below(correlated_score(scores_, i));
         }
     }
     for (std::size_t i = 0; i < point_.size(); ++i)
         values[i] = spec_.inputs[i].distribution->at(point_[i]);
+}
+
+void Design::values_at(std::span<const double> scores, std::span<double> values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = spec_.inputs[i].distribution->at(
+            share_below(root_.size() > 0 ? correlated_score(scores, i) : scores[i]));
+}
+
+double Design::correlated_score(std::span<const double> scores, std::size_t input) const {
+    double score = 0.0;
+    for (std::size_t j = 0; j <= input; ++j)
+        score += root_(static_cast<Eigen::Index>(input), static_cast<Eigen::Index>(j)) * scores[j];
+    return score;
 }
 
 void Design::point(std::uint64_t run, std::span<double> point) {

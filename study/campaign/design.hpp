@@ -21,10 +21,13 @@ public:
 
     /// Values of the inputs of a run [SI], of words their indices.
     void values(std::uint64_t run, std::span<double> values);
+    /// Values of the inputs at a point of independent standard normal scores, one for each.
+    void values_at(std::span<const double> scores, std::span<double> values);
     /// The point of a run in the unit cube, before correlation: not of a table of points.
     void point(std::uint64_t run, std::span<double> point);
 
 private:
+    double correlated_score(std::span<const double> scores, std::size_t input) const;
     void sobol(std::uint64_t index, std::span<double> point);
     double stratified(std::uint64_t run, std::uint32_t dimension) const;
     void grid(std::uint64_t run, std::span<double> point) const;

@@ -9,12 +9,44 @@
 #include <utility>
 
 namespace twinchute::study {
+namespace {
+
+/// Calls work() on so many threads. What one of them throws ends the others, and is thrown here.
+void work_on(int threads, std::atomic<bool>& ended, const std::function<void()>& work) {
+    std::mutex lock;
+    std::exception_ptr thrown;
+    const auto guarded = [&] {
+        try {
+            work();
+        } catch (...) {
+            const std::scoped_lock guard(lock);
+            if (!thrown) thrown = std::current_exception();
+            ended = true;
+        }
+    };
+    {
+        std::vector<std::jthread> workers;
+        for (int i = 1; i < threads; ++i)
+            workers.emplace_back(guarded);
+        guarded();
+    }
+    if (thrown) std::rethrow_exception(thrown);
+}
+
+}  // namespace
+
+void Engine::find_inputs(Design& design, std::uint64_t run, std::span<double> values) const {
+    if (scores.empty()) return design.values(run, values);
+    // A last batch that is not full repeats its last run.
+    const std::uint64_t place = std::min(run, scores.size() / columns.inputs - 1);
+    design.values_at(scores.subspan(place * columns.inputs, columns.inputs), values);
+}
 
 void Engine::make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const {
     const std::span<double> values = row.subspan(1, columns.inputs),
                             metrics = row.subspan(columns.first_metric());
     std::ranges::fill(metrics, std::numeric_limits<double>::quiet_NaN());
-    design.values(run, values);
+    find_inputs(design, run, values);
     Run asked{stop, {}};
     try {
         sampler.put(scene, values);
@@ -40,7 +72,7 @@ void Engine::make_batch(Worker& worker, std::uint64_t first, std::span<double> r
     worker.scenes.resize(lanes, sampler.blank());
     for (std::size_t l = 0; l < lanes; ++l) {
         const std::span<double> values = std::span(inputs).subspan(l * columns.inputs, columns.inputs);
-        worker.design.values(first + l, values);
+        find_inputs(worker.design, first + l, values);
         try {
             sampler.put(worker.scenes[l], values);
         } catch (const SceneError&) {
@@ -89,50 +121,53 @@ bool Engine::run(const RunStore& store, std::uint64_t runs) const {
     std::atomic<std::uint64_t> next{shard};
     std::atomic<bool> ended{false};
     std::mutex lock;
-    std::exception_ptr thrown;
-    const auto work = [&] {
-        try {
-            Worker worker{Design(spec), sampler.blank(), {}, {}};
-            RunStore::Rows rows;
-            std::future<void> written;
-            while (!ended) {
-                const std::uint64_t chunk = next.fetch_add(shards);
-                if (chunk >= chunks) break;
-                const std::uint64_t count = store.rows_of(chunk, runs);
-                if (RunStore::Rows there = store.read(chunk, count); !there.empty()) {
-                    const std::scoped_lock guard(lock);
-                    if (made) made(there);
-                    continue;
-                }
-                rows.assign(count * store.columns(), 0.0);
-                if (!make_chunk(worker, chunk * store.identity().chunk, rows)) {
-                    ended = true;
-                    break;
-                }
-                // A flush to disk takes as long as a chunk: the next one is made meanwhile.
-                if (written.valid()) written.get();
-                {
-                    const std::scoped_lock guard(lock);
-                    if (made) made(rows);
-                }
-                written = std::async(std::launch::async, [&store, chunk, kept = std::exchange(rows, {})] {
-                    store.write(chunk, kept);
-                });
+    work_on(threads, ended, [&] {
+        Worker worker{Design(spec), sampler.blank(), {}, {}};
+        RunStore::Rows rows;
+        std::future<void> written;
+        while (!ended) {
+            const std::uint64_t chunk = next.fetch_add(shards);
+            if (chunk >= chunks) break;
+            const std::uint64_t count = store.rows_of(chunk, runs);
+            if (RunStore::Rows there = store.read(chunk, count); !there.empty()) {
+                const std::scoped_lock guard(lock);
+                if (made) made(there);
+                continue;
             }
+            rows.assign(count * store.columns(), 0.0);
+            if (!make_chunk(worker, chunk * store.identity().chunk, rows)) {
+                ended = true;
+                break;
+            }
+            // A flush to disk takes as long as a chunk: the next one is made meanwhile.
             if (written.valid()) written.get();
-        } catch (...) {
-            const std::scoped_lock guard(lock);
-            if (!thrown) thrown = std::current_exception();
-            ended = true;
+            {
+                const std::scoped_lock guard(lock);
+                if (made) made(rows);
+            }
+            written = std::async(std::launch::async, [&store, chunk, kept = std::exchange(rows, {})] {
+                store.write(chunk, kept);
+            });
         }
-    };
-    {
-        std::vector<std::jthread> workers;
-        for (int i = 1; i < threads; ++i)
-            workers.emplace_back(work);
-        work();
-    }
-    if (thrown) std::rethrow_exception(thrown);
+        if (written.valid()) written.get();
+    });
+    return !ended;
+}
+
+bool Engine::run_at_scores(std::span<double> rows) const {
+    const std::size_t width = columns.first_metric() + columns.metrics.size();
+    const std::size_t runs = rows.size() / width, part = std::max<std::size_t>(1, fidelity.batch);
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> ended{false};
+    work_on(threads, ended, [&] {
+        Worker worker{Design(spec), sampler.blank(), {}, {}};
+        while (!ended) {
+            const std::size_t first = next.fetch_add(part);
+            if (first >= runs) break;
+            const std::size_t count = std::min(part, runs - first);
+            if (!make_chunk(worker, first, rows.subspan(first * width, count * width))) ended = true;
+        }
+    });
     return !ended;
 }
 

@@ -26,10 +26,15 @@ struct Engine {
     /// After so many more runs; from any thread, one at a time. May be empty.
     std::function<void(std::span<const double> rows)> made = {};
     bool in_batches = false;  ///< by Fidelity::metrics_of_batch
+    /// Independent standard normal scores of the inputs, a row a run: runs lie there, not where the design
+    /// has them. May be empty.
+    std::span<const double> scores = {};
 
     /// Makes the chunks of the first `runs` runs that are missing. False where it was interrupted before the
     /// end. Throws WriteError.
     bool run(const RunStore& store, std::uint64_t runs) const;
+    /// Makes the runs at `scores`, a row each [status, inputs, metrics]. False where it was interrupted.
+    bool run_at_scores(std::span<double> rows) const;
 
 private:
     /// What a thread works with.
@@ -43,6 +48,7 @@ private:
     bool make_batches(Worker& worker, std::uint64_t first, std::span<double> rows) const;
     void make_batch(Worker& worker, std::uint64_t first, std::span<double> rows) const;
     void make_row(Design& design, Scene& scene, std::uint64_t run, std::span<double> row) const;
+    void find_inputs(Design& design, std::uint64_t run, std::span<double> values) const;
 };
 
 /// Status of a run whose inputs a scene must not have.

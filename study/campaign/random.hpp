@@ -7,7 +7,16 @@
 namespace twinchute::study {
 
 /// Streams that must not meet.
-enum class RandomStream : std::uint32_t { sample, shift, permutation, bootstrap, groups, examples, test };
+enum class RandomStream : std::uint32_t {
+    sample,
+    shift,
+    permutation,
+    bootstrap,
+    groups,
+    examples,
+    test,
+    subsets
+};
 
 /// 64 random bits.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t index, std::uint32_t dimension,

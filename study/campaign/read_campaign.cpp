@@ -13,6 +13,7 @@
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/units.hpp"
+#include "study/campaign/rare.hpp"
 #include "study/campaign/read_answers.hpp"
 #include "study/campaign/read_inputs.hpp"
 #include "study/campaign/spec.hpp"
@@ -85,6 +86,32 @@ void read_until(SuiteTable& campaign, CampaignSpec& spec) {
     spec.until = rule;
 }
 
+void read_rare(SuiteTable& reader, CampaignSpec& spec) {
+    const std::string word = reader.text("rare");
+    if (word.empty()) return;
+    if (word != "subset")
+        reader.refuse("rare", fmt::format("'{}' is unknown", word), "", "write rare = \"subset\"");
+    if (!has_subset_simulation())
+        reader.refuse("rare", "is not in this build",
+                      "OpenTURNS was not found when it was configured (Debian: libopenturns-dev)",
+                      "install it and build again, or ask for more runs");
+    if (spec.fidelity == CampaignFidelity::both || spec.until || spec.design == DesignKind::points ||
+        spec.design == DesignKind::grid || spec.design == DesignKind::saltelli)
+        reader.refuse("rare", "does not go with fidelity = \"both\", until, or points that are laid out",
+                      "it draws its runs near the event",
+                      "choose fidelity rom and design random, lhs or sobol");
+    if (std::ranges::count(spec.answers, AnswerSpec::Kind::probability, &AnswerSpec::kind) == 0)
+        reader.refuse("rare", "is not used", "no [[answer]] is a probability", "leave it out");
+    if (spec.runs < least_runs_of_rare)
+        reader.refuse(
+            "runs", fmt::format("is less than {}", least_runs_of_rare),
+            fmt::format("rare makes that many a level, in {} simulations; of fewer its mean is off by more "
+                        "than 2 %",
+                        simulations),
+            fmt::format("runs = {}", least_runs_of_rare));
+    spec.rare = true;
+}
+
 /// [campaign], which refers to inputs and answers.
 void read_plan(SuiteTable& top, CampaignSpec& spec) {
     top.need("campaign", "how many runs there are");
@@ -130,11 +157,7 @@ void read_plan(SuiteTable& top, CampaignSpec& spec) {
         spec.release_point = {*place.amount("latitude", "rad"), *place.amount("longitude", "rad")};
         place.end();
     }
-    if (reader.find("rare"))
-        reader.refuse("rare", "is not in this build",
-                      "subset simulation comes with OpenTURNS, Debian's libopenturns-dev, and has not been "
-                      "connected yet",
-                      "ask for more runs, or for an importance distribution of your own");
+    read_rare(reader, spec);
     reader.end();
 }
 

@@ -1,5 +1,7 @@
 #include "study/campaign/results.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -258,6 +260,20 @@ Verdict verdict_of(const AnswerSpec& spec, const Interval& value) {
     if (!spec.limit) return Verdict::open;
     if (value.high <= *spec.limit) return Verdict::met;
     return value.low > *spec.limit ? Verdict::exceeded : Verdict::undecided;
+}
+
+void take_simulation(Answer& answer, RareEvent event) {
+    if (!event.gave_up.empty()) {
+        answer.method += fmt::format("; subset simulation gave up ({})", event.gave_up);
+        return;
+    }
+    event.direct = answer.value;
+    answer.value = event.value;
+    answer.count = event.runs;
+    answer.method = fmt::format("subset simulation, {} times", simulations);
+    answer.verdict = verdict_of(*answer.spec, answer.value);
+    if (answer.verdict == Verdict::met && event.failed > 0) answer.verdict = Verdict::undecided;
+    answer.rare = std::move(event);
 }
 
 CampaignResults evaluate(const CampaignSpec& spec, const RunStore& store, const Columns& columns,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "study/campaign/rare.hpp"
 #include "study/campaign/sensitivity_indices.hpp"
 #include "study/campaign/spec.hpp"
 #include "study/campaign/statistics.hpp"
@@ -46,7 +47,8 @@ struct Answer {
     std::optional<Ellipse> ellipse = {};
     std::vector<TrailPoint> trail = {};  ///< of probabilities and means
     Verdict verdict = Verdict::open;
-    std::string method;  ///< of the interval
+    std::string method;                  ///< of the interval
+    std::optional<RareEvent> rare = {};  ///< empty: counted directly
 };
 
 /// Runs that ended in one way other than complete.
@@ -93,5 +95,9 @@ Interval interval_of(const CampaignSpec& spec, const AnswerSpec& answer, const R
 
 /// Judges the interval of an answer by its limit.
 Verdict verdict_of(const AnswerSpec& spec, const Interval& value);
+
+/// Puts simulations in the place of the share of hits, which stays where they gave up. A limit is not met
+/// where some of their runs failed: rare events and failures are often one.
+void take_simulation(Answer& answer, RareEvent event);
 
 }  // namespace twinchute::study

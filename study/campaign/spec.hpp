@@ -72,6 +72,7 @@ struct CampaignSpec {
     int pilot = 20;      ///< full runs from which `both` finds out how many it needs
     int full_runs = 60;  ///< of `both` at most, the pilot's among them
     std::optional<StopRule> until = {};
+    bool rare = false;                                        ///< probabilities by subset simulation
     std::optional<std::array<double, 2>> release_point = {};  ///< [rad] latitude and longitude, for maps
     std::vector<CampaignInput> inputs;
     Eigen::MatrixXd correlation;  ///< of the inputs' normal scores
