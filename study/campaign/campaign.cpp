@@ -113,8 +113,28 @@ CampaignRuns open_runs(const Campaign& campaign, const Fidelity& fidelity,
     runs.engine = runs.in_batches    ? fmt::format("in batches of {}", fidelity.batch)
                   : fidelity.metrics ? "one by one, metrics alone"
                                      : "one by one, whole records";
+    if (nominal.full.symmetry == Symmetry::sector && fidelity.name == "full") runs.engine += ", one sector";
     if (!campaign.sampler->is_quick()) runs.engine += ", scene read anew for each run";
     return runs;
+}
+
+/// The scene of a campaign. Where full runs are made of it and one sector can stand for the whole canopy, at
+/// every value of the inputs, it does, unless the scene says otherwise.
+std::unique_ptr<Sampler> make_sampler(const CampaignSpec& spec, std::vector<std::string> overrides) {
+    auto given = std::make_unique<Sampler>(spec, overrides);
+    const bool may_differ = std::ranges::any_of(spec.inputs, [](const CampaignInput& input) {
+        return input.key == "release.path_angle" || input.kind == KeyKind::word;
+    });
+    const bool is_said = std::ranges::any_of(given->nominal().inputs, [](const Input& input) {
+        return input.key == "full.symmetry" && input.origin != InputOrigin::fallback;
+    });
+    if (spec.fidelity == CampaignFidelity::rom || may_differ || is_said) return given;
+    overrides.emplace_back("--set full.symmetry=\"sector\"");
+    try {
+        return std::make_unique<Sampler>(spec, overrides);
+    } catch (const SceneError&) {
+        return given;  // its sectors differ
+    }
 }
 
 /// Running interval of the first answer, for the line of progress.
@@ -169,10 +189,11 @@ Engine engine_of(const Campaign& campaign, const CampaignRuns& runs, const Campa
             settings.shard, settings.shards,   settings.stop,  {},           runs.in_batches};
 }
 
-bool make_runs(const Campaign& campaign, const CampaignRuns& runs, std::uint64_t count,
+bool make_runs(const Campaign& campaign, CampaignRuns& runs, std::uint64_t count,
                const CampaignSettings& settings) {
     Running running(campaign, runs, count, settings);
     Engine engine = engine_of(campaign, runs, settings);
+    engine.cost = &runs.cost;
     engine.made = [&](std::span<const double> rows) { running.add(rows); };
     return engine.run(*runs.store, count);
 }
@@ -201,7 +222,7 @@ bool is_narrow(const StopRule& rule, const Interval& value) {
 
 /// Goes on until the interval is narrow, looked at after numbers of runs that no thread has a say in.
 bool run_until(Campaign& campaign, const CampaignSettings& settings) {
-    const CampaignRuns& runs = campaign.of.front();
+    CampaignRuns& runs = campaign.of.front();
     const StopRule& rule = *campaign.spec.until;
     const auto answer = std::ranges::find(campaign.spec.answers, rule.answer, &AnswerSpec::name);
     const std::uint64_t most = campaign.spec.runs, chunk = runs.store->identity().chunk;
@@ -220,7 +241,8 @@ bool run_until(Campaign& campaign, const CampaignSettings& settings) {
 /// shows at worst, looked at again; all that are allowed where there is no such rule.
 bool run_pairs(Campaign& campaign, const CampaignSettings& settings) {
     const CampaignSpec& spec = campaign.spec;
-    const CampaignRuns &cheap = campaign.of[0], &dear = campaign.of[1];
+    const CampaignRuns& cheap = campaign.of[0];
+    CampaignRuns& dear = campaign.of[1];
     const auto most = static_cast<std::uint64_t>(spec.full_runs);
     std::uint64_t count = spec.until ? static_cast<std::uint64_t>(spec.pilot) : most;
     for (;;) {
@@ -245,7 +267,7 @@ bool run_pairs(Campaign& campaign, const CampaignSettings& settings) {
 Campaign open_campaign(CampaignSpec spec, const Fidelity& rom, const Fidelity& full,
                        const std::filesystem::path& directory, const CampaignSettings& settings) {
     Campaign campaign{.spec = std::move(spec), .sampler = nullptr, .directory = directory, .of = {}};
-    campaign.sampler = std::make_unique<Sampler>(campaign.spec, settings.overrides);
+    campaign.sampler = make_sampler(campaign.spec, settings.overrides);
     switch (campaign.spec.fidelity) {
         case CampaignFidelity::rom:
             campaign.of.push_back(open_runs(campaign, rom, directory, rom_chunk));
@@ -266,7 +288,7 @@ void run_campaign(Campaign& campaign, const CampaignSettings& settings) {
     campaign.threads = settings.threads;
     for (const CampaignRuns& runs : campaign.of)
         runs.store->begin();
-    const CampaignRuns& first = campaign.of.front();
+    CampaignRuns& first = campaign.of.front();
     const bool both = campaign.of.size() > 1;
     bool done = campaign.spec.until && !both ? run_until(campaign, settings)
                                              : make_runs(campaign, first, campaign.spec.runs, settings);
@@ -285,6 +307,7 @@ void evaluate_campaign(Campaign& campaign) {
     const CampaignRuns& dear = campaign.of[1];
     campaign.both = combine(campaign.spec, *first.store, first.columns, *dear.store, dear.columns,
                             campaign.spec.runs, campaign.full_runs);
+    campaign.both->cost_ratio = dear.cost.each() / first.cost.each();
 }
 
 }  // namespace twinchute::study

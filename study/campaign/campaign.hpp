@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lib/solve/fidelity.hpp"
+#include "study/campaign/engine.hpp"
 #include "study/campaign/multi_fidelity.hpp"
 #include "study/campaign/rare.hpp"
 #include "study/campaign/results.hpp"
@@ -25,7 +26,8 @@ struct CampaignRuns {
     Columns columns;
     std::unique_ptr<RunStore> store;
     bool in_batches = false;
-    std::string engine;  ///< how its runs are made, for the record
+    std::string engine;    ///< how its runs are made, for the record
+    MakingCost cost = {};  ///< of those that were made this time
 };
 
 struct Campaign {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "compare/render/table.hpp"
 #include "lib/cli/text.hpp"
@@ -15,6 +16,9 @@ compare::Table indices_table(const Campaign& campaign, const MetricIndices& indi
 compare::Table inputs_table(const Campaign& campaign);
 compare::Table failures_table(const Campaign& campaign);
 compare::Table pairs_table(const MultiFidelity& both);
+/// Sentences that belong below the answers: how rare events were simulated, and how runs of both models would
+/// be shared out best.
+std::vector<std::string> answer_notes(const Campaign& campaign);
 
 std::string campaign_text(const Campaign& campaign, const Style& style);
 /// docs/schema/campaign.schema.json.

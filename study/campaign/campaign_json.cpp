@@ -69,8 +69,12 @@ ordered_json indices_json(const Campaign& campaign) {
     return all;
 }
 
-ordered_json both_json(const MultiFidelity& both) {
-    ordered_json json{{"pairs", both.pairs}, {"pilot", both.pilot}, {"answers", ordered_json::array()}};
+ordered_json both_json(const MultiFidelity& both, const std::string& engine) {
+    ordered_json json{{"pairs", both.pairs},
+                      {"pilot", both.pilot},
+                      {"engine", engine},
+                      {"cost_ratio", number(both.cost_ratio)},
+                      {"answers", ordered_json::array()}};
     for (const PairedAnswer& a : both.answers) {
         ordered_json one = interval_json(a.value);
         one["name"] = a.spec->name;
@@ -79,6 +83,8 @@ ordered_json both_json(const MultiFidelity& both) {
         one["full_alone"] = interval_json(a.dear_alone);
         one["correlation"] = number(a.correlation);
         one["gain"] = interval_json(a.gain);
+        if (a.spec->kind == AnswerSpec::Kind::mean)
+            one["best_rom_runs"] = number(best_cheap_runs(a.correlation, both.cost_ratio));
         one["verdict"] = verdict_name(a.verdict);
         json["answers"].push_back(std::move(one));
     }
@@ -117,7 +123,7 @@ std::string campaign_json(const Campaign& campaign) {
     for (const Answer& answer : r.answers)
         json["answers"].push_back(answer_json(answer, spec));
     json["sensitivity"] = indices_json(campaign);
-    if (campaign.both) json["both"] = both_json(*campaign.both);
+    if (campaign.both) json["both"] = both_json(*campaign.both, campaign.of[1].engine);
     json["engine"] = campaign.of.front().engine;
     json["cost"] = {{"wall_s", campaign.seconds}, {"threads", campaign.threads}};
     json["provenance"] = provenance_json(current_provenance());

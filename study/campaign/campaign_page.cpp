@@ -167,6 +167,8 @@ std::string summary_of(const Campaign& campaign) {
             fmt::format("<p>{} pairs of runs, {} of them the pilot.</p>\n", campaign.both->pairs,
                         campaign.both->pilot) +
             html_table(pairs_table(*campaign.both), "The full model, by way of the reduced one", "", "pairs");
+    for (const std::string& note : answer_notes(campaign))
+        body += fmt::format("<p>{}</p>\n", xml_text(note));
     body += html_table(inputs_table(campaign), "What varies", "", "inputs");
     return page_section("summary", xml_text(campaign.spec.name), body);
 }

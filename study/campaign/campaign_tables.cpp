@@ -12,6 +12,10 @@ using compare::Cell;
 using compare::Table;
 using compare::Tone;
 
+std::string with_unit(double value, const std::string& unit) {
+    return readable(value, 5) + (unit.empty() ? "" : " " + unit);
+}
+
 std::string percent(const Interval& share) {
     if (!std::isfinite(share.estimate)) return "-";
     return fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100.0 * share.estimate, 100.0 * share.low,
@@ -60,7 +64,7 @@ std::string interval_text(const AnswerSpec& answer, const Interval& value) {
 std::string answer_number(const AnswerSpec& answer, double value) {
     if (!std::isfinite(value)) return "-";
     if (answer.kind == AnswerSpec::Kind::probability) return fmt::format("{:.4g} %", 100.0 * value);
-    return readable(value, 5) + (answer.unit.empty() ? "" : " " + answer.unit);
+    return with_unit(value, answer.unit);
 }
 
 Table answers_table(const Campaign& campaign) {
@@ -111,6 +115,35 @@ Table failures_table(const Campaign& campaign) {
                               fmt::format("{}{}", fmt::join(failed.first, ", "),
                                           failed.count > failed.first.size() ? ", ..." : "")});
     return table;
+}
+
+std::vector<std::string> answer_notes(const Campaign& campaign) {
+    std::vector<std::string> notes;
+    for (const Answer& a : campaign.results.answers) {
+        if (!a.note.empty()) notes.push_back(fmt::format("{}: {}", a.spec->name, a.note));
+        if (!a.rare) continue;
+        std::string note = fmt::format("{}: {} subset simulations, {} levels at most", a.spec->name,
+                                       simulations, a.rare->levels);
+        for (std::size_t i = 0; i < a.rare->inputs.size(); ++i)
+            note += fmt::format("{} {} {}", i == 0 ? "; where it happens, on average" : ",",
+                                campaign.spec.inputs[i].key,
+                                with_unit(a.rare->inputs[i], campaign.spec.inputs[i].unit));
+        if (a.rare->failed > 0)
+            note += fmt::format("; {} of the runs failed and count as no hit", a.rare->failed);
+        notes.push_back(std::move(note));
+    }
+    if (!campaign.both) return notes;
+    for (const PairedAnswer& a : campaign.both->answers) {
+        if (a.spec->kind != AnswerSpec::Kind::mean || !std::isfinite(campaign.both->cost_ratio)) continue;
+        notes.push_back(
+            fmt::format("{}: a full run cost {:.0f} reduced-order runs; the narrowest interval for its cost "
+                        "has {:.0f} of these "
+                        "for each full run, here there were {:.0f}",
+                        a.spec->name, campaign.both->cost_ratio,
+                        best_cheap_runs(a.correlation, campaign.both->cost_ratio),
+                        static_cast<double>(a.cheap_runs) / static_cast<double>(campaign.both->pairs)));
+    }
+    return notes;
 }
 
 Table pairs_table(const MultiFidelity& both) {

@@ -32,6 +32,8 @@ std::string campaign_text(const Campaign& campaign, const Style& style) {
         text += fmt::format("\nshare of the variance of {}\n", metric_words(indices.metric)) +
                 terminal_table(indices_table(campaign, indices), style);
     if (campaign.both) text += "\n" + terminal_table(pairs_table(*campaign.both), style);
+    for (const std::string& note : answer_notes(campaign))
+        text += "\n" + printable(note) + "\n";
     if (!r.failed.empty()) text += "\n" + terminal_table(failures_table(campaign), style);
     return text + "\n";
 }

@@ -1,6 +1,7 @@
 #include "study/campaign/engine.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <future>
 #include <limits>
@@ -134,6 +135,7 @@ bool Engine::run(const RunStore& store, std::uint64_t runs) const {
                 if (made) made(there);
                 continue;
             }
+            const auto start = std::chrono::steady_clock::now();
             rows.assign(count * store.columns(), 0.0);
             if (!make_chunk(worker, chunk * store.identity().chunk, rows)) {
                 ended = true;
@@ -143,6 +145,11 @@ bool Engine::run(const RunStore& store, std::uint64_t runs) const {
             if (written.valid()) written.get();
             {
                 const std::scoped_lock guard(lock);
+                if (cost) {
+                    cost->seconds +=
+                        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+                    cost->runs += count;
+                }
                 if (made) made(rows);
             }
             written = std::async(std::launch::async, [&store, chunk, kept = std::exchange(rows, {})] {

@@ -14,6 +14,13 @@
 
 namespace twinchute::study {
 
+/// What runs took.
+struct MakingCost {
+    double seconds = 0.0;  ///< of all threads
+    std::uint64_t runs = 0;
+    double each() const { return seconds / static_cast<double>(runs); }  ///< [s]; NaN of none
+};
+
 /// Runs of one fidelity.
 struct Engine {
     const CampaignSpec& spec;
@@ -29,6 +36,7 @@ struct Engine {
     /// Independent standard normal scores of the inputs, a row a run: runs lie there, not where the design
     /// has them. May be empty.
     std::span<const double> scores = {};
+    MakingCost* cost = nullptr;  ///< counts what run() makes; may be null
 
     /// Makes the chunks of the first `runs` runs that are missing. False where it was interrupted before the
     /// end. Throws WriteError.

@@ -204,6 +204,12 @@ Interval control_variate_gain(const Pairs& pairs, std::uint64_t cheap_runs) {
     return {gain(r), gain(std::tanh(std::max(0.0, z - half))), gain(std::tanh(z + half))};
 }
 
+double best_cheap_runs(double correlation, double cost_ratio) {
+    const double square = correlation * correlation;
+    const double runs = std::sqrt(cost_ratio * square / (1.0 - square));
+    return runs < 1.0 ? 1.0 : runs;
+}
+
 double Correction::at(std::span<const double> inputs) const {
     double sum = coefficients.front();
     for (std::size_t k = 1; k < coefficients.size(); ++k)
@@ -291,6 +297,7 @@ MultiFidelity combine(const CampaignSpec& spec, const RunStore& cheap, const Col
         });
         PairedAnswer& found = both.answers.emplace_back();
         found.spec = &answer;
+        found.cheap_runs = sample.all;
         found.correlation = pairs.count() > 2 ? pairs.correlation() : std::nan("");
         found.dear_alone = plain(answer, pairs.dear);
         found.cheap = plain(answer, std::move(cheap_values)).estimate;

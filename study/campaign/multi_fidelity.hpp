@@ -29,13 +29,15 @@ struct PairedAnswer {
     double cheap = 0.0;        ///< of the cheap model's runs
     double correlation = 0.0;  ///< of the pairs
     Interval gain = {};        ///< dear runs that plain sampling would need, over those that were made; means
-    double scatter = 0.0;      ///< [-] of ln(dear/cheap) about its fit; probabilities and quantiles
+    std::uint64_t cheap_runs = 0;  ///< that have the metric
+    double scatter = 0.0;          ///< [-] of ln(dear/cheap) about its fit; probabilities and quantiles
     std::string method;
     Verdict verdict = Verdict::open;
 };
 
 struct MultiFidelity {
     std::uint64_t pairs = 0, pilot = 0;
+    double cost_ratio = 0.0;  ///< of a dear run over a cheap one, by the clock; NaN: not seen this time
     std::vector<PairedAnswer> answers;
 
     bool meets_limits() const;
@@ -50,6 +52,12 @@ Interval control_variate_mean(const Pairs& pairs, const Moments& cheap);
 /// Variance of the plain mean of as many dear runs over that of the control variate's,
 /// 1/(1 - r^2 + r^2 n/N); its interval from Fisher's z of the correlation r: what n pairs do not know of it.
 Interval control_variate_gain(const Pairs& pairs, std::uint64_t cheap_runs);
+
+/// Cheap runs for each dear one at which a mean by control variate has the narrowest interval for what it
+/// costs, from the correlation of the models and the cost of a dear run over that of a cheap one:
+/// Peherstorfer, Willcox, Gunzburger, SIAM J. Sci. Comput. 38 (2016). At least one: every dear run is one of
+/// a pair.
+double best_cheap_runs(double correlation, double cost_ratio);
 
 /// Fit of ln(dear/cheap), linear in the inputs where there are enough pairs, otherwise constant.
 struct Correction {

@@ -264,7 +264,8 @@ Verdict verdict_of(const AnswerSpec& spec, const Interval& value) {
 
 void take_simulation(Answer& answer, RareEvent event) {
     if (!event.gave_up.empty()) {
-        answer.method += fmt::format("; subset simulation gave up ({})", event.gave_up);
+        answer.note = fmt::format(
+            "subset simulation gave up ({}), these are shares of the campaign's own runs", event.gave_up);
         return;
     }
     event.direct = answer.value;

@@ -48,6 +48,7 @@ struct Answer {
     std::vector<TrailPoint> trail = {};  ///< of probabilities and means
     Verdict verdict = Verdict::open;
     std::string method;                  ///< of the interval
+    std::string note;                    ///< a sentence, may be empty
     std::optional<RareEvent> rare = {};  ///< empty: counted directly
 };
 

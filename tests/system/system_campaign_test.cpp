@@ -12,6 +12,7 @@
 #include "lib/math/sha256.hpp"
 #include "tests/support/count.hpp"
 #include "tests/support/killed_process.hpp"
+#include "tests/support/permissions.hpp"
 #include "tests/support/program_test.hpp"
 #include "tests/support/python.hpp"
 #include "tests/support/small_disk.hpp"
@@ -286,8 +287,71 @@ TEST_F(SystemCampaign, BothModelsTogetherSayWhatTheFullOneWould) {
     EXPECT_LT(10.0 * width(answer),
               width(answer["full_alone"]));  // found: 17, 4000 runs of the ROM leave most
     EXPECT_GT(answer["gain"]["estimate"], 50.0);
+    EXPECT_TRUE(says(both["engine"].get<std::string>(), "one sector"));
+    EXPECT_GT(both["cost_ratio"], 10.0);
+    EXPECT_GT(answer["best_rom_runs"], 1.0);
     EXPECT_LE(answer["full_alone"]["interval_95"][0], answer["estimate"]);
     EXPECT_GE(answer["full_alone"]["interval_95"][1], answer["estimate"]);
+}
+
+TEST_F(SystemCampaign, FullRunsAreOfOneSectorWhereItStandsForTheWhole) {
+    const Words coarse{"--quiet",
+                       "--set",
+                       "full.mesh.gore_columns=1",
+                       "--set",
+                       "full.mesh.gore_rows=6",
+                       "--set",
+                       "full.contact=\"none\"",
+                       "--threads",
+                       "1"};
+    write("c.toml", campaign_text("runs = 3\nfidelity = \"full\"", mean));
+    ASSERT_EQ(campaign(Words{"--out", "sector"} + coarse).code, 0);
+    ASSERT_EQ(campaign(Words{"--out", "whole", "--set", "full.symmetry=\"none\""} + coarse).code, 0);
+    const json sector = read("sector/campaign.json"), whole = read("whole/campaign.json");
+    EXPECT_TRUE(says(sector["engine"].get<std::string>(), "one sector"));
+    EXPECT_FALSE(says(whole["engine"].get<std::string>(), "one sector"));
+    const double peak = whole["answers"][0]["estimate"];
+    EXPECT_NEAR(sector["answers"][0]["estimate"], peak, 1e-4 * peak);  // found over the demo: 2e-6
+
+    // A path that is not straight down at every value.
+    write("c.toml",
+          campaign_text("runs = 2\nfidelity = \"full\"",
+                        mean + "[[vary]]\nkey = \"release.path_angle\"\ndist = { uniform = { low = \"80 "
+                               "deg\", high = \"90 deg\" } }\n"));
+    ASSERT_EQ(campaign(Words{"--out", "askew"} + coarse).code, 0);
+    const json askew = read("askew/campaign.json");
+    EXPECT_FALSE(says(askew["engine"].get<std::string>(), "one sector"));
+    EXPECT_EQ(askew["runs"]["complete"], 2);
+}
+
+// A folder that nobody may write in, before the first run and once a chunk is missing.
+TEST_F(SystemCampaign, AFolderWithoutPermissionIsAClearError) {
+    namespace fs = std::filesystem;
+    const auto make = [&](const Words& words) {
+        return Process(program(Words{"campaign", "c.toml", "--quiet"} + words), here_.path(), {},
+                       without_override)
+            .wait();
+    };
+    write_runs();
+    fs::create_directory(here_ / "closed");
+    fs::permissions(here_ / "closed", fs::perms::owner_read | fs::perms::owner_exec);
+    Ended ended = make({"--out", "closed/out"});
+    EXPECT_EQ(ended.code, 4) << ended.err;
+    EXPECT_TRUE(says(ended.err, "Permission denied")) << ended.err;
+    EXPECT_TRUE(tree_of(here_ / "closed").empty());
+
+    ASSERT_EQ(campaign({"--out", "out", "--quiet"}).code, 0);
+    const std::string whole = digest("out");
+    fs::remove(here_ / "out/runs/chunk-00000001.h5");
+    const std::set<std::string> left = tree_of(here_ / "out");
+    fs::permissions(here_ / "out/runs", fs::perms::owner_read | fs::perms::owner_exec);
+    ended = make({"--out", "out", "--resume"});
+    EXPECT_EQ(ended.code, 4) << ended.err;
+    EXPECT_TRUE(says(ended.err, "chunk-00000001.h5' (Permission denied)")) << ended.err;
+    EXPECT_EQ(tree_of(here_ / "out"), left);
+    fs::permissions(here_ / "out/runs", fs::perms::owner_all);
+    ASSERT_EQ(make({"--out", "out", "--resume"}).code, 0);
+    EXPECT_EQ(digest("out"), whole);
 }
 
 /// Whether a program is installed.

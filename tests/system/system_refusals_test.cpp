@@ -1,8 +1,6 @@
 // Results that cannot be written, and writing that is cut short. Promised: exit code 4, nothing
 // half-written under its final name, earlier results untouched; a directory without summary.json
 // is not a record; a signal ends a run with the record so far and exit code 130.
-#include <linux/capability.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 
 #include <chrono>
@@ -11,6 +9,7 @@
 
 #include "lib/cli/output_dir.hpp"
 #include "tests/support/killed_process.hpp"
+#include "tests/support/permissions.hpp"
 #include "tests/support/program_test.hpp"
 #include "tests/support/small_disk.hpp"
 
@@ -60,11 +59,6 @@ std::map<std::string, std::string> everything_in(const fs::path& directory) {
         found[name] = file ? content_of(directory / name) : "";
     }
     return found;
-}
-
-/// Root writes wherever it likes, unless the program starts without that power.
-bool without_override() {
-    return ::geteuid() != 0 || ::prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0) == 0;
 }
 
 const std::string no_space = std::generic_category().message(ENOSPC);

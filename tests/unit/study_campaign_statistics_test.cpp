@@ -245,6 +245,19 @@ TEST(CampaignPairs, GainIsThatOfTheCorrelation) {
     EXPECT_GT(gain.high, gain.estimate);
 }
 
+// For what n dear runs at 250 and r n cheap ones cost, the variance of the mean, (1 - c^2)/n + c^2/(r n), has
+// its least value there: its derivative vanishes, so 1 % beside it changes by less than 1e-4.
+TEST(CampaignPairs, SharesRunsOutForTheLeastVariance) {
+    constexpr double c = 0.99, cost = 250.0;
+    const auto variance = [&](double r) { return ((1.0 - c * c) + c * c / r) * (cost + r); };
+    const double best = best_cheap_runs(c, cost);
+    for (const double other : {0.5, 0.99, 1.01, 2.0})
+        EXPECT_GT(variance(other * best), variance(best)) << other;
+    EXPECT_LT(variance(1.01 * best), 1.0001 * variance(best));
+    EXPECT_EQ(best_cheap_runs(0.0, cost), 1.0);
+    EXPECT_TRUE(std::isnan(best_cheap_runs(c, std::nan(""))));
+}
+
 TEST(CampaignPairs, CorrectionFindsScatterAndTrend) {
     Pairs pairs;
     for (std::uint64_t i = 0; i < 200; ++i) {
