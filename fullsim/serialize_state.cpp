@@ -79,6 +79,7 @@ void serialize(Archive& archive, State& state) {
     archive.choice("phase", phase, Phase::open);
     archive.choice("stage", stage, Stage::flight);
     archive.flag("folded", folded);
+    archive.flag("has been full", inflow.has_been_full);
     archive.numbers("nodes", doubles(node));
     archive.numbers("velocities of half steps", doubles(v_half));
     archive.numbers("forces", doubles(force.held()));
@@ -87,11 +88,13 @@ void serialize(Archive& archive, State& state) {
     archive.row("sums", sums, sums_members);
     serialize_air(archive, air);
     archive.row("inflow", inflow, [](InflowState& of, auto&& each) {
-        auto& [volume, swept, mobility, mouth, ratio, leak, steady_drag_area, inside, last_inside, displaced,
-               other_pull, mean_pull, mean_of_means, last_dt, loss, past_pressure] = of;
+        auto& [has_been_full, volume, swept, mobility, mouth, ratio, leak, steady_drag_area, inside,
+               last_inside, displaced, other_pull, mean_pull, mean_of_means, last_dt, loss, noted_at,
+               past_pressure] = of;
+        static_cast<void>(has_been_full);
         for (double* number : {&volume, &swept, &mobility, &mouth, &ratio, &leak, &steady_drag_area, &inside,
                                &last_inside, &displaced, &other_pull, &mean_pull, &mean_of_means, &last_dt,
-                               &loss, &past_pressure[0], &past_pressure[1]})
+                               &loss, &noted_at, &past_pressure[0], &past_pressure[1]})
             each(*number);
     });
     archive.row("energy", energy, energy_members);

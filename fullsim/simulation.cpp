@@ -156,14 +156,14 @@ ValueAndRate Simulation::added_mass_after(double dt) const {
     const AddedMassSpec& spec = *scene_.aerodynamics.added_mass;
     const Parachute& chute = scene_.parachutes.front();
     const double rho = state_.air.density;
-    const bool reefed = inflation_.share < 1.0;
-    if (inflow_ && state_.phase != Phase::open) {
+    const bool fills = inflow_ ? !state_.inflow.has_been_full : state_.phase != Phase::open || is_reefed();
+    if (inflow_ && fills) {
         // Air inside brings its momentum to the drag itself; that around it has to be brought to speed.
         const InflowState& inflow = state_.inflow;
         const double volume = std::max(0.0, inflow.volume + dt * inflow.swept);
         return {(1.0 + apparent_share) * rho * volume, apparent_share * rho * inflow.swept};
     }
-    if (state_.phase != Phase::open || reefed || spec.open_radius == AddedMassRadius::drag_area)
+    if (fills || spec.open_radius == AddedMassRadius::drag_area)
         return inflation_.added_mass(spec, state_.phase, state_.time + dt, rho, steady_radius(chute),
                                      chute.geometric_porosity);
     // Once open, the air belongs to the shape that the canopy really has.

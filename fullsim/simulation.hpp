@@ -72,12 +72,13 @@ public:
     void begin(Phase phase) { state_.phase = phase; }
     /// The drag area has come to a kink at system().time, likewise.
     bool predicts_filling() const { return inflow_.has_value(); }
-    /// Whether a canopy whose filling is predicted has become as wide as it is when steady,
-    bool has_filled() const {
-        return inflow_ && state_.phase == Phase::filling && state_.air.signed_area >= inflow_->full_area();
-    }
+    /// Whether a canopy whose filling is predicted has become as wide as it is when steady, or as its reefing
+    /// line lets it,
+    bool has_filled() const;
     /// which ends its filling at system().time.
-    void end_filling() { inflation_.filling_time = state_.time - inflation_.snatch; }
+    void end_filling();
+    /// Whether a reefing line is there; it may be too long to hold anything.
+    bool is_reefed() const { return reefing_stage_ < scene_.parachutes.front().reefing.size(); }
     void pass_kink() { ++inflation_.piece; }
 
     // Changes of stage at system().time, which step_to has reached exactly. Each evaluates the forces anew.
@@ -152,6 +153,8 @@ private:
     void let_static_line_go();
     void drop_static_line();
     void set_reefing_line(std::size_t stage);
+    /// Whether the reefing line is as long as it is without strain, all round together.
+    bool reefing_line_is_taut() const;
     /// Mesh, layout and blocks as they are in this stage of a run.
     void take_shape(bool tethered, std::size_t reefing_stage);
     StepInputs step_inputs() const { return {*layout_, structure_, body_.get()}; }

@@ -14,9 +14,10 @@
 namespace twinchute::fullsim {
 namespace {
 
-constexpr double taut_lines = 0.8;    // share of line elements in tension at snatch (paper, 5.2)
-constexpr double taut_risers = 0.05;  // riser load at snatch over the payload's weight
-constexpr double cut_line = 10.0;     // length of a reefing line that no longer holds, over pi D0
+constexpr double taut_lines = 0.8;       // share of line elements in tension at snatch (paper, 5.2)
+constexpr double taut_risers = 0.05;     // riser load at snatch over the payload's weight
+constexpr int steps_between_looks = 10;  // at the reefing line of a filling that is predicted
+constexpr double cut_line = 10.0;        // length of a reefing line that no longer holds, over pi D0
 // Duration of the ramp over D0/v, where the scene gives none.
 constexpr double ramp_share = 0.15 / time_scale_of_c9;
 
@@ -85,6 +86,31 @@ void Simulation::set_reefing_line(std::size_t stage) {
     reefing_stage_ = stage;
     for (const std::size_t c : mesh_.reefing_line)
         mesh_.cables[c].rest_length = length / static_cast<double>(mesh_.reefing_line.size());
+}
+
+bool Simulation::reefing_line_is_taut() const {
+    const State& s = synchronised();
+    double length = 0.0, line = 0.0;
+    for (const std::size_t c : mesh_.reefing_line) {
+        const Cable& cable = mesh_.cables[c];
+        length += to_vec3(s.node[cable.node[1]].x - s.node[cable.node[0]].x).norm();
+        line += cable.rest_length;
+    }
+    return length >= line;
+}
+
+bool Simulation::has_filled() const {
+    if (!inflow_ || state_.phase != Phase::filling || std::isfinite(inflation_.filling_time)) return false;
+    const bool wide = state_.air.signed_area >= inflow_->full_area();
+    if (!is_reefed()) return wide;
+    // A line that is taut lets the canopy have no more than the volume it has come to.
+    if (!wide && (state_.inflow.swept > 0.0 || state_.step % steps_between_looks != 0)) return false;
+    return reefing_line_is_taut() ? state_.inflow.swept <= 0.0 : wide;
+}
+
+void Simulation::end_filling() {
+    inflation_.filling_time = state_.time - inflation_.snatch;
+    state_.inflow.has_been_full = !is_reefed() || !reefing_line_is_taut();
 }
 
 void Simulation::disreef(const Inflation& inflation, std::size_t stage) {

@@ -121,6 +121,7 @@ struct AeroState {
 
 /// Balance of the air in a canopy whose filling is predicted.
 struct InflowState {
+    bool has_been_full = false;     ///< its area has come to that of the steady canopy
     double volume = 0.0;            ///< [m^3] between fabric, mouth and vent
     double swept = 0.0;             ///< [m^3/s] its rate, by what the fabric sweeps past the mouth
     double mobility = 0.0;          ///< [m^4/kg] of that rate under pressure: sum over nodes of f_i^2/m_i
@@ -135,15 +136,18 @@ struct InflowState {
     double mean_pull = 0.0, mean_of_means = 0.0;  ///< [m^3/s^2] of the last steps
     double last_dt = 0.0;                         ///< [s] of the step before the last one
     double loss = 0.0;                            ///< [W] that the air takes out of the motion
+    double noted_at = -1.0;                       ///< [s] since release: of Q, which is noted once a step
     std::array<double, 2> past_pressure{};        ///< [Pa] of the last step and of the one before
 
-    /// Q at the beginning of a step; dt [s] of the step before. Velocities have been extrapolated by half of
-    /// that step: of its acceleration there is as much more, and half a step less of the one before.
+    /// Q at `time`, the beginning of a step; dt [s] of the step before. Velocities have been extrapolated by
+    /// half of that step: of its acceleration there is as much more, and half a step less of the one before.
     ///
     /// A mean over five steps, and one that makes up for its lag: fabric and lines that ring at the bound of
     /// the step, answered a step later at full strength, would ring louder. A step that an event cuts short
     /// says little.
-    void note_displaced(double now, double dt) {
+    void note_displaced(double now, double dt, double time) {
+        if (time == noted_at) return;  // a change of stage evaluates forces anew
+        noted_at = time;
         const double by_pressure =
             mobility * ((dt + 0.5 * last_dt) * past_pressure[0] - 0.5 * last_dt * past_pressure[1]);
         if (dt > 0.0) {

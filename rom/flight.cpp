@@ -414,9 +414,14 @@ private:
         if (bulb.state == Bulb::State::squids)
             bulb.state = Bulb::State::waits;  // arrange_bulbs() lets it grow
         else if (2.0 * a > bulb.limit)
-            sequence_.fills_up(bulb.canopy, solver_->time());
+            fill_up(bulb);
         else
             bulb.state = Bulb::State::squids;
+    }
+
+    void fill_up(const Bulb& bulb) {
+        const double full = sequence_.all()[bulb.canopy].filling->steady_radius();
+        sequence_.fills_up(bulb.canopy, solver_->time(), bulb.limit < full);
     }
 
     /// The sequence knows how far each has come. One that grows no more, before it is full, squids too.
@@ -462,7 +467,7 @@ private:
                 motion = grows ? c.filling->start(motion.radius, flow) : FillingMotion{motion.radius, 0.0};
             }
             if (c.phase == Phase::filling && motion.radius >= limit) {  // its line is taut from the start
-                sequence_.fills_up(k, solver_->time());
+                fill_up(bulb);
                 bulb.state = Bulb::State::waits;
                 motion.rate = 0.0;
             }

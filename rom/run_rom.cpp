@@ -198,6 +198,7 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
     add_drag_area_times(
         record, scene, result,
         scene.parachutes.front().filling.is_predicted() ? MetricKind::result : MetricKind::input);
+    add_reefed_drag_areas(record, scene, result);
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
@@ -225,10 +226,13 @@ RunStatus metrics_in(const Scene& scene, Run& run, std::span<const std::string> 
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     add_opening_metrics(record, scene, result, {}, {});
     note_never_opened(record, scene, never_opened(sequence), reached_by(scene, context, sequence));
-    const auto of_drag_area = [](const std::string& key) { return key.ends_with("_percent_drag_area_s"); };
+    const auto of_drag_area = [](const std::string& key) {
+        return key.ends_with("_percent_drag_area_s") || key.ends_with("_drag_area_m2");
+    };
     if (std::ranges::any_of(keys, of_drag_area)) {
         add_channels(record, context.observer.rows(), scene, dimensions);
         add_drag_area_times(record, scene, result, MetricKind::result);
+        add_reefed_drag_areas(record, scene, result);
     }
     const Parachute& chute = scene.parachutes.front();
     if (chute.filling.is_predicted() && scene.parachutes.size() == 1)

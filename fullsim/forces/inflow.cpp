@@ -98,6 +98,13 @@ InflowBalance::InflowBalance(const Scene& scene, const Mesh& mesh)
     geometric_porosity_ = canopy.sizes().geometric_porosity;
     fabric_area_ = mesh.fabric_area();
     full_area_ = pi * radius * radius;
+    smallest_mouth_ = filling_.initial_mouth * full_area_;
+    if (!mesh.reefing_line.empty()) {  // no mouth is larger than the circle that its line may enclose
+        double line = 0.0;
+        for (const std::size_t c : mesh.reefing_line)
+            line += mesh.cables[c].rest_length;
+        smallest_mouth_ = std::min(smallest_mouth_, line * line / (4.0 * pi));
+    }
     full_volume_ = canopy.family().at(canopy.steady_radius()).volume * D0 * D0 * D0;
 }
 
@@ -116,9 +123,9 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     air.pressure = 0.0;
     air.pressure_capped = false;
     inflow.swept = of_canopy.swept - area.dot(mouth.velocity);
-    inflow.mouth = std::max(mouth.area.dot(air.direction), filling_.initial_mouth * full_area_);
+    inflow.mouth = std::max(mouth.area.dot(air.direction), smallest_mouth_);
     inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
-    inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt);
+    inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt, state.time);
     const double speed = (air.wind - mouth.velocity).dot(air.direction);
     if (!(speed > 0.0) || !(air.density > 0.0)) return Vec3::Zero();
 
@@ -130,7 +137,7 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     // settles at once it has been full. That was measured with the fabric's leak, so the inflow that feeds
     // it, which a full canopy loses at its mouth, comes back as it gets there: at most all, or no such canopy
     // stays open.
-    const double full = (state.phase == Phase::open ? smallest_settled : 1.0) * full_area_;
+    const double full = (inflow.has_been_full ? smallest_settled : 1.0) * full_area_;
     const double open = std::max(air.signed_area, full), steady = inflow.steady_drag_area / open;
     const double fullness = std::clamp(air.signed_area / full, 0.0, 1.0);
     const double feed = leak(q * steady, fabric_area_, rho) / (open * speed);

@@ -78,6 +78,7 @@ private:
     Permeability fabric_;
     double geometric_porosity_;                     // [-]
     double fabric_area_, full_area_, full_volume_;  // [m^2], [m^2], [m^3]
+    double smallest_mouth_;                         // [m^2] that counts
 };
 
 /// The reference for layouts, in place of make_canopy_pressure.

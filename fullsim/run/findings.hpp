@@ -42,7 +42,7 @@ struct RunView {
     bool packed() const { return parachute().deploy.starts_packed(); }
     bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }
     bool snatched() const { return std::isfinite(findings.snatch); }
-    bool reefed() const { return simulation.inflation().share < 1.0; }
+    bool reefed() const { return simulation.is_reefed(); }
     /// [s] of the open canopy; infinite as long as it is reefed.
     double full_open() const { return reefed() ? infinity : simulation.inflation().end_of(Phase::filling); }
     /// [s] from which on the drag area is steady; infinite as long as the canopy is reefed.

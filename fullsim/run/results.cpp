@@ -156,6 +156,7 @@ void fill_results(const RunView& run, RunRecord& record) {
     record.channels = run.observer.channels();
     add_drag_area_times(record, run.scene, result,
                         choice.is_predicted() ? MetricKind::result : MetricKind::input);
+    add_reefed_drag_areas(record, run.scene, result);
     add_validity(record, run.scene, result);
     add_warnings(run, steady_area, record);
     const Reached reached = reached_by(run, result.filling_time.has_value());

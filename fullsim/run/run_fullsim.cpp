@@ -303,7 +303,13 @@ private:
     void look_for_opening() {
         const double now = system().time;
         bool opens = false;
-        if (simulation_.has_filled()) simulation_.end_filling();
+        if (simulation_.has_filled()) {
+            simulation_.end_filling();
+            if (sequence_) {
+                sequence_->grown(0, {}, false, system().air.drag_area);
+                sequence_->fills_up(0, now, !system().inflow.has_been_full);
+            }
+        }
         watch_growth();
         while (now >= simulation_.inflation().next_kink())
             simulation_.pass_kink();
@@ -538,7 +544,6 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.filling.is_predicted()) {
         // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
         if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
-        if (!chute.reefing.empty()) keys.emplace_back("parachute.reefing");
     }
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);

@@ -15,7 +15,7 @@ struct Suffix {
 // Longer ones first: "_N_s" also ends in "_s".
 constexpr std::array suffixes{
     Suffix{"_m_s", "m/s"}, Suffix{"_N_s", "N s"}, Suffix{"_N_m", "N/m"}, Suffix{"_N", "N"},
-    Suffix{"_s", "s"},     Suffix{"_m", "m"},     Suffix{"_g", "g"},
+    Suffix{"_s", "s"},     Suffix{"_m", "m"},     Suffix{"_g", "g"},     Suffix{"_m2", "m^2"},
 };
 
 constexpr MetricKey split(std::string_view key) {
@@ -55,6 +55,9 @@ constexpr std::array rows{
     number("stage_2_peak_force_N", "Peak opening force, stage 2"),
     number("stage_3_peak_force_N", "Peak opening force, stage 3"),
     number("stage_4_peak_force_N", "Peak opening force, stage 4"),
+    number("stage_1_drag_area_m2", "Drag area, reefed stage 1"),
+    number("stage_2_drag_area_m2", "Drag area, reefed stage 2"),
+    number("stage_3_drag_area_m2", "Drag area, reefed stage 3"),
     number("time_to_peak_force_s", "Time to peak force"),
     number("peak_force_ratio", "Peak force ratio X_p"),
     number("opening_shock_coefficient", "Opening shock coefficient"),

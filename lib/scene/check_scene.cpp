@@ -359,11 +359,17 @@ void check_filling(const Parachute& p, const Complain& complain) {
         complain.about("parachute.drag_area_mach_table", "stands beside a predicted filling",
                        "the drag of a canopy that fills is a result of subsonic air",
                        "take it out, or prescribe the filling");
-    for (std::size_t i = 0; i < p.reefing.size(); ++i)
+    const double initial = pi * p.projected_diameter_ratio * p.nominal_diameter * std::sqrt(f.initial_mouth);
+    for (std::size_t i = 0; i < p.reefing.size(); ++i) {
+        const std::string key = fmt::format("parachute.reefing.{}.line_length", i + 1);
         if (!p.reefing[i].line_length && !(p.projected_diameter_ratio > 0.0))
-            complain.about(fmt::format("parachute.reefing.{}.line_length", i + 1), "is missing",
-                           "it bounds the mouth of a canopy that fills by itself",
+            complain.about(key, "is missing", "it bounds the mouth of a canopy that fills by itself",
                            "give it, or projected_diameter_ratio");
+        if (const double line = reefing_line_length(p, i); line < initial)
+            complain.about(key, fmt::format("{:.4g} m does not go around the mouth", line),
+                           fmt::format("at snatch it is {:.4g} m round, by filling.initial_mouth", initial),
+                           "lengthen the line, or begin with a smaller initial_mouth");
+    }
 }
 
 /// The stages of a reefed opening, each wider than the one before.

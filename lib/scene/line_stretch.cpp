@@ -27,7 +27,11 @@ double mouth_area_at_line_stretch(const Parachute& chute) {
     const double steady_diameter = chute.projected_diameter_ratio * chute.nominal_diameter;
     const double share =
         chute.filling.is_predicted() ? chute.filling.initial_mouth : chute.initial_drag_area_ratio;
-    return std::max(share * 0.25 * pi * steady_diameter * steady_diameter, smallest_projected_area(chute));
+    const double area =
+        std::max(share * 0.25 * pi * steady_diameter * steady_diameter, smallest_projected_area(chute));
+    if (!chute.filling.is_predicted() || chute.reefing.empty()) return area;
+    const double side = reefing_line_length(chute, 0) / chute.gores;  // of the largest polygon in its line
+    return std::min(area, 0.25 * chute.gores * side * side / std::tan(pi / chute.gores));
 }
 
 double mouth_radius_at_line_stretch(const Parachute& chute) {

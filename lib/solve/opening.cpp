@@ -260,6 +260,30 @@ void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningRes
     }
 }
 
+void add_reefed_drag_areas(RunRecord& record, const Scene& scene, const OpeningResult& r) {
+    const Channel *time = record.find_channel("time"), *area = record.find_channel("drag_area");
+    const Parachute& chute = scene.parachutes.front();
+    if (!chute.filling.is_predicted() || scene.parachutes.size() > 1 || r.parachutes.empty() || !time ||
+        !area)
+        return;
+    const auto& stages = r.parachutes.front().stages;
+    for (std::size_t i = 0; i < std::min(stages.size(), chute.reefing.size()); ++i) {
+        if (!stages[i].full) continue;
+        const double end = i + 1 < stages.size() ? stages[i + 1].begin : time->values.back();
+        const double from = 0.5 * (*stages[i].full + end);
+        double sum = 0.0, span = 0.0;
+        for (std::size_t k = 1; k < time->values.size(); ++k) {
+            const double dt = time->values[k] - time->values[k - 1];
+            if (time->values[k - 1] < from || time->values[k] > end) continue;
+            sum += 0.5 * (area->values[k] + area->values[k - 1]) * dt;
+            span += dt;
+        }
+        if (span > 0.0)
+            record.add_metric(fmt::format("stage_{}_drag_area_m2", i + 1), sum / span, MetricKind::result,
+                              "mean over the second half of the time that its line holds it");
+    }
+}
+
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                               const std::optional<DescentWindow>& last) {
     using enum Trigger::Kind;

@@ -121,6 +121,8 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
 /// steady one: a slow stage and a burst are two numbers. From the record's own history, between two of its
 /// rows by a straight line. `kind`: that of the filling time.
 void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& result, MetricKind kind);
+/// Adds the drag area that the only parachute, whose filling is predicted, has behind each reefing line.
+void add_reefed_drag_areas(RunRecord& record, const Scene& scene, const OpeningResult& result);
 /// Warns of a run that ended before its descent was steady, unless its stop condition is one of the opening.
 /// `last`: the last window that was judged, if any.
 void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,

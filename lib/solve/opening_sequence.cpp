@@ -169,10 +169,11 @@ void OpeningSequence::grown(std::size_t canopy, const FillingMotion& bulb, bool 
         c.inflation.eta = std::sqrt(drag_area / c.inflation.steady_drag_area);
 }
 
-void OpeningSequence::fills_up(std::size_t canopy, double time) {
+void OpeningSequence::fills_up(std::size_t canopy, double time, bool held) {
     Canopy& c = all_[canopy];
     c.inflation.filling_time = time - c.inflation.snatch;
-    if (!c.is_reefed()) return;
+    c.held = held;
+    if (!held) return;
     c.inflation.steady_drag_area *= c.inflation.eta * c.inflation.eta;
     c.inflation.eta = 1.0;
 }
@@ -331,8 +332,10 @@ void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<
                 occurred(Trigger::Kind::cut, c.index, now.time);
             }
             return;
-        case Wait::What::disreef:
+        case Wait::What::disreef: {
+            const bool was_full = c.filling && c.phase == Phase::open && !c.held;  // its line held nothing
             ++c.stage;
+            c.held = false;
             if (c.phase == Phase::initial) {  // it has not begun to fill: as if that line had not been there
                 c.inflation = make_inflation(*scene_, *c.chute, c.inflation.snatch, c.snatch_speed,
                                              c.snatch_density, c.stage);
@@ -342,6 +345,7 @@ void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<
                 c.inflation = next_stage(*scene_, *c.chute, c.stage, c.inflation, c.phase, now.time,
                                          now.airspeed, now.density);
                 c.phase = Phase::filling;
+                if (was_full) c.inflation.filling_time = 0.0;
             }
             if (std::ranges::none_of(all_, [&](const Canopy& o) {
                     return &o != &c && o.index == c.index && o.stage >= c.stage;
@@ -349,6 +353,7 @@ void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<
                 done.push_back({OpeningEvent::Kind::disreef, c.index, c.stage});
             if (c.is_reefed())
                 arm({Wait::What::disreef, wait.canopy, trigger_of(Wait::What::disreef, c)}, now);
+        }
     }
 }
 
@@ -425,6 +430,7 @@ void OpeningSequence::serialize(Archive& archive) {
                              c.chute->drag_area_table ? &*c.chute->drag_area_table : nullptr);
         archive.number("snatch speed", c.snatch_speed);
         archive.number("snatch density", c.snatch_density);
+        archive.flag("held", c.held);
     }
     const std::size_t max_waits = 8 * all_.size() + 8;
     archive.length("waits", waits_, max_waits);

@@ -43,10 +43,11 @@ struct Canopy {
     std::shared_ptr<const FillingCanopy> filling = {};  ///< null: its filling is prescribed
     FillingMotion bulb = {};                            ///< of a predicted filling: where it has come to
     bool squids = false;                                ///< its fabric lets out all that its mouth takes in
+    bool held = false;                                  ///< as full as its reefing line lets it be, no more
 
     /// Its drag and its air are a model's to compute, not the sequence's: while it fills, and while a reefing
     /// line holds it.
-    bool fills_itself() const { return filling && is_out() && (phase != Phase::open || is_reefed()); }
+    bool fills_itself() const { return filling && is_out() && (phase != Phase::open || held); }
     bool is_out() const { return state == State::open; }
     bool is_reefed() const { return stage < chute->reefing.size(); }
 };
@@ -93,8 +94,8 @@ public:
     /// A canopy whose filling is predicted has come to this, with a drag area [m^2] of one canopy that holds
     /// until this is called again.
     void grown(std::size_t canopy, const FillingMotion& bulb, bool squids, double drag_area);
-    /// It is full, or its reefing line is taut, at `time` [s]: advance() tells so.
-    void fills_up(std::size_t canopy, double time);
+    /// It is full at `time` [s], or as full as its reefing line lets it be (`held`): advance() tells so.
+    void fills_up(std::size_t canopy, double time, bool held);
     /// A steady descent has been found.
     void descends_steadily(const FlightState& now);
 

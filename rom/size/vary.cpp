@@ -77,7 +77,8 @@ Goal min_load(const SizeSpec&) {
 Bounds bounds_of_ratio(const Scene& scene) {
     const Parachute& p = sized_parachute(scene);
     const double next = p.reefing.size() > 1 ? p.reefing[1].drag_area_ratio : 1.0;
-    return {std::max(1.01 * p.initial_drag_area_ratio, 0.005), 0.95 * next};
+    const double first = p.filling.is_predicted() ? p.filling.initial_mouth : p.initial_drag_area_ratio;
+    return {std::max(1.01 * first, 0.005), 0.95 * next};
 }
 
 constexpr std::array<VaryRow, 4> vary_table{{

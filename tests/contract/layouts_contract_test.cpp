@@ -71,6 +71,8 @@ void compare_along(const Scene& scene, int steps, std::size_t stages = 1) {
         } else if (simulation.system().time >= simulation.ramp_end()) {
             simulation.end_ramp();
         }
+        if (simulation.is_reefed() && step == steps / 2)  // half way its line is cut
+            simulation.disreef(simulation.inflation(), scene.parachutes.front().reefing.size());
         if (step % looks == 0) {
             const State& state = simulation.synchronised_state();
             if (std::ranges::find(seen, state.stage) == seen.end()) seen.push_back(state.stage);
@@ -117,6 +119,19 @@ TEST(Layouts, AgreeWhereFillingIsPredicted) {
         test::predicted(
             crane_drop({"full.beta=1e-7", "parachute.deploy.length='3 m'", "full.ramp_time='0.3 s'"}), 0.04),
         120'000, 4);
+}
+
+TEST(Layouts, AgreeWhereAReefedFillingIsPredicted) {
+    // Behind a line that is shorter than the mouth which the filling would count, or longer; and once it is
+    // cut.
+    Scene scene = test::predicted(
+        read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-reefed.toml",
+                   {"full.mesh.gore_columns=3", "full.mesh.gore_rows=6", "full.mesh.line_elements=4"}),
+        0.02);
+    for (const double line : {1.5, 5.5}) {
+        scene.parachutes.front().reefing.front().line_length = line;
+        compare_along(scene, 12'000);
+    }
 }
 
 TEST(Layouts, AgreeOnAnExtraction) {

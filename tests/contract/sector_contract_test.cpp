@@ -51,6 +51,8 @@ void compare_along(const Scene& scene, int steps) {
     const NodeIndex payload = simulation.mesh().payload();
     for (int step = 0; step < steps; ++step) {
         simulation.evaluate_forces();
+        if (simulation.is_reefed() && step == steps / 2)  // half way its line is cut
+            simulation.disreef(simulation.inflation(), scene.parachutes.front().reefing.size());
         if (step % std::max(1, steps / 100) == 0) {
             const State& state = simulation.synchronised_state();
             const auto structure = make_structure(scene, simulation.mesh(), state.stage);
@@ -80,6 +82,14 @@ void compare_along(const Scene& scene, int steps) {
 
 TEST(SectorsOfPredictedFilling, AgreeWithTheUnstructuredLayout) {
     compare_along(test::predicted(everything(28, 4, {2, 9, 8, 2, Grading::graded}), 0.02), 12'000);
+}
+
+TEST(SectorsOfPredictedFilling, AgreeBehindAReefingLine) {
+    Scene scene = test::predicted(everything(28, 4, {2, 9, 8, 2, Grading::graded}), 0.02);
+    Reefing stage;
+    stage.drag_area_ratio = 0.1;
+    scene.parachutes.front().reefing = {stage};
+    compare_along(scene, 12'000);
 }
 
 struct Case {

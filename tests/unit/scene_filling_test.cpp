@@ -118,7 +118,21 @@ TEST(SceneFilling, FullModelRefusesWhatItDoesNotPredictByItsKey) {
     EXPECT_EQ(lacks(predicted_text("filling = \"predicted\"\n"
                                    "reefing = [{ drag_area_ratio = 0.3, line_length = \"3 m\", until = { at "
                                    "= \"line-stretch\", delay = \"1 s\" } }]")),
-              Keys{"parachute.reefing"});
+              Keys{});
+}
+
+TEST(SceneFilling, RefusesAReefingLineThatDoesNotGoRoundTheMouth) {
+    // pi D_p sqrt(0.04): 0.2 of the steady circumference.
+    const auto with_line = [](double length) {
+        return predicted_text(
+            "filling = { model = \"predicted\", initial_mouth = 0.04 }\nreefing = [{ "
+            "drag_area_ratio = 0.3, line_length = \"" +
+            std::to_string(length) + " m\", until = { at = \"line-stretch\", delay = \"1 s\" } }]");
+    };
+    const Parachute chute = read_text(with_line(9.0)).parachutes.front();
+    const double around = 0.2 * pi * chute.projected_diameter_ratio * chute.nominal_diameter;
+    EXPECT_NO_THROW(read_text(with_line(1.001 * around)));
+    EXPECT_THROW(read_text(with_line(0.999 * around)), SceneError);
 }
 
 }  // namespace

@@ -123,6 +123,7 @@ TEST_F(Inflow, GivesTheOpenCanopyItsSteadyDragArea) {
         state.inflow.volume = 1e3;  // all of the fabric leaks
         state.dt = 0.0;
         state.air.dynamic_pressure = 0.5 * state.air.density * 400.0;
+        state.inflow.has_been_full = true;
         solve(state);
         ASSERT_NEAR(state.air.signed_area, factor * balance_->full_area(), 1e-9 * balance_->full_area())
             << factor;
@@ -131,7 +132,7 @@ TEST_F(Inflow, GivesTheOpenCanopyItsSteadyDragArea) {
         // and goes with the square of pressure over area.
         const double growing = std::max(1.0, std::pow(factor, -3.0));
         EXPECT_NEAR(state.air.drag_area, 42.56, growing * 0.05 * 0.012 / 1.8 * 2.0 * 42.56) << factor;
-        state.phase = Phase::filling;
+        state.inflow.has_been_full = false;
         solve(state);
         if (factor < 0.9) {
             EXPECT_LT(state.air.drag_area, 0.95 * 42.56) << factor;
