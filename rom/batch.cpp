@@ -5,16 +5,18 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "lib/math/lanes.hpp"
+#include "lib/math/chebyshev.hpp"
 #include "lib/math/maximum.hpp"
 #include "lib/models/inflation.hpp"
 #include "lib/scene/calibration.hpp"
 #include "lib/scene/line_stretch.hpp"
-#include "lib/solve/dense_output.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/sundials_lanes.hpp"
+#include "rom/batch_lanes.hpp"
 #include "rom/run_context.hpp"
 #include "rom/run_rom.hpp"
 
@@ -22,7 +24,6 @@ namespace twinchute::rom {
 namespace {
 
 constexpr auto lanes = static_cast<int>(batch_lanes);
-using Row = std::array<double, batch_lanes>;
 
 double length_of(double x, double z) {
     return std::sqrt(x * x + z * z);
@@ -31,74 +32,31 @@ double length_of(double x, double z) {
 /// Stages of a lane: initial phase, filling, and a while with the full drag area.
 constexpr std::array stages{Phase::initial, Phase::filling, Phase::open};
 
-/// What the right-hand side needs of each lane.
-struct LaneData {
-    Row weighed, hung;              ///< [kg] material of all, and of the payload
-    Row gravity;                    ///< [m/s^2]
-    Row steady_area, payload_area;  ///< [m^2]
-    /// [m^3] Air mass over density is (still + ramping phi') r^1.5, r the drag area over the steady one.
-    Row still, ramping;
-    Row duration;               ///< [s] of the stage
-    Row ramp_begin, ramp_rise;  ///< [-] phi' over the stage
-    Row density, slope, bend;   ///< [kg/m^3, /m, /m^2] of the air about `level` [m], a parabola
-    Row level;
-};
-
-/// State and rates of all lanes at one moment, and what is followed of it.
-struct Node {
-    Row time, altitude, ahead, climb;  ///< [s], [m], [m/s] horizontal and upward
-    Row ahead_rate, climb_rate;        ///< [m/s^2]
-    Row force, acceleration;           ///< [N], [m/s^2]
-};
-
-/// Rates of one lane, and what its risers pull.
-struct LaneLoads {
-    double ahead_rate, climb_rate;  ///< [m/s^2]
-    double force;                   ///< [N]
-};
-
-/// The equation of motion of RigidComposite at s in a stage, of canopies that batches take; `ratio` of the
-/// drag area to the steady one, `power` its power of 1.5. Typed again for this layout, and held to it by
-/// tests.
-inline LaneLoads loads_of(const LaneData& d, std::size_t l, double s, double ratio, double power, double z,
-                          double vx, double vz) {
-    const double h = z - d.level[l];
-    const double rho = d.density[l] + h * (d.slope[l] + h * d.bend[l]);
-    const double half = 0.5 * rho * std::sqrt(vx * vx + vz * vz);
-    const double drag = half * (d.steady_area[l] * ratio + d.payload_area[l]);
-    const double ramp = d.ramp_begin[l] + s * d.ramp_rise[l];
-    const double mass = d.weighed[l] + rho * power * (d.still[l] + ramp * d.ramping[l]);
-    const double ax = -drag * vx / mass, az = (-drag * vz - d.weighed[l] * d.gravity[l]) / mass;
-    const double own = half * d.payload_area[l];
-    const double fx = d.hung[l] * ax + own * vx, fz = d.hung[l] * (az + d.gravity[l]) + own * vz;
-    return {ax, az, std::sqrt(fx * fx + fz * fz)};
-}
-
-/// Loads of all lanes; null: not wanted.
-TWINCHUTE_FOR_EACH_CPU
-void accelerate(const LaneData& d, double s, const double* ratio, const double* power, const double* z,
-                const double* vx, const double* vz, double* ax, double* az, double* force) {
-    if (force) {
-        for (std::size_t l = 0; l < batch_lanes; ++l) {
-            const LaneLoads now = loads_of(d, l, s, ratio[l], power[l], z[l], vx[l], vz[l]);
-            ax[l] = now.ahead_rate, az[l] = now.climb_rate, force[l] = now.force;
+/// Density of the air over all altitudes of a batch: the standard one takes a power at each.
+class Densities {
+public:
+    /// From `low` to `high` [m]; where the air is not that smooth, it is asked itself.
+    Densities(const Atmosphere& air, double low, double high) : air_(air), low_(low), high_(high) {
+        using Series = Chebyshev<11>;
+        std::array<double, 11> values{};
+        for (std::size_t k = 0; k < values.size(); ++k)
+            values[k] = air.at(Series::node(k, low, high)).density;
+        series_ = {values, low, high};
+        constexpr double good = 1e-10;
+        for (const double share : {0.0, 0.03, 0.21, 0.47, 0.74, 0.93, 1.0}) {
+            const double z = low + share * (high - low), exact = air.at(z).density;
+            smooth_ = smooth_ && std::abs(series_.at(z).value - exact) < good * exact;
         }
-        return;
     }
-    for (std::size_t l = 0; l < batch_lanes; ++l) {
-        const LaneLoads now = loads_of(d, l, s, ratio[l], power[l], z[l], vx[l], vz[l]);
-        ax[l] = now.ahead_rate, az[l] = now.climb_rate;
+    double at(double z) const {
+        return smooth_ && z >= low_ && z <= high_ ? series_.at(z).value : air_.at(z).density;
     }
-}
 
-/// The largest value of a quantity of one lane.
-struct Largest {
-    Maximum best{0.0, -1.0};
-    bool past = false;  ///< it has fallen well below
-
-    void keep(const Maximum& found) {
-        if (found.value > best.value) best = found;
-    }
+private:
+    const Atmosphere& air_;
+    double low_, high_;
+    Chebyshev<11> series_;
+    bool smooth_ = true;
 };
 
 class Batch {
@@ -109,14 +67,25 @@ public:
         spare_ = static_cast<std::size_t>(good - alive_.begin());
         for (std::size_t l = 0; l < batch_lanes; ++l)
             prepare(l);
+        // A lane that never fills is no number to the others' step.
+        const auto filling = std::ranges::find(alive_, char{1});
+        if (filling == alive_.end()) return;
+        spare_ = static_cast<std::size_t>(filling - alive_.begin());
+        for (std::size_t l = 0; l < batch_lanes; ++l)
+            if (takes[l] && !alive_[l]) prepare(l);
+        const Inflation& first = inflation_[0];
+        one_growth_ = std::ranges::all_of(
+            inflation_, [&](const Inflation& in) { return in.eta == first.eta && in.law == first.law; });
     }
 
     /// False of lanes that are not settled.
     const std::vector<char>& fly() {
+        if (!alive_[spare_]) return alive_;
         LaneSolver& solver = shared_solver(scenes_[spare_].rom.rtol);
         begin();
         for (const Phase phase : stages) {
             phase_ = phase;
+            if (!begin_stage()) break;
             if (!fly_stage(solver)) {
                 std::ranges::fill(alive_, char{0});
                 return alive_;
@@ -124,8 +93,8 @@ public:
         }
         for (std::size_t l = 0; l < batch_lanes; ++l) {
             const bool to_peak = scenes_[l].stop.kind == Trigger::Kind::peak_force;
-            const bool high = node_.altitude[l] > scenes_[l].environment.ground + 1.0;
-            alive_[l] = alive_[l] && high && std::isfinite(node_.force[l]) && (!to_peak || force_[l].past);
+            const bool high = node_->altitude[l] > scenes_[l].environment.ground + 1.0;
+            alive_[l] = alive_[l] && high && std::isfinite(node_->force[l]) && (!to_peak || past_[l]);
         }
         return alive_;
     }
@@ -137,10 +106,10 @@ public:
         r.snatch_path_angle = scene.release.path_angle;
         r.snatch_density = snatch_density_[l];
         r.filling_time = inflation_[l].filling_time;
-        r.peak_force = force_[l].best.value;
-        r.peak_time = force_[l].best.at;
-        r.max_force = force_[l].best.value;
-        r.max_deceleration = deceleration_[l].best.value;
+        r.peak_force = force_.value[l];
+        r.peak_time = force_.at[l];
+        r.max_force = force_.value[l];
+        r.max_deceleration = deceleration_.value[l];
         return r;
     }
 
@@ -167,7 +136,9 @@ private:
         const Parachute& chute = scene.parachutes.front();
         const double altitude = scene.release.altitude;
         speed_[l] = scene.release.speed;
-        snatch_density_[l] = scene.environment.atmosphere.at(altitude).density;
+        const bool as_before = l > 0 && altitude == scene_of(l - 1).release.altitude && has_same_air(l);
+        snatch_density_[l] =
+            as_before ? snatch_density_[l - 1] : scene.environment.atmosphere.at(altitude).density;
         inflation_[l] = make_inflation(scene, chute, 0.0, speed_[l], snatch_density_[l]);
         const Inflation& in = inflation_[l];
         if (!(std::isfinite(in.filling_time) && in.initial_time < in.filling_time)) alive_[l] = 0;
@@ -184,19 +155,35 @@ private:
                     .value;
             };
             data_.still[l] = air(0.0);
-            data_.ramping[l] = air(1.0) - air(0.0);
+            data_.ramping[l] = air(1.0) - data_.still[l];
         }
     }
 
+    bool has_same_air(std::size_t l) const {
+        return scene_of(l).environment.atmosphere == scene_of(0).environment.atmosphere;
+    }
+
     void begin() {
+        double low = infinity, high = -infinity;
         for (std::size_t l = 0; l < batch_lanes; ++l) {
             const Release& release = scene_of(l).release;
-            node_.time[l] = 0.0;
-            node_.altitude[l] = release.altitude;
-            node_.ahead[l] = release.speed * std::cos(release.path_angle);
-            node_.climb[l] = -release.speed * std::sin(release.path_angle);
+            node_->time[l] = 0.0;
+            node_->altitude[l] = release.altitude;
+            node_->ahead[l] = release.speed * std::cos(release.path_angle);
+            node_->climb[l] = -release.speed * std::sin(release.path_angle);
+            constexpr double and_more = 1.5;  // than the filling: the force has to fall
+            const double way = and_more * reach(release.speed, inflation_[l].filling_time);
+            low = std::min(low, release.altitude - way);
+            high = std::max(high, release.altitude + way);
+            watched_[l] = alive_[l];
+            past_[l] = 0;
+            one_air_ = one_air_ && has_same_air(l);
         }
+        densities_.emplace(scene_of(0).environment.atmosphere, low, high);
     }
+
+    /// [m] that a lane may move in so many seconds.
+    static double reach(double speed, double seconds) { return std::max(1.0, 1.2 * (speed + 5.0) * seconds); }
 
     /// [s] of the stage that begins: of the last one a while in which the force falls well below its peak.
     double duration_of(std::size_t l) const {
@@ -205,9 +192,9 @@ private:
         if (phase_ == Phase::filling) return in.filling_time - in.initial_time;
         const Trigger& stop = scene_of(l).stop;
         if (stop.kind == Trigger::Kind::full_open) return stop.delay;
-        const double speed = length_of(node_.ahead[l], node_.climb[l]);
+        const double speed = length_of(node_->ahead[l], node_->climb[l]);
         const double slowing =
-            -(node_.ahead[l] * node_.ahead_rate[l] + node_.climb[l] * node_.climb_rate[l]) / speed;
+            -(node_->ahead[l] * node_->ahead_rate[l] + node_->climb[l] * node_->climb_rate[l]) / speed;
         constexpr double share = 0.06;  // of the speed to lose: twice as much of the force
         const double longest = speed / data_.gravity[l];
         return slowing > 0.0 ? std::min(share * speed / slowing, longest) : longest;
@@ -216,12 +203,14 @@ private:
     /// The air as a parabola over the altitudes that the stage may pass; a lane where that is not good enough
     /// is given up.
     void fit_air(std::size_t l) {
-        const Atmosphere& air = scene_of(l).environment.atmosphere;
-        const double speed = length_of(node_.ahead[l], node_.climb[l]);
-        const double reach = std::max(1.0, 1.2 * (speed + 5.0) * data_.duration[l]);
-        const double z = node_.altitude[l], direction = node_.climb[l] > 0.0 ? 1.0 : -1.0;
-        const auto at = [&](double share) { return air.at(z + direction * share * reach).density; };
-        const double a = at(0.0), b = at(0.5), c = at(1.0), step = 0.5 * reach * direction;
+        const double speed = length_of(node_->ahead[l], node_->climb[l]);
+        const double far = reach(speed, data_.duration[l]);
+        const double z = node_->altitude[l], direction = node_->climb[l] > 0.0 ? 1.0 : -1.0;
+        const auto at = [&](double share) {
+            const double place = z + direction * share * far;
+            return one_air_ ? densities_->at(place) : scene_of(l).environment.atmosphere.at(place).density;
+        };
+        const double a = at(0.0), b = at(0.5), c = at(1.0), step = 0.5 * far * direction;
         data_.level[l] = z;
         data_.density[l] = a;
         data_.bend[l] = (c - 2.0 * b + a) / (2.0 * step * step);
@@ -229,10 +218,19 @@ private:
         const double h = 1.5 * step;
         const double guess = a + h * (data_.slope[l] + h * data_.bend[l]);
         constexpr double good = 1e-7;
-        if (!(std::abs(guess - at(0.75)) < good * a)) alive_[l] = 0;
+        if (!(std::abs(guess - at(0.75)) < good * a)) give_up(l);
     }
 
-    void begin_stage() {
+    void give_up(std::size_t l) { alive_[l] = 0, watched_[l] = 0; }
+
+    /// False where no lane has anything left to come.
+    bool begin_stage() {
+        if (phase_ == Phase::open) {
+            grow(1.0, Phase::filling, growth_);
+            look(data_, 1.0, growth_, *node_);  // still of the filling: its rates say how long it takes
+            pass_peaks(*node_);
+            if (std::ranges::none_of(watched_, [](std::int64_t is) { return is != 0; })) return false;
+        }
         for (std::size_t l = 0; l < batch_lanes; ++l) {
             const Inflation& in = inflation_[l];
             data_.duration[l] = duration_of(l);
@@ -240,171 +238,175 @@ private:
             data_.ramp_begin[l] = phase_ == Phase::open ? 1.0 : first;
             data_.ramp_rise[l] = phase_ == Phase::open ? 0.0 : data_.duration[l] / in.filling_time;
             fit_air(l);
-        }
-    }
-
-    /// Drag areas over the steady ones at s, and their powers of 1.5. A law is asked once where its start is
-    /// the same for all.
-    void grow(double s) {
-        for (std::size_t l = 0; l < batch_lanes; ++l) {
-            const Inflation& in = inflation_[l];
-            if (l > 0 && in.eta == inflation_[0].eta && in.law == inflation_[0].law) {
-                ratio_[l] = ratio_[0], power_[l] = power_[0];
-                continue;
-            }
-            ratio_[l] = ratio_at(l, s);
-            power_[l] = ratio_[l] * std::sqrt(ratio_[l]);
-        }
-    }
-
-    void rhs(double s, const double* y, double* dyds) {
-        grow(s);
-        const double *z = y, *vx = y + lanes, *vz = y + 2 * lanes;
-        double *dz = dyds, *ax = dyds + lanes, *az = dyds + 2 * lanes;
-        accelerate(data_, s, ratio_.data(), power_.data(), z, vx, vz, ax, az, nullptr);
-        for (int l = 0; l < lanes; ++l) {
-            dz[l] = data_.duration[l] * vz[l];
-            ax[l] *= data_.duration[l];
-            az[l] *= data_.duration[l];
-        }
-    }
-
-    /// Rates and followed quantities of a node at s.
-    void look(double s, Node& node) {
-        grow(s);
-        accelerate(data_, s, ratio_.data(), power_.data(), node.altitude.data(), node.ahead.data(),
-                   node.climb.data(), node.ahead_rate.data(), node.climb_rate.data(), node.force.data());
-        for (std::size_t l = 0; l < batch_lanes; ++l)
-            node.acceleration[l] = length_of(node.ahead_rate[l], node.climb_rate[l]);
-    }
-
-    bool fly_stage(LaneSolver& solver) {
-        if (phase_ == Phase::open) look(1.0, node_);  // still of the filling: its rates say how long it takes
-        begin_stage();
-        const Row began = node_.time;
-        std::vector<double> y(3 * batch_lanes);
-        std::ranges::copy(node_.altitude, y.begin());
-        std::ranges::copy(node_.ahead, y.begin() + lanes);
-        std::ranges::copy(node_.climb, y.begin() + 2 * lanes);
-        solver.start(y);
-        look(0.0, node_);
-        if (phase_ == Phase::initial) start_peaks();
-        s_ = 0.0;
-        while (!solver.at_end()) {
-            if (!solver.step()) return false;
-            const std::span<const double> state = solver.state();
-            Node next;
-            for (std::size_t l = 0; l < batch_lanes; ++l) {
-                next.time[l] = began[l] + solver.s() * data_.duration[l];
-                next.altitude[l] = state[l];
-                next.ahead[l] = state[batch_lanes + l];
-                next.climb[l] = state[2 * batch_lanes + l];
-            }
-            look(solver.s(), next);
-            follow(solver.s(), next);
-            node_ = next;
-            s_ = solver.s();
+            if (!(data_.duration[l] > 0.0)) watched_[l] = 0;
+            if (phase_ == Phase::filling) watched_[l] = alive_[l];
         }
         return true;
     }
 
-    void start_peaks() {
+    /// A run to its peak ends once the canopy is full and the force well below it.
+    void pass_peaks(const Node& node) {
         for (std::size_t l = 0; l < batch_lanes; ++l) {
-            force_[l].best = {0.0, node_.force[l]};
-            deceleration_[l].best = {0.0, node_.acceleration[l]};
+            if (!watched_[l] || scenes_[l].stop.kind != Trigger::Kind::peak_force) continue;
+            past_[l] = node.force[l] < past_peak * force_.value[l];
+            if (past_[l]) watched_[l] = 0;
         }
     }
 
-    /// A step of the stage.
-    struct Step {
-        const Node &from, &to;
-        double s_from, s_to;
+    /// Drag areas over the steady ones at s, and their powers of 1.5. A law is asked once where it is the
+    /// same for all.
+    void grow(double s, Phase phase, Growth& growth) const {
+        for (std::size_t l = 0; l < batch_lanes; ++l) {
+            if (l > 0 && one_growth_) {
+                growth.ratio[l] = growth.ratio[0], growth.power[l] = growth.power[0];
+                continue;
+            }
+            const Inflation& in = inflation_[l];
+            const double ratio = phase == Phase::open      ? 1.0
+                                 : phase == Phase::initial ? in.eta * in.eta
+                                                           : in.growth().at(s, 0).value;
+            growth.ratio[l] = ratio, growth.power[l] = ratio * std::sqrt(ratio);
+        }
+    }
+
+    void rhs(double s, const double* y, double* dyds) {
+        grow(s, phase_, growth_);
+        stage_rates(data_, s, growth_, y, dyds);
+    }
+
+    bool fly_stage(LaneSolver& solver) {
+        const Row began = node_->time;
+        std::array<double, 3 * batch_lanes> y;
+        std::ranges::copy(node_->altitude, y.begin());
+        std::ranges::copy(node_->ahead, y.begin() + lanes);
+        std::ranges::copy(node_->climb, y.begin() + 2 * lanes);
+        solver.start(y);
+        grow(0.0, phase_, growth_);
+        look(data_, 0.0, growth_, *node_);
+        if (phase_ == Phase::initial) {
+            force_ = {{}, node_->force};
+            deceleration_ = {{}, node_->acceleration};
+        }
+        before_is_seen_ = step_is_seen_ = false;
+        s_ = 0.0;
+        while (!solver.at_end()) {
+            if (!solver.step()) return false;
+            const std::span<const double> state = solver.state();
+            for (std::size_t l = 0; l < batch_lanes; ++l) {
+                next_->time[l] = began[l] + solver.s() * data_.duration[l];
+                next_->altitude[l] = state[l];
+                next_->ahead[l] = state[batch_lanes + l];
+                next_->climb[l] = state[2 * batch_lanes + l];
+            }
+            grow(solver.s(), phase_, growth_);
+            look(data_, solver.s(), growth_, *next_);
+            follow(solver.s());
+        }
+        return true;
+    }
+
+    /// The step from node_ to next_, which then are before_ and node_.
+    void follow(double s) {
+        const bool first = s_ == 0.0, last = s >= 1.0;
+        const Node &from = *node_, &to = *next_;
+        const bool forces = find_turns(watched_, first ? nullptr : &before_->force, from.force, to.force,
+                                       to.time, last, force_, force_turns_);
+        const bool slowings =
+            find_turns(watched_, first ? nullptr : &before_->acceleration, from.acceleration, to.acceleration,
+                       to.time, last, deceleration_, slowing_turns_);
+        if (forces || slowings) {
+            if (!first && !before_is_seen_) see(*before_, from, s_before_, s_, before_inside_);
+            see(from, to, s_, s, inside_);
+            step_is_seen_ = true;
+            for (std::size_t l = 0; l < batch_lanes; ++l) {
+                if (force_turns_[l]) refine(l, first, &Node::force, &Inside::force, force_);
+                if (slowing_turns_[l])
+                    refine(l, first, &Node::acceleration, &Inside::acceleration, deceleration_);
+            }
+        }
+        if (phase_ == Phase::open) pass_peaks(to);
+        s_before_ = s_, s_ = s;
+        before_is_seen_ = std::exchange(step_is_seen_, false);
+        std::swap(before_inside_, inside_);
+        std::swap(before_, node_);
+        std::swap(node_, next_);
+    }
+
+    /// Followed quantities at the three inner ones of five equidistant places of a step.
+    struct Inside {
+        std::array<Row, 3> force, acceleration;
     };
 
-    /// The step from node_ to `next`.
-    void follow(double s, const Node& next) {
-        const bool first = s_ == 0.0, last = s >= 1.0;
-        const Step step{node_, next, s_, s}, before{before_, node_, s_before_, s_};
-        for (std::size_t l = 0; l < batch_lanes; ++l) {
-            if (!alive_[l] || force_[l].past || !(data_.duration[l] > 0.0)) continue;
-            follow_one(l, step, first ? nullptr : &before, last, &Node::force, force_[l]);
-            follow_one(l, step, first ? nullptr : &before, last, &Node::acceleration, deceleration_[l]);
-            // The run ends once the canopy is full and the force well below its peak.
-            if (phase_ == Phase::open) force_[l].past = next.force[l] < past_peak * force_[l].best.value;
-        }
-        before_ = node_, s_before_ = s_;
-    }
-
-    /// A maximum inside a step: where a quantity that rose falls, in this step or in the one before; at the
-    /// end of a stage, whose next step is another's, where it falls already.
-    void follow_one(std::size_t l, const Step& step, const Step* before, bool last, Row Node::*quantity,
-                    Largest& largest) {
-        const double begin = (node_.*quantity)[l], end = (step.to.*quantity)[l];
-        largest.keep({step.to.time[l], end});
-        constexpr double near = 0.9, little = 1e-3;
-        if (std::max(begin, end) < near * largest.best.value) return;
-        const double length = step.to.time[l] - step.from.time[l];
-        if (end > begin) {
-            if (last && between(l, step, step.to.time[l] - little * length, quantity) > end)
-                refine(l, step, quantity, largest);
-        } else if (!before || (before->from.*quantity)[l] < begin) {
-            if (between(l, step, step.from.time[l] + little * length, quantity) > begin)
-                refine(l, step, quantity, largest);
-            else if (before)
-                refine(l, *before, quantity, largest);
+    void see(const Node& from, const Node& to, double s_from, double s_to, Inside& inside) {
+        static const std::array places{inner_place(0.25), inner_place(0.5), inner_place(0.75)};
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double s = s_from + 0.25 * static_cast<double>(i + 1) * (s_to - s_from);
+            grow(s, phase_, growth_);
+            look_inside(data_, s, growth_, from, to, places[i], inside.force[i], inside.acceleration[i]);
         }
     }
 
-    void refine(std::size_t l, const Step& step, Row Node::*quantity, Largest& largest) {
-        const double from = step.from.time[l], length = step.to.time[l] - from;
-        const auto at = [&](double time) { return between(l, step, time, quantity); };
-        const std::array values{(step.from.*quantity)[l], at(from + 0.25 * length), at(from + 0.5 * length),
-                                at(from + 0.75 * length), (step.to.*quantity)[l]};
-        constexpr double closeness = 1e-3;  // of the place: the value is as good as its square
-        largest.keep(maximum_on(at, from, step.to.time[l], values, closeness * length));
-    }
-
-    /// A quantity inside the step of one lane, by dense output.
-    double between(std::size_t l, const Step& step, double time, Row Node::*quantity) const {
-        const Node &from = step.from, &to = step.to;
-        const double length = to.time[l] - from.time[l], share = (time - from.time[l]) / length;
-        // Positions, then velocities; the way ahead counts from the beginning of the step.
-        const double way = 0.5 * length * (from.ahead[l] + to.ahead[l]) +
-                           length * length / 12.0 * (from.ahead_rate[l] - to.ahead_rate[l]);
-        const std::array begin{0.0, from.altitude[l], from.ahead[l], from.climb[l]},
-            end{way, to.altitude[l], to.ahead[l], to.climb[l]},
-            begin_rate{from.ahead[l], from.climb[l], from.ahead_rate[l], from.climb_rate[l]},
-            end_rate{to.ahead[l], to.climb[l], to.ahead_rate[l], to.climb_rate[l]};
-        std::array<double, 4> y{};
-        interpolate_step({from.time[l], to.time[l], begin, begin_rate, end, end_rate}, 2, time, y);
-        const double s = step.s_from + share * (step.s_to - step.s_from);
-        return quantity_at(l, s, y[1], y[2], y[3], quantity == &Node::force);
-    }
-
-    /// Drag area over the steady one, of one lane.
-    double ratio_at(std::size_t l, double s) const {
-        const Inflation& in = inflation_[l];
-        return phase_ == Phase::open      ? 1.0
-               : phase_ == Phase::initial ? in.eta * in.eta
-                                          : in.growth().at(s, 0).value;
-    }
-
-    double quantity_at(std::size_t l, double s, double z, double vx, double vz, bool force) const {
-        const double ratio = ratio_at(l, s);
-        const LaneLoads now = loads_of(data_, l, s, ratio, ratio * std::sqrt(ratio), z, vx, vz);
-        return force ? now.force : length_of(now.ahead_rate, now.climb_rate);
+    /// A maximum about the beginning of the step from node_ to next_, or inside it where it still rises.
+    void refine(std::size_t l, bool first, Row Node::*quantity, std::array<Row, 3> Inside::*inner,
+                Maxima& maxima) {
+        const auto keep = [&](const Node& from, const Node& to, const Inside& inside) {
+            const std::array<Row, 3>& between = inside.*inner;
+            const std::array values{(from.*quantity)[l], between[0][l], between[1][l], between[2][l],
+                                    (to.*quantity)[l]};
+            const Maximum found = maximum_of_quartic(values, from.time[l], to.time[l]);
+            if (found.value > maxima.value[l]) maxima.value[l] = found.value, maxima.at[l] = found.at;
+        };
+        keep(*node_, *next_, inside_);
+        const bool falls = (next_->*quantity)[l] <= (node_->*quantity)[l];
+        if (falls && !first) keep(*before_, *node_, before_inside_);
     }
 
     std::span<const Scene> scenes_;
     std::vector<char> alive_;
     std::size_t spare_ = 0;
     std::array<Inflation, batch_lanes> inflation_;
-    Row speed_, snatch_density_, ratio_, power_;
+    bool one_growth_ = true, one_air_ = true;
+    std::optional<Densities> densities_;
+    Row speed_, snatch_density_;
     LaneData data_;
-    Node before_, node_;  // that the last two steps of the stage ended at
+    Growth growth_;
+    std::array<Node, 3> nodes_;
+    Node *before_ = &nodes_[0], *node_ = &nodes_[1], *next_ = &nodes_[2];  // ends of the last two steps
     double s_before_ = 0.0, s_ = 0.0;
     Phase phase_ = Phase::initial;
-    std::array<Largest, batch_lanes> force_, deceleration_;
+    Flags watched_, past_;  // lanes that may still have a peak; those that had it
+    Flags force_turns_, slowing_turns_;
+    Maxima force_, deceleration_;
+    Inside before_inside_, inside_;
+    bool before_is_seen_ = false, step_is_seen_ = false;
+};
+
+/// Metrics by the keys that are asked for. Those of runs alike come in one order: where each goes is looked
+/// up once.
+class MetricColumns {
+public:
+    explicit MetricColumns(std::span<const std::string> keys) : keys_(keys) {}
+
+    void fill(std::span<double> row, const Scene& scene, const OpeningResult& result) {
+        std::ranges::fill(row, std::numeric_limits<double>::quiet_NaN());
+        std::size_t next = 0;
+        add_opening_metrics(
+            [&](std::string_view key, double value, MetricKind, std::string_view) {
+                if (next == order_.size() || order_[next].first != key) order_.resize(next);
+                if (next == order_.size()) order_.emplace_back(key, column_of(key));
+                if (const std::size_t column = order_[next++].second; column < row.size())
+                    row[column] = value;
+            },
+            scene, result, {}, {});
+    }
+
+private:
+    std::size_t column_of(std::string_view key) const {
+        return static_cast<std::size_t>(std::ranges::find(keys_, key) - keys_.begin());
+    }
+
+    std::span<const std::string> keys_;
+    std::vector<std::pair<std::string, std::size_t>> order_;
 };
 
 /// A scene whose own numbers let it go in a batch.
@@ -439,7 +441,7 @@ void batch_metrics(std::span<const Scene> scenes, Run& run, std::span<const std:
         settled.push_back(takes(scene) ? 1 : 0);
     std::optional<Batch> batch;
     if (std::ranges::count(settled, char{1}) > 0) settled = batch.emplace(scenes, settled).fly();
-    RunRecord record;
+    MetricColumns columns(keys);
     for (std::size_t l = 0; l < scenes.size(); ++l) {
         const std::span<double> row = values.subspan(l * keys.size(), keys.size());
         if (!settled[l]) {
@@ -447,10 +449,7 @@ void batch_metrics(std::span<const Scene> scenes, Run& run, std::span<const std:
             continue;
         }
         statuses[l] = StatusCode::completed;
-        record.metrics.clear();
-        add_opening_metrics(record, scenes[l], batch->result(l), {}, {});
-        for (std::size_t i = 0; i < keys.size(); ++i)
-            row[i] = record.metric(keys[i]).value_or(std::numeric_limits<double>::quiet_NaN());
+        columns.fill(row, scenes[l], batch->result(l));
     }
 }
 

@@ -4,6 +4,7 @@
 #include <gsl/gsl_min.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -60,6 +61,27 @@ Maximum maximum_on(const std::function<double(double)>& f, double a, double b, s
         if (value > best.value) best = {gsl_min_fminimizer_x_minimum(search.get()), value};
     }
     return best;
+}
+
+Maximum maximum_of_quartic(const std::array<double, 5>& values, double a, double b) {
+    const auto& [f0, f1, f2, f3, f4] = values;
+    // About the middle, in spacings: f2 + x (c1 + x (c2 + x (c3 + x c4))).
+    const double odd = f4 - f0, inner_odd = f3 - f1, even = f4 + f0, inner_even = f3 + f1;
+    const double c1 = (8.0 * inner_odd - odd) / 12.0, c2 = (16.0 * inner_even - even - 30.0 * f2) / 24.0;
+    const double c3 = (odd - 2.0 * inner_odd) / 12.0, c4 = (even - 4.0 * inner_even + 6.0 * f2) / 24.0;
+    const double first = static_cast<double>(std::ranges::max_element(values) - values.begin()) - 2.0;
+    const double low = std::max(-2.0, first - 1.0), high = std::min(2.0, first + 1.0);
+    double x = first;
+    for (int i = 0; i < 5; ++i) {
+        const double slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4));
+        const double bend = 2.0 * c2 + x * (6.0 * c3 + x * 12.0 * c4);
+        // Where it bends up, towards the end that it rises to.
+        x = bend < 0.0 ? std::clamp(x - slope / bend, low, high) : slope > 0.0 ? high : low;
+    }
+    const double at_sample = values[static_cast<std::size_t>(first + 2.0)];
+    const double value = f2 + x * (c1 + x * (c2 + x * (c3 + x * c4)));
+    if (!(value > at_sample)) x = first;
+    return {0.5 * (a + b) + 0.25 * x * (b - a), std::max(value, at_sample)};
 }
 
 }  // namespace twinchute

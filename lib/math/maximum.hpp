@@ -1,6 +1,7 @@
 // The largest value of a smooth function of one variable on an interval.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 
@@ -21,5 +22,8 @@ Maximum maximum_on(const std::function<double(double)>& f, double a, double b, i
 /// known.
 Maximum maximum_on(const std::function<double(double)>& f, double a, double b, std::span<const double> values,
                    double closeness = 1e-8);
+
+/// Largest value on [a, b] of the quartic through values at five equidistant points, a and b included.
+Maximum maximum_of_quartic(const std::array<double, 5>& values, double a, double b);
 
 }  // namespace twinchute

@@ -123,13 +123,13 @@ std::string metric_head(std::string name) {
 namespace {
 
 /// Adds the metrics of each of several parachutes, and of each stage of a reefed one.
-void add_parachute_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r) {
+void add_parachute_metrics(const MetricSink& sink, const Scene& scene, const OpeningResult& r) {
     const bool several = scene.parachutes.size() > 1;
     for (const ParachuteResult& p : r.parachutes) {
         const Parachute& chute = scene.parachutes[p.index];
         const std::string head = metric_head(several ? chute.name : "");
         const auto add = [&](const std::string& key, double value) {
-            record.add_metric(head + key, value, MetricKind::result, "");
+            sink(head + key, value, MetricKind::result, "");
         };
         const bool opens = chute.deploy.by != DeployBy::inflated;
         if (several && opens) {
@@ -158,8 +158,8 @@ namespace {
 constexpr double smallest_path_angle = 0.01;  // [rad] below which v^2/sin(gamma) says nothing
 }
 
-void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
-                         const Metric& descent) {
+void add_opening_metrics(const MetricSink& sink, const Scene& scene, const OpeningResult& r,
+                         const Metric& filling, const Metric& descent) {
     const Parachute& chute = scene.parachutes.front();
     const bool packed = chute.deploy.starts_packed(), one = scene.parachutes.size() == 1;
     const bool in_flight = packed || chute.deploy_when;  // its snatch is a result
@@ -167,7 +167,7 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
     const double pressure = 0.5 * r.snatch_density * r.snatch_speed * r.snatch_speed;
     const auto add = [&](const char* key, double value, MetricKind kind = MetricKind::result,
-                         const char* note = "") { record.add_metric(key, value, kind, note); };
+                         const char* note = "") { sink(key, value, kind, note); };
 
     if (r.line_stretch_time && one) add("line_stretch_time_s", *r.line_stretch_time);
     if (r.snatched && in_flight && one) {
@@ -179,13 +179,12 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     } else if (r.snatched && one) {
         add("snatch_speed_m_s", r.snatch_speed, MetricKind::input, "line-stretch start: the release speed");
     }
-    if (r.filling_time && one)
-        record.add_metric("filling_time_s", *r.filling_time, filling.kind, filling.note);
+    if (r.filling_time && one) sink("filling_time_s", *r.filling_time, filling.kind, filling.note);
     if (r.filling_time && one && r.snatched)
-        record.add_metric("fill_constant", *r.filling_time * r.snatch_speed / chute.nominal_diameter,
-                          filling.kind, "t_f v_s/D0");
+        sink("fill_constant", *r.filling_time * r.snatch_speed / chute.nominal_diameter, filling.kind,
+             "t_f v_s/D0");
     const auto add_canopy_peak = [&](const char* key, const std::optional<CanopyPeak>& peak) {
-        if (peak) record.add_metric(key, peak->force, MetricKind::result, peak->note);
+        if (peak) sink(key, peak->force, MetricKind::result, peak->note);
     };
     if (r.peak_force) add("peak_force_N", *r.peak_force);
     add_canopy_peak("peak_canopy_force_N", r.peak_canopy_force);
@@ -211,16 +210,15 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
     if (r.impulse && one)
         add("impulse_N_s", *r.impulse, MetricKind::result,
             "of the opening force, from snatch until the drag area is full");
-    add_parachute_metrics(record, scene, r);
+    add_parachute_metrics(sink, scene, r);
     add("max_deceleration_g", r.max_deceleration / standard_gravity);
     if (r.descent) {
         const DescentWindow& w = *r.descent;
-        record.add_metric(
-            "descent_rate_m_s", w.rate, descent.kind,
-            fmt::format("{}; mean from {:.4g} to {:.4g} s{}", descent.note, w.from, w.to,
-                        w.amplitude < steady_descent_amplitude
-                            ? ""
-                            : fmt::format(", about which it swings by {:.2g} %", 100.0 * w.amplitude)));
+        sink("descent_rate_m_s", w.rate, descent.kind,
+             fmt::format("{}; mean from {:.4g} to {:.4g} s{}", descent.note, w.from, w.to,
+                         w.amplitude < steady_descent_amplitude
+                             ? ""
+                             : fmt::format(", about which it swings by {:.2g} %", 100.0 * w.amplitude)));
         add("descent_rate_amplitude", w.amplitude, MetricKind::result,
             "half the range of v sqrt(rho) over that time, over its mean");
         add("descent_rate_remaining_change", w.remaining, MetricKind::result,
@@ -236,6 +234,14 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
         add("landing_east_m", r.end_position.x());
         add("landing_north_m", r.end_position.y());
     }
+}
+
+void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& r, const Metric& filling,
+                         const Metric& descent) {
+    const auto to_record = [&](std::string_view key, double value, MetricKind kind, std::string_view note) {
+        record.add_metric(std::string(key), value, kind, std::string(note));
+    };
+    add_opening_metrics(to_record, scene, r, filling, descent);
 }
 
 void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& r, MetricKind kind) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <string_view>
 
 #include "lib/math/vec.hpp"
 #include "lib/models/inflation.hpp"
@@ -113,8 +115,13 @@ inline double angle_below_horizon(const Vec3& velocity) {
 /// none.
 std::string metric_head(std::string name);
 
+/// Takes a metric, see RunRecord::add_metric.
+using MetricSink =
+    std::function<void(std::string_view key, double value, MetricKind kind, std::string_view note)>;
 /// Adds the metrics that every fidelity reports, derived ratios included. `filling` and
 /// `descent` say how much of those two is input.
+void add_opening_metrics(const MetricSink& sink, const Scene& scene, const OpeningResult& result,
+                         const Metric& filling, const Metric& descent);
 void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningResult& result,
                          const Metric& filling, const Metric& descent);
 /// Adds the times from snatch at which the drag area of the only parachute first is 15, 70 and 98 % of the

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "lib/math/lanes.hpp"
+#include "lib/math/wide_loops.hpp"
 
 namespace twinchute {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 // Debian's serial vectors are compiled without vector instructions: more than half of a step's time. Work
 // vectors take these operations over from the first one when SUNDIALS clones it.
 
-TWINCHUTE_FOR_EACH_CPU
+TWINCHUTE_WIDE_LOOPS
 void sum_of(double a, const double* x, double b, const double* y, double* z, sunindextype n) {
     for (sunindextype i = 0; i < n; ++i)
         z[i] = a * x[i] + b * y[i];
@@ -29,7 +29,7 @@ void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) {
     sum_of(a, NV_DATA_S(x), b, NV_DATA_S(y), NV_DATA_S(z), NV_LENGTH_S(x));
 }
 
-TWINCHUTE_FOR_EACH_CPU
+TWINCHUTE_WIDE_LOOPS
 void scaled(double c, const double* x, double* z, sunindextype n) {
     for (sunindextype i = 0; i < n; ++i)
         z[i] = c * x[i];
@@ -39,31 +39,51 @@ void scale(realtype c, N_Vector x, N_Vector z) {
     scaled(c, NV_DATA_S(x), NV_DATA_S(z), NV_LENGTH_S(x));
 }
 
-/// z = sum c_k x_k; z may be one of them.
-TWINCHUTE_FOR_EACH_CPU
-void combine(int count, const double* c, const double* const* x, double* z, sunindextype n) {
-    constexpr sunindextype block = 16;
-    sunindextype i = 0;
-    for (; i + block <= n; i += block) {
-        double sum[block];
-        for (sunindextype j = 0; j < block; ++j)
-            sum[j] = c[0] * x[0][i + j];
+/// z = sum c_k x_k of a known number of vectors, which a compiler keeps in registers.
+template <int count>
+[[gnu::always_inline]] inline void combine_some(const double* c, const double* const* x, double* z,
+                                                sunindextype n) {
+    double factors[count];
+    const double* parts[count];
+    for (int k = 0; k < count; ++k)
+        factors[k] = c[k], parts[k] = x[k];
+        // z may be one of them: each number is read before it is written.
+#ifndef __clang__
+#pragma GCC ivdep
+#endif
+    for (sunindextype i = 0; i < n; ++i) {
+        double sum = factors[0] * parts[0][i];
         for (int k = 1; k < count; ++k)
-            for (sunindextype j = 0; j < block; ++j)
-                sum[j] += c[k] * x[k][i + j];
-        for (sunindextype j = 0; j < block; ++j)
-            z[i + j] = sum[j];
-    }
-    for (; i < n; ++i) {
-        double sum = c[0] * x[0][i];
-        for (int k = 1; k < count; ++k)
-            sum += c[k] * x[k][i];
+            sum += factors[k] * parts[k][i];
         z[i] = sum;
     }
 }
 
+/// z = sum c_k x_k, of eight at most; z may be one of them.
+TWINCHUTE_WIDE_LOOPS
+void combine(int count, const double* c, const double* const* x, double* z, sunindextype n) {
+    switch (count) {
+        case 1:
+            return combine_some<1>(c, x, z, n);
+        case 2:
+            return combine_some<2>(c, x, z, n);
+        case 3:
+            return combine_some<3>(c, x, z, n);
+        case 4:
+            return combine_some<4>(c, x, z, n);
+        case 5:
+            return combine_some<5>(c, x, z, n);
+        case 6:
+            return combine_some<6>(c, x, z, n);
+        case 7:
+            return combine_some<7>(c, x, z, n);
+        default:
+            return combine_some<8>(c, x, z, n);
+    }
+}
+
 int linear_combination(int count, realtype* c, N_Vector* x, N_Vector z) {
-    constexpr int most = 16;
+    constexpr int most = 8;  // seven stages and a state
     if (count < 1 || count > most) return -1;
     const double* parts[most];
     for (int k = 0; k < count; ++k)
@@ -73,7 +93,7 @@ int linear_combination(int count, realtype* c, N_Vector* x, N_Vector z) {
 }
 
 /// The largest weighted root mean square over the components of one lane. `lanes`: of the vector.
-TWINCHUTE_FOR_EACH_CPU
+TWINCHUTE_WIDE_LOOPS
 double worst_lane(const double* x, const double* w, sunindextype lanes, sunindextype n) {
     double worst = 0.0;
     constexpr sunindextype block = 16;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -20,6 +21,27 @@ TEST(Maximum, FindsAnInteriorHump) {
     const Maximum top = maximum_on([](double x) { return std::sin(x); }, 0.0, 3.0, 8);
     EXPECT_NEAR(top.value, 1.0, 1e-15);
     EXPECT_NEAR(top.at, 0.5 * pi, 1e-7);
+}
+
+// Of a quartic the values at five points are all there is to know: its maxima come back to round-off.
+TEST(Maximum, OfAQuarticIsExact) {
+    const auto five = [](const auto& f, double a, double b) {
+        std::array<double, 5> values{};
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = f(a + 0.25 * static_cast<double>(i) * (b - a));
+        return maximum_of_quartic(values, a, b);
+    };
+    // x^2 (2 - x)^2 has its hump of 1 at 1, x (1 - x^3) its own at 4^(-1/3).
+    const auto hump = [](double x) { return x * x * (2.0 - x) * (2.0 - x); };
+    const Maximum top = five(hump, 0.3, 1.8);
+    EXPECT_NEAR(top.at, 1.0, 1e-9);
+    EXPECT_NEAR(top.value, 1.0, 1e-14);
+    const Maximum skew = five([](double x) { return x * (1.0 - x * x * x); }, -0.2, 1.0);
+    EXPECT_NEAR(skew.at, std::pow(4.0, -1.0 / 3.0), 1e-9);
+    EXPECT_NEAR(skew.value, 0.75 * std::pow(4.0, -1.0 / 3.0), 1e-14);
+    EXPECT_EQ(five([](double x) { return x; }, 2.0, 3.0).at, 3.0);
+    EXPECT_EQ(five([](double x) { return -x; }, 2.0, 3.0).at, 2.0);
+    EXPECT_EQ(five([](double) { return 5.0; }, 2.0, 3.0).value, 5.0);
 }
 
 TEST(Maximum, FindsTheEnds) {

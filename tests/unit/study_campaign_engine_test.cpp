@@ -116,6 +116,30 @@ TEST(CampaignEngine, BatchesAgreeWithTightRuns) {
     }
 }
 
+// Every metric that a single run has, a batch has, in the column of its key.
+TEST(CampaignEngine, BatchesHaveTheMetricsOfSingleRuns) {
+    const std::vector<Scene> scenes =
+        dispersed(shipped("c9-inflation-oblique", {"stop.at=\"peak-force\""}), 3);
+    std::vector<std::string> all;
+    for (const MetricRow& row : metric_rows())
+        if (row.key != "impulse_N_s" && !row.key.ends_with("_percent_drag_area_s")) all.emplace_back(row.key);
+    std::vector<double> values(scenes.size() * all.size()), alone(all.size());
+    std::vector<StatusCode> statuses(scenes.size());
+    twinchute::Run run;
+    ASSERT_TRUE(rom::rom_fidelity().batches(scenes[0], all));
+    rom::rom_fidelity().metrics_of_batch(scenes, run, all, values, statuses);
+    for (std::size_t l = 0; l < scenes.size(); ++l) {
+        rom::rom_fidelity().metrics(scenes[l], run, all, alone);
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            const double made = values[l * all.size() + k];
+            ASSERT_EQ(std::isnan(made), std::isnan(alone[k])) << all[k];
+            if (!std::isnan(made)) {
+                EXPECT_NEAR(made, alone[k], 5e-4 * std::abs(alone[k])) << all[k];
+            }
+        }
+    }
+}
+
 TEST(CampaignEngine, ABatchHangsOnItsScenesAlone) {
     const Scene about = shipped("c9-inflation", {"stop.at=\"peak-force\""});
     const Batched first = batched(dispersed(about, 0));
