@@ -1,10 +1,11 @@
 #include "fullsim/canopy/canopy_geometry.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "fullsim/canopy/flat_circular.hpp"
+#include "fullsim/canopy/panelled.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -39,16 +40,12 @@ CanopyNodes constructed_shape(const GoreOutline& outline, std::span<const NodeRo
 }
 
 std::span<const CanopyGeometry> canopy_geometries() {
-    static const std::array rows{flat_circular()};
+    static const std::array rows{flat_circular(), panelled()};
     return rows;
 }
 
 const CanopyGeometry& canopy_geometry(const Parachute& chute) {
-    const auto rows = canopy_geometries();
-    const auto row = chute.type && chute.type->meshed.shape == MeshedCanopy::Shape::own
-                         ? std::ranges::find(rows, chute.type->name, &CanopyGeometry::name)
-                         : rows.end();
-    return row == rows.end() ? rows.front() : *row;
+    return canopy_geometries()[chute.mesh || gore_panels(chute).empty() ? 0 : 1];
 }
 
 }  // namespace twinchute::fullsim

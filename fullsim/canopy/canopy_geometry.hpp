@@ -29,6 +29,8 @@ struct GoreOutline {
     double half_angle;                                 ///< delta = pi/gores [rad]
     double vent, skirt;                                ///< apex to vent and to skirt along the seam [m]
     std::function<SeamPoint(double seam)> seam_point;  ///< by distance from the apex along the seam [m]
+    /// Between vent and skirt, where the cut has corners and the mesh a row [m], rising.
+    std::vector<double> corners = {};
 };
 
 /// Nodes around the canopy at one distance from the apex along the seams.
@@ -75,7 +77,7 @@ struct Tape {
 };
 
 struct CanopyGeometry {
-    std::string_view name;  ///< of the type of canopy that has this shape
+    std::string_view name;
     std::string_view source;
     GoreOutline (*outline)(const Parachute& chute);
     std::span<const Tape> tapes;  ///< in the order of their cables
@@ -90,8 +92,9 @@ struct CanopyGeometry {
 
 std::span<const CanopyGeometry> canopy_geometries();
 
-/// The row by which a parachute is meshed: that of its type where the type's own shape has one, else the flat
-/// circular canopy, which stands in for the others (MeshedCanopy).
+/// The row by which a parachute is meshed: by panels where its type's gores have some, else the flat circular
+/// canopy, which stands in for other types (MeshedCanopy). A mesh of one's own folds where it is flat
+/// circular.
 const CanopyGeometry& canopy_geometry(const Parachute& chute);
 
 }  // namespace twinchute::fullsim

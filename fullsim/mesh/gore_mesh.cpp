@@ -96,6 +96,28 @@ private:
             added += first * excess(row);
         }
         rows_.push_back({outline_.skirt, counts_.gore_columns});
+        move_rows_to_corners();
+    }
+
+    /// The row nearest to each corner of the cut goes there, the rows between are stretched alike.
+    void move_rows_to_corners() {
+        const int last = counts_.gore_rows, corners = static_cast<int>(outline_.corners.size());
+        int before = 0;
+        for (int k = 0; k < corners; ++k) {
+            const double corner = outline_.corners[static_cast<std::size_t>(k)];
+            int nearest = before + 1;
+            while (nearest < last - corners + k &&
+                   std::abs(rows_[nearest + 1].seam - corner) < std::abs(rows_[nearest].seam - corner))
+                ++nearest;
+            const double from = rows_[before].seam, to = rows_[nearest].seam;
+            for (int row = before + 1; row < nearest; ++row)
+                rows_[row].seam = from + (rows_[row].seam - from) * (corner - from) / (to - from);
+            for (int row = nearest + 1; row < last; ++row)
+                rows_[row].seam = outline_.skirt - (outline_.skirt - rows_[row].seam) *
+                                                       (outline_.skirt - corner) / (outline_.skirt - to);
+            rows_[nearest].seam = corner;
+            before = nearest;
+        }
     }
 
     NodeIndex canopy_node(int gore, int row, int column) const {

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace twinchute {
 
@@ -19,15 +20,26 @@ struct TypeRange {
     bool operator==(const TypeRange&) const = default;
 };
 
+/// Part of a gore from one distance along its seam to the next. The constructed canopy has one slope there,
+/// or turns evenly from one slope to another. Slopes are angles below the plane across the axis [rad].
+struct GorePanel {
+    double length;       ///< along the seam, over that of the other panels [-]
+    double top, bottom;  ///< slope at its upper and at its lower edge
+
+    bool operator==(const GorePanel&) const = default;
+};
+
 /// The canopy that the full model meshes for a type.
 struct MeshedCanopy {
     enum class Shape {
-        own,            ///< the type is flat circular
+        own,            ///< flat circular, or of the panels below
         flat_circular,  ///< a flat circular canopy stands in for one of another shape
         none            ///< no canopy that it can mesh comes near
     };
     Shape shape = Shape::none;
     std::string why = "the type's file does not say that a flat circular canopy may stand in for it";
+    std::vector<GorePanel> gore;  ///< from apex to skirt; empty: none, or flat circular
+    std::string gore_source;      ///< of these numbers
 
     bool operator==(const MeshedCanopy&) const = default;
 };

@@ -1,7 +1,5 @@
 #include "lib/models/isotensoid.hpp"
 
-#include <gsl/gsl_integration.h>
-
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "lib/math/quadrature.hpp"
 #include "lib/math/root.hpp"
 #include "lib/math/vec.hpp"
 
@@ -20,21 +19,6 @@ namespace {
 constexpr double cap_arc = 1.3110287771460599;
 constexpr double cap_volume = cap_arc / 3.0;
 constexpr double cap_moment = 0.10532862561290304;
-
-/// Integral of f from 0 to b by Gauss and Legendre, exact to round-off for what is smooth in it.
-template <class F>
-double integral(const F& f, double b) {
-    using Table =
-        std::unique_ptr<gsl_integration_glfixed_table, decltype(&gsl_integration_glfixed_table_free)>;
-    static const Table table(gsl_integration_glfixed_table_alloc(24), &gsl_integration_glfixed_table_free);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < table->n; ++i) {
-        double x = 0.0, weight = 0.0;
-        gsl_integration_glfixed_point(0.0, b, i, &x, &weight, table.get());
-        sum += weight * f(x);
-    }
-    return sum;
-}
 
 // Beyond the equator the meridian turns by t: r = a sqrt(cos t), ds = a/2 dt/sqrt(cos t), dz = a/2 sqrt(cos
 // t) dt.

@@ -56,18 +56,42 @@ constexpr RangeRow ranges[] = {
 std::span<const Key> type_keys() {
     static std::deque<std::string> paths;  // rows refer to their paths
     static const std::vector<Key> rows = [] {
-        std::vector<Key> keys{{.path = "type.title", .kind = KeyKind::text, .meaning = "what it is called"},
-                              {.path = "type.full_model",
-                               .kind = KeyKind::table,
-                               .need = KeyNeed::optional,
-                               .meaning = "what the full model meshes for it; absent: nothing"},
-                              {.path = "type.full_model.canopy",
-                               .kind = KeyKind::word,
-                               .choices = meshed_canopies,
-                               .meaning = "its own shape, a flat circular canopy in its place, or none"},
-                              {.path = "type.full_model.why",
-                               .kind = KeyKind::text,
-                               .meaning = "what sets the type apart from a flat circular canopy"}};
+        std::vector<Key> keys{
+            {.path = "type.title", .kind = KeyKind::text, .meaning = "what it is called"},
+            {.path = "type.full_model",
+             .kind = KeyKind::table,
+             .need = KeyNeed::optional,
+             .meaning = "what the full model meshes for it; absent: nothing"},
+            {.path = "type.full_model.canopy",
+             .kind = KeyKind::word,
+             .choices = meshed_canopies,
+             .meaning = "its own shape, a flat circular canopy in its place, or none"},
+            {.path = "type.full_model.why",
+             .kind = KeyKind::text,
+             .meaning = "what sets the type apart from a flat circular canopy"},
+            {.path = "type.full_model.cone_angle",
+             .kind = KeyKind::quantities,
+             .unit = "rad",
+             .need = KeyNeed::optional,
+             .range = {0.0, pi, false, true},
+             .meaning = "of each panel of a gore, from apex to skirt, at its upper edge; absent: "
+                        "flat circular"},
+            {.path = "type.full_model.lower_angle",
+             .kind = KeyKind::quantities,
+             .unit = "rad",
+             .need = KeyNeed::optional,
+             .range = {0.0, pi, false, true},
+             .meaning = "at its lower edge, where panels are arcs"},
+            {.path = "type.full_model.panel_length",
+             .kind = KeyKind::quantities,
+             .unit = "1",
+             .need = KeyNeed::optional,
+             .range = {0.0, 1000.0, true, false},
+             .meaning = "along the seam, over those of the others; absent: all alike"},
+            {.path = "type.full_model.gore_source",
+             .kind = KeyKind::text,
+             .need = KeyNeed::optional,
+             .meaning = "where these numbers are from"}};
         for (const RangeRow& range : ranges) {
             const auto path = [&](const char* last) -> std::string_view {
                 return paths.emplace_back(fmt::format("{}{}{}", type_prefix, range.name, last));
@@ -100,10 +124,35 @@ TypeRange range_of(const Values& v, const std::string& path) {
     return range;
 }
 
+std::vector<GorePanel> gore_of(const Values& v) {
+    const auto given = [&](const char* name) { return v.numbers(fmt::format("type.full_model.{}", name)); };
+    const auto top = given("cone_angle"), bottom = given("lower_angle"), length = given("panel_length");
+    std::vector<GorePanel> gore;
+    for (std::size_t i = 0; i < top.size(); ++i)
+        gore.push_back({length.empty() ? 1.0 : length[std::min(i, length.size() - 1)], top[i],
+                        bottom.empty() ? top[i] : bottom[std::min(i, bottom.size() - 1)]});
+    for (const auto& [list, name] : {std::pair{&bottom, "lower_angle"}, std::pair{&length, "panel_length"}})
+        if (!list->empty() && list->size() != top.size())
+            throw SceneError(v.place(fmt::format("type.full_model.{}.1", name)),
+                             fmt::format("full_model.{}", name),
+                             fmt::format("{} of {} panels", list->size(), top.size()),
+                             "full_model.cone_angle says how many there are", "give one for each");
+    return gore;
+}
+
 MeshedCanopy meshed_canopy(const Values& v) {
     const auto words = meshed_canopies();
     const auto found = std::ranges::find(words, v.word("type.full_model.canopy"));
-    return {static_cast<MeshedCanopy::Shape>(found - words.begin()), v.word("type.full_model.why")};
+    MeshedCanopy meshed{static_cast<MeshedCanopy::Shape>(found - words.begin()),
+                        v.word("type.full_model.why"),
+                        gore_of(v),
+                        {}};
+    const std::string source = "type.full_model.gore_source";
+    if (v.given(source)) meshed.gore_source = v.word(source);
+    if (!meshed.gore.empty() && meshed.gore_source.empty())
+        throw SceneError(v.place("type.full_model.cone_angle.1"), "full_model.gore_source", "is missing",
+                         "every number has a source", "say where the angles are from");
+    return meshed;
 }
 
 std::string source_text(const CanopyType& type, const TypeRange& range) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/math/vec.hpp"
+#include "lib/models/meridian.hpp"
 #include "lib/scene/assemble.hpp"
 #include "lib/scene/calibration.hpp"
 #include "lib/scene/drag_area.hpp"
@@ -167,6 +168,49 @@ void check_canopy(const Parachute& p, const Complain& complain) {
                        fmt::format("{} m^2 is a drag coefficient of {:.2f}", p.drag_area, coefficient),
                        fmt::format("on the nominal area of D0 = {} m", p.nominal_diameter),
                        "check drag_area and nominal_diameter");
+}
+
+/// The gores that a type's panels and the scene's own angles and lengths make.
+void check_gore(const Scene& scene, const Parachute& p, const Complain& complain) {
+    const std::vector<GorePanel> panels = p.mesh ? std::vector<GorePanel>{} : gore_panels(p);
+    const char* key = !p.cone_angle.empty() ? "parachute.cone_angle.1" : "parachute.panel_length.1";
+    if (!p.cone_angle.empty() || !p.panel_length.empty()) {
+        if (panels.empty())
+            return complain.about(
+                key, "there are no panels that it belongs to",
+                p.mesh ? "parachute.mesh has its own shape"
+                       : "without a type, and for those that are meshed flat or not at all, gores have none",
+                "take it out, or write a type such as type = \"conical\"");
+        for (const auto* list : {&p.cone_angle, &p.panel_length})
+            if (!list->empty() && list->size() != panels.size())
+                return complain.about(
+                    list == &p.cone_angle ? "parachute.cone_angle.1" : "parachute.panel_length.1",
+                    fmt::format("{} of {} panels", list->size(), panels.size()),
+                    fmt::format("gores of {} canopies have {}, from apex to skirt", p.type->title,
+                                panels.size()),
+                    "give one for each");
+        const auto arc = [](const GorePanel& panel) { return panel.top != panel.bottom; };
+        if (!p.cone_angle.empty() && std::ranges::any_of(p.type->meshed.gore, arc))
+            return complain.about("parachute.cone_angle.1", "its panels are no cones",
+                                  fmt::format("the constructed shape of {} canopies is round", p.type->title),
+                                  "take it out");
+    }
+    if (panels.empty() || p.gores == 0) return;
+    const Meridian meridian(panels, p.gores, 0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    const double vent = polygon_radius(p.vent_diameter, p.gores);
+    if (std::isnan(meridian.seam_at(vent)))
+        return complain.about("parachute.vent_diameter", "the vent reaches beyond the first panel",
+                              fmt::format("which ends at a diameter of {:.4g} m",
+                                          2.0 * meridian.at(meridian.edges().front()).radius),
+                              "make it smaller: about D0/10 is common");
+    for (std::size_t i = 1; i < panels.size(); ++i)
+        if (!(meridian.at(meridian.edges()[i]).radius > vent))
+            return complain.about(key, fmt::format("panel {} closes the canopy", i + 1),
+                                  "its lower edge lies within the vent", "lower its angle, or shorten it");
+    if (scene.full.mesh.gore_rows < static_cast<int>(panels.size()))
+        complain.about("full.mesh.gore_rows",
+                       fmt::format("{} for {} panels", scene.full.mesh.gore_rows, panels.size()),
+                       "each panel has rows of its own", "give at least as many rows as panels");
 }
 
 /// The key that a filling time comes from.
@@ -515,6 +559,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     const Complain complain(values);
     check_needs(scene, p, complain);
     check_canopy(p, complain);
+    check_gore(scene, p, complain);
     check_growth(p, complain);
     check_porosity(scene, p, complain);
     check_mach_table(scene, p, complain);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "lib/scene/keys.hpp"
 
 namespace twinchute {
@@ -53,6 +55,16 @@ std::vector<std::string> missing_structure(const Parachute& chute) {
 std::string lacks_canopy(const Parachute& chute) {
     if (!chute.type || chute.mesh || chute.type->meshed.shape != MeshedCanopy::Shape::none) return {};
     return fmt::format("{}: {}", chute.type->title, chute.type->meshed.why);
+}
+
+std::vector<GorePanel> gore_panels(const Parachute& chute) {
+    if (!chute.type || chute.type->meshed.shape != MeshedCanopy::Shape::own) return {};
+    std::vector<GorePanel> panels = chute.type->meshed.gore;
+    for (std::size_t i = 0; i < std::min(panels.size(), chute.cone_angle.size()); ++i)
+        panels[i].top = panels[i].bottom = chute.cone_angle[i];
+    for (std::size_t i = 0; i < std::min(panels.size(), chute.panel_length.size()); ++i)
+        panels[i].length = chute.panel_length[i];
+    return panels;
 }
 
 std::optional<Warning> stand_in(const Parachute& chute) {

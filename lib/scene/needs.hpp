@@ -19,6 +19,10 @@ std::vector<std::string> missing_structure(const Parachute& chute);
 /// is given, and for a mesh of one's own.
 std::string lacks_canopy(const Parachute& chute);
 
+/// Panels of the gores that the full model meshes, from apex to skirt: those of the type, with the angles and
+/// lengths that the parachute has itself. Empty for flat circular canopies and where nothing else is known.
+std::vector<GorePanel> gore_panels(const Parachute& chute);
+
 /// Warning where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
 std::optional<Warning> stand_in(const Parachute& chute);
 

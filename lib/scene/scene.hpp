@@ -185,6 +185,9 @@ struct Parachute {
     Filling filling = {};
     std::optional<double> permeability = {};  ///< [m/s] at half an inch of water, in place of the fabric's
     double geometric_porosity = 0.0;          ///< lambda_g [-]
+    /// Constructed angle of each panel [rad] and its length along the seam [-], in place of the type's;
+    /// empty: as the type has them. See gore_panels.
+    std::vector<double> cone_angle = {}, panel_length = {};
     std::optional<CalibrationTable> calibration = {};   ///< of the reduced-order model
     std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 

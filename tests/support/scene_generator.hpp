@@ -220,11 +220,17 @@ inline void SceneGenerator::put_canopy() {
     if (design) put("parachute.design", "\"usaf-c9\"");
     if (random_bool(0.3))
         put("parachute.type", one_of(std::vector<std::string>{"\"cross\"", "\"ringslot\""}));
+    else if (random_bool(0.2)) {  // an angle and a length for each panel of the type
+        put("parachute.type", "\"conical\"");
+        put("parachute.cone_angle", fmt::format("[\"{:g} deg\"]", number_in(10.0, 35.0)));
+        put("parachute.panel_length", fmt::format("[{:g}]", number_in(0.1, 10.0)));
+    }
+    const bool panels = lines_.back().path == "parachute.panel_length";
     const auto give = [&] { return !design || random_bool(0.4); };
     diameter_ = 8.53;
     if (give()) {  // what has to fit together comes together
         put_number("parachute.nominal_diameter", diameter_ = number_in(0.1, 199.0));
-        put_number("parachute.vent_diameter", diameter_ * number_in(0.01, 0.9));
+        put_number("parachute.vent_diameter", diameter_ * number_in(0.01, panels ? 0.5 : 0.9));
         const double area = 0.25 * pi * diameter_ * diameter_, coefficient = number_in(0.01, 3.0);
         if (random_bool(0.5))
             put_number("parachute.drag_area", std::min(coefficient * area, 9e4));
@@ -486,6 +492,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     const bool packed = by != "line-stretch" && by != "inflated";
     const bool imported =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.mesh"; });
+    if (imported)  // has its own shape
+        std::erase_if(lines_, [](const SceneLine& line) {
+            return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length";
+        });
     if (random_bool(0.5))
         put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
     const std::string& stop = words["stop.at"];

@@ -38,12 +38,13 @@ TEST_F(SystemTypes, APlanNamesWhatIsLacking) {
     EXPECT_EQ(all["plans"][1]["lacks"], json::array({"parachute.type"}));
 }
 
-TEST_F(SystemTypes, ASolidOneIsMeshedFlatCircularAndSaysSo) {
-    const Ended ended = run("mesh", "conical", {"--json"});
-    ASSERT_EQ(ended.code, 0) << ended.err;
-    EXPECT_TRUE(json::parse(ended.out)["note"].get<std::string>().starts_with(
-        "a flat circular canopy stands in for a conical one: "));
-    EXPECT_FALSE(json::parse(run("mesh", "flat-circular", {"--json"}).out).contains("note"));
+TEST_F(SystemTypes, ASolidOneIsMeshedByItsOwnGores) {
+    for (const char* type : {"conical", "extended-skirt-14", "hemispherical", "flat-circular"}) {
+        const Ended ended = run("mesh", type, {"--json"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_FALSE(json::parse(ended.out).contains("note")) << type;
+    }
+    EXPECT_NE(run("mesh", "conical", {"--json"}).out, run("mesh", "flat-circular", {"--json"}).out);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/line_stretch.hpp"
-#include "tests/support/c9_scene.hpp"
+#include "tests/support/canopy_of_type.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -57,8 +57,13 @@ TEST(CanopyGeometry, EveryTypeOfItsOwnShapeHasARow) {
         Parachute chute = c9();
         chute.type = read_canopy_type(name, "parachute.type", {}, TWINCHUTE_SOURCE_DIR "/data");
         const bool own = chute.type->meshed.shape == MeshedCanopy::Shape::own;
-        EXPECT_EQ(std::ranges::count(canopy_geometries(), name, &CanopyGeometry::name), own) << name;
-        EXPECT_EQ(canopy_geometry(chute).name, own ? name : "flat-circular");
+        const bool panels = std::ranges::count(test::panelled_types, name) > 0;
+        EXPECT_EQ(own, panels || name == "flat-circular") << name;
+        EXPECT_EQ(canopy_geometry(chute).name, panels ? "panels" : "flat-circular") << name;
+        EXPECT_EQ(chute.type->meshed.gore.empty(), !panels) << name;
+        EXPECT_EQ(chute.type->meshed.gore_source.empty(), !panels) << name;
+        chute.mesh.emplace();  // has its own shape
+        EXPECT_EQ(canopy_geometry(chute).name, "flat-circular") << name;
     }
     EXPECT_EQ(canopy_geometry(c9()).name, "flat-circular");  // no type is given
 }

@@ -1,4 +1,4 @@
-// Which types of canopy the full model may mesh as flat circular ones, and what it says of the others.
+// Which types of canopy the full model meshes, what may stand in for others, and which it refuses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/needs.hpp"
 #include "rom/fidelity.hpp"
+#include "tests/support/canopy_of_type.hpp"
 #include "tests/support/scratch_dir.hpp"
 #include "tests/unit/scene_text.hpp"
 
@@ -24,16 +25,15 @@ Scene of_type(const std::string& type) {
 
 TEST(MeshedTypes, EachTypeSaysWhatIsMeshedForIt) {
     // Solid canopies that are sewn of full gores; whatever else has slots, arms, ribs or an open middle.
-    const std::set<std::string> stand_ins{"conical",           "biconical",         "triconical",
-                                          "extended-skirt-10", "extended-skirt-14", "hemispherical"};
+    std::set<std::string> meshed(std::begin(panelled_types), std::end(panelled_types));
+    meshed.insert("flat-circular");
     for (const std::string& name : canopy_type_names(TWINCHUTE_SOURCE_DIR "/data")) {
         const Scene scene = of_type(name);
         const Parachute& chute = scene.parachutes.front();
         EXPECT_FALSE(chute.type->meshed.why.empty()) << name;
         const Keys lacking = fullsim::full_fidelity().unsupported_keys(scene);
-        const bool refused = name != "flat-circular" && !stand_ins.contains(name);
-        EXPECT_EQ(lacking, refused ? Keys{"parachute.type"} : Keys{}) << name;
-        EXPECT_EQ(stand_in(chute).has_value(), stand_ins.contains(name)) << name;
+        EXPECT_EQ(lacking, meshed.contains(name) ? Keys{} : Keys{"parachute.type"}) << name;
+        EXPECT_FALSE(stand_in(chute)) << name;
         EXPECT_TRUE(rom::rom_fidelity().unsupported_keys(scene).empty()) << name;
     }
 }
@@ -56,6 +56,81 @@ TEST(MeshedTypes, ATypeThatSaysNothingIsRefused) {
     EXPECT_THROW(read_scene_text(edited(good_scene, "design =", "type = \"mine\"\ndesign ="), "test.toml",
                                  here.path()),
                  SceneError);
+}
+
+/// The scene with a type of its own, whose file says this of the full model.
+Scene with_own_type(const std::string& full_model, const std::string& keys = "") {
+    ScratchDir here;
+    here.write("parachutes/types/mine.toml", "title = \"mine\"\nfull_model = { " + full_model + " }\n");
+    return read_scene_text(edited(good_scene, "design =", "type = \"mine\"\n" + keys + "design ="),
+                           "test.toml", here.path());
+}
+
+std::string refusal(const std::string& full_model, const std::string& keys = "") {
+    try {
+        with_own_type(full_model, keys);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(MeshedTypes, AFlatCircularCanopyMayStandInForAType) {
+    const Scene scene = with_own_type("canopy = \"flat-circular\", why = \"a little deeper\"");
+    ASSERT_TRUE(stand_in(scene.parachutes.front()));
+    EXPECT_EQ(stand_in(scene.parachutes.front())->what, "a flat circular canopy stands in for a mine one");
+    EXPECT_TRUE(gore_panels(scene.parachutes.front()).empty());
+}
+
+TEST(MeshedTypes, PanelsAreReadWithTheirSource) {
+    const Scene scene = with_own_type(
+        "canopy = \"own\", why = \"it is\", cone_angle = [\"0 deg\", \"90 deg\"], lower_angle = [\"45 deg\", "
+        "\"90 deg\"], panel_length = [2, 1], gore_source = \"here\"");
+    const auto panels = gore_panels(scene.parachutes.front());
+    ASSERT_EQ(panels.size(), 2u);
+    EXPECT_EQ(panels[0], (GorePanel{2.0, 0.0, 0.25 * pi}));
+    EXPECT_EQ(panels[1], (GorePanel{1.0, 0.5 * pi, 0.5 * pi}));
+    EXPECT_NE(refusal("canopy = \"own\", why = \"it is\", cone_angle = [0.1]").find("gore_source"),
+              std::string::npos);
+    EXPECT_NE(refusal("canopy = \"own\", why = \"it is\", cone_angle = [0.1], panel_length = [1, 2], "
+                      "gore_source = \"here\"")
+                  .find("panel_length: 2 of 1 panels"),
+              std::string::npos);
+}
+
+TEST(MeshedTypes, AnglesOfOnesOwnStandInPlaceOfTheTypes) {
+    const Scene own =
+        read_text(good_scene, {"parachute.type=triconical", "parachute.cone_angle=[0.25, 0.5, 0.75]",
+                               "parachute.panel_length=[3, 2, 1]"});
+    const auto panels = gore_panels(own.parachutes.front());
+    ASSERT_EQ(panels.size(), 3u);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(panels[static_cast<std::size_t>(i)], (GorePanel{3.0 - i, 0.25 * (i + 1), 0.25 * (i + 1)}));
+}
+
+TEST(MeshedTypes, AnglesThatMakeNoCanopyAreRefusedByKey) {
+    const auto refused = [](const std::vector<std::string>& keys) -> std::string {
+        try {
+            read_text(good_scene, keys);
+        } catch (const SceneError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    const auto expect = [&](const std::vector<std::string>& keys, const char* text) {
+        EXPECT_NE(refused(keys).find(text), std::string::npos) << refused(keys);
+    };
+    expect({"parachute.cone_angle=[0.1]"}, "cone_angle.1: there are no panels");
+    expect({"parachute.type=ringslot", "parachute.panel_length=[1]"}, "panel_length.1: there are no panels");
+    expect({"parachute.type=conical", "parachute.cone_angle=[0.1, 0.2]"}, "cone_angle.1: 2 of 1 panels");
+    expect({"parachute.type=hemispherical", "parachute.cone_angle=[0.1]"}, "its panels are no cones");
+    expect({"parachute.type=conical", "parachute.cone_angle=[1.57]"},
+           "vent_diameter: the vent reaches beyond");
+    expect({"parachute.type=biconical", "parachute.panel_length=[1, 20]"}, "vent_diameter: the vent reaches");
+    expect({"parachute.type=biconical", "parachute.cone_angle=[0.1, 3]", "parachute.panel_length=[1, 1]"},
+           "cone_angle.1: panel 2 closes the canopy");
+    expect({"parachute.type=triconical", "full.mesh.gore_rows=2"}, "gore_rows: 2 for 3 panels");
+    EXPECT_EQ(refused({"parachute.type=biconical", "full.mesh.gore_rows=2"}), "");
 }
 
 TEST(MeshedTypes, AMeshOfOnesOwnIsNeitherRefusedNorWarnedOf) {
