@@ -95,13 +95,6 @@ TEST(ChooseStep, GivesImpactsTheirShareOfEveryBound) {
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.3 * 1e-5);
 }
 
-TEST(ChooseStep, ABodyHoldsItBack) {
-    StepRules rules;
-    rules.payload = 4e-6;
-    rules.factor = 0.5;
-    EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 2e-6);
-}
-
 TEST(ChooseStep, IsNeverAboveAnyBound) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> decade(-6.0, -3.0), share(0.2, 1.0);
