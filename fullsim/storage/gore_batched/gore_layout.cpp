@@ -74,7 +74,7 @@ public:
         };
         has_ = {};
         models_ = {&structure, &loads};
-        const auto has_row = [](const auto& model) { return row_of(model->block()) != nullptr; };
+        const auto has_row = [this](const auto& model) { return row_of(model->block()) != nullptr; };
         has_.own_loops = !std::ranges::all_of(structure, has_row) || !std::ranges::all_of(loads, has_row);
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
@@ -320,7 +320,9 @@ private:
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
     static const std::array<Row, 16> rows;
-    static const Row* row_of(Block block) {
+    const Row* row_of(Block block) const {
+        // Tetrahedra act on nodes of the state, where there is a body at all.
+        if (block == Block::payload_tetrahedra && mesh_.attachments.empty()) return nullptr;
         const auto row = std::ranges::find(rows, block, &Row::block);
         return row == rows.end() ? nullptr : &*row;
     }
