@@ -69,7 +69,7 @@ TEST(ChooseStep, KeepsLinesFromRinging) {
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.5e-5);
 }
 
-TEST(ChooseStep, SlappingClothWithSubstepsTakesHalfOfEitherBound) {
+TEST(ChooseStep, ChatteringFabricWithSubcyclesTakesHalfOfEitherBound) {
     StepRules rules = rules_with(12);
     rules.chatters = true;
     const ChosenStep step = choose_step(light_lines, rules);
