@@ -19,7 +19,8 @@ constexpr double of_rounding = 1e-12;  // off the diagonal, over the trace
 
 std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh) {
     if (!mesh.body) return nullptr;
-    if (!mesh.body->deformable) return std::make_unique<RigidBody>(scene.payload.mass, *mesh.body);
+    const BodyNodes nodes{mesh.payload(), mesh.first_attachment()};
+    if (!mesh.body->deformable) return std::make_unique<RigidBody>(nodes, scene.payload.mass, *mesh.body);
     const double mass = mesh.mass[static_cast<std::size_t>(mesh.payload())];
     std::vector<double> masses = node_masses(mesh.body->solid, mass, mesh.body->lumped);
     if (masses.empty())
@@ -27,8 +28,8 @@ std::unique_ptr<const Body> make_body(const Scene& scene, const Mesh& mesh) {
                          fmt::format("{} tetrahedra cannot give way", mesh.body->solid.tetrahedron.size()),
                          "no masses at their nodes have the inertia of the body",
                          "mesh the payload finer, with nodes inside");
-    return std::make_unique<DeformableBody>(std::move(masses), *mesh.body, solid_law(scene, *mesh.body),
-                                            scene.environment.gravity);
+    return std::make_unique<DeformableBody>(nodes, std::move(masses), *mesh.body,
+                                            solid_law(scene, *mesh.body), scene.environment.gravity);
 }
 
 Eigen::Matrix3d principal_axes(const Lumped& body) {

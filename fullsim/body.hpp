@@ -1,5 +1,5 @@
 // A payload that is a body on the risers: what carries its attachments along. Its centre of mass is the
-// payload's node and moves like any other node.
+// payload's node and moves like any other node, in subcycles as well.
 #pragma once
 
 #include <memory>
@@ -7,9 +7,16 @@
 
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/state.hpp"
+#include "fullsim/time/critical_step.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute::fullsim {
+
+/// Nodes of a body in the state.
+struct BodyNodes {
+    NodeIndex payload = 0;           ///< its centre of mass
+    NodeIndex first_attachment = 0;  ///< of its attachments, one after the other
+};
 
 class Body {
 public:
@@ -18,21 +25,40 @@ public:
     /// As it hangs along `axis` at the start, at rest: what of it is in state.body.
     virtual void start(State& state, const Vec3& axis) const = 0;
 
-    /// Gathers the forces on its attachments [N] to the payload's node as well; state.riser_force is the
-    /// risers' sum. Called after all forces are in the state.
-    virtual void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const = 0;
+    /// Adds what the risers pull at its attachments [N] to the force on the payload's node, right after they
+    /// have pulled.
+    virtual void pull(State& state) const = 0;
 
-    /// From t to t + dt after the payload's node has moved there. kick: [s] from the middle of the step
-    /// before to that of this one.
-    virtual void advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
-                         double dt) const = 0;
+    // From t to t + dt, after the payload's node has moved likewise: the impulse of everything but risers,
+    // one subcycle or more under these, the end of the step. kick: [s] from the middle of the step before to
+    // that of this one; in subcycles that of each.
+    virtual void impulse(State&, double) const {}
+    virtual void move(State& state, double kick, double dt) const = 0;
+    virtual void finish(State& state, double dt) const = 0;
+    /// The three at once.
+    void advance(State& state, double kick, double dt) const {
+        impulse(state, kick);
+        move(state, kick, dt);
+        finish(state, dt);
+    }
 
     /// Kinetic [J], beyond that of the payload's node, at the time of the velocities in the node records.
-    virtual double inner_energy(const State& state, NodeIndex payload, NodeIndex first_attachment) const = 0;
+    virtual double inner_energy(const State& state) const = 0;
 
-    /// [s] bound on the step where risers of that stiffness [N/m] hold its attachments.
-    virtual double critical_step(const State& state, const ForceModels& structure, NodeIndex first_attachment,
-                                 double riser) const = 0;
+    /// Bounds on the step where risers of that stiffness [N/m] hold its attachments.
+    virtual CriticalSteps critical_steps(const State& state, const ForceModels& structure,
+                                         double riser) const = 0;
+
+protected:
+    explicit Body(BodyNodes nodes) : nodes_(nodes) {}
+    const BodyNodes& nodes() const { return nodes_; }
+    /// Node of the state that is attachment number k.
+    std::size_t attachment(std::size_t k) const {
+        return static_cast<std::size_t>(nodes_.first_attachment) + k;
+    }
+
+private:
+    BodyNodes nodes_;
 };
 
 /// Body of the scene's payload; null where it is a point mass. Throws SceneError where it is deformable and

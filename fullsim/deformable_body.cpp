@@ -18,14 +18,18 @@ constexpr double least_weight = 1e-3;
 
 }  // namespace
 
-DeformableBody::DeformableBody(std::vector<double> masses, const BodyMesh& body, const SolidLaw& law,
-                               double gravity)
-    : node_mass_(std::move(masses)),
+DeformableBody::DeformableBody(BodyNodes nodes, std::vector<double> masses, const BodyMesh& body,
+                               const SolidLaw& law, double gravity)
+    : Body(nodes),
+      node_mass_(std::move(masses)),
       mass_(std::accumulate(node_mass_.begin(), node_mass_.end(), 0.0)),
       rest_(body.solid.node),
       end_(body.end),
+      pulled_(body.end),
       principal_(principal_axes(body.lumped)),
       gravity_(gravity) {
+    std::ranges::sort(pulled_);
+    pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
     weigh_rows(body, law);
 }
 
@@ -52,39 +56,60 @@ void DeformableBody::start(State& state, const Vec3& axis) const {
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 
-void DeformableBody::gather(State& state, NodeIndex payload, NodeIndex first_attachment) const {
-    const Lanes aero = state.aero[payload].value / splat(mass_);
+void DeformableBody::pull(State& state) const {
     Lanes sum = splat(0.0);
-    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
-        sum += state.force[i].value;
-        state.aero[i].value = node_mass_[k] * aero;
-    }
-    // The internal forces of tetrahedra sum to zero.
-    state.riser_force = to_vec3(sum);
-    state.force[payload].value += sum;
+    for (const int k : pulled_)
+        sum += state.force[attachment(static_cast<std::size_t>(k))].value;
+    state.force[nodes().payload].value += sum;
 }
 
-void DeformableBody::advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
-                             double dt) const {
+void DeformableBody::impulse(State& state, double kick) const {
     const Lanes fall{0.0, 0.0, -gravity_, 0.0};
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
-        const Lanes acceleration = (state.force[i].value + state.aero[i].value) / splat(node_mass_[k]) + fall;
-        Lanes& half = state.v_half[i].value;
-        half += kick * acceleration;
-        state.node[i].x += dt * half;
-        state.node[i].v = half + (0.5 * dt) * acceleration;
-        state.force[i].value = state.aero[i].value = splat(0.0);
+        const std::size_t i = attachment(k);
+        Lanes& acceleration = state.aero[i].value;
+        acceleration = acceleration / splat(node_mass_[k]) + fall;
+        state.v_half[i].value += kick * acceleration;
     }
-    turn(state, payload, first_attachment);
 }
 
-void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_attachment) const {
-    const Vec3 centre = to_vec3(state.node[payload].x);
+void DeformableBody::move(State& state, double kick, double dt) const {
+    Lanes mean = splat(0.0);
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = attachment(k);
+        Lanes& acceleration = state.force[i].value;
+        acceleration = acceleration / splat(node_mass_[k]);
+        state.v_half[i].value += kick * acceleration;
+        mean += node_mass_[k] / mass_ * state.v_half[i].value;
+    }
+    const Lanes together = state.v_half[nodes().payload].value - mean;
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = attachment(k);
+        Lanes& half = state.v_half[i].value;
+        half += together;
+        state.node[i].x += dt * half;
+        state.node[i].v = half + (0.5 * dt) * std::exchange(state.force[i].value, splat(0.0));
+    }
+}
+
+void DeformableBody::finish(State& state, double dt) const {
+    Lanes mean = splat(0.0);
+    for (std::size_t k = 0; k < node_mass_.size(); ++k) {
+        const std::size_t i = attachment(k);
+        state.node[i].v += (0.5 * dt) * std::exchange(state.aero[i].value, splat(0.0));
+        mean += node_mass_[k] / mass_ * state.node[i].v;
+    }
+    const Lanes together = state.node[nodes().payload].v - mean;
+    for (std::size_t k = 0; k < node_mass_.size(); ++k)
+        state.node[attachment(k)].v += together;
+    turn(state);
+}
+
+void DeformableBody::turn(State& state) const {
+    const Vec3 centre = to_vec3(state.node[nodes().payload].x);
     Eigen::Matrix3d shape = Eigen::Matrix3d::Zero();
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
+        const std::size_t i = attachment(k);
         shape += node_mass_[k] * (to_vec3(state.node[i].x) - centre) * rest_[k].transpose();
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(shape, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -98,21 +123,20 @@ void DeformableBody::turn(State& state, NodeIndex payload, NodeIndex first_attac
     state.body->attitude = {q.w(), q.x(), q.y(), q.z()};
 }
 
-double DeformableBody::inner_energy(const State& state, NodeIndex payload, NodeIndex first_attachment) const {
-    const Lanes mean = state.node[payload].v;
+double DeformableBody::inner_energy(const State& state) const {
+    const Lanes mean = state.node[nodes().payload].v;
     double twice = 0.0;
     for (std::size_t k = 0; k < node_mass_.size(); ++k) {
-        const Lanes v = state.node[static_cast<std::size_t>(first_attachment) + k].v - mean;
+        const Lanes v = state.node[attachment(k)].v - mean;
         twice += node_mass_[k] * sum3(v * v);
     }
     return 0.5 * twice;
 }
 
-double DeformableBody::critical_step(const State& state, const ForceModels& structure,
-                                     NodeIndex first_attachment, double riser) const {
-    const auto first = static_cast<std::size_t>(first_attachment);
+double DeformableBody::critical_step(const State& state, const ForceModels& structure, double riser) const {
+    const std::size_t first = attachment(0);
     std::vector<double> weights(state.node.size(), 1.0);
-    std::ranges::copy(weight_, weights.begin() + first_attachment);
+    std::ranges::copy(weight_, weights.begin() + nodes().first_attachment);
     GershgorinSums sums = no_rows(state, weights);
     for (const auto& model : structure)
         if (model->block() == Block::payload_tetrahedra) model->add_row_sums(state, sums);

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fullsim/mesh/attach_payload.hpp"
 
@@ -16,8 +15,8 @@ Eigen::Quaterniond turn_of(const BodyState& body) {
 
 }  // namespace
 
-RigidBody::RigidBody(double mass, const BodyMesh& body)
-    : mass_(mass), principal_(principal_axes(body.lumped)) {
+RigidBody::RigidBody(BodyNodes nodes, double mass, const BodyMesh& body)
+    : Body(nodes), mass_(mass), principal_(principal_axes(body.lumped)) {
     moments_ = (principal_.transpose() * body.lumped.inertia * principal_).diagonal();
     for (const Vec3& place : body.attachments())
         attachments_.emplace_back(principal_.transpose() * place);
@@ -28,23 +27,20 @@ void RigidBody::start(State& state, const Vec3& axis) const {
     state.body = BodyState{{turn.w(), turn.x(), turn.y(), turn.z()}};
 }
 
-void RigidBody::gather(State& state, NodeIndex payload, NodeIndex first_attachment) const {
-    const Vec3 centre = to_vec3(state.node[payload].x);
+void RigidBody::pull(State& state) const {
+    const Vec3 centre = to_vec3(state.node[nodes().payload].x);
     Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
     for (std::size_t k = 0; k < attachments_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
+        const std::size_t i = attachment(k);
         const Vec3 force = to_vec3(state.force[i].value);
         sum += force;
         torque += (to_vec3(state.node[i].x) - centre).cross(force);
-        state.force[i].value = splat(0.0);
     }
-    state.force[payload].value += to_lanes(sum);
-    state.riser_force = sum;
+    state.force[nodes().payload].value += to_lanes(sum);
     state.body->torque = torque;
 }
 
-void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
-                        double dt) const {
+void RigidBody::move(State& state, double kick, double dt) const {
     BodyState& body = *state.body;
     body.half_momentum += kick * body.torque;
     Eigen::Quaterniond turn = turn_of(body);
@@ -63,17 +59,19 @@ void RigidBody::advance(State& state, NodeIndex payload, NodeIndex first_attachm
     turn.normalize();
     body.attitude = {turn.w(), turn.x(), turn.y(), turn.z()};
     body.momentum = body.half_momentum + 0.5 * dt * body.torque;
-    place(state, payload, first_attachment);
+    place(state);
+    for (std::size_t k = 0; k < attachments_.size(); ++k)
+        state.force[attachment(k)].value = state.aero[attachment(k)].value = splat(0.0);
 }
 
-void RigidBody::place(State& state, NodeIndex payload, NodeIndex first_attachment) const {
+void RigidBody::place(State& state) const {
     const BodyState& body = *state.body;
     const Eigen::Matrix3d frame = turn_of(body).toRotationMatrix();
     const Vec3 own = frame.transpose() * body.momentum;
     const Vec3 spin = frame * own.cwiseQuotient(moments_);
-    const NodeRecord& centre = state.node[payload];
+    const NodeRecord& centre = state.node[nodes().payload];
     for (std::size_t k = 0; k < attachments_.size(); ++k) {
-        const std::size_t i = static_cast<std::size_t>(first_attachment) + k;
+        const std::size_t i = attachment(k);
         const Vec3 arm = frame * attachments_[k];
         state.node[i] = {centre.x + to_lanes(arm), centre.v + to_lanes(spin.cross(arm))};
         state.v_half[i].value = state.node[i].v;
@@ -91,8 +89,8 @@ double RigidBody::critical_step(double riser) const {
         arm = std::max(arm, p.norm());
     const double give = 1.0 / mass_ + arm * arm / moments_.minCoeff();
     // All attachments at once may pull on the same motion.
-    const double all = riser * static_cast<double>(attachments_.size());
-    return all > 0.0 ? 2.0 / std::sqrt(all * give) : std::numeric_limits<double>::infinity();
+    const double all = 2.0 * riser * static_cast<double>(attachments_.size());
+    return all > 0.0 ? 2.0 / std::sqrt(all * give) : infinity;
 }
 
 }  // namespace twinchute::fullsim

@@ -10,11 +10,11 @@ namespace twinchute::fullsim {
 
 class RigidBody final : public Body {
 public:
-    RigidBody(double mass, const BodyMesh& body);
+    RigidBody(BodyNodes nodes, double mass, const BodyMesh& body);
     /// Any body: principal moments of inertia [kg m^2] about its own axes, attachments [m] from its centre of
     /// mass.
-    RigidBody(double mass, const Vec3& moments, std::vector<Vec3> attachments)
-        : mass_(mass), moments_(moments), attachments_(std::move(attachments)) {}
+    RigidBody(BodyNodes nodes, double mass, const Vec3& moments, std::vector<Vec3> attachments)
+        : Body(nodes), mass_(mass), moments_(moments), attachments_(std::move(attachments)) {}
 
     /// Positions of the risers' ends from the centre of mass, along the principal axes [m].
     const std::vector<Vec3>& attachments() const { return attachments_; }
@@ -23,29 +23,30 @@ public:
     /// The body's z axis along `axis`, x along its unitOrthogonal, as meshes are drawn out.
     void start(State& state, const Vec3& axis) const override;
 
-    /// Moves the risers' forces from its attachments to the payload's node, and to state.body as a torque.
-    void gather(State& state, NodeIndex payload, NodeIndex first_attachment) const override;
+    /// Sets the torque of state.body as well.
+    void pull(State& state) const override;
 
     /// The angular momentum as velocities by the central difference scheme, L += kick torque, and the
     /// attitude by turns about the principal axes one after the other, forth and back (Dullweber, Leimkuhler
     /// and McLachlan 1997, J. Chem. Phys. 107, 5840): of second order, exact in L, without drift in energy.
-    /// The quaternion is brought to length 1 after each step.
-    void advance(State& state, NodeIndex payload, NodeIndex first_attachment, double kick,
-                 double dt) const override;
+    /// The quaternion is brought to length 1 after each step. Nothing but risers turns the body.
+    void move(State& state, double kick, double dt) const override;
+    void finish(State& state, double) const override { place(state); }
 
     /// The attachments and their velocities from the payload's node and state.body.
-    void place(State& state, NodeIndex payload, NodeIndex first_attachment) const;
+    void place(State& state) const;
 
     /// [J] of the turning.
-    double inner_energy(const State& state, NodeIndex, NodeIndex) const override {
-        return turning_energy(*state.body);
-    }
+    double inner_energy(const State& state) const override { return turning_energy(*state.body); }
     double turning_energy(const BodyState& body) const;
 
-    double critical_step(const State&, const ForceModels&, NodeIndex, double riser) const override {
-        return critical_step(riser);
+    /// 2 sqrt(m'/2 K) with the inertia m' that an attachment has across its arm, from below 1/m' = 1/m +
+    /// r^2/I_min, of the subcycles; K (a - b)^2 <= 2 K a^2 + 2 K b^2 parts body and riser. What else acts on
+    /// it does not grow as it moves.
+    CriticalSteps critical_steps(const State&, const ForceModels&, double riser) const override {
+        const double step = critical_step(riser);
+        return {step, infinity, step};
     }
-    /// 2 sqrt(m'/K) with the inertia m' that a place has across its arm, from below 1/m' = 1/m + r^2/I_min.
     double critical_step(double riser) const;
 
 private:

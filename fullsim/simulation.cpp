@@ -74,7 +74,7 @@ void Simulation::build_blocks() {
         for (const auto& model : *models)
             names.emplace_back(model->name());
     clock_.begin(names);
-    layout_->begin(state_, structure_, loads_);
+    layout_->begin(state_, structure_, loads_, body_.get());
     elements_ = layout_->elements(structure_);
 }
 
@@ -85,7 +85,6 @@ void Simulation::evaluate_forces() {
     if (state_.stage == Stage::ramp) grow_ramp();
     clock_.begin_step(state_.step % StepControl::steps_between_bounds == 0);
     layout_->evaluate(state_, clock_);
-    if (body_) body_->gather(state_, mesh_.payload(), mesh_.first_attachment());
     if (state_.air.pressure_capped) ++state_.capped_steps;
 }
 
@@ -94,9 +93,7 @@ void Simulation::step_to(double end) {
     const Balance before = begin_balance();
 
     state_.in_subcycles = {};
-    const double kick = 0.5 * (next.dt + state_.dt);
     layout_->advance(state_, next.dt, next.subcycles, added_mass_after(next.dt).value);
-    if (body_) body_->advance(state_, mesh_.payload(), mesh_.first_attachment(), kick, next.dt);
     state_.time = next.last ? end : before.time + next.dt;
     state_.inflow.volume += next.dt * state_.inflow.swept;
     state_.inflow.end_step(state_.air.pressure);

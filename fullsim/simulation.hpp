@@ -174,9 +174,7 @@ private:
         return energy_ledger(state_, levels.kinetic + turning(), levels.elastic);
     }
     /// [J] of a payload that is a body.
-    double turning() const {
-        return body_ ? body_->inner_energy(state_, mesh_.payload(), mesh_.first_attachment()) : 0.0;
-    }
+    double turning() const { return body_ ? body_->inner_energy(state_) : 0.0; }
     std::optional<RunStatus> find_fault_in(const EnergiesAndStrains& levels, const EnergyLedger& ledger,
                                            double time, std::int64_t step);
     /// Residual of the energy balance over the energy exchanged [-].

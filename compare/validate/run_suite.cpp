@@ -69,7 +69,7 @@ public:
         return of_this_fidelity(std::move(rows));
     }
 
-    /// What results() calibrated; empty: nothing.
+    /// Inputs that results() calibrated; empty: none.
     const std::string& calibration() const { return calibration_text_; }
 
 private:

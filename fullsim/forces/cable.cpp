@@ -50,7 +50,7 @@ public:
                double bulk_viscosity, double beta)
         : mesh_(mesh),
           block_(block),
-          on_cloth_(which == &is_tape),
+          on_fabric_(which == &is_tape),
           bulk_viscosity_(bulk_viscosity),
           beta_(beta) {
         const auto begin = std::ranges::find_if(cables, which, &Cable::kind);
@@ -76,7 +76,7 @@ public:
     }
 
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
-        if (on_cloth_ && state.folded) return;
+        if (on_fabric_ && state.folded) return;
         for (const Cable& c : cables_)
             for (int end = 0; end < 2; ++end) {
                 // Both blocks of a row have the norm EA/l0; a slack cable may pull tight any time.
@@ -138,7 +138,7 @@ private:
     std::span<const Cable> cables_;
     std::size_t first_ = 0;  // of them in the mesh
     Block block_;
-    bool on_cloth_;  // folded with it
+    bool on_fabric_;  // folded with it
     double bulk_viscosity_, beta_;
     GroupsOnDemand<CableGroup> groups_;
 };

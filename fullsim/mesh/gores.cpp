@@ -28,7 +28,6 @@ public:
     explicit Finder(const Mesh& mesh) : mesh_(mesh), place_(mesh.position.size()) {}
 
     Gores find() {
-        require(mesh_.attachments.empty(), "the payload is a body, which turns as it likes");
         require(!mesh_.seam_rings.empty(), "there are no seams");
         gores_.count = static_cast<int>(mesh_.seam_rings.front().size());
         require(gores_.count >= 3, "fewer than three gores are each other's neighbours on both sides");
@@ -127,7 +126,7 @@ private:
         for (const Cable& c : mesh_.cables)
             if (c.kind == CableKind::riser)
                 for (const NodeIndex i : c.node)
-                    user[i] = shared;
+                    if (i < mesh_.node_count()) user[i] = shared;
         for (int gore = 0; gore < gores_.count; ++gore)
             for (int k = 0; k < each; ++k)
                 for (const NodeIndex i : lines[gore * each + k].node)
@@ -166,7 +165,7 @@ private:
         gores_.global_cables = of_kind(mesh_.cables, CableKind::riser);
         for (const Cable& c : gores_.global_cables)
             for (const NodeIndex i : c.node)
-                require(place_[i].gore < 0, "a riser that ends on a gore");
+                require(i >= mesh_.node_count() || place_[i].gore < 0, "a riser that ends on a gore");
         // First all that gores see of each other, so that no number depends on what comes later.
         for (const auto& ring : mesh_.seam_rings)
             gores_.neighbour.push_back(place_[ring[0]].local);

@@ -19,7 +19,9 @@ public:
     std::string_view name() const override { return "reference"; }
     std::string_view instruction_set() const override { return lane_instruction_set(); }
 
-    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads,
+               const Body* body) override {
+        body_ = body;
         structure_ = &structure;
         loads_ = &loads;
         lines_ = nullptr;
@@ -30,9 +32,9 @@ public:
             GershgorinSums pulled = no_rows(state);
             lines_->add_row_sums(state, pulled);
             for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
-                if (pulled.stiffness[i] > 0.0) nodes.push_back(i);
+                if (pulled.stiffness[i] > 0.0 || (body && i == mesh_.payload())) nodes.push_back(i);
         }
-        pulled_ = SubcycledNodes(std::move(nodes));
+        pulled_ = SubcycledNodes(std::move(nodes), mesh_.first_attachment(), mesh_.attachments.size());
         weights_.begin(state, constants_, structure, lines_);
         line_damping_ = 0.0;
         clear_forces(state);
@@ -72,10 +74,13 @@ public:
     }
     void advance(State& state, double dt, int subcycles, double next_added_mass) override {
         if (subcycles > 1)
-            return advance_in_subcycles(state, constants_, dt, subcycles, next_added_mass, pulled_,
-                                        line_damping_, [this](State& s) { return pull_lines(s); });
+            return advance_in_subcycles(
+                state, constants_, dt, subcycles, next_added_mass, pulled_, line_damping_,
+                [this](State& s) { return pull_lines(s); }, body_);
         state.damping_power += line_damping_;
+        const double kick = 0.5 * (dt + state.dt);
         fullsim::advance(state, constants_, dt, next_added_mass);
+        if (body_) body_->advance(state, kick, dt);
     }
     void serialize(Archive& archive, const State&) override { weights_.serialize(archive); }
 
@@ -84,6 +89,7 @@ private:
     double pull_lines(State& state) const {
         const double others = std::exchange(state.damping_power, 0.0);
         lines_->add_forces(state);
+        if (body_) body_->pull(state);
         return std::exchange(state.damping_power, others);
     }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fullsim/body.hpp"
 #include "fullsim/forces/force_model.hpp"
 #include "fullsim/time/central_difference.hpp"
 #include "fullsim/time/critical_step.hpp"
@@ -96,8 +97,9 @@ public:
     virtual int sectors() const { return 1; }
 
     /// A stage begins: nodes and velocities are taken from the state, forces are cleared in it. The blocks
-    /// say what acts; they outlive the stage.
-    virtual void begin(State& state, const ForceModels& structure, const ForceModels& loads) = 0;
+    /// say what acts; they outlive the stage, and so does the payload where it is a body.
+    virtual void begin(State& state, const ForceModels& structure, const ForceModels& loads,
+                       const Body* body = nullptr) = 0;
     /// Renews those node records that a step leaves out of date. Payload and static line never are.
     virtual void store(State& state) const = 0;
 
@@ -128,6 +130,9 @@ public:
     /// the same bits. `state` is kept; restored data have the name and instruction set of this layout, and go
     /// in after begin.
     virtual void serialize(Archive& archive, const State& state) = 0;
+
+protected:
+    const Body* body_ = nullptr;  ///< since begin
 };
 
 namespace unstructured {

@@ -62,14 +62,13 @@ ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules) {
     const double quiet = rules.quiet / rules.factor;
     int subcycles = 1;
     double step = left * stable.all, cost = 1.0 / step;
-    step = std::min(step, rules.payload);
     for (int count = 2; count <= rules.most_subcycles; ++count) {
         const double longer = std::min(quiet, left * share * std::min(stable.canopy, count * stable.lines));
-        const double dearness_of_count = cost_of(count) / longer;
-        if (dearness_of_count >= cost) continue;
+        const double cost_of_this = cost_of(count) / longer;
+        if (cost_of_this >= cost) continue;
         subcycles = count;
         step = longer;
-        cost = dearness_of_count;
+        cost = cost_of_this;
     }
     return {rules.factor * step, subcycles};
 }

@@ -16,12 +16,11 @@ struct ChosenStep {
 /// Rules of the time step beside the bounds of nodes.
 struct StepRules {
     double factor = 1.0;     ///< full.time_step_factor
-    int most_subcycles = 1;  ///< full.line_substeps; 1 under a body, which moves with the canopy
+    int most_subcycles = 1;  ///< full.line_substeps
     bool chatters = false;   ///< fabric comes taut and slack: before flight, unless all of it is folded
     double share = 1.0;      ///< of every bound, see ImpactWatch
     double quiet =
         infinity;  ///< [s] the longest, factor and all, in which lines do not ring (resonance_limit)
-    double payload = infinity;  ///< [s] critical time step of a payload that is a body
 };
 
 ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules);

@@ -14,9 +14,9 @@ constexpr double few_impacts = 0.4;  // of the largest residual, which impacts o
 }  // namespace
 
 StepControl::StepControl(const Scene& scene, const Mesh& mesh, const NodeConstants& constants)
-    : scene_(scene), constants_(constants), first_attachment_(mesh.first_attachment()) {
+    : scene_(scene), constants_(constants) {
     for (const Cable& c : mesh.cables)
-        if (std::max(c.node[0], c.node[1]) >= first_attachment_)
+        if (std::max(c.node[0], c.node[1]) >= mesh.first_attachment())
             riser_stiffness_ =
                 std::max(riser_stiffness_, c.strands * mesh.cord(c.kind).axial_stiffness() / c.rest_length);
     line_waves_ = line_waves(mesh, constants, scene.parachutes.front().line_length, scene.full.bulk_viscosity,
@@ -45,19 +45,20 @@ bool StepControl::comes_taut(const State& state, const Layout& layout) {
 }
 
 ChosenStep StepControl::choose(const State& state, const StepInputs& inputs, double share) const {
-    const CriticalSteps stable = inputs.layout.critical_steps(state);
+    CriticalSteps stable = inputs.layout.critical_steps(state);
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
     rules.chatters = chatters_in(state);
     rules.share = share;
+    rules.most_subcycles = scene_.full.line_substeps;
     // In a pack that only falls lines are slack.
     if (!state.folded) rules.quiet = resonance_limit(line_waves_, state.added_mass, stable.canopy);
-    // A body takes steps with the canopy, and so does what hangs on it.
-    if (inputs.body)
-        rules.payload =
-            inputs.body->critical_step(state, inputs.structure, first_attachment_, riser_stiffness_);
-    else
-        rules.most_subcycles = scene_.full.line_substeps;
+    if (inputs.body) {
+        const CriticalSteps of_body = inputs.body->critical_steps(state, inputs.structure, riser_stiffness_);
+        stable.all = std::min(stable.all, of_body.all);
+        stable.canopy = std::min(stable.canopy, of_body.canopy);
+        stable.lines = std::min(stable.lines, of_body.lines);
+    }
     return choose_step(stable, rules);
 }
 

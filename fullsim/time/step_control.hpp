@@ -77,7 +77,6 @@ private:
 
     const Scene& scene_;
     const NodeConstants& constants_;
-    const NodeIndex first_attachment_;
     double riser_stiffness_ = 0.0;  // [N/m] of the stiffest element on a body
     LineWaves line_waves_;
     ImpactWatch impacts_;

@@ -36,7 +36,7 @@ double resonance_limit(const LineWaves& line, double added_mass, double canopy_b
 }
 
 void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int count, double next_added_mass,
-                          SubcycledNodes& pulled, double damping, const LinePulls& lines) {
+                          SubcycledNodes& pulled, double damping, const LinePulls& lines, const Body* body) {
     NodeMover mover(state, c, dt);
     StepSums sums;
     Lanes share_square = splat(0.0);
@@ -62,6 +62,7 @@ void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int c
     }
     sums.share_square = sum3(share_square);
     mover.move_static_line(c, sums);
+    if (body) body->impulse(state, mover.kick());
 
     for (int k = 0; k < count; ++k) {
         if (k > 0) {
@@ -72,6 +73,7 @@ void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int c
         sums.line_damping += step.kick * damping;
         for (const NodeIndex i : pulled.nodes())
             mover.move_in_subcycle(i, inertia(i), step);
+        if (body) body->move(state, step.kick, step.dt);
     }
     sums.line_damping_power = damping / count;
     for (const NodeIndex i : pulled.nodes()) {
@@ -81,6 +83,7 @@ void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int c
         else
             mover.add_other(i, c.mass[i], sums);
     }
+    if (body) body->finish(state, dt);
     finish_step(state, c, sums, mover.kick(), dt, dt / count, next_added_mass);
 }
 

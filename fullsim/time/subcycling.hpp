@@ -4,13 +4,15 @@
 // Forces of canopy and air on a node come as one impulse at the beginning of a step; under lines and risers
 // alone it then takes its subcycles, and the canopy's own nodes one drift (impulse form of the method of
 // multiple time steps, Tuckerman, Berne and Martyna 1992, here with the central difference scheme's half
-// steps).
+// steps). A payload that is a body is advanced by the subcycles, too: its attachments follow the risers' pull
+// at once, so that momenta are kept as without subcycles.
 #pragma once
 
 #include <functional>
 #include <utility>
 #include <vector>
 
+#include "fullsim/body.hpp"
 #include "fullsim/time/central_difference.hpp"
 
 namespace twinchute::fullsim {
@@ -19,8 +21,13 @@ namespace twinchute::fullsim {
 class SubcycledNodes {
 public:
     SubcycledNodes() = default;
-    explicit SubcycledNodes(std::vector<NodeIndex> nodes)
-        : nodes_(std::move(nodes)), pull_(nodes_.size()), others_(nodes_.size()) {}
+    /// attachments: nodes of a body that moves itself, after the first of them.
+    explicit SubcycledNodes(std::vector<NodeIndex> nodes, NodeIndex first_attachment = 0,
+                            std::size_t attachments = 0)
+        : nodes_(std::move(nodes)),
+          first_attachment_(first_attachment),
+          pull_(nodes_.size() + attachments),
+          others_(nodes_.size()) {}
 
     const std::vector<NodeIndex>& nodes() const { return nodes_; }
 
@@ -28,18 +35,22 @@ public:
     template <class Lines>
     void note(State& state, Lines&& lines) {
         const NodeForces::View force = state.force.view();
-        for (std::size_t k = 0; k < nodes_.size(); ++k)
-            pull_[k].value = force[nodes_[k]].value;
+        for (std::size_t k = 0; k < pull_.size(); ++k)
+            pull_[k].value = force[node(k)].value;
         lines();
-        for (std::size_t k = 0; k < nodes_.size(); ++k)
-            pull_[k].value = force[nodes_[k]].value - pull_[k].value;
+        for (std::size_t k = 0; k < pull_.size(); ++k)
+            pull_[k].value = force[node(k)].value - pull_[k].value;
     }
-    /// Only that stays in the forces.
+    /// Only that stays in the forces; the rest of attachments goes to state.aero.
     void take_others(State& state) {
-        const NodeForces::View force = state.force.view();
-        for (std::size_t k = 0; k < nodes_.size(); ++k) {
-            Lanes& of_node = force[nodes_[k]].value;
-            others_[k].value = of_node - pull_[k].value;
+        const NodeForces::View force = state.force.view(), aero = state.aero.view();
+        for (std::size_t k = 0; k < pull_.size(); ++k) {
+            Lanes& of_node = force[node(k)].value;
+            const Lanes rest = of_node - pull_[k].value;
+            if (k < nodes_.size())
+                others_[k].value = rest;
+            else
+                aero[node(k)].value += rest;
             of_node = pull_[k].value;
         }
     }
@@ -47,7 +58,13 @@ public:
     Lanes others(std::size_t k) const { return others_[k].value; }
 
 private:
+    std::size_t node(std::size_t k) const {
+        return k < nodes_.size() ? static_cast<std::size_t>(nodes_[k])
+                                 : static_cast<std::size_t>(first_attachment_) + (k - nodes_.size());
+    }
+
     std::vector<NodeIndex> nodes_;
+    NodeIndex first_attachment_ = 0;
     std::vector<NodeVector> pull_, others_;  // [N]
 };
 
@@ -55,10 +72,11 @@ private:
 using LinePulls = std::function<double(State&)>;
 
 /// All nodes from time t to t + dt as advance in central_difference.hpp; those of `pulled` in `count` > 1
-/// subcycles. The forces at t are in the state, what lines dissipate at t is `damping` [W].
+/// subcycles, with them the payload where it is a body. The forces at t are in the state, what lines
+/// dissipate at t is `damping` [W].
 void advance_in_subcycles(State& state, const NodeConstants& constants, double dt, int count,
                           double next_added_mass, SubcycledNodes& pulled, double damping,
-                          const LinePulls& lines);
+                          const LinePulls& lines, const Body* body = nullptr);
 
 /// A suspension line as waves run through it, from a node of the skirt to an end that stands still.
 struct LineWaves {

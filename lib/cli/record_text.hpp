@@ -28,7 +28,7 @@ std::string filling_text(const PredictedFilling& filling, std::string_view whose
 
 /// Factors on inputs by a calibration; empty where there is none. `whose`: as above.
 std::string calibration_text(const RunRecord& record, std::string_view whose = {});
-/// What the run gives without them; empty likewise.
+/// Answers of the run without them; empty where there is none.
 std::string uncalibrated_text(const RunRecord& record);
 
 /// [s] in the unit that reads best, e.g. "340 us", "12.3 s".

@@ -193,7 +193,7 @@ struct CalibratedInput {
     double factor = 1.0;
 };
 
-/// What a calibrated run would be without its calibration.
+/// A calibrated run as it would be without its calibration.
 struct Uncalibrated {
     std::vector<CalibratedInput> inputs;
     std::vector<Metric> metrics;  ///< numbers of metric_rows() that it has

@@ -27,7 +27,7 @@ bool has_calibration(const Scene& scene);
 /// conditions lie outside of a table's.
 Scene calibrated(const Scene& scene);
 
-/// The same scene as if nothing had been calibrated.
+/// This scene as if nothing had been calibrated.
 Scene uncalibrated(const Scene& scene);
 
 }  // namespace twinchute

@@ -7,7 +7,7 @@ namespace twinchute {
 
 /// Velocity [m/s] of a release over ground; x east, y north, z up.
 Vec3 velocity_over_ground(const Release& release);
-/// The same through the air.
+/// Velocity [m/s] of a release through the air.
 Vec3 release_airspeed(const Scene& scene);
 
 /// [m^2] floor of the projected area that the canopy pressure divides by; 0.05 m^2 for a C-9.

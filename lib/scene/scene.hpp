@@ -288,7 +288,7 @@ struct FullSettings {
     bool operator==(const FullSettings&) const = default;
 };
 
-/// What is known of inputs that were calibrated: normal, with their covariance.
+/// Uncertainty of inputs that were calibrated: normal, with their covariance.
 struct Uncertainty {
     std::vector<std::string> inputs;  ///< keys; "ln KEY": the logarithm of its value
     std::vector<double> covariance;   ///< [SI] lower triangle, row by row

@@ -23,7 +23,7 @@
 namespace twinchute::fullsim {
 namespace {
 
-using test::Answer, test::answer_of, test::expect_same, test::stiffest_cable;
+using test::Answer, test::answer_of, test::expect_same, test::expect_same_body, test::stiffest_cable;
 
 struct NamedLayout {
     std::string name;
@@ -46,13 +46,19 @@ void compare_all(const Scene& scene, const Mesh& mesh, const NodeConstants& cons
                  bool gores_alike) {
     const auto structure = make_structure(scene, mesh, state.stage);
     const auto loads = make_loads(scene, mesh, state.stage);
+    const auto body = make_body(scene, mesh);
     const Answer reference =
-        answer_of(*make_reference_layout(mesh, constants), state, constants, structure, loads);
+        answer_of(*make_reference_layout(mesh, constants), state, constants, structure, loads, body.get());
     const std::vector<NamedLayout> all = layouts_of(scene, mesh, constants);
     EXPECT_EQ(all.size(), unstructured::all_kernels().size() + (gores_alike ? all_gore_kernels().size() : 0));
     for (const auto& [name, layout] : all) {
         SCOPED_TRACE(name + " step " + std::to_string(state.step));
-        expect_same(reference, answer_of(*layout, state, constants, structure, loads), stiffest_cable(scene));
+        const Answer answer = answer_of(*layout, state, constants, structure, loads, body.get());
+        expect_same(reference, answer, stiffest_cable(scene));
+        if (!body) continue;
+        const auto first = static_cast<std::size_t>(mesh.first_attachment());
+        expect_same_body(reference.state, answer.state, first);
+        expect_same_body(reference.in_subcycles, answer.in_subcycles, first);
     }
 }
 
@@ -105,6 +111,28 @@ TEST(Layouts, AgreeWhereGoresTouch) {
                                   "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
                                   std::string("full.line_substeps=") + subcycles}),
                       12'000);
+}
+
+TEST(Layouts, AgreeAboveABody) {
+    // Swinging from an oblique opening, and from the pack: rigid and deformable, its attachments with it.
+    for (const std::string more : {"", "payload.body.elasticity.youngs_modulus='50 MPa'"}) {
+        std::vector<std::string> box{"payload.body.shape='box'", "payload.body.size=[0.6, 0.4, 0.9]",
+                                     "parachute.risers=4"};
+        if (!more.empty()) {
+            box.push_back(more);
+            box.emplace_back("payload.body.elasticity.poisson_ratio=0.3");
+        }
+        std::vector<std::string> small{"full.mesh.gore_columns=2", "full.mesh.gore_rows=6",
+                                       "full.mesh.line_elements=4"};
+        small.insert(small.end(), box.begin(), box.end());
+        compare_along(
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation-oblique.toml", small),
+            6'000);
+        box.emplace_back("parachute.deploy.length='3 m'");
+        box.emplace_back("full.ramp_time='0.3 s'");
+        compare_along(crane_drop(box), 60'000, 4);
+        if (HasFailure()) return;
+    }
 }
 
 TEST(Layouts, AgreeWhereFillingIsPredicted) {

@@ -30,14 +30,15 @@ struct Answer {
 };
 
 inline Answer answer_of(Layout& layout, const State& state, const NodeConstants& c,
-                        const ForceModels& structure, const ForceModels& loads) {
+                        const ForceModels& structure, const ForceModels& loads,
+                        const fullsim::Body* body = nullptr) {
     Answer a{state, {}, {}, {}, 0.0, state, {}};
     BlockClock clock;
     clock.begin(std::vector<std::string>(structure.size() + loads.size(), "any"));
     const auto step = [&](State& s, int count) {
         s.largest = {};
         s.in_subcycles = {};
-        layout.begin(s, structure, loads);
+        layout.begin(s, structure, loads, body);
         if (count == 1) a.levels = layout.levels(s);
         clock.begin_step(false);
         layout.evaluate(s, clock);
@@ -131,6 +132,21 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), rounding * 100.0);
     EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), rounding * 1000.0);
     EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), rounding * 100.0);
+}
+
+/// Nodes from `first` on, and how they have turned on the whole.
+inline void expect_same_body(const State& reference, const State& other, std::size_t first,
+                             double rounding = 1e-12) {
+    const fullsim::BodyState &r = *reference.body, &o = *other.body;
+    EXPECT_LT((r.momentum - o.momentum).norm(), rounding * 1e3) << "angular momentum";
+    EXPECT_LT((r.half_momentum - o.half_momentum).norm(), rounding * 1e3) << "in the middle of a step";
+    for (int k = 0; k < 4; ++k)
+        EXPECT_NEAR(r.attitude[k], o.attitude[k], rounding);
+    ASSERT_EQ(reference.node.size(), other.node.size());
+    for (std::size_t i = first; i < reference.node.size(); ++i) {
+        EXPECT_LT((to_vec3(reference.node[i].x) - to_vec3(other.node[i].x)).norm(), rounding * 1e3) << i;
+        EXPECT_LT((to_vec3(reference.node[i].v) - to_vec3(other.node[i].v)).norm(), rounding * 1e3) << i;
+    }
 }
 
 /// EA [N] of a riser, which is as strong as its lines.

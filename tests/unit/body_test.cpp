@@ -91,11 +91,14 @@ BodyState tumbled(const RigidBody& body, const Vec3& spin, double time, double d
     state.body->momentum = state.body->half_momentum = start * spin.cwiseProduct(body.moments());
     const auto steps = static_cast<long>(std::lround(time / dt));
     for (long k = 0; k < steps; ++k)
-        body.advance(state, 0, 2, dt, dt);
+        body.advance(state, dt, dt);
     return *state.body;
 }
 
-const RigidBody box(30.0, lump(solid_of(make_box({0.6, 0.9, 0.3}, {1, 1, 1})), 30.0).inertia.diagonal(), {});
+constexpr BodyNodes nodes{0, 2};
+
+const RigidBody box(nodes, 30.0,
+                    lump(solid_of(make_box({0.6, 0.9, 0.3}, {1, 1, 1})), 30.0).inertia.diagonal(), {});
 
 /// Euler's equations of a free body with moments I1 < I2 < I3 and L^2 > 2 E I2, started in the plane of its
 /// first and third axes (Landau and Lifshitz, Mechanics, 37).
@@ -115,7 +118,7 @@ TEST(RigidBody, TumblesFreelyAsEulerSays) {
     const Vec3 sorted(box.moments()[1], box.moments()[0], box.moments()[2]);
     ASSERT_LT(sorted[0], sorted[1]);
     ASSERT_LT(sorted[1], sorted[2]);
-    const RigidBody body(30.0, sorted, {});
+    const RigidBody body(nodes, 30.0, sorted, {});
     const Vec3 start(1.5, 0.0, 3.0);
     ASSERT_GT(start.cwiseProduct(sorted).squaredNorm(), start.cwiseProduct(sorted).dot(start) * sorted[1]);
     const Vec3 exact = exact_spin(sorted, start, 10.0);
@@ -137,7 +140,7 @@ TEST(RigidBody, KeepsLengthMomentumAndEnergyOverAMillionSteps) {
     const double energy = box.turning_energy(*state.body), dt = 1e-4;
     double worst_length = 0.0, worst_energy = 0.0;
     for (int k = 0; k < 1'000'000; ++k) {
-        box.advance(state, 0, 2, dt, dt);
+        box.advance(state, dt, dt);
         if (k % 1000 != 0) continue;
         worst_length = std::max(worst_length, std::abs(turn_of(*state.body).norm() - 1.0));
         worst_energy = std::max(worst_energy, std::abs(box.turning_energy(*state.body) / energy - 1.0));
@@ -169,7 +172,7 @@ TEST(RigidBody, SwingsAsADoublePendulum) {
     // Both modes to 0.1 %: the riser gives by M g/k = 1e-5 of l, angles of 0.01 change a period by 6e-6.
     const double mass = 150.0, l = 3.0, b = 0.45, g = 9.80665;
     const Vec3 moments = lump(solid_of(make_box({0.6, 0.6, 0.9}, {1, 1, 1})), mass).inertia.diagonal();
-    const RigidBody body(mass, moments, {Vec3(0, 0, b)});
+    const RigidBody body(nodes, mass, moments, {Vec3(0, 0, b)});
     Eigen::Matrix2d inertia, stiffness;
     inertia << mass * l, mass * b, mass * l * b, moments[1] + mass * b * b;
     stiffness << mass * g, 0.0, 0.0, mass * g * b;
@@ -190,15 +193,15 @@ TEST(RigidBody, SwingsAsADoublePendulum) {
         state.node[0].x = Lanes{stretch * std::sin(q[0]) + b * std::sin(q[1]), 0.0,
                                 -stretch * std::cos(q[0]) - b * std::cos(q[1]), 0.0};
         set_turn(*state.body, Eigen::Quaterniond(Eigen::AngleAxisd(-q[1], Vec3::UnitY())));
-        body.place(state, 0, 2);
+        body.place(state);
         std::vector<double> crossings;
         double before = state.node[0].x[0];
         while (crossings.size() < 5) {
             pull(state, 2, Vec3::Zero(), l, mass * g / (1e-5 * l));
-            body.gather(state, 0, 2);
+            body.pull(state);
             const double kick = 0.5 * (dt + state.dt);
             advance(state, constants, dt, 0.0);
-            body.advance(state, 0, 2, kick, dt);
+            body.advance(state, kick, dt);
             state.time += dt;
             const double now = state.node[0].x[0];
             if (before * now < 0.0) crossings.push_back(state.time - dt * now / (now - before));
@@ -212,12 +215,12 @@ TEST(RigidBody, SwingsAsADoublePendulum) {
 
 TEST(RigidBody, KeepsMomentaWithWhatHangsOnIt) {
     // A body and a point mass on two springs, far from anything: no momentum comes or goes but by rounding.
-    const RigidBody body(30.0, box.moments(), {Vec3(0.3, 0.45, 0.15), Vec3(-0.3, 0.45, 0.15)});
+    const RigidBody body(nodes, 30.0, box.moments(), {Vec3(0.3, 0.45, 0.15), Vec3(-0.3, 0.45, 0.15)});
     State state = still_state(2);
     state.node[1].x = Lanes{0.1, 2.0, 0.3, 0.0};  // the point mass, of 5 kg, in the dummy's place
     state.body->momentum = state.body->half_momentum = Vec3(3.0, -1.0, 2.0);
     state.v_half[1].value = state.node[1].v = Lanes{1.0, -2.0, 0.5, 0.0};
-    body.place(state, 0, 2);
+    body.place(state);
     NodeConstants constants;
     constants.mass = {30.0, 5.0};
     constants.share = {0.0, 0.0};
@@ -248,10 +251,10 @@ TEST(RigidBody, KeepsMomentaWithWhatHangsOnIt) {
         for (const std::size_t place : {2u, 3u})
             pull(state, place, mass_at, 1.5, 5e3);
         state.force[1].value -= state.force[2].value + state.force[3].value;
-        body.gather(state, 0, 2);
+        body.pull(state);
         const double kick = 0.5 * (dt + state.dt);
         advance(state, constants, dt, 0.0);
-        body.advance(state, 0, 2, kick, dt);
+        body.advance(state, kick, dt);
         worst = std::max(worst, std::abs(energy() - at_start));
     }
     const auto [linear_end, angular_end] = momenta();

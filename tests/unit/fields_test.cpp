@@ -64,7 +64,7 @@ protected:
     Mesh mesh_ = small_mesh();
 };
 
-TEST_F(Fields, TautClothHasPlaneStress) {
+TEST_F(Fields, TautFabricHasPlaneStress) {
     const VtuGrid grid = frame(1.02, 1.01);
     const double e1 = green(1.02), e2 = green(1.01), plane = tension_modulus / (1.0 - poisson * poisson);
     EXPECT_NEAR(value(grid, "strain_first", 0), e1, 1e-7);
@@ -75,7 +75,7 @@ TEST_F(Fields, TautClothHasPlaneStress) {
     EXPECT_EQ(value(grid, "pressure_Pa", 0), 42.0);
 }
 
-TEST_F(Fields, WrinkledClothCarriesOneWayAndSlackClothNothing) {
+TEST_F(Fields, WrinkledFabricCarriesOneWayAndSlackFabricNothing) {
     const VtuGrid wrinkled = frame(1.02, 0.9);
     EXPECT_NEAR(value(wrinkled, "stress_first_N_m", 0), tension_modulus * green(1.02), 1e-3);
     EXPECT_NEAR(value(wrinkled, "stress_second_N_m", 0), 0.0, 1e-3);

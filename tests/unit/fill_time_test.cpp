@@ -114,7 +114,7 @@ TEST(FillingTimeCsv, LudtkeOfAnInfiniteMass) {
     EXPECT_NEAR(given.seconds(heavy), 7.0 * 10.0 / (21.0 * 5.0), 1e-8);
 }
 
-TEST(FillingTimeCsv, LudtkeNeverFillsAClothThatLetsAllThrough) {
+TEST(FillingTimeCsv, LudtkeNeverFillsAFabricThatLetsAllThrough) {
     EXPECT_TRUE(std::isinf(ludtke().seconds(through(100.0))));
 }
 

@@ -43,7 +43,7 @@ protected:
     Mesh mesh_;
 };
 
-TEST_F(FrameRecorderTest, StretchedClothHasItsStress) {
+TEST_F(FrameRecorderTest, StretchedFabricHasItsStress) {
     FrameRecorder recorder(mesh_, true);
     recorder.begin(0.0, {0.1, 10});
     recorder.observe(at(0.0, 1.02));

@@ -21,7 +21,7 @@ Scene of_12_m(std::vector<std::string> more = {}) {
     return read_text(good_scene, more);
 }
 
-/// [kg] as in Sizing.MassFollowsClothTapesAndLines, of lines as long as given.
+/// [kg] as in Sizing.MassFollowsFabricTapesAndLines, of lines as long as given.
 double mass_at(double diameter, double line, double riser) {
     const double cord = 462.0 * 0.25 * pi * 16e-6, vent = 0.1 * diameter;
     return 0.25 * pi * (diameter * diameter - vent * vent) * 0.0533 +

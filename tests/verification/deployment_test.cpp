@@ -102,7 +102,7 @@ double longest_edge(const std::vector<fullsim::FabricEdge>& edges, const State& 
     return longest;
 }
 
-TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
+TEST(Deployment, FoldedFabricSetsNoStepBeforeItIsNearlyTaut) {
     // A pack falls in steps that only what is still folded in it bounds, at least three times as long as
     // those of its fabric once that may come taut. No edge gets there in such a step, and from then on there
     // are none.
@@ -129,7 +129,7 @@ TEST(Deployment, FoldedClothSetsNoStepBeforeItIsNearlyTaut) {
     }
 }
 
-TEST(Deployment, ClothThatStartsDrawnOutIsNotFolded) {
+TEST(Deployment, FabricThatStartsDrawnOutIsNotFolded) {
     Scene scene = packed_c9(DeployBy::static_line);
     scene.parachutes.front().deploy.pack_ratio = 0.95;  // less than a tenth is missing
     const Simulation simulation(scene);

@@ -162,7 +162,7 @@ TEST(FabricSprings, HardeningCostsNoTimeStep) {
     }
 }
 
-TEST(FabricSprings, ClothStaysBelowFivePercentInACraneDrop) {
+TEST(FabricSprings, FabricStaysBelowFivePercentInACraneDrop) {
     Scene scene = test::packed_c9(DeployBy::static_line);
     Simulation simulation(scene);
     const auto edges = fabric_edges(simulation.mesh());

@@ -74,17 +74,41 @@ TEST(PayloadBody, HangsWhereItsShapeAllows) {
 }
 
 TEST(PayloadBody, OfNoSizeIsAPointMass) {
-    // Its places within 0.2 mm, on the same layout and without subcycles: what is left after half a second of
-    // a smooth opening is the little that such a body can turn.
+    // Its places within 0.2 mm, in the same layout, lines with and without subcycles: what is left after half
+    // a second of a smooth opening is the little that such a body can turn.
     Scene scene = with_box(test::c9_scene(), 2e-4, 2e-4, 2e-4);
     scene.stop.value = 0.5;
-    scene.full.line_substeps = 1;
-    Scene point = scene;
-    point.payload.body.reset();
-    const RunRecord body = test::run_full(scene), bare = test::run_full(point);
-    ASSERT_EQ(body.status.code, StatusCode::completed) << body.status.detail;
-    EXPECT_NEAR(*body.metric("max_force_N"), *bare.metric("max_force_N"), 1e-3 * *bare.metric("max_force_N"));
-    EXPECT_NEAR(test::last(body, "speed"), test::last(bare, "speed"), 1e-4 * test::last(bare, "speed"));
+    for (const int most : {1, 4}) {
+        scene.full.line_substeps = most;
+        Scene point = scene;
+        point.payload.body.reset();
+        const RunRecord body = test::run_full(scene), bare = test::run_full(point);
+        ASSERT_EQ(body.status.code, StatusCode::completed) << body.status.detail;
+        EXPECT_EQ(body.cost.steps, bare.cost.steps);
+        EXPECT_NEAR(*body.metric("max_force_N"), *bare.metric("max_force_N"),
+                    1e-3 * *bare.metric("max_force_N"));
+        EXPECT_NEAR(test::last(body, "speed"), test::last(bare, "speed"), 1e-4 * test::last(bare, "speed"));
+    }
+}
+
+TEST(PayloadBody, LeavesLinesTheirSubcycles) {
+    // In fewer steps, half as many once it is open. The peak moves by 2.3e-4 with a point mass in its place,
+    // what of the energy does not add up is 1.6e-4.
+    Scene scene = read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                             {"payload.body.shape='box'", "payload.body.size=[0.6, 0.4, 0.9]",
+                              "parachute.risers=4", "full.contact='none'"});
+    scene.stop = test::c9_scene().stop;
+    scene.stop.value = 3.0;
+    Scene plain = scene;
+    plain.full.line_substeps = 1;
+    const RunRecord subcycled = test::run_full(scene), whole = test::run_full(plain);
+    ASSERT_EQ(subcycled.status.code, StatusCode::completed) << subcycled.status.detail;
+    EXPECT_LT(subcycled.cost.steps, 0.75 * static_cast<double>(whole.cost.steps));
+    EXPECT_NEAR(*subcycled.metric("max_force_N"), *whole.metric("max_force_N"),
+                1e-3 * *whole.metric("max_force_N"));
+    EXPECT_NEAR(test::last(subcycled, "speed"), test::last(whole, "speed"),
+                1e-4 * test::last(whole, "speed"));
+    EXPECT_LT(std::abs(subcycled.energy->residual_fraction), 3e-4);
 }
 
 TEST(PayloadBody, TheLedgerClosesWhileItSwings) {
@@ -109,7 +133,7 @@ TEST(PayloadBody, TheLedgerClosesWhileItSwings) {
     const RunRecord record = test::run_full(scene);
     ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
     EXPECT_LT(std::abs(record.energy->residual_fraction), 1e-4);
-    EXPECT_NE(record.provenance.instruction_set.find("unstructured"), std::string::npos);
+    EXPECT_NE(record.provenance.instruction_set.find("gore-batched"), std::string::npos);
 }
 
 TEST(PayloadBody, IsDrawnOutWithItsPack) {

@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-double metric(const RunRecord& record, const std::string& key) {
+double metric_of_sequence(const RunRecord& record, const std::string& key) {
     const auto value = record.metric(key);
     EXPECT_TRUE(value) << key << ", " << record.status.detail;
     return value.value_or(std::nan(""));
@@ -74,7 +74,9 @@ at = "steady-descent"
 
 void expect_same_flight(const RunRecord& a, const RunRecord& b, double relative) {
     for (const char* key : {"peak_force_N", "descent_rate_m_s", "max_deceleration_g"})
-        EXPECT_NEAR(metric(a, key), metric(b, key), relative * std::abs(metric(b, key))) << key;
+        EXPECT_NEAR(metric_of_sequence(a, key), metric_of_sequence(b, key),
+                    relative * std::abs(metric_of_sequence(b, key)))
+            << key;
     EXPECT_NEAR(a.find_channel("altitude")->values.back(), b.find_channel("altitude")->values.back(),
                 relative * 300.0);
 }
@@ -84,7 +86,7 @@ TEST(RomSequence, AReefingLineCutAtOnceIsNone) {
     const RunRecord cut = run_rom(read_text(with(one_stage), {"parachute.reefing.1.until.delay=0 s"}));
     // Not a bit differs: the canopy has not begun to fill when the line goes.
     EXPECT_EQ(plain.find_channel("force")->values, cut.find_channel("force")->values);
-    EXPECT_EQ(metric(plain, "peak_force_N"), metric(cut, "peak_force_N"));
+    EXPECT_EQ(metric_of_sequence(plain, "peak_force_N"), metric_of_sequence(cut, "peak_force_N"));
 }
 
 TEST(RomSequence, AReefingLineThatIsNeverCutMakesASmallerParachute) {
@@ -101,7 +103,8 @@ TEST(RomSequence, AReefingLineThatIsNeverCutMakesASmallerParachute) {
     p.fill_time = {find_fill_time("given"), 0.0, 0.0, initial + (whole - initial) * std::sqrt(0.06 / 0.96)};
     // Both are integrated to 1e-10; sums of a few terms apart by rounding alone, unless that changes a step.
     const RunRecord a = run_rom(reefed), b = run_rom(small);
-    EXPECT_NEAR(metric(a, "peak_force_N"), metric(b, "peak_force_N"), 1e-7 * metric(b, "peak_force_N"));
+    EXPECT_NEAR(metric_of_sequence(a, "peak_force_N"), metric_of_sequence(b, "peak_force_N"),
+                1e-7 * metric_of_sequence(b, "peak_force_N"));
     EXPECT_NEAR(time_of(a, "reefed-open"), time_of(b, "full-open"), 1e-12);
     EXPECT_NEAR(a.find_channel("altitude")->values.back(), b.find_channel("altitude")->values.back(), 1e-5);
 }
@@ -111,8 +114,9 @@ TEST(RomSequence, ACutterFiresExactlyAfterItsDelay) {
     EXPECT_EQ(time_of(record, "disreef"), 4.0);
     // The second stage begins at a tenth: sqrt(1 - g) of a whole filling at the speed of that instant.
     const double whole = 4.0 * 8.53 / record.find_event("disreef")->speed;
-    EXPECT_NEAR(metric(record, "stage_2_filling_time_s"), whole * std::sqrt(1.0 - 0.06 / 0.96), 1e-6 * whole);
-    EXPECT_EQ(time_of(record, "full-open"), 4.0 + metric(record, "stage_2_filling_time_s"));
+    EXPECT_NEAR(metric_of_sequence(record, "stage_2_filling_time_s"), whole * std::sqrt(1.0 - 0.06 / 0.96),
+                1e-6 * whole);
+    EXPECT_EQ(time_of(record, "full-open"), 4.0 + metric_of_sequence(record, "stage_2_filling_time_s"));
     // The drag area goes on from where it was: 0.1 (C_D S)_0.
     const auto& time = record.find_channel("time")->values;
     const auto& area = record.find_channel("drag_area")->values;
@@ -234,13 +238,13 @@ TEST(RomSequence, WhatTheCanopiesPullIsTogetherTheOpeningForce) {
 TEST(RomSequence, ThePeakOfOneCanopyIsFoundBetweenTheRows) {
     const RunRecord record =
         run_rom(read_text(with("count = 2\nlag = [0, \"1 s\"]\n"), {"payload.mass=300 kg"}));
-    const double peak = metric(record, "peak_canopy_force_N"),
+    const double peak = metric_of_sequence(record, "peak_canopy_force_N"),
                  rows = std::ranges::max(record.find_channel("canopy_force")->values);
     EXPECT_GE(peak, rows * (1.0 - 1e-12));
     EXPECT_NEAR(peak, rows, 1e-3 * peak);  // steps of the integrator hold four rows each
     const std::string& note = record.find_metric("peak_canopy_force_N")->note;
     EXPECT_TRUE(note.starts_with("1 of 2 USAF C-9, lag 0 s, at t = ")) << note;
-    EXPECT_LT(peak, metric(record, "peak_force_N"));
+    EXPECT_LT(peak, metric_of_sequence(record, "peak_force_N"));
 }
 
 TEST(RomSequence, LagEasesThePayloadAndLoadsTheFirstCanopy) {
@@ -250,10 +254,12 @@ TEST(RomSequence, LagEasesThePayloadAndLoadsTheFirstCanopy) {
         return run_rom(read_text(with(std::string("count = 3\n") + lag), {"payload.mass=450 kg"}));
     };
     const RunRecord together = run(""), late = run("lag = [0, \"0.6 s\", \"1.2 s\"]\n");
-    EXPECT_LT(metric(late, "peak_force_N"), metric(together, "peak_force_N"));
-    EXPECT_GT(metric(late, "peak_canopy_force_N"), 1.05 * metric(together, "peak_canopy_force_N"));
-    EXPECT_NEAR(metric(together, "peak_canopy_force_N"), metric(together, "peak_force_N") / 3.0,
-                1e-9 * metric(together, "peak_force_N"));
+    EXPECT_LT(metric_of_sequence(late, "peak_force_N"), metric_of_sequence(together, "peak_force_N"));
+    EXPECT_GT(metric_of_sequence(late, "peak_canopy_force_N"),
+              1.05 * metric_of_sequence(together, "peak_canopy_force_N"));
+    EXPECT_NEAR(metric_of_sequence(together, "peak_canopy_force_N"),
+                metric_of_sequence(together, "peak_force_N") / 3.0,
+                1e-9 * metric_of_sequence(together, "peak_force_N"));
 }
 
 TEST(RomSequence, OneCanopyAtATimeHasNoForceOfItsOwn) {
@@ -266,7 +272,7 @@ TEST(RomSequence, OneCanopyAtATimeHasNoForceOfItsOwn) {
     // Two at once: the main pulls most.
     const RunRecord both = run_rom(read_text(sequence));
     EXPECT_TRUE(both.find_metric("peak_canopy_force_N")->note.starts_with("main at t = "));
-    EXPECT_LT(metric(both, "peak_canopy_force_N"), metric(both, "peak_force_N"));
+    EXPECT_LT(metric_of_sequence(both, "peak_canopy_force_N"), metric_of_sequence(both, "peak_force_N"));
 }
 
 TEST(RomSequence, TheOneThatOpensFirstCarriesMore) {
@@ -299,7 +305,7 @@ TEST(RomSequence, EverythingHappensAtItsTime) {
     EXPECT_NEAR(time_of(record, "drogue.cut"), time_of(record, "main.full-open") + 0.25, 1e-12);
     // m g = 1/2 rho C_D S v^2 with the drogue's kilogram gone, to what a steady descent may still be off.
     const double steady = std::sqrt(2.0 * 104.0 * g / read_text(sequence).parachutes[1].drag_area);
-    EXPECT_NEAR(metric(record, "descent_rate_m_s"), steady, steady_descent_remaining * steady);
+    EXPECT_NEAR(metric_of_sequence(record, "descent_rate_m_s"), steady, steady_descent_remaining * steady);
     // The force is that on the payload: packs that are closed ride on it.
     EXPECT_NEAR(record.find_channel("force")->values.back(), 100.0 * g, 0.01 * 100.0 * g);
 }
@@ -309,7 +315,9 @@ TEST(RomSequence, TheOrderOfTheTablesIsNone) {
     std::swap(turned.parachutes[0], turned.parachutes[1]);
     const RunRecord a = run_rom(read_text(sequence)), b = run_rom(turned);
     for (const char* key : {"peak_force_N", "main_peak_force_N", "drogue_peak_force_N", "descent_rate_m_s"})
-        EXPECT_NEAR(metric(a, key), metric(b, key), 1e-12 * metric(b, key)) << key;
+        EXPECT_NEAR(metric_of_sequence(a, key), metric_of_sequence(b, key),
+                    1e-12 * metric_of_sequence(b, key))
+            << key;
     EXPECT_EQ(a.events.size(), b.events.size());
 }
 
@@ -386,7 +394,7 @@ TEST(RomSequence, AParachuteThatNeverOpensIsNamed) {
                 << record.status.detail;
             EXPECT_TRUE(warns(record, "main never opened")) << when;
             ASSERT_TRUE(record.find_metric("unopened_parachutes")) << when;
-            EXPECT_EQ(metric(record, "unopened_parachutes"), 1.0);
+            EXPECT_EQ(metric_of_sequence(record, "unopened_parachutes"), 1.0);
             EXPECT_EQ(record.find_metric("unopened_parachutes")->note, "main");
         }
     const RunRecord opened = run_rom(read_text(sequence, {"stop.at=\"ground\""}));
@@ -458,14 +466,14 @@ TEST(RomSequence, ASnatchInFlightIsAResult) {
         EXPECT_EQ(standing(later, key), MetricKind::result) << key;
     }
     // A second of free fall from 21 m/s.
-    EXPECT_NEAR(metric(later, "snatch_speed_m_s"), 21.0 + g, 1e-9);
-    EXPECT_EQ(metric(later, "snatch_time_s"), 1.0);
+    EXPECT_NEAR(metric_of_sequence(later, "snatch_speed_m_s"), 21.0 + g, 1e-9);
+    EXPECT_EQ(metric_of_sequence(later, "snatch_time_s"), 1.0);
 }
 
 TEST(RomSequence, AClusterHasTheMassRatioOfEach) {
     const RunRecord one = run_rom(read_text(with("")));
     const RunRecord three = run_rom(read_text(with("count = 3\n")));
-    EXPECT_NEAR(metric(three, "mass_ratio"), metric(one, "mass_ratio") / 3.0, 1e-12);
+    EXPECT_NEAR(metric_of_sequence(three, "mass_ratio"), metric_of_sequence(one, "mass_ratio") / 3.0, 1e-12);
 }
 
 }  // namespace

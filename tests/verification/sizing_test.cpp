@@ -223,7 +223,7 @@ TEST(Sizing, AReefedOpeningIsBalanced) {
     EXPECT_NEAR(*record.metric("stage_1_peak_force_N") / *record.metric("stage_2_peak_force_N"), 1.0, 1e-3);
 }
 
-TEST(Sizing, MassFollowsClothTapesAndLines) {
+TEST(Sizing, MassFollowsFabricTapesAndLines) {
     // From the C-9's own data: 53.3 g/m^2 of fabric, 5.806 g/m of cord in 28 radial tapes, skirt, vent, 28
     // lines and 4 risers. Twice the diameter is four times the fabric and twice every cord.
     Scene scene = read_text(good_scene);

@@ -61,7 +61,9 @@ public:
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
     int threads() const override { return tuner_.most(); }
 
-    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads,
+               const Body* body) override {
+        body_ = body;
         if (tethered_ && mesh_.static_line.cables.empty()) {
             // With the static line goes what gores saw of it.
             gores_ = find_gores(mesh_).value();
@@ -72,7 +74,7 @@ public:
         };
         has_ = {};
         models_ = {&structure, &loads};
-        const auto has_row = [](const auto& model) { return row_of(model->block()) != nullptr; };
+        const auto has_row = [this](const auto& model) { return row_of(model->block()) != nullptr; };
         has_.own_loops = !std::ranges::all_of(structure, has_row) || !std::ranges::all_of(loads, has_row);
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
@@ -287,9 +289,10 @@ public:
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;
         }
-        if (together)
+        if (together) {
             mover.move_others(gores_.global, constants_, sums);
-        else
+            if (body_) body_->advance(state, mover.kick(), dt);
+        } else
             for (std::size_t k = 0; k < gores_.global.size(); ++k) {
                 const NodeIndex i = gores_.global[k];
                 mover.kick_alone(i, global_nodes_.others(k), constants_.mass[i], constants_.mass[i],
@@ -316,8 +319,10 @@ private:
         void (GoreLayout::*finish)(State&, const ElementSums&);
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 15> rows;
-    static const Row* row_of(Block block) {
+    static const std::array<Row, 16> rows;
+    const Row* row_of(Block block) const {
+        // Tetrahedra act on nodes of the state, where there is a body at all.
+        if (block == Block::payload_tetrahedra && mesh_.attachments.empty()) return nullptr;
         const auto row = std::ranges::find(rows, block, &Row::block);
         return row == rows.end() ? nullptr : &*row;
     }
@@ -330,7 +335,7 @@ private:
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
-        std::array<ElementSums, 15> of_row{};  // of the last pass of each row of the table
+        std::array<ElementSums, 16> of_row{};  // of the last pass of each row of the table
         GoreSums step;
     };
 
@@ -432,6 +437,7 @@ private:
     /// Skirt, lines, links, risers and payload, which have had the impulse of everything else; in the first,
     /// which gores have taken, the others alone.
     void take_subcycles(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
+        if (body_) body_->impulse(state, mover.kick());
         for (int k = 0; k < count; ++k) {
             const bool last = k + 1 == count;
             const GoreSubcycle move = subcycle_of(state, dt, count, k);
@@ -454,6 +460,7 @@ private:
             sums.line_damping += move.step.kick * line_damping_;
             for (const NodeIndex i : gores_.global)
                 mover.move_in_subcycle(i, constants_.mass[i], move.step);
+            if (body_) body_->move(state, move.step.kick, move.step.dt);
         }
         for (const SumsOfBlock& of_part : sums_)
             add_positions(of_part.step, sums);
@@ -462,6 +469,7 @@ private:
             mover.end_subcycles(i);
             mover.add_other(i, constants_.mass[i], sums);
         }
+        if (body_) body_->finish(state, dt);
     }
 
     // --- the critical time step ------------------------------------------------------------------
@@ -563,7 +571,7 @@ private:
                                                       global.damping[i] + by_mass() * constants_.mass[i],
                                                       constants_.mass[i]));
         const auto& line = constants_.static_line_mass;
-        const std::size_t first = constants_.mass.size() + 1;
+        const std::size_t first = constants_.first_static_line();
         for (std::size_t k = 0; k + 1 < line.size(); ++k)  // its anchor is not accelerated
             static_line_step_ =
                 std::min(static_line_step_,
@@ -745,7 +753,7 @@ private:
                                       scene_.full.beta));
         risers_ = global_.back().get();
         lines_row_ = &*std::ranges::find(rows, Block::lines, &Row::block);
-        global_nodes_ = SubcycledNodes(gores_.global);
+        global_nodes_ = SubcycledNodes(gores_.global, mesh_.first_attachment(), mesh_.attachments.size());
     }
     /// Lines take their drag along: both need the same nodes.
     ElementSums stretch_lines(const GoreFrame& part) const {
@@ -763,6 +771,7 @@ private:
     void stretch_risers(State& state, double lines_dissipate) {
         const double others = std::exchange(state.damping_power, lines_dissipate);
         risers_->add_forces(state);
+        if (body_) body_->pull(state);
         line_damping_ = std::exchange(state.damping_power, others);
     }
     EnergyAndStrain line_levels(const State& state) const {
@@ -830,6 +839,11 @@ private:
                         dissipated);
         state.damping_power += sum3(dissipated);
     }
+    // --- payload --------------------------------------------------------------------------
+
+    void prepare_tetrahedra(const ForceModel& block) { tetrahedra_ = &block; }
+    void finish_tetrahedra(State& state, const ElementSums&) { tetrahedra_->add_forces(state); }
+    EnergyAndStrain tetrahedra_levels(const State& state) const { return with({}, *tetrahedra_, state); }
     void prepare_payload_drag(const ForceModel& block) { payload_drag_ = &block; }
     void finish_payload_drag(State& state, const ElementSums&) { payload_drag_->add_forces(state); }
 
@@ -878,10 +892,11 @@ private:
     const Row* lines_row_ = nullptr;
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
-    const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *payload_drag_ = nullptr;
+    const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *tetrahedra_ = nullptr,
+                     *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
+const std::array<GoreLayout::Row, 16> GoreLayout::rows{{
     {Block::membrane, &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane,
      &GoreLayout::finish_membrane, &GoreLayout::fabric_levels},
     {Block::fabric_springs, &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
@@ -894,6 +909,8 @@ const std::array<GoreLayout::Row, 15> GoreLayout::rows{{
      &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
     {Block::gore_contact, &GoreLayout::prepare_contacts, &GoreLayout::push_apart,
      &GoreLayout::finish_contacts, &GoreLayout::contact_levels},
+    {Block::payload_tetrahedra, &GoreLayout::prepare_tetrahedra, nullptr, &GoreLayout::finish_tetrahedra,
+     &GoreLayout::tetrahedra_levels},
     {Block::canopy_pressure, &GoreLayout::prepare_fabric, &GoreLayout::find_areas,
      &GoreLayout::finish_pressure},
     {Block::fabric_drag, &GoreLayout::prepare_fabric, &GoreLayout::drag_fabric,

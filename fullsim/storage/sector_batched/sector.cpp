@@ -29,6 +29,7 @@ public:
     Finder(const Mesh& mesh, const Gores& gores) : mesh_(mesh), gores_(gores) {}
 
     Sector find() {
+        require(mesh_.attachments.empty(), "the payload is a body, which turns as it likes");
         require(mesh_.static_line.cables.empty() && gores_.shared.size() == 1,
                 "something but a link holds the gores together");
         collect_risers();

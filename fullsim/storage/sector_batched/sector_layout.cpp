@@ -81,7 +81,7 @@ public:
 
     std::vector<PlanArray> arrays() const override { return arrays_.sizes(); }
 
-    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads, const Body*) override {
         clear_forces(state, static_cast<std::size_t>(mesh_.payload()));
         load(state);
         step_ = {};

@@ -104,7 +104,9 @@ public:
     std::string_view name() const override { return "unstructured"; }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
 
-    void begin(State& state, const ForceModels& structure, const ForceModels& loads) override {
+    void begin(State& state, const ForceModels& structure, const ForceModels& loads,
+               const Body* body) override {
+        body_ = body;
         clear_forces(state);
         push_.assign(mesh_.canopy_nodes, {splat(0.0)});
         step_ = {};
@@ -241,6 +243,7 @@ public:
         if (subcycles == 1) {
             state.damping_power += line_damping_;
             move(state, 0, all, sums);
+            if (body_) body_->advance(state, mover.kick(), dt);
         } else {
             std::size_t next = 0;
             for (const NodeIndex i : pulled_) {
@@ -331,7 +334,14 @@ private:
         const NodeForces::View pull = state.force.view();
         for (std::size_t k = 0; k < pulled_.size(); ++k)
             others[k].value = std::exchange(pull[pulled_[k]].value, splat(0.0));
+        const NodeForces::View aero = state.aero.view();
+        const auto first = static_cast<std::size_t>(mesh_.first_attachment()),
+                   last = first + mesh_.attachments.size();
+        for (std::size_t i = first; i < last; ++i)
+            aero[i].value += std::exchange(pull[i].value, splat(0.0));
         double damping = pull_lines(state);
+        for (std::size_t i = first; i < last; ++i)
+            aero[i].value -= pull[i].value;
         const double first_kick = subcycle(state, dt, count, 0).kick;
         const auto inertia = [&](NodeIndex i) {
             return constants_.mass[i] + constants_.share[i] * state.added_mass;
@@ -342,6 +352,7 @@ private:
             const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], inertia(i), first_kick, sums);
             sums.share_square += constants_.share[i] * sum3(middle * middle);
         }
+        if (body_) body_->impulse(state, mover.kick());
         for (int k = 0; k < count; ++k) {
             if (k > 0) {
                 damping = pull_lines(state);
@@ -351,6 +362,7 @@ private:
             sums.line_damping += step.kick * damping;
             for (const NodeIndex i : pulled_)
                 mover.move_in_subcycle(i, inertia(i), step);
+            if (body_) body_->move(state, step.kick, step.dt);
         }
         sums.line_damping_power = damping / count;
         for (const NodeIndex i : pulled_) {
@@ -360,6 +372,7 @@ private:
             else
                 mover.add_other(i, constants_.mass[i], sums);
         }
+        if (body_) body_->finish(state, dt);
     }
     /// [N] of damping and accretion on one node; pressure and residual drag go to state.aero. What the
     /// kernel's node update does for all others.
@@ -534,7 +547,8 @@ private:
         risers_ = list_of(cables_of(is_riser));
         for (const Cable& c : mesh_.cables)
             if (!is_tape(c.kind)) pulled_.insert(pulled_.end(), c.node.begin(), c.node.end());
-        std::erase_if(pulled_, [&](NodeIndex i) { return i > mesh_.payload(); });  // places on a body
+        std::erase_if(pulled_, [&](NodeIndex i) { return i > mesh_.payload(); });  // of a body,
+        if (body_) pulled_.push_back(mesh_.payload());                             // which pulls there
         std::ranges::sort(pulled_);
         pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
         pulled_.shrink_to_fit();
@@ -563,7 +577,9 @@ private:
     /// Risers with them.
     double book_lines(State& state, const ElementSums& lines) {
         state.largest.add_tension(lines.largest_load);
-        return lines.dissipated + kernels_.cables(nodes_of(state), risers_.elements()).dissipated;
+        const double risers = kernels_.cables(nodes_of(state), risers_.elements()).dissipated;
+        if (body_) body_->pull(state);
+        return lines.dissipated + risers;
     }
     void add_rows_of_lines(GershgorinSums& sums) const {
         kernels_.cable_rows(lines_.elements(), rows_of(sums));
