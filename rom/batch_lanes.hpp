@@ -48,7 +48,7 @@ struct InnerPlace {
     double way, begin, begin_rate, end, end_rate;            ///< of the velocity
     double p_way, p_begin, p_begin_rate, p_end, p_end_rate;  ///< of the position, over the length
 };
-/// Of a place at a share of the step.
+/// Weights of a place at this share of the step.
 InnerPlace inner_place(double share);
 
 /// The followed quantities at a place of the step between two nodes, where `s` and `growth` are.

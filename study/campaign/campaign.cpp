@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t rom_chunk = 8192, full_chunk = 64, pair_chunk = 4;
 
-/// What makes a run what it is. Of designs that go on for ever the number of runs does not.
+/// Digest of all that a run depends on; for a design without an end that leaves out the number of runs.
 std::string digest_of(const CampaignSpec& spec, const Scene& nominal, const Fidelity& fidelity) {
     std::string text =
         fmt::format("{}\n{}\n{}\n", scene_digest(nominal), fidelity.name, design_name(spec.design));

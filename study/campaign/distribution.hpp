@@ -40,7 +40,7 @@ public:
     const std::vector<std::string>& words() const { return words_; }
     /// Exact: part of a store's digest.
     std::string text() const;
-    /// The same for reading, rounded; a lognormal one by its mean and standard deviation.
+    /// Text for readers, rounded; a lognormal one by its mean and standard deviation.
     std::string shown() const;
 
 private:

@@ -14,7 +14,7 @@
 
 namespace twinchute::study {
 
-/// What runs took.
+/// Cost of runs.
 struct MakingCost {
     double seconds = 0.0;  ///< of all threads
     std::uint64_t runs = 0;
@@ -45,7 +45,7 @@ struct Engine {
     bool run_at_scores(std::span<double> rows) const;
 
 private:
-    /// What a thread works with.
+    /// State of one thread.
     struct Worker {
         Design design;
         Scene scene;

@@ -67,7 +67,7 @@ std::vector<double> corrected(const Correction& correction, const Sample& sample
     return values;
 }
 
-/// What an answer would be with this correction.
+/// Estimate of an answer with this correction.
 double estimate_with(const AnswerSpec& answer, const Correction& correction, const Sample& sample) {
     if (answer.kind == AnswerSpec::Kind::quantile) {
         std::vector<double> values = corrected(correction, sample);

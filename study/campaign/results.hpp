@@ -1,4 +1,4 @@
-// What the runs of a campaign say: answers with their intervals, which input matters, what failed.
+// Results of a campaign: answers with their intervals, which input matters, what failed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a campaign file says: which inputs vary and how, which runs are made, which questions they answer.
+// Contents of a campaign file: which inputs vary and how, which runs are made, which questions they answer.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,7 +11,7 @@
 
 namespace twinchute::study {
 
-/// What has to agree for runs to belong together.
+/// Identity of a store: runs belong together where all of it agrees.
 struct StoreIdentity {
     std::string program;  ///< version, commit, compiler and flags
     std::string digest;   ///< SHA-256 of scene, inputs, design and fidelity
