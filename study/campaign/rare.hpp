@@ -17,7 +17,8 @@ namespace twinchute::study {
 struct AnswerSpec;
 struct Engine;
 
-/// Smallest probability that is told: shares of a distribution, which end at 2^-53 below one, resolve no less.
+/// Smallest probability that is told: shares of a distribution, which end at 2^-53 below one, resolve no
+/// less.
 inline constexpr double least_probability = 1e-12;
 
 /// One simulation: the probability that a function of independent standard normal variables passes a
