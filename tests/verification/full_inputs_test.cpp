@@ -64,7 +64,7 @@ TEST(FullInputs, AStandInForATypeIsSaid) {
     Scene scene = coarse_scene();
     CanopyType& type = scene.parachutes.front().type.emplace();
     type.title = "conical";
-    type.meshed = {MeshedCanopy::Shape::flat_circular, "gores of a cone"};
+    type.meshed = {MeshedCanopy::Shape::flat_circular, "gores of a cone", {}, {}};
     EXPECT_TRUE(warns(test::run_full(scene), "a flat circular canopy stands in for a conical one: gores of"));
     type.meshed.shape = MeshedCanopy::Shape::own;
     EXPECT_FALSE(warns(test::run_full(scene), "stands in"));
