@@ -128,7 +128,7 @@ private:
     }
 
     /// Distance from the apex at which a vent of one element across a gore starts so that its fabric hangs
-    /// loose.
+    /// slack.
     void hang_vent() {
         if (rows_.front().columns == columns_) return;
         const NodeRow &vent = rows_[0], &below = rows_[1];

@@ -23,7 +23,7 @@ TEST(Maximum, FindsAnInteriorHump) {
     EXPECT_NEAR(top.at, 0.5 * pi, 1e-7);
 }
 
-// Of a quartic the values at five points are all there is to know: its maxima come back to round-off.
+// Five values determine a quartic: its maxima come back to round-off.
 TEST(Maximum, OfAQuarticIsExact) {
     const auto five = [](const auto& f, double a, double b) {
         std::array<double, 5> values{};
