@@ -175,7 +175,7 @@ private:
             const double way = and_more * reach(release.speed, inflation_[l].filling_time);
             low = std::min(low, release.altitude - way);
             high = std::max(high, release.altitude + way);
-            watched_[l] = alive_[l];
+            watched_[l] = alive_[l] != 0 ? 1 : 0;
             past_[l] = 0;
             one_air_ = one_air_ && has_same_air(l);
         }
@@ -239,7 +239,7 @@ private:
             data_.ramp_rise[l] = phase_ == Phase::open ? 0.0 : data_.duration[l] / in.filling_time;
             fit_air(l);
             if (!(data_.duration[l] > 0.0)) watched_[l] = 0;
-            if (phase_ == Phase::filling) watched_[l] = alive_[l];
+            if (phase_ == Phase::filling) watched_[l] = alive_[l] != 0 ? 1 : 0;
         }
         return true;
     }
