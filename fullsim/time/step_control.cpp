@@ -14,7 +14,7 @@ constexpr double few_impacts = 0.4;  // of the largest residual, which impacts o
 }  // namespace
 
 StepControl::StepControl(const Scene& scene, const Mesh& mesh, const NodeConstants& constants)
-    : scene_(scene), constants_(constants) {
+    : scene_(scene) {
     for (const Cable& c : mesh.cables)
         if (std::max(c.node[0], c.node[1]) >= mesh.first_attachment())
             riser_stiffness_ =
