@@ -67,12 +67,13 @@ void serialize(Archive& archive, LargestLoads& loads) {
 }
 
 void serialize(Archive& archive, State& state) {
-    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, added_mass_rate, added_mass, body, sums,
-           air, inflow, energy, accretion_power, damping_power, external_power, riser_force, in_subcycles,
-           capped_steps, largest] = static_cast<SystemState&>(state);
+    auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, added_mass_rate, added_mass,
+           largest_added_mass, body, sums, air, inflow, energy, accretion_power, damping_power,
+           external_power, riser_force, in_subcycles, capped_steps, largest] =
+        static_cast<SystemState&>(state);
     auto& [node, v_half, force, aero] = static_cast<NodeArrays&>(state);
-    for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &accretion_power,
-                      &damping_power, &external_power})
+    for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &largest_added_mass,
+                      &accretion_power, &damping_power, &external_power})
         archive.number("state", *x);
     archive.whole("step", step, 0);
     archive.whole("capped steps", capped_steps, 0);

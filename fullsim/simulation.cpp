@@ -95,6 +95,7 @@ void Simulation::step_to(double end) {
     state_.in_subcycles = {};
     layout_->advance(state_, next.dt, next.subcycles, added_mass_after(next.dt).value);
     state_.time = next.last ? end : before.time + next.dt;
+    state_.largest_added_mass = std::max(state_.largest_added_mass, state_.added_mass);
     state_.inflow.volume += next.dt * state_.inflow.swept;
     state_.inflow.end_step(state_.air.pressure);
     element_steps_ +=

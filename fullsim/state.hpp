@@ -2,6 +2,7 @@
 // only, so that a state can be stored, compared and continued.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -226,13 +227,19 @@ struct SystemState {
     bool folded = false;
     double fe_weight = 1.0;  ///< [-] share of their stiffness that the finite elements have
 
-    double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s], kept only for accreting added mass
+    double added_mass_rate = 0.0;        ///< dM_a/dt [kg/s]
     double added_mass = 0.0;             ///< M_a [kg]
+    double largest_added_mass = 0.0;     ///< [kg] so far
     std::optional<BodyState> body = {};  ///< of the payload; absent: it is a point mass
     NodeSums sums;
     AeroState air;
     InflowState inflow;  ///< where filling is predicted
     EnergyTotals energy;
+    /// [kg/s] of air that is brought to speed where it accretes: what a breathing canopy lets go of and takes
+    /// in again has it already.
+    double accretion() const {
+        return added_mass < largest_added_mass ? 0.0 : std::max(0.0, added_mass_rate);
+    }
     double accretion_power = 0.0;     ///< [W] of the force that brings new air to speed
     double damping_power = 0.0;       ///< [W] dissipated now
     double external_power = 0.0;      ///< [W] of forces from outside the system now

@@ -127,20 +127,19 @@ public:
     std::size_t bytes() const override { return share_.capacity() * sizeof(double); }
 
     void add_forces(State& state) const override {
-        if (!(state.added_mass_rate > 0.0)) return;
+        if (state.accretion() == 0.0) return;
         const Lanes wind = to_lanes(state.air.wind);
         Lanes power = splat(0.0);
         for (std::size_t i = 0; i < share_.size(); ++i) {
-            law::accrete(state.added_mass_rate * share_[i], wind, state.node[i].v, state.force[i].value,
-                         power);
+            law::accrete(state.accretion() * share_[i], wind, state.node[i].v, state.force[i].value, power);
         }
         state.accretion_power += sum3(power);
     }
 
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
-        if (!(state.added_mass_rate > 0.0)) return;
+        if (state.accretion() == 0.0) return;
         for (std::size_t i = 0; i < share_.size(); ++i)
-            sums.damping[i] += state.added_mass_rate * share_[i];
+            sums.damping[i] += state.accretion() * share_[i];
     }
 
 private:

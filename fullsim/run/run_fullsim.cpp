@@ -428,9 +428,11 @@ private:
         now.system_sink = -s.sums.system_velocity.z();
         now.air_sink = -s.sums.canopy_area_velocity.z();
         now.added_mass_ratio = s.added_mass / material;
-        now.accretion = accretes_ ? std::max(0.0, s.added_mass_rate) / material : 0.0;
+        now.accretion = accretes_ ? s.accretion() / material : 0.0;
+        now.growth = accretes_ ? s.added_mass_rate / material : 0.0;
         now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
         now.period = 2.0 * pi * std::sqrt(length / gravity);
+        now.across = {air.x(), air.y()};
         return now;
     }
 

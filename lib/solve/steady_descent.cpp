@@ -11,8 +11,9 @@ namespace twinchute {
 namespace {
 
 constexpr double rows_per_window = 256.0;
-constexpr std::size_t fewest_rows = 12;  // in a window
-constexpr double min_swing = 0.0025;     // s^2/(8 w^2) from which on a window holds two periods
+constexpr std::size_t fewest_rows = 12;      // in a window
+constexpr double min_swing = 0.0025;         // s^2/(8 w^2) from which on a window holds two periods
+constexpr double growth_of_breathing = 3.0;  // of r, that is still to come
 constexpr double periods = 2.0;
 constexpr double slowest_decay = 0.98;      // of a trend, from one part of the window to the next
 constexpr double windows_of_a_swing = 3.0;  // that does not decay, see SteadyDescent::judge
@@ -77,7 +78,7 @@ void SteadyDescent::add(const FallSample& now) {
     const double root = std::sqrt(now.density);
     const double spacing = descent_window(now.sink, 0.0, environment_->gravity) / rows_per_window;
     if (rows_.empty()) {
-        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0};
+        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0, now.air_sink, 0.0, 0.0, 0.0, {}};
         rows_.push_back(now_);
     } else {
         const FallSample& before = last_;
@@ -88,11 +89,19 @@ void SteadyDescent::add(const FallSample& now) {
         now_.path += half * (before.sink * std::sqrt(before.density) + now_.u);
         now_.balance +=
             half * (before.density * before.airspeed * before.sink + now.density * now.airspeed * now.sink);
-        now_.gained +=
-            now.system_sink - before.system_sink +
-            0.5 * (before.added_mass_ratio + now.added_mass_ratio) * (now.air_sink - before.air_sink) +
-            half * (before.accretion * before.sink + now.accretion * now.sink);
+        const double of_air =
+            0.5 * (before.added_mass_ratio + now.added_mass_ratio) * (now.air_sink - before.air_sink);
+        now_.gained += now.system_sink - before.system_sink + of_air +
+                       half * (before.accretion * before.sink + now.accretion * now.sink);
+        now_.air_sink = now.air_sink;
+        now_.added += half * (before.added_mass_ratio + now.added_mass_ratio);
+        now_.air_gained += of_air;
+        now_.grown += half * (before.growth * before.sink + now.growth * now.sink) -
+                      0.5 * (before.added_mass_ratio + now.added_mass_ratio) * now.sink *
+                          std::log(now.density / before.density);
         now_.swing += half * (before.swing + now.swing);
+        for (std::size_t i = 0; i < now.across.size(); ++i)
+            now_.across[i] += half * (before.across[i] + now.across[i]);
         // The last row moves along until the next one is due.
         if (rows_.size() > 1 && now.time - rows_[rows_.size() - 2].time < spacing)
             rows_.back() = now_;
@@ -137,6 +146,23 @@ double SteadyDescent::amplitude(std::size_t from) const {
     return 0.5 * (high.u - low.u) / mean(&Row::path, from, rows_.size() - 1);
 }
 
+/// [-] What a glide takes of the rate beyond what the balance holds.
+double SteadyDescent::glide(std::size_t from, std::size_t to, double sink) const {
+    const auto& a = rows_[from].across;
+    const auto& b = rows_[to].across;
+    const double speed = std::hypot(b[0] - a[0], b[1] - a[1]) / (rows_[to].time - rows_[from].time);
+    return 0.5 * speed * speed / (sink * sink);
+}
+
+/// r [-] of the breathing.
+double SteadyDescent::breathing(std::size_t from, std::size_t to) const {
+    const Row &a = rows_[from], &b = rows_[to];
+    const double lasting =
+        b.air_gained - a.air_gained - mean(&Row::added, from, to) * (b.air_sink - a.air_sink);
+    return 0.5 * (std::abs(lasting) + std::max(0.0, b.grown - a.grown)) /
+           (environment_->gravity * (b.time - a.time));
+}
+
 std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
     if (rows_.size() < fewest_rows || !(last_.sink > 0.0) || !(environment_->gravity > 0.0)) return {};
     const std::size_t end = rows_.size() - 1;
@@ -168,7 +194,8 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
         window.drift = mean(&Row::path, half, end) / mean(&Row::path, first, half) - 1.0;
         window.amplitude = amplitude(first);
         const double gained = mean(&Row::swing, half, end) - mean(&Row::swing, first, half);
-        window.remaining = growth_of_swing * std::max(0.0, gained) / (8.0 * sink * sink);
+        window.breathing = growth_of_breathing * breathing(first, end);
+        window.remaining = growth_of_swing * std::max(0.0, gained) / (8.0 * sink * sink) + window.breathing;
         // Mean of the lag: that of the middle.
         const double above = altitude + rows_[end].descent - rows_[half].descent;
         const double ratio = density_at(*environment_, above) / last_.density;
@@ -176,7 +203,7 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
     };
     const double mean_lag = look(from);
     window.remaining += std::abs(std::log(mean(&Row::path, from, end) / balanced(from, end)) - mean_lag) +
-                        std::abs(mean_lag - lag) + trend_of_balance(from, end);
+                        std::abs(mean_lag - lag) + trend_of_balance(from, end) + glide(from, end, sink);
     // Or what swings goes on to: a limit cycle, a glide. Its mean has to stay over three such windows.
     const double all = windows_of_a_swing * std::max(length, periods * last_.period);
     if (swings && !(window.remaining < steady_descent_remaining) && now - begin >= all) {
@@ -194,14 +221,16 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
 void SteadyDescent::serialize(Archive& archive) {
     archive.row("fall", last_, [](FallSample& s, auto&& each) {
         auto& [time, density, sink, airspeed, updraft, system_sink, air_sink, added_mass_ratio, accretion,
-               swing, period] = s;
+               growth, swing, period, across] = s;
         for (double* x : {&time, &density, &sink, &airspeed, &updraft, &system_sink, &air_sink,
-                          &added_mass_ratio, &accretion, &swing, &period})
+                          &added_mass_ratio, &accretion, &growth, &swing, &period, &across[0], &across[1]})
             each(*x);
     });
     const auto members = [](Row& row, auto&& each) {
-        auto& [time, u, descent, path, balance, gained, swing] = row;
-        for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing})
+        auto& [time, u, descent, path, balance, gained, swing, air_sink, added, air_gained, grown, across] =
+            row;
+        for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing, &air_sink, &added,
+                          &air_gained, &grown, &across[0], &across[1]})
             each(*x);
     };
     archive.row("fall so far", now_, members);
@@ -216,8 +245,12 @@ std::string unsteadiness_text(const std::optional<DescentWindow>& last) {
     if (std::abs(last->drift) >= steady_descent_change)
         return fmt::format("{} the mean of v sqrt(rho) drifts by {:.2g} % from one half to the other", over,
                            100.0 * last->drift);
-    return fmt::format("{} the rate of descent is estimated to be still off by {:.2g} %", over,
-                       100.0 * last->remaining);
+    const std::string breathes =
+        last->breathing > 0.5 * last->remaining
+            ? ": the canopy breathes, nothing damps it (aerodynamics.breathing_damping would)"
+            : "";
+    return fmt::format("{} the rate of descent is estimated to be still off by {:.2g} %{}", over,
+                       100.0 * last->remaining, breathes);
 }
 
 }  // namespace twinchute

@@ -23,6 +23,15 @@
 // d2/d1 a third leaves d2 r/(1 - r) after b3 (Aitken). Where they differ in sign no decay is seen, and the
 // larger one counts.
 //
+// Breathing. Where mu follows a canopy that breathes, int(mu dw_a) holds (mu - bar(mu)) dw_a as well, which
+// does not sum to zero over a period: a force that lasts, and shifts the rate by its half share r of W. J
+// takes it for transient, so that ln(bar(u)/u_b) holds it once. Nothing may damp the breathing; r goes with
+// the square of its amplitude, and where it is not seen to decay a doubled amplitude, 4 r, is still to come.
+//
+// Glide. Lift turns the force on the canopy by the angle gamma of the path, so that it carries the weight and
+// w = w_e cos^1.5 gamma: lower by 3 gamma^2/4, of which bar(V w) holds gamma^2/4. The rest, |bar(V_h)|^2/(2
+// w^2) of the mean horizontal velocity as a vector, may still come or go; a pendulum's averages out.
+//
 // Swing that lasts. In a limit cycle or a glide bar(u) stays below u_b for good. Then bar(u) itself has to
 // stay, by the same extrapolation over three windows of two periods each. A swing that grows counts as
 // growing on.
@@ -34,6 +43,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -66,8 +76,10 @@ struct FallSample {
     double air_sink = 0.0;          ///< [m/s] the same of the air that moves along
     double added_mass_ratio = 0.0;  ///< mu [-]
     double accretion = 0.0;  ///< [1/s] dM_a/dt over the material mass, where joining air is accelerated
+    double growth = 0.0;     ///< [1/s] dM_a/dt likewise, of air that was accelerated before as well
     double swing = 0.0;      ///< [m^2/s^2] V_h^2 + 2 g L (1 - cos theta): s^2 of a pendulum at any phase
     double period = 0.0;     ///< [s] of that pendulum
+    std::array<double, 2> across{};  ///< [m/s] horizontal velocity through that air
 };
 
 /// The fall over one window.
@@ -77,6 +89,7 @@ struct DescentWindow {
     double amplitude = 0.0;       ///< [-] half the range of u over its mean
     double drift = 0.0;           ///< [-] of the mean of u from the first half to the second
     double remaining = 0.0;       ///< [-] estimate of the change of the rate that remains, at equal density
+    double breathing = 0.0;       ///< [-] what of that is breathing's, which is not seen to decay
 
     bool is_steady() const {
         return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining;
@@ -116,6 +129,9 @@ private:
     struct Row {
         double time, u;
         double descent, path, balance, gained, swing;
+        double air_sink, added, air_gained;  // not an integral; of mu dt, of mu dw_a
+        double grown;                        // integral of growth w, but for the density's
+        std::array<double, 2> across;
     };
     std::size_t row_at(double time) const;
     double mean(double Row::*integral, std::size_t from, std::size_t to) const;
@@ -123,6 +139,8 @@ private:
     double trend_of_balance(std::size_t from, std::size_t to) const;
     double trend_of_mean(std::size_t from, std::size_t to) const;
     double amplitude(std::size_t from) const;
+    double glide(std::size_t from, std::size_t to, double sink) const;
+    double breathing(std::size_t from, std::size_t to) const;
 
     const Environment* environment_;
     FallSample last_;

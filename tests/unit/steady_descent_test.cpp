@@ -149,6 +149,84 @@ TEST(SteadyDescent, IsNotSteadyWhileASwingGrows) {
     }
 }
 
+TEST(SteadyDescent, WaitsForAGlideToGo) {
+    // Lift turns the force across the path: w = w_e cos^1.5 gamma, of which the balance of drag and weight
+    // holds a third, since it takes V w = w_e^2 cos^2 gamma for the drag's. Without the rest, a rate 1 % low
+    // would pass.
+    const double w_e = 7.0;
+    for (const double tau : {5.0, 15.0, 40.0}) {
+        const auto window = first_steady([&](double t) {
+            const double gamma = 0.3 * std::exp(-t / tau), w = w_e * std::pow(std::cos(gamma), 1.5);
+            FallSample now = fall_at(t, w, w * std::tan(gamma));
+            now.across = {0.6 * w * std::tan(gamma), -0.8 * w * std::tan(gamma)};
+            return now;
+        });
+        ASSERT_TRUE(window) << tau;
+        EXPECT_NEAR(window->rate, w_e, 0.005 * w_e) << tau;
+    }
+}
+
+/// Breathes five times a second with a force that lasts, mu = 0.3 + 0.1 cos and dw_a/dt against it, and
+/// shifts the rate by r [-] from w_e = u_b.
+FallSample breathing_at(double t, double w_e, double r) {
+    const double omega = 2.0 * pi / 0.2, push = -4.0 * g * r / 0.1;
+    FallSample now = fall_at(t, w_e * (1.0 + r), 0.0, push / omega * std::sin(omega * t));
+    now.system_sink = 0.0;
+    now.added_mass_ratio = 0.3 + 0.1 * std::cos(omega * t);
+    return now;
+}
+
+TEST(SteadyDescent, IsNotSteadyWhileItBreathesOn) {
+    // What breathing adds to the rate now, 0.2 %, is less than may remain; but it goes with the square of an
+    // amplitude that nothing holds. A window of 4 w/g = 3 s has whole periods in each of its thirds.
+    const double w_e = 0.75 * g;
+    const Environment air = uniform_air();
+    SteadyDescent judge(air);
+    std::optional<DescentWindow> last;
+    for (int k = 0; k < 6000; ++k) {
+        judge.add(breathing_at(k * step, w_e, 0.002));
+        last = judge.judge(0.0);
+        ASSERT_FALSE(last && last->is_steady()) << k * step;
+    }
+    ASSERT_TRUE(last);
+    // Rows lie 0.02 s apart, a tenth of a period: of the force in the last one, 1 % of that in the window.
+    EXPECT_NEAR(last->breathing, 3.0 * 0.002, 0.02 * 0.006);
+    EXPECT_NE(unsteadiness_text(last).find("breathing_damping"), std::string::npos)
+        << unsteadiness_text(last);
+    // Where it decays, or is small, it does no harm.
+    for (const double r : {0.01, 0.0005}) {
+        const auto window =
+            first_steady([&](double t) { return breathing_at(t, w_e, r * std::exp(-t / 8.0)); });
+        ASSERT_TRUE(window) << r;
+        EXPECT_NEAR(window->rate, w_e, 1.02 * steady_descent_remaining / 4.0 * w_e) << r;
+    }
+}
+
+TEST(SteadyDescent, IsNotSteadyWhileACanopyGrowsTowardsItsAccretion) {
+    // It holds less air than it once did, so that none has to be brought to speed yet; but it grows by 0.7 %
+    // a second, which will take mu w^2 0.7 %/(2 g w) of the rate, 1 %.
+    const double w_e = 2.5;
+    const auto growing = [&](double rate) {
+        return [&, rate](double t) {
+            FallSample now = fall_at(t, w_e);
+            now.added_mass_ratio = 11.0 * std::exp(rate * t);
+            now.growth = 11.0 * rate * std::exp(rate * t);
+            return now;
+        };
+    };
+    EXPECT_FALSE(first_steady(growing(0.007), 60.0));
+    EXPECT_TRUE(first_steady(growing(0.0001), 60.0));
+    // Denser air below belongs to a steady fall: 0.7 % a second is what it does at 56 m/s.
+    EXPECT_TRUE(first_steady(
+        [&](double t) {
+            FallSample now = growing(0.007)(t);
+            now.density = std::exp(0.007 * t);
+            now.sink = now.airspeed = w_e * std::exp(-0.0035 * t);
+            return now;
+        },
+        60.0));
+}
+
 TEST(SteadyDescent, MeansOverBeatsAndNoise) {
     // Bounces of 4 % that beat, and noise of 2 %: neither moves the mean.
     const double w_e = 7.7;

@@ -221,7 +221,7 @@ public:
         });
         kernels_.scatter_add_halo(sums, gores_.neighbour);
         const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
-                                (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
+                                (has_.accretion ? state.accretion() : 0.0);
         find_inverse_inertia(state);
         for (LocalNode n = 0; n < gores_.canopy; ++n)
             node_damping_[n] = by_share * node_[n].share + by_mass() * node_[n].mass;
@@ -825,7 +825,7 @@ private:
         step_.breathing_mean = to_array(state.sums.canopy_area_velocity);
     }
     void finish_accretion(State& state, const ElementSums&) {
-        step_.accretion = std::max(0.0, state.added_mass_rate);
+        step_.accretion = state.accretion();
         step_.wind = to_array(state.air.wind);
     }
     void finish_mass_damping(State& state, const ElementSums&) {

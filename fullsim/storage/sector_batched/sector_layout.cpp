@@ -148,7 +148,7 @@ public:
     CriticalSteps critical_steps(const State& state) override {
         if (weights_.renew(state)) weigh_rows();
         const double by_share = (has_breathing_ ? breathing(state.air) : 0.0) +
-                                (has_accretion_ ? std::max(0.0, state.added_mass_rate) : 0.0);
+                                (has_accretion_ ? state.accretion() : 0.0);
         const double by_mass = has_mass_damping_ ? scene_.full.alpha : 0.0;
         const double payload_mass = constants_.mass[mesh_.payload()];
         const NodeRows& rows_of = arrays_.frame.node;
@@ -363,7 +363,7 @@ private:
         step_.breathing = breathing(state.air);
         step_.breathing_mean = state.sums.canopy_area_velocity.z();
     }
-    void add_accretion(State& state) { step_.accretion = std::max(0.0, state.added_mass_rate); }
+    void add_accretion(State& state) { step_.accretion = state.accretion(); }
     void add_mass_damping(State& state) {
         step_.alpha = scene_.full.alpha;
         step_.mean = state.sums.system_velocity.z();

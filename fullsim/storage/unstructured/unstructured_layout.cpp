@@ -193,7 +193,7 @@ public:
         pulled.weight.assign(state.node.size(), 1.0);
         unstructured::Bound bound{constants_.mass, constants_.share, state.added_mass};
         bound.by_share = (has_.breathing ? breathing(state.air) : 0.0) +
-                         (has_.accretion ? std::max(0.0, state.added_mass_rate) : 0.0);
+                         (has_.accretion ? state.accretion() : 0.0);
         bound.by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
         CriticalSteps steps;
         // Nodes on lines that are not of the canopy are held by lines alone.
@@ -613,7 +613,7 @@ private:
     }
     void prepare_accretion() { has_.accretion = true; }
     void add_accretion(State& state) {
-        step_.accretion = std::max(0.0, state.added_mass_rate);
+        step_.accretion = state.accretion();
         step_.wind = to_array4(state.air.wind);
     }
     void prepare_mass_damping() { has_.mass_damping = true; }
