@@ -151,12 +151,13 @@ TEST(SteadyDescent, IsNotSteadyWhileASwingGrows) {
 
 TEST(SteadyDescent, WaitsForAGlideToGo) {
     // Lift turns the force across the path: w = w_e cos^1.5 gamma, of which the balance of drag and weight
-    // holds a third, since it takes V w = w_e^2 cos^2 gamma for the drag's. Without the rest, a rate 1 % low
-    // would pass.
+    // holds a third, since it takes V w = w_e^2 cos^2 gamma for the drag's. One that lasts for a minute shows
+    // no trend: without the rest, a rate 0.75 % low would pass.
     const double w_e = 7.0;
     for (const double tau : {5.0, 15.0, 40.0}) {
         const auto window = first_steady([&](double t) {
-            const double gamma = 0.3 * std::exp(-t / tau), w = w_e * std::pow(std::cos(gamma), 1.5);
+            const double gamma = 0.1 * std::exp(-std::max(0.0, t - 60.0) / tau);
+            const double w = w_e * std::pow(std::cos(gamma), 1.5);
             FallSample now = fall_at(t, w, w * std::tan(gamma));
             now.across = {0.6 * w * std::tan(gamma), -0.8 * w * std::tan(gamma)};
             return now;
