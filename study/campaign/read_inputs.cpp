@@ -47,7 +47,7 @@ CampaignInput input_of(const SuiteTable& reader, std::string_view where, const s
         std::vector<std::string_view> paths{wind_scale, wind_turn};
         for (const Key& known : scene_keys())
             paths.push_back(known.path);
-        reader.refuse(where, fmt::format("'{}' is no key of a scene", key), "", suggest(key, paths));
+        reader.refuse(where, fmt::format("'{}' is no key of a scene", key), "", suggest_key(key, paths));
     }
     input.kind = row->kind;
     if (!row->is_number() && row->kind != KeyKind::word && row->kind != KeyKind::quantity_or_word)
