@@ -70,10 +70,7 @@ std::string key_path(const std::string& given) {
     std::vector<std::string_view> known;
     for (const Key* key : keys_below(""))
         known.push_back(key->path);
-    const std::string_view meant = nearest(given, known);
-    throw UsageError(fmt::format("there is no key '{}', {}", given,
-                                 meant.empty() ? "`twinchute list keys` shows all of them"
-                                               : fmt::format("did you mean '{}'?", meant)));
+    throw UsageError(fmt::format("there is no key '{}', {}", given, suggest_key(given, known)));
 }
 
 template <typename Rows>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
 
 namespace twinchute {
@@ -53,6 +54,23 @@ std::string suggest(std::string_view word, const std::vector<std::string_view>& 
     if (const auto near = nearest(word, candidates); !near.empty())
         return fmt::format("did you mean '{}'?", near);
     return candidates.empty() ? "there is none" : "known: " + joined(candidates);
+}
+
+std::string suggest_key(std::string_view path, const std::vector<std::string_view>& keys) {
+    const auto last = [](std::string_view key) { return key.substr(key.rfind('.') + 1); };
+    constexpr std::size_t most = 3;
+    std::vector<std::string_view> meant;
+    if (const auto near = nearest(path, keys); !near.empty()) {
+        meant = {near};
+    } else {
+        std::vector<std::string_view> names;
+        std::ranges::transform(keys, std::back_inserter(names), last);
+        const std::string_view name = nearest(last(path), names);
+        std::ranges::copy_if(keys, std::back_inserter(meant),
+                             [&](std::string_view key) { return !name.empty() && last(key) == name; });
+    }
+    if (meant.empty() || meant.size() > most) return "`twinchute list keys` shows all of them";
+    return fmt::format("did you mean '{}'?", fmt::join(meant, "' or '"));
 }
 
 }  // namespace twinchute

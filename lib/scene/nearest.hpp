@@ -15,6 +15,10 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 /// "did you mean 'x'?", or "known: a, b, c" when nothing is near.
 std::string suggest(std::string_view word, const std::vector<std::string_view>& candidates);
 
+/// "did you mean 'x' or 'y'?" of keys with dots: the nearest whole one, else up to three whose last part is,
+/// or is nearest to, that of `path`; else where all are shown.
+std::string suggest_key(std::string_view path, const std::vector<std::string_view>& keys);
+
 /// "a, b, c".
 std::string joined(const std::vector<std::string_view>& words);
 

@@ -68,6 +68,7 @@ struct Band {
 /// Why the tests and the model do not go together.
 struct Finding {
     std::string what, why, suggestion;
+    std::vector<std::string> explains;  ///< what else was found, and follows from it
 };
 
 struct Calibration {

@@ -97,7 +97,8 @@ std::string calibration_json(const Calibration& calibration, const Scene& scene,
     json["consistent"] = calibration.is_consistent();
     json["findings"] = ordered_json::array();
     for (const Finding& f : calibration.findings)
-        json["findings"].push_back({{"what", f.what}, {"why", f.why}, {"suggestion", f.suggestion}});
+        json["findings"].push_back(
+            {{"what", f.what}, {"why", f.why}, {"suggestion", f.suggestion}, {"explains", f.explains}});
     json["parameters"] = ordered_json::object();
     for (const Parameter& p : calibration.parameters)
         json["parameters"][p.label()] = parameter_json(p);

@@ -108,9 +108,15 @@ std::string summary_of(const Calibration& calibration, const Scene& scene,
         "<p>{} to {} {}, by {} runs of the model.</p>\n",
         calibration.is_consistent() ? "Calibrated" : "Calibrated, but <strong>inconsistent</strong>",
         tests.size(), tests.size() == 1 ? "test" : "tests", calibration.runs);
-    for (const Finding& f : calibration.findings)
+    for (const Finding& f : calibration.findings) {
         body += fmt::format("<p><strong>{}</strong> ({}), {}.</p>\n", xml_text(f.what), xml_text(f.why),
                             xml_text(f.suggestion));
+        if (f.explains.empty()) continue;
+        body += "<p>Which explains:</p>\n<ul>\n";
+        for (const std::string& what : f.explains)
+            body += "<li>" + xml_text(what) + "</li>\n";
+        body += "</ul>\n";
+    }
     body += html_table(parameters_table(calibration),
                        "Inputs, with what the profile of the likelihood gives as their 95 % interval", "",
                        "parameters");

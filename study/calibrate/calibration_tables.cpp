@@ -50,7 +50,10 @@ compare::Table fits_table(const Calibration& calibration) {
                               fmt::format("{}", std::ranges::count(fit.used, true)), readable(fit.rms, 3),
                               fmt::format("{:.1f} %", 100.0 * fit.rms / fit.measured.largest()),
                               readable(fit.noise.sigma, 3),
-                              fit.noise.given ? "as given" : "from what is left", fit.measured.kind->unit});
+                              fit.noise.given       ? "as given"
+                              : fit.test->is_record ? "all as one reading"
+                                                    : "from what is left",
+                              fit.measured.kind->unit});
     for (const ScalarFit& fit : calibration.scalars)
         table.rows.push_back(
             {fit.test->name, fit.measured->row->name, "1",

@@ -16,10 +16,13 @@ std::string calibration_text(const Calibration& calibration, const Scene& scene,
     text += "\n";
     for (const std::string& remark : remarks_of(calibration))
         text += printable("note      " + remark) + "\n";
-    for (const Finding& finding : calibration.findings)
+    for (const Finding& finding : calibration.findings) {
         text += style.paint("doubt", Colour::yellow) +
                 printable(fmt::format("     {} ({}), {}", finding.what, finding.why, finding.suggestion)) +
                 "\n";
+        for (const std::string& what : finding.explains)
+            text += printable("          which explains: " + what) + "\n";
+    }
     text += calibration.is_consistent()
                 ? style.paint("consistent", Colour::green) + ": the model and the tests go together\n"
                 : style.paint("inconsistent", Colour::red) +

@@ -211,6 +211,13 @@ void Likelihood::learn_noise(std::span<const double> values, std::size_t paramet
                 if (i > 0) product += left[i] * left[i - 1];
             }
             if (!(sum > 0.0)) continue;
+            constexpr double least = 1e-9;  // [-] of the largest reading: data that a model made itself
+            if (one.test.is_record) {
+                // The gap between two models is one thing, and not as many as there are readings: all of them
+                // weigh as one, and the record's answers lead.
+                one.noise[h] = {std::max(std::sqrt(sum), least * history.largest()), 0.0, false};
+                continue;
+            }
             // Noise that passes a filter of first order is correlated as it forgets; noise that is added
             // behind the filter is not. Of the two, and of all between them, the residuals show which.
             std::vector<double> sorted = gaps;
@@ -232,7 +239,6 @@ void Likelihood::learn_noise(std::span<const double> values, std::size_t paramet
                 innovations += step * step / (1.0 - memory * memory);
             }
             const double sigma = std::sqrt(innovations / std::max(1.0, own - share));
-            constexpr double least = 1e-9;  // [-] of the largest reading: data that a model made itself
             noise.sigma = std::max(sigma, least * history.largest());
         }
     }

@@ -123,7 +123,7 @@ Unknown key_unknown(const Scene& scene, const Vary& vary) {
     const Key* row = varied_row(scene, vary.key);
     if (row == nullptr) {
         const auto names = numeric_keys();
-        throw UsageError(fmt::format("--vary {}: unknown key, {}", vary.key, suggest(vary.key, names)));
+        throw UsageError(fmt::format("--vary {}: unknown key, {}", vary.key, suggest_key(vary.key, names)));
     }
     if (!row->is_number() || row->kind == KeyKind::integer)
         refuse_vary(vary.key, "it is not a quantity", "name a number of the scene");

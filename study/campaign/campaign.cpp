@@ -24,9 +24,16 @@ std::string digest_of(const CampaignSpec& spec, const Scene& nominal, const Fide
     std::string text =
         fmt::format("{}\n{}\n{}\n", scene_digest(nominal), fidelity.name, design_name(spec.design));
     if (spec.design == DesignKind::lhs) text += fmt::format("runs {}\n", spec.runs);
-    for (const CampaignInput& input : spec.inputs)
+    for (const CampaignInput& input : spec.inputs) {
         text += fmt::format("{} {} {}\n", input.key,
                             input.distribution ? input.distribution->text() : "points", input.levels);
+        for (const Wind& wind : input.winds)
+            for (const auto& [altitude, v] : wind.levels)
+                text += fmt::format("{} {} {} {}\n", altitude, v.x(), v.y(), v.z());
+        if (input.gusts)
+            text += fmt::format("{} {}\n", fmt::join(input.gusts->sd, " "),
+                                fmt::join(input.gusts->correlation_length, " "));
+    }
     for (Eigen::Index i = 0; i < spec.correlation.size(); ++i)
         text += fmt::format("{} ", spec.correlation.data()[i]);
     for (const std::vector<double>& row : spec.point_rows)
@@ -123,7 +130,7 @@ CampaignRuns open_runs(const Campaign& campaign, const Fidelity& fidelity,
 std::unique_ptr<Sampler> make_sampler(const CampaignSpec& spec, std::vector<std::string> overrides) {
     auto given = std::make_unique<Sampler>(spec, overrides);
     const bool may_differ = std::ranges::any_of(spec.inputs, [](const CampaignInput& input) {
-        return input.key == "release.path_angle" || input.kind == KeyKind::word;
+        return input.key == "release.path_angle" || input.kind == KeyKind::word || input.gusts;
     });
     const bool is_said = std::ranges::any_of(given->nominal().inputs, [](const Input& input) {
         return input.key == "full.symmetry" && input.origin != InputOrigin::fallback;

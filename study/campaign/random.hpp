@@ -15,7 +15,8 @@ enum class RandomStream : std::uint32_t {
     groups,
     examples,
     test,
-    subsets
+    subsets,
+    gusts
 };
 
 /// 64 random bits.

@@ -100,6 +100,10 @@ void read_rare(SuiteTable& reader, CampaignSpec& spec) {
         reader.refuse("rare", "does not go with fidelity = \"both\", until, or points that are laid out",
                       "it draws its runs near the event",
                       "choose fidelity rom and design random, lhs or sobol");
+    if (std::ranges::count(spec.inputs, wind_gusts, &CampaignInput::key) > 0)
+        reader.refuse("rare", fmt::format("does not go with {}", wind_gusts),
+                      "it steps from run to run towards the event, and a realisation has no neighbours",
+                      "leave out one of them");
     if (std::ranges::count(spec.answers, AnswerSpec::Kind::probability, &AnswerSpec::kind) == 0)
         reader.refuse("rare", "is not used", "no [[answer]] is a probability", "leave it out");
     if (spec.runs < least_runs_of_rare)

@@ -14,6 +14,7 @@
 #include "lib/scene/logged_table.hpp"
 #include "lib/scene/nearest.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/scene/soundings.hpp"
 #include "lib/scene/units.hpp"
 
 namespace twinchute::study {
@@ -40,14 +41,15 @@ const Key* row_of_key(const std::string& path) {
 CampaignInput input_of(const SuiteTable& reader, std::string_view where, const std::string& key) {
     CampaignInput input;
     input.key = key;
-    if (key == wind_scale) return input;
+    if (key == wind_scale || key == wind_gusts) return input;
     if (key == wind_turn) return input.unit = "rad", input;
+    if (key == wind_table) return input.kind = KeyKind::word, input;
     const Key* row = row_of_key(key);
     if (!row) {
-        std::vector<std::string_view> paths{wind_scale, wind_turn};
+        std::vector<std::string_view> paths(wind_names.begin(), wind_names.end());
         for (const Key& known : scene_keys())
             paths.push_back(known.path);
-        reader.refuse(where, fmt::format("'{}' is no key of a scene", key), "", suggest(key, paths));
+        reader.refuse(where, fmt::format("'{}' is no key of a scene", key), "", suggest_key(key, paths));
     }
     input.kind = row->kind;
     if (!row->is_number() && row->kind != KeyKind::word && row->kind != KeyKind::quantity_or_word)
@@ -272,10 +274,41 @@ void read_calibrated(SuiteTable& vary, const fs::path& directory, CampaignSpec& 
             vary.refuse("keys", fmt::format("'{}' is not known there", key), "", "leave it out");
 }
 
-void read_one(SuiteTable& vary, CampaignSpec& spec) {
+Vec3 three(SuiteTable& vary, std::string_view key, std::string_view unit) {
+    const std::vector<double> all = amounts(vary, key, unit);
+    if (all.size() != 3)
+        vary.refuse(key, fmt::format("{} numbers", all.size()), "", "give those of east, north and up");
+    return {all[0], all[1], all[2]};
+}
+
+/// Each run has gusts of its own: the number that names them is spread over the interval from 0 to 1.
+void read_gusts(SuiteTable& vary, CampaignInput& input) {
+    const Vec3 sd = three(vary, "sd", "m/s"), length = three(vary, "correlation_length", "m");
+    if (!(sd.minCoeff() >= 0.0 && sd.maxCoeff() > 0.0))
+        vary.refuse("sd", "is negative, or zero of all three", "", "e.g. [\"2 m/s\", \"2 m/s\", 0]");
+    if (!(length.minCoeff() >= 1.0))
+        vary.refuse("correlation_length", "is below 1 m", "gusts as small as that are no wind", "");
+    input.gusts = GustProcess{sd, length};
+    input.distribution = Distribution::uniform(0.0, 1.0);
+}
+
+void read_winds(SuiteTable& vary, const fs::path& directory, CampaignInput& input) {
+    for (const std::string& word : input.distribution->words()) {
+        const fs::path named = word, file = named.is_absolute() ? named : directory / named;
+        std::error_code ignored;
+        if (!fs::exists(file, ignored))
+            vary.refuse("dist", fmt::format("there is no file '{}'", file.string()), "",
+                        "name tables beside the campaign file");
+        input.winds.push_back(read_wind_table(read_text_file(file), file.string(), word));
+    }
+}
+
+void read_one(SuiteTable& vary, const fs::path& directory, CampaignSpec& spec) {
     const std::string key = vary.needed_text("key", "which input varies");
     CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "key", key));
+    if (key == wind_gusts) return read_gusts(vary, input);
     if (vary.find("dist")) input.distribution = read_distribution(vary, input);
+    if (key == wind_table && input.distribution) read_winds(vary, directory, input);
     input.levels = vary.count("levels", input.levels, 10'000);
 }
 
@@ -314,6 +347,9 @@ void read_points(const fs::path& directory, CampaignSpec& spec) {
     const fs::path named = spec.points, file = named.is_absolute() ? named : directory / named;
     const LoggedTable table = read_logged_table(read_text_file(file), file.string());
     for (const CampaignInput& input : spec.inputs) {
+        if (input.key == wind_table)
+            throw SceneError({spec.file.string(), 1, 1}, input.key, "does not go with a table of points",
+                             "its cells are numbers", "choose another design");
         const LoggedColumn* column = table.find(input.key);
         if (!column)
             throw SceneError({file.string(), table.head_line, 1}, input.key, "has no column", "it varies",
@@ -346,7 +382,7 @@ void read_inputs(SuiteTable& top, const fs::path& directory, CampaignSpec& spec)
         else if (vary.find("keys"))
             read_joint(vary, spec, pairs);
         else
-            read_one(vary, spec);
+            read_one(vary, directory, spec);
         const std::string source = vary.text("source"), grade = vary.text("grade");
         for (std::size_t i = before; i < spec.inputs.size(); ++i) {
             CampaignInput& input = spec.inputs[i];

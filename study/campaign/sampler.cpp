@@ -12,7 +12,7 @@ namespace twinchute::study {
 namespace {
 
 bool is_wind(const CampaignInput& input) {
-    return input.key == wind_scale || input.key == wind_turn;
+    return std::ranges::count(wind_names, input.key) > 0;
 }
 
 SceneWith reader_of(const CampaignSpec& spec, const std::vector<std::string>& more) {
@@ -39,7 +39,7 @@ Sampler::Sampler(const CampaignSpec& spec, const std::vector<std::string>& more)
         if (is_wind(spec.inputs[i])) {
             if (!nominal_.environment.wind)
                 throw SceneError({spec.file.string(), 1, 1}, spec.inputs[i].key, "the scene has no wind",
-                                 "nothing can be scaled or turned", "add environment.wind to the scene");
+                                 "nothing can be varied", "add environment.wind to the scene");
             continue;
         }
         keyed_.push_back(i);
@@ -100,18 +100,30 @@ Scene Sampler::scene_at(std::span<const double> values) const {
 }
 
 void Sampler::disperse_wind(Scene& scene, std::span<const double> values) const {
-    double scale = 1.0, turn = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (spec_.inputs[i].key == wind_scale) scale = values[i];
-        if (spec_.inputs[i].key == wind_turn) turn = values[i];
-    }
-    if (scale == 1.0 && turn == 0.0) return;
+    if (keyed_.size() == values.size()) return;
     const Vec3 before = scene.environment.wind->at(scene.release.altitude);
+    double scale = 1.0, turn = 0.0;
+    bool another = false;
+    std::size_t gusts = values.size();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const CampaignInput& input = spec_.inputs[i];
+        if (input.key == wind_scale) scale = values[i];
+        if (input.key == wind_turn) turn = values[i];
+        if (input.key == wind_gusts) gusts = i;
+        if (input.key == wind_table) {
+            scene.environment.wind = input.winds[static_cast<std::size_t>(values[i])];
+            another = true;
+        }
+    }
+    if (!another && scale == 1.0 && turn == 0.0 && gusts == values.size()) return;
     const double c = std::cos(turn), s = std::sin(turn);
     for (WindLevel& level : scene.environment.wind->levels) {
         const Vec3 v = level.velocity;  // headings count clockwise
         level.velocity = scale * Vec3(c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z());
     }
+    if (gusts < values.size())
+        scene.environment.wind = with_gusts(*scene.environment.wind, *spec_.inputs[gusts].gusts, spec_.seed,
+                                            values[gusts], scene.environment.ground, scene.release.altitude);
     if (!through_air_) return;
     const Vec3 after = scene.environment.wind->at(scene.release.altitude);
     scene.release = carried_by(after - before, scene.release);

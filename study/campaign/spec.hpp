@@ -14,17 +14,20 @@
 #include "lib/scene/keys.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/scene/scene_error.hpp"
+#include "study/campaign/dispersed_wind.hpp"
 #include "study/campaign/distribution.hpp"
 
 namespace twinchute::study {
 
 /// An input that varies.
 struct CampaignInput {
-    std::string key;   ///< of the scene, or "wind.scale", "wind.turn"
+    std::string key;   ///< of the scene, or one of wind_names
     std::string unit;  ///< SI; empty: a ratio or a word
     KeyKind kind = KeyKind::quantity;
     std::optional<Distribution> distribution = {};  ///< nothing: from a table of points
     int levels = 5;                                 ///< of a grid
+    std::vector<Wind> winds = {};                   ///< of "wind.table": those of the distribution's words
+    std::optional<GustProcess> gusts = {};          ///< of "wind.gusts", whose values name realisations
     std::string source, grade;
 };
 
@@ -84,7 +87,10 @@ CampaignSpec read_campaign(const std::filesystem::path& file);
 CampaignSpec read_campaign_text(std::string_view text, const std::string& name,
                                 const std::filesystem::path& directory);
 
-/// Names of the inputs that turn and scale the wind of the scene, whatever profile it has.
-inline constexpr std::string_view wind_scale = "wind.scale", wind_turn = "wind.turn";
+/// Names of the inputs that act on the wind of the scene: one of several tables takes its place, which is
+/// scaled and turned as a whole, then gusts are added.
+inline constexpr std::string_view wind_table = "wind.table", wind_scale = "wind.scale",
+                                  wind_turn = "wind.turn", wind_gusts = "wind.gusts";
+inline constexpr std::array wind_names{wind_table, wind_scale, wind_turn, wind_gusts};
 
 }  // namespace twinchute::study

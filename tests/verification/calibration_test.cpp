@@ -189,6 +189,43 @@ TEST(CalibrationFindsWhatIsWrong, AClockThatIsSaidToBeKnown) {
     SyntheticDrop drop;
     drop.offset = 0.2;
     const Calibration calibration = calibrated({drop.test()});
+    ASSERT_EQ(calibration.findings.size(), 1u) << what_is_found(calibration);
+    EXPECT_TRUE(any_finding_says(calibration, "clock looks wrong")) << what_is_found(calibration);
+}
+
+// A sensor off by a third drives the drag area to its bound, and a wrong clock would explain half of it: all
+// of that is gone once the scale is right, so that the scale alone is a cause.
+TEST(CalibrationFindsWhatIsWrong, TheLikeliestFaultAloneWithWhatFollowsFromIt) {
+    for (const double scale : {0.7, 1.3}) {
+        SyntheticDrop drop;
+        drop.scale = scale;
+        study::DropTest test = drop.test();
+        *test.histories[0].sigma *= scale;  // 3 % of its own largest reading
+        const Calibration calibration = calibrated({test});
+        ASSERT_EQ(calibration.findings.size(), 1u) << what_is_found(calibration);
+        const study::Finding& found = calibration.findings.front();
+        EXPECT_NE(found.what.find("scale of the force sensor"), std::string::npos) << found.what;
+        // 3 % of noise leave 1 % of the scale open.
+        const double said = std::stod(found.what.substr(found.what.find("readings are ") + 13));
+        EXPECT_NEAR(said, 100.0 * scale, 4.0 * scale) << found.what;
+        const auto explains = [&](const char* words) {
+            return std::ranges::any_of(found.explains, [&](const std::string& what) {
+                return what.find(words) != std::string::npos;
+            });
+        };
+        EXPECT_TRUE(explains("is on its bound")) << what_is_found(calibration);
+        EXPECT_TRUE(explains("times their uncertainty")) << what_is_found(calibration);
+    }
+}
+
+// What one fault does not explain is another: both are named, the likelier first.
+TEST(CalibrationFindsWhatIsWrong, TwoFaultsAtOnce) {
+    SyntheticDrop drop;
+    drop.scale = 1.06;
+    drop.offset = 0.2;
+    const Calibration calibration = calibrated({drop.test()});
+    ASSERT_EQ(calibration.findings.size(), 2u) << what_is_found(calibration);
+    EXPECT_TRUE(any_finding_says(calibration, "scale of the force sensor")) << what_is_found(calibration);
     EXPECT_TRUE(any_finding_says(calibration, "clock looks wrong")) << what_is_found(calibration);
 }
 
@@ -198,7 +235,7 @@ TEST(CalibrationFindsWhatIsWrong, AnotherCanopy) {
     drop.drag_area = 60.0;
     const Calibration calibration = calibrated({drop.test()});
     EXPECT_TRUE(any_finding_says(calibration, "another shape")) << what_is_found(calibration);
-    EXPECT_FALSE(any_finding_says(calibration, "scale of the force sensor"));
+    EXPECT_FALSE(any_finding_says(calibration, "scale of the force sensor")) << what_is_found(calibration);
 }
 
 TEST(CalibrationOfSeveralDrops, TellsScatterFromNoise) {
