@@ -12,11 +12,11 @@
 namespace twinchute::study {
 namespace {
 
-constexpr double no_chance = 1e-4;     // probability below which noise alone is no explanation
-constexpr double much_better = 20.0;   // [-] fall of the sum of squares: 4.5 standard deviations
-constexpr double least_scale = 0.01;   // [-] a scale that is nearer to one is none to speak of
-constexpr double least_clock = 2e-3;   // [s]
-constexpr double least_misfit = 0.02;  // [-] of the largest reading: less structure is no other canopy
+constexpr double smallest_p_value = 1e-4;  // probability below which noise alone is no explanation
+constexpr double much_better = 20.0;       // [-] fall of the sum of squares: 4.5 standard deviations
+constexpr double least_scale = 0.01;       // [-] a scale that is nearer to one is none to speak of
+constexpr double least_clock = 2e-3;       // [s]
+constexpr double least_misfit = 0.02;      // [-] of the largest reading: less structure is no other canopy
 constexpr int few_iterations = 15;
 
 constexpr double most_of_it = 0.5;   // [-] of the misfit beyond noise: less explains nothing,
@@ -138,13 +138,13 @@ void look_at_rest(Calibration& calibration, const Likelihood& likelihood) {
     const bool measured =
         std::ranges::none_of(calibration.histories, [](const HistoryFit& f) { return f.test->is_record; });
     const bool judged = calibration.sigma_given && measured && freedom > 0.0;
-    const double chance = judged ? gsl_cdf_chisq_Q(calibration.sum, freedom) : 1.0;
-    if (chance < no_chance)
+    const double p_value = judged ? gsl_cdf_chisq_Q(calibration.sum, freedom) : 1.0;
+    if (p_value < smallest_p_value)
         calibration.findings.push_back(
             {fmt::format("the model misses the tests by {:.2g} times their uncertainty",
                          std::sqrt(calibration.sum / freedom)),
              fmt::format("chi-square is {} where {} are expected, which noise does once in {:.0e} cases",
-                         readable(calibration.sum), readable(freedom), 1.0 / std::max(chance, 1e-99)),
+                         readable(calibration.sum), readable(freedom), 1.0 / std::max(p_value, 1e-99)),
              "another canopy, another law of growth or another deployment than the scene's; or the "
              "uncertainty is larger"});
     if (!measured) return;
@@ -152,7 +152,8 @@ void look_at_rest(Calibration& calibration, const Likelihood& likelihood) {
         // A history says nothing of structure where nobody knows its noise and nothing is left over to speak
         // of.
         const double misfit = fit.rms / fit.measured.largest();
-        if (!(fit.structure < no_chance) || misfit < least_misfit || (fit.noise.given && chance >= no_chance))
+        if (!(fit.structure < smallest_p_value) || misfit < least_misfit ||
+            (fit.noise.given && p_value >= smallest_p_value))
             continue;
         calibration.findings.push_back(
             {fmt::format("what is left over of the {} hangs together: {:.1f} % of its largest reading, with "

@@ -223,7 +223,7 @@ double bytes_a_triangle(const Scene& scene) {
 
 /// Memory of a run of a medium mesh beside its history: at most 400 B a triangle. It had been 508 B while
 /// the state held forces that gore-batched have themselves, pressure and fabric drag each had an array, and
-/// so had images of nodes the velocities of half steps; pairs in contact were 17 B. Lanes without a gore
+/// so had halo nodes the velocities of half steps; pairs in contact were 17 B. Lanes without a gore
 /// count: eight lanes are the worst case.
 TEST(PlanContract, TheDemoIsHeldInFourHundredBytesATriangle) {
     for (const Scene& scene :
