@@ -394,8 +394,7 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
     const Vec first_kick = all(step.first.kick), shorter = all(step.first.dt - step.dt),
               half_first = all(0.5 * step.first.dt), later = all(step.only ? 0.0 : 1.0);
-    const Vec pressure = all(step.pressure), residual_drag = all(step.residual_drag),
-              gravity = all(step.gravity);
+    const Vec pressure = all(step.pressure), on_fabric = all(step.on_fabric), gravity = all(step.gravity);
     const Vec added_mass = all(step.added_mass);
     const NodeRows& k = f.node;
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
@@ -409,16 +408,17 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         const ForcesOn on = forces_on(f, plan, sources, n);
         const Vec mass = load(k.mass + n), share = load(k.share + n), canopy = load(k.canopy_mass + n);
         Vec3s aero = on.aero + pressure * on.push;
-        aero.z += share * residual_drag;
+        aero.z += share * on_fabric;
         Vec3s force = on.pull;
         const Vec3s v = aligned3(f.v, n);
         if (step.breathing > 0.0)
-            resist(share * all(step.breathing), Vec3s{v.x, v.y, v.z - all(step.breathing_mean)}, force,
+            resist(share * all(step.breathing), Vec3s{v.x, v.y, v.z - all(step.canopy_mean)}, force,
                    dissipated);
         if (step.accretion > 0.0)
             accrete(share * all(step.accretion), Vec3s{zero, zero, zero}, v, force, accretion_power);
-        if (step.alpha > 0.0)
-            resist(mass * all(step.alpha), Vec3s{v.x, v.y, v.z - all(step.mean)}, force, dissipated);
+        if (step.mass_damping > 0.0)
+            resist(mass * all(step.mass_damping), Vec3s{v.x, v.y, v.z - all(step.system_mean)}, force,
+                   dissipated);
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
         const Vec inverse = all(1.0) / (load(k.inertia + n) + share * added_mass);

@@ -129,12 +129,9 @@ struct SectorAdvance {
     double gravity = 0.0;                      ///< [m/s^2]
     double added_mass = 0.0;                   ///< [kg] of the whole canopy, by share, as all of these:
     double pressure = 0.0;                     ///< [Pa]
-    double residual_drag = 0.0;                ///< [N] upwards
-    double breathing = 0.0;                    ///< [N s/m] about `breathing_mean`
-    double breathing_mean = 0.0;               ///< [m/s] upwards
-    double alpha = 0.0;                        ///< [1/s] about `mean`
-    double mean = 0.0;                         ///< [m/s] upwards
-    double accretion = 0.0;                    ///< [kg/s] from air at rest
+    /// As NodeLoads, upwards where they have a direction; accretion from air at rest.
+    double on_fabric = 0.0, breathing = 0.0, canopy_mean = 0.0, accretion = 0.0, mass_damping = 0.0,
+           system_mean = 0.0;
 };
 
 /// A further one of nodes on cords. half_step: [s] half of the whole step in its last, else nothing.
