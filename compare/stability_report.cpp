@@ -99,7 +99,7 @@ Errors and limits are shares of the expected value.
   that sees it.
 - **Half the step**: peak force, largest deceleration and largest line tension within 0.5 %, as the tests of the time step
   hold them. A run that is driven by an instability, or rings at the edge of one, does not repeat its forces
-  when the step is halved. Where lines slap taut on next to no mass the peak is that of a chaotic motion: there the limit
+  when the step is halved. Where lines chatter on next to no mass the peak is that of a chaotic motion: there the limit
   is the range of the peak over four starts that differ by a micrometre, if that is more.
 - **Unstructured** is the layout in memory that imported, graded and damaged meshes have; here it has meshes that would do with the
   gore-batched layout, and no scene can ask for that. Besides the checks of its case, largest forces are those of that layout within 1e-4, where

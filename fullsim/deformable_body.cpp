@@ -7,10 +7,14 @@
 #include <numeric>
 #include <utility>
 
+#include "fullsim/laws/node.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/time/critical_step.hpp"
 
 namespace twinchute::fullsim {
+
+namespace law = HWY_NAMESPACE;
+
 namespace {
 
 constexpr int weight_iterations = 20;  // within some per cent of the best that row sums can say
@@ -69,7 +73,7 @@ void DeformableBody::impulse(State& state, double kick) const {
         const std::size_t i = attachment(k);
         Lanes& acceleration = state.aero[i].value;
         acceleration = acceleration / splat(node_mass_[k]) + fall;
-        state.v_half[i].value += kick * acceleration;
+        state.v_half[i].value = law::kicked(state.v_half[i].value, acceleration, kick);
     }
 }
 
@@ -79,7 +83,7 @@ void DeformableBody::move(State& state, double kick, double dt) const {
         const std::size_t i = attachment(k);
         Lanes& acceleration = state.force[i].value;
         acceleration = acceleration / splat(node_mass_[k]);
-        state.v_half[i].value += kick * acceleration;
+        state.v_half[i].value = law::kicked(state.v_half[i].value, acceleration, kick);
         mean += node_mass_[k] / mass_ * state.v_half[i].value;
     }
     const Lanes together = state.v_half[nodes().payload].value - mean;
@@ -87,8 +91,8 @@ void DeformableBody::move(State& state, double kick, double dt) const {
         const std::size_t i = attachment(k);
         Lanes& half = state.v_half[i].value;
         half += together;
-        state.node[i].x += dt * half;
-        state.node[i].v = half + (0.5 * dt) * std::exchange(state.force[i].value, splat(0.0));
+        const Lanes acceleration = std::exchange(state.force[i].value, splat(0.0));
+        state.node[i].v = law::drift(state.node[i].x, half, acceleration, dt, 0.5 * dt);
     }
 }
 

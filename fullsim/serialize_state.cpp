@@ -100,8 +100,8 @@ void serialize(Archive& archive, State& state) {
     });
     archive.row("energy", energy, energy_members);
     archive.numbers("riser force", std::span(riser_force.data(), 3));
-    archive.numbers("risers in substeps", std::span(in_subcycles.sum.data(), 3));
-    archive.whole("risers in substeps", in_subcycles.count, 0);
+    archive.numbers("risers in subcycles", std::span(in_subcycles.sum.data(), 3));
+    archive.whole("risers in subcycles", in_subcycles.count, 0);
     serialize(archive, largest);
 }
 

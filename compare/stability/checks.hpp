@@ -45,7 +45,7 @@ Check same_in_half_the_step();
 /// same, so that what differs is rounding and what becomes of it.
 Check same_in_the_layout_of_its_mesh();
 /// Equal forces within the scatter of the scene itself, where that is larger: the range of the peak over
-/// starts that differ by a micrometre. For lines that slap taut on next to no mass.
+/// starts that differ by a micrometre. For lines that chatter on next to no mass.
 Check same_within_its_scatter();
 /// Steps from the first sign that a step is too long, an opening force more than 1 % of the peak away from
 /// that of a run with `sound_factor`, to the stop; at most that many. Nothing where there is no such run.

@@ -30,6 +30,8 @@ struct StrainExtremum {
     std::size_t element = 0;  ///< its number within the block
 };
 
+class NodeLoad;
+
 class ForceModel {
 public:
     virtual ~ForceModel() = default;
@@ -46,6 +48,8 @@ public:
     virtual StrainExtremum extreme(const State&) const { return {}; }
     /// An element in words, e.g. "fabric triangle 17".
     virtual std::string element_name(std::size_t) const { return std::string(name()); }
+    /// Itself where it is one, whose work a layout's node update does.
+    virtual const NodeLoad* node_load() const { return nullptr; }
     /// It acts on no node before this one.
     virtual NodeIndex first_node() const { return 0; }
     /// Element evaluations in one add_forces.

@@ -1,5 +1,8 @@
 // Loads on nodes: breathing damping, Rayleigh mass damping, payload drag, accretion of air.
+#include "fullsim/forces/node_loads.hpp"
+
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "fullsim/body.hpp"
@@ -14,58 +17,33 @@ namespace {
 
 /// f_i = -k_b rho V S_i (v_i - v_mean), S_i the unstrained tributary area, v_mean with the same
 /// weights: no net force, only dissipation.
-class BreathingDamping final : public ForceModel {
+class BreathingDamping final : public NodeLoad {
 public:
-    BreathingDamping(const Mesh& mesh, double k)
-        : k_(k), canopy_nodes_(mesh.canopy_nodes), area_(mesh.tributary_area) {}
+    BreathingDamping(const Mesh& mesh, double k) : NodeLoad(mesh), k_(k) {}
 
     Block block() const override { return Block::breathing_damping; }
-
-    void add_forces(State& state) const override {
-        const double per_area = k_ * state.air.density * state.air.airspeed;
-        const Lanes mean = to_lanes(state.sums.canopy_area_velocity);
-        Lanes dissipated = splat(0.0);
-        for (NodeIndex i = 0; i < canopy_nodes_; ++i) {
-            law::resist(per_area * area_[i], state.node[i].v - mean, state.force[i].value, dissipated);
-        }
-        state.damping_power += sum3(dissipated);
-    }
-
-    void add_row_sums(const State& state, GershgorinSums& sums) const override {
-        for (NodeIndex i = 0; i < canopy_nodes_; ++i)
-            sums.damping[i] += k_ * state.air.density * state.air.airspeed * area_[i];
+    void add_to(NodeLoads& loads, const State& state) const override {
+        loads.breathing += k_ * state.air.density * state.air.airspeed * fabric_area();
+        loads.canopy_mean = state.sums.canopy_area_velocity;
     }
 
 private:
     double k_;
-    NodeIndex canopy_nodes_;
-    const std::vector<double>& area_;  // [m^2]
 };
 
 /// f_i = -alpha m_i (v_i - v_system) (paper, Eq. 4): damps motion about the mean, not the fall.
-class MassDamping final : public ForceModel {
+class MassDamping final : public NodeLoad {
 public:
-    MassDamping(const Mesh& mesh, double alpha) : alpha_(alpha), mass_(mesh.mass) {}
+    MassDamping(const Mesh& mesh, double alpha) : NodeLoad(mesh), alpha_(alpha) {}
 
     Block block() const override { return Block::mass_damping; }
-
-    void add_forces(State& state) const override {
-        const Lanes mean = to_lanes(state.sums.system_velocity);
-        Lanes dissipated = splat(0.0);
-        for (std::size_t i = 0; i < mass_.size(); ++i) {
-            law::resist(alpha_ * mass_[i], state.node[i].v - mean, state.force[i].value, dissipated);
-        }
-        state.damping_power += sum3(dissipated);
-    }
-
-    void add_row_sums(const State&, GershgorinSums& sums) const override {
-        for (std::size_t i = 0; i < mass_.size(); ++i)
-            sums.damping[i] += alpha_ * mass_[i];
+    void add_to(NodeLoads& loads, const State& state) const override {
+        loads.mass_damping += alpha_;
+        loads.system_mean = state.sums.system_velocity;
     }
 
 private:
     double alpha_;  // [1/s]
-    const std::vector<double>& mass_;
 };
 
 /// -1/2 rho C_D S |v| v on the payload, v relative to the air (paper, 3.1).
@@ -115,38 +93,50 @@ private:
 
 /// f_i = -(dM_a/dt) s_i (v_i - V_w) while the added mass grows, s_i the node's share of the fabric:
 /// air that joins the canopy is brought to its speed. Booked as work of the added mass.
-class Accretion final : public ForceModel {
+class Accretion final : public NodeLoad {
 public:
-    explicit Accretion(const Mesh& mesh) {
-        const double area = mesh.fabric_area();
-        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
-            share_.push_back(mesh.tributary_area[i] / area);
-    }
+    explicit Accretion(const Mesh& mesh) : NodeLoad(mesh) {}
 
     Block block() const override { return Block::accretion; }
-    std::size_t bytes() const override { return share_.capacity() * sizeof(double); }
-
-    void add_forces(State& state) const override {
-        if (state.accretion() == 0.0) return;
-        const Lanes wind = to_lanes(state.air.wind);
-        Lanes power = splat(0.0);
-        for (std::size_t i = 0; i < share_.size(); ++i) {
-            law::accrete(state.accretion() * share_[i], wind, state.node[i].v, state.force[i].value, power);
-        }
-        state.accretion_power += sum3(power);
+    void add_to(NodeLoads& loads, const State& state) const override {
+        loads.accretion += state.accretion();
+        loads.wind = state.air.wind;
     }
-
-    void add_row_sums(const State& state, GershgorinSums& sums) const override {
-        if (state.accretion() == 0.0) return;
-        for (std::size_t i = 0; i < share_.size(); ++i)
-            sums.damping[i] += state.accretion() * share_[i];
-    }
-
-private:
-    std::vector<double> share_;  // [-]
 };
 
 }  // namespace
+
+NodeLoads NodeLoad::now(const State& state) const {
+    NodeLoads loads;
+    add_to(loads, state);
+    return loads;
+}
+
+void NodeLoad::add_forces(State& state) const {
+    const NodeLoads loads = now(state);
+    const Lanes on_fabric = to_lanes(loads.on_fabric), canopy_mean = to_lanes(loads.canopy_mean),
+                wind = to_lanes(loads.wind), system_mean = to_lanes(loads.system_mean);
+    Lanes dissipated = splat(0.0), power = splat(0.0);
+    for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
+        const Lanes v = state.node[i].v;
+        state.aero[i].value += share(i) * on_fabric;
+        law::resist(share(i) * loads.breathing, v - canopy_mean, state.force[i].value, dissipated);
+        law::accrete(share(i) * loads.accretion, wind, v, state.force[i].value, power);
+    }
+    for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
+        law::resist(loads.mass_damping * mesh_.mass[i], state.node[i].v - system_mean, state.force[i].value,
+                    dissipated);
+    state.damping_power += sum3(dissipated);
+    state.accretion_power += sum3(power);
+}
+
+void NodeLoad::add_row_sums(const State& state, GershgorinSums& sums) const {
+    const NodeLoads loads = now(state);
+    for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+        sums.damping[i] += share(i) * loads.damping_by_share();
+    for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
+        sums.damping[i] += loads.mass_damping * mesh_.mass[i];
+}
 
 std::unique_ptr<const ForceModel> make_attitude_drag(const Mesh& mesh, const AttitudeDrag& table) {
     return std::make_unique<AttitudeDragBlock>(mesh, table);

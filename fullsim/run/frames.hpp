@@ -22,7 +22,7 @@ struct FrameStretch {
 class FrameRecorder {
 public:
     /// Unless `wanted`, nothing is ever taken. `mesh` with the static line that it starts with; `sectors`:
-    /// parts of its canopy that are images of each other (Layout::sectors), of which one is looked at for
+    /// parts of its canopy that are congruent (Layout::sectors), of which one is looked at for
     /// stresses.
     FrameRecorder(const Mesh& mesh, bool wanted, int sectors = 1);
 

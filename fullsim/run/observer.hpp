@@ -23,7 +23,7 @@ struct HistoryRow {
 };
 
 /// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis. Of
-/// `sectors` that are images of each other (Layout::sectors) one is measured.
+/// `sectors` that are congruent (Layout::sectors) one is measured.
 struct CanopyShape {
     double seam_diameter, depth;  // [m]
 };

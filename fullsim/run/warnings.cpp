@@ -61,12 +61,12 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     }
     if (const double filtered = run.largest_peak().value, raw = run.observer.raw_peak().value;
         filtered > 0.0 && raw > ringing * filtered && run.simulation.steps().most_subcycles() > 1)
-        warn(
-            fmt::format("the raw peak force is {:.1f} % above the filtered one, lines took up to {} substeps",
-                        100.0 * (raw / filtered - 1.0), run.simulation.steps().most_subcycles()),
-            "where a step of the canopy is half a period of the lines they may ring "
-            "(docs/theory/full-model.md)",
-            "compare with full.line_substeps = 1; the filtered peak is the one that counts");
+        warn(fmt::format(
+                 "the raw peak force is {:.1f} % above the filtered one, lines took up to {} subcycles",
+                 100.0 * (raw / filtered - 1.0), run.simulation.steps().most_subcycles()),
+             "where a step of the canopy is half a period of the lines they may ring "
+             "(docs/theory/full-model.md)",
+             "compare with full.line_substeps = 1; the filtered peak is the one that counts");
     if (run.findings.switched_late)
         warn("finite elements took over at full open only",
              fmt::format("the mouth never reached {:g} of the steady projected area",

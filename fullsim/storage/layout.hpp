@@ -93,7 +93,7 @@ public:
     virtual std::string_view name() const = 0;
     virtual std::string_view instruction_set() const = 0;
     virtual int threads() const { return 1; }
-    /// As many parts of the canopy, one after the other in the mesh, are images of each other all the time.
+    /// As many parts of the canopy, one after the other in the mesh, are congruent all the time.
     virtual int sectors() const { return 1; }
 
     /// A stage begins: nodes and velocities are taken from the state, forces are cleared in it. The blocks

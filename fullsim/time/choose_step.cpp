@@ -59,11 +59,11 @@ void ImpactWatch::look(double used_up, double dissipated, double tolerated) {
 ChosenStep choose_step(const CriticalSteps& stable, const StepRules& rules) {
     const double left = rules.share;
     const double share = rules.chatters ? std::min(1.0, share_while_chattering / rules.factor) : 1.0;
-    const double quiet = rules.quiet / rules.factor;
+    const double limit = rules.resonance_limit / rules.factor;
     int subcycles = 1;
     double step = left * stable.all, cost = 1.0 / step;
     for (int count = 2; count <= rules.most_subcycles; ++count) {
-        const double longer = std::min(quiet, left * share * std::min(stable.canopy, count * stable.lines));
+        const double longer = std::min(limit, left * share * std::min(stable.canopy, count * stable.lines));
         const double cost_of_this = cost_of(count) / longer;
         if (cost_of_this >= cost) continue;
         subcycles = count;

@@ -1,4 +1,5 @@
-// The step that is taken: as long as is stable and quiet, in as many subcycles of lines as make it cheapest.
+// The step that is taken: as long as is stable and does not make lines ring, in as many subcycles of lines as
+// make it cheapest.
 #pragma once
 
 #include "fullsim/time/critical_step.hpp"
@@ -19,7 +20,7 @@ struct StepRules {
     int most_subcycles = 1;  ///< full.line_substeps
     bool chatters = false;   ///< fabric comes taut and slack: before flight, unless all of it is folded
     double share = 1.0;      ///< of every bound, see ImpactWatch
-    double quiet =
+    double resonance_limit =
         infinity;  ///< [s] the longest, factor and all, in which lines do not ring (resonance_limit)
 };
 

@@ -52,7 +52,7 @@ ChosenStep StepControl::choose(const State& state, const StepInputs& inputs, dou
     rules.share = share;
     rules.most_subcycles = scene_.full.line_substeps;
     // In a pack that only falls lines are slack.
-    if (!state.folded) rules.quiet = resonance_limit(line_waves_, state.added_mass, stable.canopy);
+    if (!state.folded) rules.resonance_limit = resonance_limit(line_waves_, state.added_mass, stable.canopy);
     if (inputs.body) {
         const CriticalSteps of_body = inputs.body->critical_steps(state, inputs.structure, riser_stiffness_);
         stable.all = std::min(stable.all, of_body.all);
@@ -116,8 +116,8 @@ void StepControl::serialize(Archive& archive) {
     for (double* x : {&fabric_strain_, &strain_seen_, &strain_rate_})
         archive.number("fabric strain", *x);
     impacts_.serialize(archive);
-    archive.whole("substeps", subcycles_, 1);
-    archive.whole("most substeps", most_subcycles_, 1);
+    archive.whole("subcycles", subcycles_, 1);
+    archive.whole("most subcycles", most_subcycles_, 1);
 }
 
 }  // namespace twinchute::fullsim

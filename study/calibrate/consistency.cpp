@@ -1,5 +1,5 @@
 // Causes of residuals other than noise. Each is tried as one more parameter, and the likeliest is named where
-// the fit with it is better by more than chance allows; others where they explain what it leaves.
+// the fit with it is better by more than p_value allows; others where they explain what it leaves.
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
@@ -12,11 +12,11 @@
 namespace twinchute::study {
 namespace {
 
-constexpr double no_chance = 1e-4;     // probability below which noise alone is no explanation
-constexpr double much_better = 20.0;   // [-] fall of the sum of squares: 4.5 standard deviations
-constexpr double least_scale = 0.01;   // [-] a scale that is nearer to one is none to speak of
-constexpr double least_clock = 2e-3;   // [s]
-constexpr double least_misfit = 0.02;  // [-] of the largest reading: less structure is no other canopy
+constexpr double smallest_p_value = 1e-4;  // probability below which noise alone is no explanation
+constexpr double much_better = 20.0;       // [-] fall of the sum of squares: 4.5 standard deviations
+constexpr double least_scale = 0.01;       // [-] a scale that is nearer to one is none to speak of
+constexpr double least_clock = 2e-3;       // [s]
+constexpr double least_misfit = 0.02;      // [-] of the largest reading: less structure is no other canopy
 constexpr int few_iterations = 30;
 
 constexpr double most_of_it = 0.5;   // [-] of the misfit beyond noise: less explains nothing,
@@ -52,7 +52,7 @@ double improvement(const Likelihood& likelihood, double before, double after) {
     return after > 0.0 ? count * std::log(before / after) : 0.0;
 }
 
-/// Whether a fit with one more unknown is better than chance allows, and leaves little to explain.
+/// Whether a fit with one more unknown is better than p_value allows, and leaves little to explain.
 bool explains(const Likelihood& likelihood, const Calibration& calibration, double after) {
     if (improvement(likelihood, calibration.sum, after) < much_better) return false;
     const double freedom = freedom_of(likelihood, calibration);
@@ -130,7 +130,7 @@ void look_for_scale(std::vector<Fault>& found, const Trial& trial, std::size_t t
               kind.name, of_test(trial.calibration, trial.tests[t].test),
               fmt::format("{:.1f} %", 100.0 * value)),
           fmt::format(
-              "with that factor the misfit falls by {} (20 is beyond chance); a load is held against the "
+              "with that factor the misfit falls by {} (20 is beyond p_value); a load is held against the "
               "weight that it ends at",
               readable(better, 3)),
           "check calibration and unit of the sensor, and the mass of the payload",
@@ -153,7 +153,7 @@ void look_for_clock(std::vector<Fault>& found, const Trial& trial, std::size_t t
          better,
          {fmt::format("the clock{} looks wrong by {:+.3f} s, which is said to be known",
                       of_test(trial.calibration, trial.tests[t].test), value),
-          fmt::format("with that offset the misfit falls by {} (20 is beyond chance)", readable(better, 3)),
+          fmt::format("with that offset the misfit falls by {} (20 is beyond p_value)", readable(better, 3)),
           "check what its time counts from, or take clock = \"known\" out",
           {}}});
 }
@@ -167,7 +167,7 @@ bool is_explained(const Trial& trial, const FitResult& corrected) {
 }
 
 /// Takes in the likeliest fault, and of the others those that explain what it leaves over, by as much as
-/// chance does not. The rest follow from these. Gives the fit with them.
+/// p_value does not. The rest follow from these. Gives the fit with them.
 FitResult take_faults(const Trial& trial, std::vector<Fault>& found) {
     std::ranges::stable_sort(found, std::ranges::greater{}, &Fault::better);
     FitResult corrected{trial.values, trial.calibration.sum, true};
@@ -231,14 +231,14 @@ void look_at_rest(const Trial& trial, const FitResult& corrected) {
     const bool measured =
         std::ranges::none_of(calibration.histories, [](const HistoryFit& f) { return f.test->is_record; });
     const bool judged = calibration.sigma_given && measured && freedom > 0.0;
-    const double chance = judged ? gsl_cdf_chisq_Q(calibration.sum, freedom) : 1.0;
+    const double p_value = judged ? gsl_cdf_chisq_Q(calibration.sum, freedom) : 1.0;
     const bool explained = is_explained(trial, corrected);
-    if (chance < no_chance)
+    if (p_value < smallest_p_value)
         take(calibration,
              {fmt::format("the model misses the tests by {:.2g} times their uncertainty",
                           std::sqrt(calibration.sum / freedom)),
               fmt::format("chi-square is {} where {} are expected, which noise does once in {:.0e} cases",
-                          readable(calibration.sum), readable(freedom), 1.0 / std::max(chance, 1e-99)),
+                          readable(calibration.sum), readable(freedom), 1.0 / std::max(p_value, 1e-99)),
               "another canopy, another law of growth or another deployment than the scene's; or the "
               "uncertainty is larger",
               {}},
@@ -248,7 +248,8 @@ void look_at_rest(const Trial& trial, const FitResult& corrected) {
         // A history says nothing of structure where nobody knows its noise and nothing is left over to speak
         // of.
         const double misfit = fit.rms / fit.measured.largest();
-        if (!(fit.structure < no_chance) || misfit < least_misfit || (fit.noise.given && chance >= no_chance))
+        if (!(fit.structure < smallest_p_value) || misfit < least_misfit ||
+            (fit.noise.given && p_value >= smallest_p_value))
             continue;
         take(calibration,
              {fmt::format("what is left over of the {} hangs together: {:.1f} % of its largest reading, with "

@@ -69,13 +69,13 @@ def ladder(tools):
         words = [tools.program, "ladder", DEMO, "--out", directory, "--json"]
         measured = json.loads(tools.run(words + (COARSE if tools.short else [])))
     rows = []
-    for rung in measured["rungs"]:
-        if rung["family"] not in ("closed form", "rom", "full") or "wall_s" not in rung:
+    for level in measured["rungs"]:
+        if level["family"] not in ("closed form", "rom", "full") or "wall_s" not in level:
             continue
-        error, estimate = rung.get("error"), rung.get("error_estimate")
-        name = rung["name"] + (", as given" if rung["as_given"] else "") + (": reference" if rung["is_reference"] else "")
+        error, estimate = level.get("error"), level.get("error_estimate")
+        name = level["name"] + (", as given" if level["as_given"] else "") + (": reference" if level["is_reference"] else "")
         text = share(error["value"]) if error else f"estimate {share(estimate['value'])}" if estimate else ""
-        rows.append([name, duration(rung["wall_s"]), text, (error or estimate or {"metric": ""})["metric"].replace("_", " ")])
+        rows.append([name, duration(level["wall_s"]), text, (error or estimate or {"metric": ""})["metric"].replace("_", " ")])
     return tools.made("twinchute ladder data/scenes/c9-inflation.toml") + table(["level", "time", "error", "in"], rows)
 
 

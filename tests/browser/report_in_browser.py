@@ -90,7 +90,7 @@ def canopy_plays(page):
 
 
 def ladder_is_shown(page):
-    expect(page.ask("document.querySelectorAll('#ladder tbody tr').length") > 20, "the ladder has its rungs")
+    expect(page.ask("document.querySelectorAll('#ladder tbody tr').length") > 20, "the ladder has its levels")
     centre(page, "#ladder svg")
     size = page.ask("(() => { const r = document.querySelector('#ladder svg').getBoundingClientRect(); return [r.width, r.height]; })()")
     expect(size[0] > 600 and size[1] > 300, f"the plot of the ladder is large enough to be read: {size}")

@@ -382,7 +382,7 @@ TEST(Layouts, ALoadThatIsNoNumberIsNotHidden) {
         }
 }
 
-TEST(Layouts, SubstepsOfLinesCountForTheLargestTension) {
+TEST(Layouts, SubcyclesOfLinesCountForTheLargestTension) {
     // The payload runs away at 10 m/s: lines are taut in the last subcycle of three as they were at no step.
     Scene scene = crane_drop({});
     scene.parachutes.front().deploy.by = DeployBy::line_stretch;

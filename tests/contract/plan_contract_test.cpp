@@ -195,16 +195,13 @@ std::size_t bytes_for(const Scene& scene, const std::string& name) {
 }
 
 TEST(PlanContract, WhatIsLeftOutHasNoBytes) {
-    for (const char* name : {"edges", "static line", "extraction", "accretion", "fabric springs"})
+    for (const char* name : {"edges", "static line", "extraction", "fabric springs"})
         EXPECT_EQ(bytes_for(bare(), name), 0u) << name;
     EXPECT_GT(bytes_for(rich(DeployBy::static_line), "edges"), 0u);
     EXPECT_GT(bytes_for(rich(DeployBy::static_line), "static line"), 0u);
     EXPECT_EQ(bytes_for(rich(DeployBy::static_line), "extraction"), 0u);
     EXPECT_GT(bytes_for(rich(DeployBy::extraction), "extraction"), 0u);
     EXPECT_EQ(bytes_for(rich(DeployBy::extraction), "static line"), 0u);
-    Scene accreting = bare();
-    accreting.aerodynamics.added_mass = {find_added_mass("hemisphere"), AddedMassMomentum::accreting};
-    EXPECT_GT(bytes_for(accreting, "accretion"), 0u);
     Scene rigid = inflated();
     EXPECT_GT(bytes_for(rigid, "payload tetrahedra"), 0u);
     rigid.payload.body->elasticity.reset();
@@ -223,7 +220,7 @@ double bytes_a_triangle(const Scene& scene) {
 
 /// Memory of a run of a medium mesh beside its history: at most 400 B a triangle. It had been 508 B while
 /// the state held forces that gore-batched have themselves, pressure and fabric drag each had an array, and
-/// so had images of nodes the velocities of half steps; pairs in contact were 17 B. Lanes without a gore
+/// so had halo nodes the velocities of half steps; pairs in contact were 17 B. Lanes without a gore
 /// count: eight lanes are the worst case.
 TEST(PlanContract, TheDemoIsHeldInFourHundredBytesATriangle) {
     for (const Scene& scene :

@@ -111,7 +111,8 @@ TEST_P(Sectors, AgreeWithTheUnstructuredLayout) {
 }
 
 constexpr Grading graded = Grading::graded, uniform = Grading::uniform;
-// Registers are full and not; elements fit runs or are loose; one gore a sector and several.
+// Registers are full and not; elements fit batches or are left to the remainder loop; one gore a sector and
+// several.
 const Case cases[] = {
     {"the_demo_under_one_riser", 28, 1, {2, 17, 31, 5, graded}, 20'000},
     {"the_demo", 28, 4, {2, 17, 31, 5, graded}, 3'000},

@@ -87,9 +87,9 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     close(reference.stable.lines, other.stable.lines, reference.stable.lines, "of lines");
     const EnergyTotals &rb = reference.in_subcycles.energy, &ob = other.in_subcycles.energy;
     const double booked = std::abs(rb.damping) + 0.01 * step_of_answers * (largest + of_strains);
-    close(rb.damping, ob.damping, 1e2 * booked, "damping in substeps");
-    close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in substeps");
-    close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in substeps");
+    close(rb.damping, ob.damping, 1e2 * booked, "damping in subcycles");
+    close(rb.gravity_work, ob.gravity_work, 10.0 * std::abs(rb.gravity_work), "gravity work in subcycles");
+    close(rb.drag_work, ob.drag_work, 10.0 * std::abs(rb.drag_work) + booked, "drag work in subcycles");
     EXPECT_LT((reference.in_subcycles.sums.system_velocity - other.in_subcycles.sums.system_velocity).norm(),
               rounding * 100.0);
     EXPECT_LT((reference.in_subcycles.sums.system_position - other.in_subcycles.sums.system_position).norm(),
@@ -107,7 +107,7 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     close(r.energy.kinetic, o.energy.kinetic, r.energy.kinetic + 1e2 * power * step_of_answers,
           "kinetic energy of the rule");
     close(rb.kinetic, ob.kinetic, rb.kinetic + 1e2 * (power * step_of_answers + booked),
-          "the same with substeps");
+          "the same with subcycles");
     const EnergiesAndStrains &rl = reference.levels, &ol = other.levels;
     close(rl.kinetic, ol.kinetic, rl.kinetic, "kinetic energy");
     // Strains are good to 2e-16; their squares, times the stiffest cable's EA and some metres of it, too.
@@ -124,11 +124,11 @@ inline void expect_same(const Answer& reference, const Answer& other, double sti
     close(r.largest.fabric_stress, o.largest.fabric_stress, r.largest.fabric_stress + 4e-4 * stiffest,
           "largest stress");
     close(reference.in_subcycles.largest.line_tension, other.in_subcycles.largest.line_tension,
-          reference.in_subcycles.largest.line_tension + 0.4 * stiffest, "largest tension in substeps");
+          reference.in_subcycles.largest.line_tension + 0.4 * stiffest, "largest tension in subcycles");
     const auto &rp = reference.in_subcycles.in_subcycles, &op = other.in_subcycles.in_subcycles;
     EXPECT_EQ(rp.count, 2);
     EXPECT_EQ(op.count, 2);
-    EXPECT_LT((rp.sum - op.sum).norm(), rounding * (largest + 4.0 * stiffest)) << "risers in substeps";
+    EXPECT_LT((rp.sum - op.sum).norm(), rounding * (largest + 4.0 * stiffest)) << "risers in subcycles";
     EXPECT_LT((r.sums.canopy_velocity - o.sums.canopy_velocity).norm(), rounding * 100.0);
     EXPECT_LT((r.sums.system_position - o.sums.system_position).norm(), rounding * 1000.0);
     EXPECT_LT((r.sums.canopy_area_velocity - o.sums.canopy_area_velocity).norm(), rounding * 100.0);

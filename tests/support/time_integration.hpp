@@ -15,10 +15,10 @@ namespace twinchute::test {
 
 /// Where a run has come to.
 struct Marched {
-    std::vector<double> unknowns;    ///< as Simulation::unknowns; empty where the integrator gave up
-    double force = 0.0;              ///< [N] what the risers pull on the payload
-    std::int64_t evaluations = 0;    ///< of all forces
-    std::int64_t line_substeps = 0;  ///< of lines alone, beyond those
+    std::vector<double> unknowns;     ///< as Simulation::unknowns; empty where the integrator gave up
+    double force = 0.0;               ///< [N] what the risers pull on the payload
+    std::int64_t evaluations = 0;     ///< of all forces
+    std::int64_t line_subcycles = 0;  ///< of lines alone, beyond those
     std::string failure = {};
 };
 
@@ -63,7 +63,7 @@ inline Marched by_own_steps(const Scene& scene, double end, double longest = INF
             const double until = k == even ? bend : begin + (bend - begin) * k / even;
             while (simulation.system().time < until) {
                 evaluate();
-                result.line_substeps += simulation.step().subcycles - 1;
+                result.line_subcycles += simulation.step().subcycles - 1;
                 simulation.step_to(until);
             }
         }

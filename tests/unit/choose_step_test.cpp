@@ -19,7 +19,7 @@ StepRules rules_with(int most_subcycles) {
     return rules;
 }
 
-TEST(ChooseStep, WithoutSubstepsItIsTheBoundTimesTheFactor) {
+TEST(ChooseStep, WithoutSubcyclesItIsTheBoundTimesTheFactor) {
     StepRules rules;
     rules.factor = 0.95;
     const ChosenStep step = choose_step(light_lines, rules);
@@ -34,7 +34,7 @@ TEST(ChooseStep, LinesThatHoldNothingBackTakeNone) {
     EXPECT_EQ(step.subcycles, 1);
 }
 
-TEST(ChooseStep, TakesSubstepsUntilTheCanopyHoldsItBack) {
+TEST(ChooseStep, TakesSubcyclesUntilTheCanopyHoldsItBack) {
     // Up to five, each makes the step longer by the first's length for an eighth of its cost; the sixth does
     // not.
     const ChosenStep step = choose_step(light_lines, rules_with(12));
@@ -42,13 +42,13 @@ TEST(ChooseStep, TakesSubstepsUntilTheCanopyHoldsItBack) {
     EXPECT_EQ(step.subcycles, 5);
 }
 
-TEST(ChooseStep, TakesNoMoreSubstepsThanItMay) {
+TEST(ChooseStep, TakesNoMoreSubcyclesThanItMay) {
     const ChosenStep step = choose_step(light_lines, rules_with(3));
     EXPECT_DOUBLE_EQ(step.dt, 3e-5);
     EXPECT_EQ(step.subcycles, 3);
 }
 
-TEST(ChooseStep, LeavesSubstepsThatMakeTooLittleOfIt) {
+TEST(ChooseStep, LeavesSubcyclesThatMakeTooLittleOfIt) {
     // Lines at 0.95 of the canopy's bound: the step would be 5 % longer and cost 12 % more.
     const ChosenStep step = choose_step({0.95e-5, 1e-5, 0.95e-5}, rules_with(12));
     EXPECT_EQ(step.subcycles, 1);
@@ -56,16 +56,16 @@ TEST(ChooseStep, LeavesSubstepsThatMakeTooLittleOfIt) {
 
 TEST(ChooseStep, KeepsLinesFromRinging) {
     StepRules rules = rules_with(12);
-    rules.quiet = 3e-5;
+    rules.resonance_limit = 3e-5;
     rules.factor = 0.5;
-    // The quiet step has its factor already: 2.5e-5 is below it, and 3.5e-5 is not.
+    // The resonance limit has its factor already: 2.5e-5 is below it, and 3.5e-5 is not.
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 2.5e-5);
     const ChosenStep longer = choose_step({1e-5, 7e-5, 1e-5}, rules);
     EXPECT_DOUBLE_EQ(longer.dt, 3e-5);
     EXPECT_EQ(longer.subcycles, 6);
     // Without subcycles nothing rings.
     rules.most_subcycles = 1;
-    rules.quiet = 1e-6;
+    rules.resonance_limit = 1e-6;
     EXPECT_DOUBLE_EQ(choose_step(light_lines, rules).dt, 0.5e-5);
 }
 
@@ -105,7 +105,7 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
         rules.factor = share(random);
         rules.chatters = k % 2 == 0;
         rules.share = share(random);
-        if (k % 3 == 0) rules.quiet = std::pow(10.0, decade(random));
+        if (k % 3 == 0) rules.resonance_limit = std::pow(10.0, decade(random));
         const ChosenStep step = choose_step(stable, rules);
         const double most = rules.factor * (1.0 + 1e-12);
         ASSERT_GT(step.dt, 0.0);
@@ -114,7 +114,7 @@ TEST(ChooseStep, IsNeverAboveAnyBound) {
             ASSERT_LE(step.dt, most * stable.all);
         } else {
             ASSERT_LE(step.dt, most * step.subcycles * stable.lines);
-            ASSERT_LE(step.dt, rules.quiet * (1.0 + 1e-12));
+            ASSERT_LE(step.dt, rules.resonance_limit * (1.0 + 1e-12));
         }
     }
 }

@@ -227,7 +227,7 @@ TEST_F(Inflow, AirAroundAppliesNoNetForce) {
 
 // --- runs --------------------------------------------------------------------------------------
 
-/// One sector: as axisymmetric as a mesh of gores is, so that nothing decides by chance.
+/// One sector: as axisymmetric as a mesh of gores is, so that nothing is random.
 Scene symmetric() {
     Scene scene = predicted(test::c9_scene(), 0.02);
     scene.full.symmetry = Symmetry::sector;

@@ -16,7 +16,7 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// A payload of 1 kg, which meets taut lines at the start: everything slaps and rings.
+/// A payload of 1 kg, which meets taut lines at the start: everything chatters and rings.
 Scene light_payload() {
     return read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
                       {"payload.mass='1 kg'", "full.mesh.gore_columns=2", "full.mesh.gore_rows=6",

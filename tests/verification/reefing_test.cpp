@@ -108,7 +108,7 @@ TEST(Reefing, EachStageHasALineOfItsOwnAndACutOneNeverComesTaut) {
 
 using test::predicted, test::run_full, test::run_rom;
 
-/// One sector, as axisymmetric as a mesh of gores is, and until full open no chance.
+/// One sector, as axisymmetric as a mesh of gores is, and not random until full open.
 Scene sector_that_fills(double initial_mouth = 0.02) {
     Scene scene = predicted(test::c9_scene(), initial_mouth);
     scene.full.symmetry = Symmetry::sector;

@@ -17,7 +17,7 @@ Scene scene_of(const char* file, const std::vector<std::string>& keys = {}) {
 }
 
 /// A mesh whose fabric could take steps three times as long as its lines while it is drawn out.
-Scene coarse_cloth() {
+Scene coarse_canopy() {
     return scene_of("crane-drop.toml", {"full.mesh.gore_columns=1", "full.mesh.gore_rows=6",
                                         "full.mesh.line_elements=4", "parachute.gores=4"});
 }
@@ -46,8 +46,8 @@ TEST(StiffLines, TakeStepsOfTheirOwnFromThePackOn) {
 }
 
 TEST(StiffLines, EitherTakesHalfOfItsBoundWhileItSlaps) {
-    Scene scene = coarse_cloth();
-    // Folded fabric does not slap. Of four gores of one column the closed canopy is shorter by cos 45 deg.
+    Scene scene = coarse_canopy();
+    // Folded fabric does not chatter. Of four gores of one column the closed canopy is shorter by cos 45 deg.
     scene.parachutes.front().deploy.pack_ratio = 0.95 * std::sqrt(2.0);
     Simulation simulation(scene);
     ASSERT_FALSE(simulation.system().folded);
@@ -62,7 +62,7 @@ TEST(StiffLines, EitherTakesHalfOfItsBoundWhileItSlaps) {
 TEST(StiffLines, CloseTheLedgerOfADropFromThePack) {
     // To 3.6e-4 of the drag work over seeds, as without subcycles; with the fabric at 0.95 of its bound
     // to 6.5e-4.
-    const RunRecord record = test::run_full(coarse_cloth());
+    const RunRecord record = test::run_full(coarse_canopy());
     EXPECT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
     EXPECT_LT(std::abs(record.energy->residual_fraction), 5e-4);
     EXPECT_GT(record.cost.steps, 0);

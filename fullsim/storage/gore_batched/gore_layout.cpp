@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
@@ -13,10 +12,12 @@
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/inflow.hpp"
+#include "fullsim/forces/node_loads.hpp"
 #include "fullsim/forces/registry.hpp"
-#include "fullsim/mesh/gore_contacts.hpp"
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/storage/gore_batched/gore_bound.hpp"
+#include "fullsim/storage/gore_batched/gore_elements.hpp"
 #include "fullsim/storage/gore_batched/gore_nodes.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"
 #include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
@@ -50,7 +51,6 @@ public:
           kernels_(kernels),
           tuner_(threads),
           gores_(std::move(gores)),
-          fabric_area_(mesh.fabric_area()),
           inflow_(InflowBalance::of(scene, mesh)),
           tethered_(!mesh.static_line.cables.empty()) {
         if (threads > 1) threads_ = std::make_unique<WorkerPool>(threads - 1);
@@ -74,12 +74,14 @@ public:
         };
         has_ = {};
         models_ = {&structure, &loads};
-        const auto has_row = [this](const auto& model) { return row_of(model->block()) != nullptr; };
-        has_.own_loops = !std::ranges::all_of(structure, has_row) || !std::ranges::all_of(loads, has_row);
+        const auto acts_by_itself = [this](const auto& model) {
+            return !row_of(model->block()) && !model->node_load();
+        };
+        has_.own_loops =
+            std::ranges::any_of(structure, acts_by_itself) || std::ranges::any_of(loads, acts_by_itself);
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
                                              what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
-        rows_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes, GoreNodes::What::row_sums);
         clear_forces(state, has_.own_loops ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
@@ -88,18 +90,14 @@ public:
         lines_row_ = nullptr;
         structure_.clear();
         loads_.clear();
-        tapes_.clear();
-        lines_.clear();
-        cords_.clear();
-        contacts_.clear();
-        global_.clear();
-        springs_ = {};
+        elements_ = {};
         make_nodes();
         sums_.assign(nodes_->frame.blocks, {});
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
                 const Row* row = row_of(model->block());
-                (models == &structure ? structure_ : loads_).push_back({row, model.get()});
+                (models == &structure ? structure_ : loads_)
+                    .push_back({row, model.get(), model->node_load()});
                 if (row) (this->*row->prepare)(*model);
             }
         has_.springs = acts(Block::fabric_springs);
@@ -107,34 +105,33 @@ public:
         has_.pressure = acts(Block::canopy_pressure);
         air_ = !has_.pressure ? AirOnFabric::none : inflow_ ? AirOnFabric::fills : AirOnFabric::pushes;
         has_.folds = acts(Block::deployment_resistance);
-        has_.breathing = acts(Block::breathing_damping);
-        has_.accretion = acts(Block::accretion);
-        has_.mass_damping = acts(Block::mass_damping);
         exchanged_ = {nodes_->frame.force};
         if (has_.air_on_fabric) exchanged_.push_back(nodes_->frame.aero);  // lines see no halo node
         if (has_.pressure) exchanged_.push_back(nodes_->frame.push);
-        weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
-        weigh_rows(state);
+        elements_.membranes_act = has_.membrane;
+        elements_.springs_act = has_.springs || has_.folds;
+        bound_ = std::make_unique<GoreBound>(mesh_, constants_, gores_, kernels_, elements_, node_);
+        bound_->begin(state, structure, node_loads_at(state).mass_damping);
     }
 
     void store(State& state) const override { nodes_->store(state); }
 
     std::vector<PlanArray> arrays() const override {
         std::vector<PlanArray> all;
-        add_bytes(all, "nodes of gores", nodes_->bytes() + rows_->bytes() + bytes_of(node_));
+        add_bytes(all, "nodes of gores", nodes_->bytes() + bound_->bytes_of_nodes() + bytes_of(node_));
         // Canopy pressure, fabric drag and membranes read the same constants of triangles.
-        add_bytes(all, "triangles", bytes_of(membrane_) + bytes_of(triangle_rows_));
+        add_bytes(all, "triangles", bytes_of(elements_.membrane) + bound_->bytes_of_triangles());
         // Springs and deployment resistance those of edges.
-        add_bytes(all, "edges", bytes_of(springs_) + bytes_of(spring_columns_));
-        add_bytes(all, "tapes", bytes_of(tapes_));
-        add_bytes(all, "lines", bytes_of(lines_));
-        add_bytes(all, "static line", bytes_of(cords_));
-        add_bytes(all, "gore contact", bytes_of(contacts_));
+        add_bytes(all, "edges", bytes_of(elements_.springs) + bound_->bytes_of_springs());
+        add_bytes(all, "tapes", bytes_of(elements_.tapes));
+        add_bytes(all, "lines", bytes_of(elements_.lines));
+        add_bytes(all, "static line", bytes_of(elements_.cords));
+        add_bytes(all, "gore contact", bytes_of(elements_.contacts));
         return all;
     }
 
     double membrane_energy(State& state) const override {
-        return kernels_.membrane_levels(nodes_->up_to_date(state), membrane_, fabric_).energy;
+        return kernels_.membrane_levels(nodes_->up_to_date(state), elements_.membrane, fabric_).energy;
     }
 
     EnergiesAndStrains levels(const State& state) const override {
@@ -153,15 +150,16 @@ public:
 
     double fabric_strain(const State& state) const override {
         double longest = -1.0;
-        for (const auto& [row, model] : structure_)
-            if (is_folding_fabric(model->block()))
-                longest = std::max(longest, (this->*row->levels)(state).strain);
+        for (const Acting& block : structure_)
+            if (is_folding_fabric(block.model->block()))
+                longest = std::max(longest, (this->*block.row->levels)(state).strain);
         return longest;
     }
 
     void evaluate(State& state, BlockClock& clock) override {
         count_time();
         use_air(state);
+        node_loads_ = {};
         const auto work = [this](const Row* row, const GoreFrame& part) {
             ElementSums& sums = sums_[part.first].of_row[row - rows.data()];
             sums = row->work ? (this->*row->work)(part) : ElementSums{};
@@ -184,6 +182,7 @@ public:
             for (const Acting& block : blocks)
                 clock.run([&] {
                     const auto* const row = block.row;
+                    if (block.load) return block.load->add_to(node_loads_, state);
                     if (!row) return block.model->add_forces(state);
                     if (!at_once && row->work) for_parts([&](const GoreFrame& part) { work(row, part); });
                     ElementSums total;
@@ -197,48 +196,26 @@ public:
         run(structure_);
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
         run(loads_);
+        damp_global(state);
         if (has_.own_loops) nodes_->scatter_add_forces(state);
         if (!at_once) for_parts([&](const GoreFrame& part) { reduce_block(part.first); });
     }
 
     CriticalSteps critical_steps(const State& state) override {
         if (has_.own_loops) {
-            weights_.renew(state);
             const double all =
-                critical_step(stored(state), constants_, *models_[0], *models_[1], weights_.by_node()).dt;
+                critical_step(stored(state), constants_, *models_[0], *models_[1], bound_->weights(state)).dt;
             return {all, all, all};  // without subcycles
         }
-        if (weights_.renew(state) || state.folded != folded_) weigh_rows(state);
-        const GoreFrame& sums = rows_->frame;
-        for (LocalNode n = 0; n < sums.nodes; ++n)
-            set_rows(n, slow_rows_[n < sums.own ? n : n - sums.own + gores_.own]);
+        const NodeLoads loads = node_loads_at(state);
+        bound_->renew(state, loads.mass_damping);
         fabric_.weight = state.fe_weight;
         for_parts([&](const GoreFrame& part) {
             nodes_->gather_halo(part.first);
-            if (has_.membrane) kernels_.membrane_rows(part, membrane_, triangle_rows_, fabric_.weight, sums);
-            if (has_.springs || has_.folds)
-                kernels_.spring_rows(part, springs_, edges(), spring_columns_, sums);
+            bound_->add_rows(part, fabric_, edges());
         });
-        kernels_.scatter_add_halo(sums, gores_.neighbour);
-        const double by_share = (has_.breathing ? breathing(state.air) : 0.0) +
-                                (has_.accretion ? state.accretion() : 0.0);
         find_inverse_inertia(state);
-        for (LocalNode n = 0; n < gores_.canopy; ++n)
-            node_damping_[n] = by_share * node_[n].share + by_mass() * node_[n].mass;
-        const auto bound = [&](LocalNode first, LocalNode last) {
-            return kernels_.critical_step(sums, inverse_inertia_, node_damping_, first, last);
-        };
-        const double inner = std::min(bound(0, gores_.inner), static_line_step_);
-        CriticalSteps steps;
-        steps.canopy = std::min(inner, bound(gores_.inner, gores_.canopy));
-        steps.lines = line_step_;
-        for (LocalNode n = gores_.inner; n < gores_.canopy; ++n) {
-            steps.lines = std::min(
-                steps.lines, critical_step_of(line_rows_[n][0], line_rows_[n][1], 1.0 / inverse_inertia_[n]));
-            add_rows(n, line_rows_[n]);
-        }
-        steps.all = std::min({inner, bound(gores_.inner, gores_.canopy), line_step_});
-        return steps;
+        return bound_->steps(inverse_inertia_, loads);
     }
 
     void advance(State& state, double dt, int subcycles, double next_added_mass) override {
@@ -268,6 +245,14 @@ public:
         step_.gravity = constants_.gravity;
         step_.halo = nodes_->halo();
         step_.pushed = has_.pressure;
+        step_.on_fabric = to_array(node_loads_.on_fabric);
+        step_.loads_fabric = !node_loads_.on_fabric.isZero(0.0);
+        step_.breathing = node_loads_.breathing;
+        step_.canopy_mean = to_array(node_loads_.canopy_mean);
+        step_.accretion = node_loads_.accretion;
+        step_.wind = to_array(node_loads_.wind);
+        step_.mass_damping = node_loads_.mass_damping;
+        step_.system_mean = to_array(node_loads_.system_mean);
         step_.halo_aero = has_.air_on_fabric;
         for_parts([&](const GoreFrame& part) {
             nodes_->receive_halo_forces(part.first, exchanged_);
@@ -305,8 +290,7 @@ public:
 
     void serialize(Archive& archive, const State& state) override {
         nodes_->serialize(archive);
-        weights_.serialize(archive);
-        if (archive.reads()) weigh_rows(state);
+        bound_->serialize(archive, state, node_loads_at(state).mass_damping);
     }
 
 private:
@@ -319,30 +303,31 @@ private:
         void (GoreLayout::*finish)(State&, const ElementSums&);
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 16> rows;
+    static const std::array<Row, 13> rows;
     const Row* row_of(Block block) const {
         // Tetrahedra act on nodes of the state, where there is a body at all.
         if (block == Block::payload_tetrahedra && mesh_.attachments.empty()) return nullptr;
         const auto row = std::ranges::find(rows, block, &Row::block);
         return row == rows.end() ? nullptr : &*row;
     }
-    /// A block of the stage. Without a row it acts by its own loop on the records of the state: slower, and
-    /// right.
+    /// A block of the stage. Without a row, and if it is no load on nodes, it acts by its own loop on the
+    /// records of the state: slower, and right.
     struct Acting {
         const Row* row;
         const ForceModel* model;
+        const NodeLoad* load;
     };
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
-        std::array<ElementSums, 16> of_row{};  // of the last pass of each row of the table
+        std::array<ElementSums, 13> of_row{};  // of the last pass of each row of the table
         GoreSums step;
     };
 
     struct Has {
         bool springs = false, membrane = false, pressure = false, folds = false, air_on_fabric = false;
         bool own_loops = false;  // of blocks without a row here
-        bool breathing = false, accretion = false, mass_damping = false, line_drag = false;
+        bool line_drag = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -427,7 +412,7 @@ private:
     GoreSubcycle subcycle_of(const State& state, double dt, int count, int k) const {
         return {node_,
                 inverse_inertia_,
-                lines_,
+                elements_.lines,
                 k == 0,
                 nodes_->halo()[gores_.inner],
                 subcycle(state, dt, count, k),
@@ -472,129 +457,21 @@ private:
         if (body_) body_->finish(state, dt);
     }
 
-    // --- the critical time step ------------------------------------------------------------------
-
-    using NodeRows = std::array<double, 2>;  // stiffness [N/m], damping [N s/m]
-
-    void set_rows(LocalNode n, const NodeRows& of_node) const {
-        for (int block = 0; block < rows_->frame.blocks; ++block)
-            for (int what = 0; what < 2; ++what)
-                std::fill_n(rows_->frame.x + rows_->frame.at(block, n) +
-                                static_cast<std::ptrdiff_t>(what) * rows_->frame.lanes,
-                            rows_->frame.lanes, of_node[what]);
-    }
-    void add_rows(LocalNode n, const NodeRows& of_node) const {
-        for (int gore = 0; gore < gores_.count; ++gore)
-            for (int what = 0; what < 2; ++what)
-                rows_->at(rows_->frame.x, n, gore, what) += of_node[what];
-    }
-
-    /// [1/s] mass damping.
-    double by_mass() const { return has_.mass_damping ? scene_.full.alpha : 0.0; }
-
-    /// Weight of a node in row sums.
-    double weight(LocalNode n) const {
-        const LocalNode first_shared = gores_.local_nodes() - static_cast<LocalNode>(gores_.shared.size());
-        if (n >= first_shared) return weights_.by_node()[gores_.shared[n - first_shared].front()];
-        return weights_.by_node()[gores_.node[n < gores_.own ? n : gores_.neighbour[n - gores_.own]]];
-    }
-    /// Computes the row sums of the blocks as they are now.
-    void weigh_rows(const State& state) {
-        folded_ = state.folded;
-        const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
-        triangle_rows_.clear();
-        if (has_.membrane) triangle_rows_.reserve(gores_.triangles.size());
-        for (const GoreTriangle& t : gores_.triangles) {
-            if (!has_.membrane) break;
-            const TriangleRows flat = unstrained_rows(law, {{}, t.a, t.b, t.c});
-            const std::array<double, 3> weights{weight(t.node[0]), weight(t.node[1]), weight(t.node[2])};
-            WeighedRows weighed{};
-            for (int i = 0; i < 3; ++i) {
-                weighed.stiffness[i] = flat.stiffness(i, weights);
-                weighed.damping[i] = flat.damping * weighed.stiffness[i];
-            }
-            triangle_rows_.push_back(weighed);
-        }
-        spring_columns_ = {};
-        for (const GoreEdge& e : gores_.edges) {
-            if (!has_.springs && !has_.folds) break;
-            const double ratio = weight(e.node[1]) / weight(e.node[0]);
-            spring_columns_.push_back({1.0 + ratio, 1.0 + 1.0 / ratio});
-        }
-        bound_cables(state);
-    }
-
-    /// Row sums that do not change: of cables, slack ones too, since they may pull tight any time. With them
-    /// the bounds of nodes that hold nothing else.
-    void bound_cables(const State& state) {
-        slow_rows_.assign(gores_.local_nodes(), {0.0, 0.0});
-        line_rows_ = slow_rows_;
-        node_damping_.assign(gores_.own, 0.0);
-        const auto collect = [](const std::vector<CableElement>& cables, std::vector<NodeRows>& of_nodes,
-                                auto&& weight_of) {
-            for (const CableElement& c : cables)
-                for (int end = 0; end < 2; ++end) {
-                    const LocalNode n = c.node[end];
-                    const double columns = 1.0 + weight_of(c.node[1 - end]) / weight_of(n);
-                    of_nodes[n][0] += columns * c.stiffness * c.inverse_length;
-                    of_nodes[n][1] += columns * c.dashpot;
-                }
-        };
-        const auto weighed = [this](LocalNode n) { return weight(n); };
-        const auto alike = [](LocalNode) { return 1.0; };
-        if (!folded_) collect(tapes_, slow_rows_, weighed);
-        collect(cords_, slow_rows_, weighed);
-        for (const ContactElement& pair : contacts_)
-            for (int end = 0; end < 2; ++end)
-                slow_rows_[pair.node[end]][0] += (1.0 + weight(pair.node[1 - end]) / weight(pair.node[end])) *
-                                                 contact_tangent(pair.stiffness);
-        collect(lines_, line_rows_, alike);
-
-        GershgorinSums global = no_rows(state, weights_.by_node());
-        for (const auto& cables : global_)
-            cables->add_row_sums(state, global);
-        for (std::size_t k = 0; k < gores_.shared.size(); ++k) {
-            const std::size_t n = gores_.own + gores_.neighbour.size() + k;
-            for (const NodeIndex i : gores_.shared[k]) {
-                global.stiffness[i] += slow_rows_[n][0] + line_rows_[n][0];
-                global.damping[i] += slow_rows_[n][1] + line_rows_[n][1];
-            }
-        }
-        line_step_ = static_line_step_ = std::numeric_limits<double>::infinity();
-        for (LocalNode n = gores_.canopy; n < gores_.own; ++n)
-            line_step_ = std::min(
-                line_step_, critical_step_of(line_rows_[n][0], line_rows_[n][1] + by_mass() * node_[n].mass,
-                                             node_[n].mass));
-        for (const NodeIndex i : gores_.global)
-            line_step_ =
-                std::min(line_step_, critical_step_of(global.stiffness[i],
-                                                      global.damping[i] + by_mass() * constants_.mass[i],
-                                                      constants_.mass[i]));
-        const auto& line = constants_.static_line_mass;
-        const std::size_t first = constants_.first_static_line();
-        for (std::size_t k = 0; k + 1 < line.size(); ++k)  // its anchor is not accelerated
-            static_line_step_ =
-                std::min(static_line_step_,
-                         critical_step_of(global.stiffness[first + k], global.damping[first + k], line[k]));
-    }
-
-    void nothing(const ForceModel&) {}
-    void book(State& state, const ElementSums& all) { state.damping_power += all.dissipated; }
-
     // --- fabric ---------------------------------------------------------------------------
 
+    void book(State& state, const ElementSums& all) { state.damping_power += all.dissipated; }
+
+    NodeLoads node_loads_at(const State& state) const {
+        NodeLoads loads;
+        for (const Acting& block : loads_)
+            if (block.load) block.load->add_to(loads, state);
+        return loads;
+    }
+
     void prepare_fabric(const ForceModel&) {
-        const MembraneLaw law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
-        membrane_.clear();
-        membrane_.reserve(gores_.triangles.size());
-        for (const GoreTriangle& t : gores_.triangles)
-            membrane_.push_back({{t.node[0], t.node[1], t.node[2]},
-                                 1.0 / t.a,
-                                 1.0 / t.c,
-                                 t.b / t.a,
-                                 0.5 * t.a * t.c,
-                                 law.viscosity * element_length({{}, t.a, t.b, t.c})});
-        fabric_ = {law};
+        elements_.law = membrane_law(mesh_.fabric, scene_.full.bulk_viscosity);
+        elements_.membrane = gore_membranes(gores_, elements_.law);
+        fabric_ = {elements_.law};
     }
 
     void use_air(const State& state) {
@@ -602,20 +479,21 @@ private:
         fabric_.radial_pressure = state.air.radial_pressure;
         fabric_.weight = state.fe_weight;
         wind_ = to_array(state.air.wind);
-        if (!contacts_.empty()) axis_ = axis(state);
+        if (!elements_.contacts.empty()) axis_ = axis(state);
         density_ = state.air.density;
         viscosity_ = state.air.viscosity;
     }
     EnergyAndStrain fabric_levels(const State& state) const {
         // Fabric that is held by springs still carries its share only.
-        EnergyAndStrain levels = kernels_.membrane_levels(nodes_->up_to_date(state), membrane_, fabric_);
+        EnergyAndStrain levels =
+            kernels_.membrane_levels(nodes_->up_to_date(state), elements_.membrane, fabric_);
         levels.energy *= state.fe_weight;
         levels.strain *= state.fe_weight;
         return levels;
     }
     /// Membranes, and the areas that pressure acts on with them.
     ElementSums stretch_membrane(const GoreFrame& part) const {
-        return kernels_.membrane[static_cast<int>(air_)](part, membrane_, fabric_);
+        return kernels_.membrane[static_cast<int>(air_)](part, elements_.membrane, fabric_);
     }
     void finish_membrane(State& state, const ElementSums& all) {
         fabric_sums_ = all;
@@ -623,18 +501,19 @@ private:
         book(state, all);
     }
     ElementSums find_areas(const GoreFrame& part) const {
-        return has_.membrane ? ElementSums{} : kernels_.air[static_cast<int>(air_)](part, membrane_, fabric_);
+        return has_.membrane ? ElementSums{}
+                             : kernels_.air[static_cast<int>(air_)](part, elements_.membrane, fabric_);
     }
     void finish_pressure(State& state, const ElementSums& all) {
         const ElementSums& areas = has_.membrane ? fabric_sums_ : all;
         if (inflow_) {
-            step_.residual_drag = to_array(inflow_->set_pressure(
-                state, areas, inflow_->mouth([this](std::size_t k) { return skirt_node(k); })));
+            node_loads_.on_fabric += inflow_->set_pressure(
+                state, areas, inflow_->mouth([this](std::size_t k) { return skirt_node(k); }));
         } else {
             state.air.projected_area = areas.positive_area;
             state.air.signed_area = areas.signed_area;
-            step_.residual_drag =
-                to_array(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+            node_loads_.on_fabric +=
+                set_pressure(state.air, smallest_projected_area(scene_.parachutes.front()));
         }
         step_.pressure = state.air.pressure;
     }
@@ -657,33 +536,24 @@ private:
         return node;
     }
     ElementSums drag_fabric(const GoreFrame& part) const {
-        return kernels_.fabric_drag(part, membrane_, {0.5 * density_ * deploy().drag_coefficient, wind_});
+        return kernels_.fabric_drag(part, elements_.membrane,
+                                    {0.5 * density_ * deploy().drag_coefficient, wind_});
     }
     void finish_fabric_drag(State& state, const ElementSums& all) {
         state.air.projected_area = all.positive_area;
     }
 
     void prepare_springs(const ForceModel&) {
-        springs_.clear();
-        for (const GoreEdge& e : gores_.edges) {
-            const SpringConstants k =
-                fabric_spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
-            springs_.push_back({{e.node[0], e.node[1]},
-                                k.inverse_length,
-                                k.stiffness,
-                                k.hardening,
-                                k.dashpot,
-                                fold_force(mesh_.fabric, e, deploy().deployment_resistance)});
-        }
+        elements_.springs = gore_springs(gores_, mesh_.fabric, scene_.full, deploy().deployment_resistance);
     }
     SpringPass edges() const {
-        return {deploy().compressive_stiffness_ratio, has_.springs, has_.folds, folded_};
+        return {deploy().compressive_stiffness_ratio, has_.springs, has_.folds, bound_->folded()};
     }
     ElementSums stretch_edges(const GoreFrame& part) const {
-        return kernels_.springs(part, springs_, edges());
+        return kernels_.springs(part, elements_.springs, edges());
     }
     EnergyAndStrain edge_levels(const State& state) const {
-        return kernels_.spring_levels(nodes_->up_to_date(state), springs_, edges());
+        return kernels_.spring_levels(nodes_->up_to_date(state), elements_.springs, edges());
     }
     /// Springs take the folds along: both need the same lengths.
     ElementSums hold_folds(const GoreFrame& part) const {
@@ -692,16 +562,7 @@ private:
 
     // --- contact --------------------------------------------------------------------------
 
-    void prepare_contacts(const ForceModel&) {
-        std::unordered_map<NodeIndex, LocalNode> local;
-        for (LocalNode n = 0; n < gores_.own; ++n)
-            local.emplace(gores_.node[n], n);
-        for (std::size_t k = 0; k < gores_.neighbour.size(); ++k)
-            local.emplace(gores_.node[gores_.own + gores_.neighbour[k]],
-                          gores_.own + static_cast<LocalNode>(k));
-        for (const auto& [node, stiffness] : local_contacts(mesh_, 1, local))
-            contacts_.push_back({{node[0], node[1]}, stiffness});
-    }
+    void prepare_contacts(const ForceModel&) { elements_.contacts = gore_contact_pairs(gores_, mesh_); }
     CanopyAxis axis(const State& state) const {
         return canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
     }
@@ -709,7 +570,7 @@ private:
         return {to_array(axis.canopy), to_array(axis.direction)};
     }
     ElementSums push_apart(const GoreFrame& part) const {
-        return kernels_.contacts(part, contacts_, contact_pass(axis_));
+        return kernels_.contacts(part, elements_.contacts, contact_pass(axis_));
     }
     void finish_contacts(State& state, const ElementSums& all) {
         const AxisReaction on = axis_reaction(axis_, Vec3(all.by_arm.data()), Vec3(all.by_turning.data()));
@@ -718,29 +579,22 @@ private:
         step_.contact_reaction = to_array(on.canopy / constants_.canopy_mass);
     }
     EnergyAndStrain contact_levels(const State& state) const {
-        return kernels_.contact_levels(nodes_->up_to_date(state), contacts_, contact_pass(axis(state)));
+        return kernels_.contact_levels(nodes_->up_to_date(state), elements_.contacts,
+                                       contact_pass(axis(state)));
     }
 
     // --- cables ---------------------------------------------------------------------------
 
-    CableElement cable(const GoreCable& c) const {
-        const Cable as_indexed{{c.node[0], c.node[1]}, c.rest_length, c.strands, c.kind};
-        const CableConstants k =
-            cable_constants(mesh_, as_indexed, scene_.full.bulk_viscosity, scene_.full.beta);
-        return {{c.node[0], c.node[1]}, 1.0 / c.rest_length, k.stiffness, k.dashpot};
-    }
     void prepare_tapes(const ForceModel&) {
-        for (const GoreCable& c : gores_.cables)
-            if (is_tape(c.kind)) tapes_.push_back(cable(c));
+        elements_.tapes = gore_cables(gores_.cables, is_tape, mesh_, scene_.full);
     }
-    ElementSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, tapes_); }
+    ElementSums stretch_tapes(const GoreFrame& part) const { return kernels_.cables(part, elements_.tapes); }
     EnergyAndStrain tape_levels(const State& state) const {
-        return kernels_.cable_levels(nodes_->up_to_date(state), tapes_);
+        return kernels_.cable_levels(nodes_->up_to_date(state), elements_.tapes);
     }
     void collect_lines() {
-        lines_.clear();
-        for (const GoreCable& c : gores_.cables)
-            if (!is_tape(c.kind)) lines_.push_back(cable(c));
+        const auto is_line = [](CableKind kind) { return !is_tape(kind); };
+        elements_.lines = gore_cables(gores_.cables, is_line, mesh_, scene_.full);
     }
     /// The air needs them, too.
     void prepare_line_drag(const ForceModel&) {
@@ -749,16 +603,16 @@ private:
     }
     void prepare_lines(const ForceModel&) {
         collect_lines();
-        global_.push_back(make_cables(mesh_, gores_.global_cables, Block::lines, scene_.full.bulk_viscosity,
-                                      scene_.full.beta));
-        risers_ = global_.back().get();
+        elements_.global.push_back(make_cables(mesh_, gores_.global_cables, Block::lines,
+                                               scene_.full.bulk_viscosity, scene_.full.beta));
+        risers_ = elements_.global.back().get();
         lines_row_ = &*std::ranges::find(rows, Block::lines, &Row::block);
         global_nodes_ = SubcycledNodes(gores_.global, mesh_.first_attachment(), mesh_.attachments.size());
     }
     /// Lines take their drag along: both need the same nodes.
     ElementSums stretch_lines(const GoreFrame& part) const {
         const bool drags = has_.line_drag && density_ > 0.0;  // no Reynolds number without air
-        return (drags ? kernels_.lines_with_drag : kernels_.lines)(part, lines_, line_air());
+        return (drags ? kernels_.lines_with_drag : kernels_.lines)(part, elements_.lines, line_air());
     }
     LineAir line_air() const {
         return {&drag_coefficient_, mesh_.cord(CableKind::line).diameter, density_, viscosity_, wind_};
@@ -775,29 +629,30 @@ private:
         line_damping_ = std::exchange(state.damping_power, others);
     }
     EnergyAndStrain line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->up_to_date(state), lines_), *risers_, state);
+        return with(kernels_.cable_levels(nodes_->up_to_date(state), elements_.lines), *risers_, state);
     }
     /// Lanes of gores, and what belongs to none.
     EnergyAndStrain with(EnergyAndStrain gores, const ForceModel& global, const State& state) const {
         return {gores.energy + global.energy(state), std::max(gores.strain, global.extreme(state).strain)};
     }
     void prepare_static_line(const ForceModel&) {
-        for (const GoreCable& c : gores_.static_line)
-            cords_.push_back(cable(c));
-        global_.push_back(make_cables(mesh_, gores_.global_static_line, Block::static_line,
-                                      scene_.full.bulk_viscosity, scene_.full.beta));
-        static_line_ = global_.back().get();
+        const auto any = [](CableKind) { return true; };
+        elements_.cords = gore_cables(gores_.static_line, any, mesh_, scene_.full);
+        elements_.global.push_back(make_cables(mesh_, gores_.global_static_line, Block::static_line,
+                                               scene_.full.bulk_viscosity, scene_.full.beta));
+        static_line_ = elements_.global.back().get();
     }
-    ElementSums stretch_cords(const GoreFrame& part) const { return kernels_.cables(part, cords_); }
+    ElementSums stretch_cords(const GoreFrame& part) const { return kernels_.cables(part, elements_.cords); }
     void finish_static_line(State& state, const ElementSums& all) {
         book(state, all);
         static_line_->add_forces(state);
     }
     EnergyAndStrain static_line_levels(const State& state) const {
-        return with(kernels_.cable_levels(nodes_->up_to_date(state), cords_), *static_line_, state);
+        return with(kernels_.cable_levels(nodes_->up_to_date(state), elements_.cords), *static_line_, state);
     }
     ElementSums drag_lines(const GoreFrame& part) const {
-        return lines_row_ || !(density_ > 0.0) ? ElementSums{} : kernels_.line_drag(part, lines_, line_air());
+        return lines_row_ || !(density_ > 0.0) ? ElementSums{}
+                                               : kernels_.line_drag(part, elements_.lines, line_air());
     }
     void finished(State&, const ElementSums&) {}
 
@@ -816,29 +671,18 @@ private:
     void finish_extraction(State& state, const ElementSums&) {
         step_.extraction = to_array(deploy().extraction.at(state.time) * trailing_direction(scene_));
     }
-    /// [N s/m] of the whole canopy.
-    double breathing(const AeroState& air) const {
-        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
-    }
-    void finish_breathing(State& state, const ElementSums&) {
-        step_.breathing = breathing(state.air);
-        step_.breathing_mean = to_array(state.sums.canopy_area_velocity);
-    }
-    void finish_accretion(State& state, const ElementSums&) {
-        step_.accretion = state.accretion();
-        step_.wind = to_array(state.air.wind);
-    }
-    void finish_mass_damping(State& state, const ElementSums&) {
-        step_.alpha = scene_.full.alpha;
-        step_.mean = to_array(state.sums.system_velocity);
-        const Lanes mean = to_lanes(state.sums.system_velocity);
+    /// Mass damping of what belongs to no gore.
+    void damp_global(State& state) const {
+        if (!(node_loads_.mass_damping > 0.0)) return;
+        const Lanes mean = to_lanes(node_loads_.system_mean);
         const NodeForces::View on_node = state.force.view();
         Lanes dissipated = splat(0.0);
         for (const NodeIndex i : gores_.global)
-            law::resist(step_.alpha * constants_.mass[i], state.node[i].v - mean, on_node[i].value,
-                        dissipated);
+            law::resist(node_loads_.mass_damping * constants_.mass[i], state.node[i].v - mean,
+                        on_node[i].value, dissipated);
         state.damping_power += sum3(dissipated);
     }
+
     // --- payload --------------------------------------------------------------------------
 
     void prepare_tetrahedra(const ForceModel& block) { tetrahedra_ = &block; }
@@ -855,40 +699,30 @@ private:
     std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
     std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
-    std::unique_ptr<GoreNodes> nodes_, rows_;  // all arrays, and row sums
-    double fabric_area_;                       // [m^2]
+    std::unique_ptr<GoreNodes> nodes_;
     std::optional<InflowBalance> inflow_;
     std::vector<std::array<int, 2>> skirt_;  // nodes around the mouth: local number, gore
     AirOnFabric air_ = AirOnFabric::none;
     bool tethered_;                               // to a static line
     std::array<const ForceModels*, 2> models_{};  // of the stage: structure, loads
     std::vector<Acting> structure_, loads_;
+    NodeLoads node_loads_;  // of the step
     Has has_;
     std::vector<double*> exchanged_;  // arrays in which gores add to the halo node of the next one's seam
 
-    std::vector<MembraneElement> membrane_;
+    GoreElements elements_;
+    std::unique_ptr<GoreBound> bound_;
     MembranePass fabric_;
     ElementSums fabric_sums_;  // of the last pass over membranes
     std::vector<SumsOfBlock> sums_;
     std::array<double, 3> wind_{};            // [m/s] at the canopy
     double density_ = 0.0, viscosity_ = 0.0;  // of the air [kg/m^3], [Pa s]
-    std::vector<SpringElement> springs_;
-    std::vector<CableElement> tapes_, lines_, cords_;
-    std::vector<ContactElement> contacts_;
-    CanopyAxis axis_{};  // of the step
+    CanopyAxis axis_{};                       // of the step
     CylinderDragTable drag_coefficient_;
     std::vector<GoreNode> node_;
-    std::vector<double> inverse_inertia_, node_damping_;
-    double inertia_with_ = -1.0;                   // [kg] of added mass
-    std::vector<NodeRows> slow_rows_, line_rows_;  // of each local node: tapes and cords, lines
-    double line_step_ = 0.0,
-           static_line_step_ = 0.0;  // [s] bounds of line, link and riser nodes; of its nodes
-    PerronScaling weights_;
-    bool folded_ = false;  // the fabric, for the bound
-    std::vector<WeighedRows> triangle_rows_;
-    std::vector<std::array<double, 2>> spring_columns_;
+    std::vector<double> inverse_inertia_;
+    double inertia_with_ = -1.0;  // [kg] of added mass
     GoreAdvance step_;
-    ForceModels global_;  // cables that belong to no gore
     const Row* lines_row_ = nullptr;
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
@@ -896,7 +730,7 @@ private:
                      *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 16> GoreLayout::rows{{
+const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
     {Block::membrane, &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane,
      &GoreLayout::finish_membrane, &GoreLayout::fabric_levels},
     {Block::fabric_springs, &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
@@ -918,10 +752,7 @@ const std::array<GoreLayout::Row, 16> GoreLayout::rows{{
     {Block::deployment_resistance, &GoreLayout::prepare_springs, &GoreLayout::hold_folds, &GoreLayout::book},
     {Block::extraction, &GoreLayout::prepare_extraction, nullptr, &GoreLayout::finish_extraction},
     {Block::line_drag, &GoreLayout::prepare_line_drag, &GoreLayout::drag_lines, &GoreLayout::finished},
-    {Block::breathing_damping, &GoreLayout::nothing, nullptr, &GoreLayout::finish_breathing},
     {Block::payload_drag, &GoreLayout::prepare_payload_drag, nullptr, &GoreLayout::finish_payload_drag},
-    {Block::accretion, &GoreLayout::nothing, nullptr, &GoreLayout::finish_accretion},
-    {Block::mass_damping, &GoreLayout::nothing, nullptr, &GoreLayout::finish_mass_damping},
 }};
 
 }  // namespace

@@ -109,16 +109,13 @@ struct GoreAdvance {
     double kick = 0.0, dt = 0.0;               ///< [s] between half steps, and of the step
     double gravity = 0.0;                      ///< [m/s^2]
     double pressure = 0.0;                     ///< [Pa] on `push`
-    std::array<double, 3> residual_drag{};     ///< [N] on the canopy by share
+    bool loads_fabric = false;                 ///< by a force
+    std::array<double, 3> on_fabric{};         ///< [N] on the canopy by share
     bool has_contact_reaction = false;         ///< by contacts,
     std::array<double, 3> contact_reaction{};  ///< [m/s^2] of the canopy, by what they push off on its axis
     std::array<double, 3> extraction{};        ///< [N]
-    double breathing = 0.0;  ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
-    std::array<double, 3> breathing_mean{};  ///< [m/s]
-    double alpha = 0.0;                      ///< [1/s] about `mean`
-    std::array<double, 3> mean{};            ///< [m/s]
-    double accretion = 0.0;        ///< [kg/s] of the whole canopy, by share, from the wind's velocity
-    std::array<double, 3> wind{};  ///< [m/s]
+    double breathing = 0.0, accretion = 0.0, mass_damping = 0.0;  ///< as NodeLoads
+    std::array<double, 3> canopy_mean{}, wind{}, system_mean{};   ///< likewise [m/s]
 };
 
 struct GoreSums {

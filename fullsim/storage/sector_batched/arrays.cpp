@@ -54,18 +54,18 @@ template <std::size_t corners>
 struct SectorArrays::Group {
     std::array<std::int32_t, corners> node{};
     std::vector<int> element;
-    bool loose = false;
+    bool in_remainder = false;
 };
 
 /// Runs as long as there are any. What would leave most of a register empty, at the end of a run or alone,
-/// becomes loose; of chains, which pull on their nodes more often, single elements alone.
+/// goes to the remainder loop; of chains, which pull on their nodes more often, single elements alone.
 template <std::size_t corners>
 std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
     const std::vector<std::array<LocalNode, corners>>& elements, std::vector<NodeCopy>& copies, bool chains) {
     Remaining<corners> remaining(elements);
     std::vector<Group<corners>> all;
-    Group<corners> loose;
-    loose.loose = true;
+    Group<corners> remainder;
+    remainder.in_remainder = true;
     for (const Nodes<corners>& start : elements) {
         Nodes<corners> before = start;
         for (LocalNode& n : before)
@@ -77,21 +77,21 @@ std::vector<SectorArrays::Group<corners>> SectorArrays::groups(
         const auto count = static_cast<int>(run.element.size()), left = count % lanes_;
         if (left <= lanes_ / 4 && !(chains && count > 1))
             for (int k = 0; k < left; ++k) {
-                loose.element.push_back(run.element.back());
+                remainder.element.push_back(run.element.back());
                 run.element.pop_back();
             }
         if (!run.element.empty()) all.push_back(std::move(run));
     }
-    if (!loose.element.empty()) {
-        for (auto& first : loose.node) {
+    if (!remainder.element.empty()) {
+        for (auto& first : remainder.node) {
             first = nodes_;
-            nodes_ += padded(static_cast<int>(loose.element.size()));
+            nodes_ += padded(static_cast<int>(remainder.element.size()));
         }
         for (std::size_t c = 0; c < corners; ++c)
-            for (std::size_t k = 0; k < loose.element.size(); ++k)
+            for (std::size_t k = 0; k < remainder.element.size(); ++k)
                 copies.push_back(
-                    {loose.node[c] + static_cast<std::int32_t>(k), elements[loose.element[k]][c]});
-        all.push_back(std::move(loose));
+                    {remainder.node[c] + static_cast<std::int32_t>(k), elements[remainder.element[k]][c]});
+        all.push_back(std::move(remainder));
     }
     return all;
 }
@@ -102,16 +102,16 @@ int SectorArrays::lanes_in(const std::vector<Group<corners>>& groups) const {
     int registers = 0;
     for (const auto& group : groups)
         registers += padded(static_cast<int>(group.element.size())) / lanes_;
-    return (registers + ways_ - 1) / ways_ * ways_ * lanes_;
+    return (registers + unroll_factor_ - 1) / unroll_factor_ * unroll_factor_ * lanes_;
 }
 
 SectorArrays::SectorArrays(const Sector& sector, const Mesh& mesh, const NodeConstants& constants,
                            const FullSettings& settings, int lanes, int unroll_factor)
-    : lanes_(lanes), ways_(unroll_factor), nodes_(sector.nodes()) {
+    : lanes_(lanes), unroll_factor_(unroll_factor), nodes_(sector.nodes()) {
     lay_triangles(sector, membrane_law(mesh.fabric, settings.bulk_viscosity));
     lay_cables(sector, mesh, settings.bulk_viscosity, settings.beta);
     if (settings.contact == Contact::gores) lay_contacts(sector, mesh);
-    lay_images(sector);
+    lay_halo(sector);
     lay_nodes(sector, constants);
     collect_sources(sector);
 }
@@ -123,14 +123,14 @@ std::vector<PlanArray> SectorArrays::sizes() const {
     add_bytes(all, "tapes", tape_constants_.bytes());
     add_bytes(all, "lines", cord_constants_.bytes() + line_rows_.bytes());
     add_bytes(all, "gore contact", contact_rows_.bytes());
-    add_bytes(all, "buffers", stream_rows_.bytes());
+    add_bytes(all, "buffers", buffer_rows_.bytes());
     return all;
 }
 
 /// Before and behind it lie zeros, as many as a register has: nodes may ask beyond its ends.
-std::int32_t SectorArrays::new_stream(int elements) {
-    const std::int32_t at = streams_ + lanes_;
-    streams_ = at + padded(elements);
+std::int32_t SectorArrays::new_buffer(int elements) {
+    const std::int32_t at = buffers_ + lanes_;
+    buffers_ = at + padded(elements);
     return at;
 }
 
@@ -170,7 +170,7 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
         const auto count = static_cast<int>(group.element.size());
         std::array<std::int32_t, 4> element_force;
         for (std::int32_t& s : element_force)
-            s = new_stream(count);
+            s = new_buffer(count);
         const std::int32_t push = element_force[3];
         for (int k = 0; k < count; ++k) {
             const GoreTriangle& t = sector.triangles[group.element[k]];
@@ -185,7 +185,7 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
             rows[half][at] = 0.5;
         }
         for (int c = 0; c < 3; ++c) {
-            if (!group.loose) {
+            if (!group.in_remainder) {
                 acts_.push_back(
                     {c == 0 ? Act::What::plus : Act::What::minus, element_force[c], group.node[c], count});
                 acts_.push_back({Act::What::push, push, group.node[c], count});
@@ -232,12 +232,12 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
     line_rows_ = AlignedRows(1, lanes_in(of_lines));
     const auto lay_all = [&](const std::vector<GoreCable>& cables, const std::vector<Group<2>>& all,
                              AlignedRows& rows, std::vector<CableBatch>& batches,
-                             std::vector<RemainderPull>& loose, Act::What plus, Act::What minus,
+                             std::vector<RemainderPull>& remainder, Act::What plus, Act::What minus,
                              std::vector<CableTangent>& tangents) {
         std::int32_t first = 0;
         for (const auto& group : all) {
             const auto count = static_cast<int>(group.element.size());
-            const std::int32_t element_force = new_stream(count);
+            const std::int32_t element_force = new_buffer(count);
             for (int k = 0; k < count; ++k) {
                 const GoreCable& c = cables[group.element[k]];
                 const CableConstants constants = cable_constants(
@@ -249,11 +249,11 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
                 rows[rest_length][at] = c.rest_length;
                 rows[line][at] = c.kind == CableKind::line ? 1.0 : 0.0;
                 tangents.push_back({c.node, constants.stiffness / c.rest_length, constants.dashpot});
-                if (group.loose)
+                if (group.in_remainder)
                     for (int end = 0; end < 2; ++end)
-                        loose.push_back({element_force + k, c.node[end], end == 0 ? 1.0 : -1.0});
+                        remainder.push_back({element_force + k, c.node[end], end == 0 ? 1.0 : -1.0});
             }
-            if (!group.loose) {
+            if (!group.in_remainder) {
                 acts_.push_back({plus, element_force, group.node[0], count});
                 acts_.push_back({minus, element_force, group.node[1], count});
             }
@@ -272,11 +272,11 @@ void SectorArrays::lay_cables(const Sector& sector, const Mesh& mesh, double bul
     std::int32_t first = 0;
     for (const auto& group : of_lines) {
         const auto count = static_cast<int>(group.element.size());
-        const std::int32_t element_force = new_stream(count);
+        const std::int32_t element_force = new_buffer(count);
         std::fill_n(line_rows_[0] + first, count, 1.0);
         for (int end = 0; end < 2; ++end) {
-            if (!group.loose) acts_.push_back({aero, element_force, group.node[end], count});
-            for (int k = 0; group.loose && k < count; ++k)
+            if (!group.in_remainder) acts_.push_back({aero, element_force, group.node[end], count});
+            for (int k = 0; group.in_remainder && k < count; ++k)
                 plan.remainder_lines.push_back({element_force + k, lines[group.element[k]].node[end], 1.0});
         }
         lay<2, 1>(plan.lines, group, {element_force});
@@ -292,7 +292,7 @@ void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
         local.emplace(sector.node[n], n);
     for (std::size_t k = 0; k < sector.seam.size(); ++k)
         local.emplace(sector.node[sector.own + sector.seam[k]],
-                      sector.first_image() + static_cast<LocalNode>(k));
+                      sector.first_halo() + static_cast<LocalNode>(k));
     const auto pairs = local_contacts(mesh, sector.gores, local);
     std::vector<Nodes<2>> nodes;
     for (const auto& pair : pairs) {
@@ -304,14 +304,14 @@ void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
     std::int32_t first = 0;
     for (const auto& group : all) {
         const auto count = static_cast<int>(group.element.size());
-        const std::array<std::int32_t, 2> element_force{new_stream(count), new_stream(count)};
+        const std::array<std::int32_t, 2> element_force{new_buffer(count), new_buffer(count)};
         for (int k = 0; k < count; ++k) {
             const auto& [node, stiffness] = pairs[group.element[k]];
             contact_rows_[0][first + k] = stiffness;
-            for (int end = 0; group.loose && end < 2; ++end)
+            for (int end = 0; group.in_remainder && end < 2; ++end)
                 plan.remainder_contacts.push_back({element_force[end] + k, node[end], -1.0});
         }
-        for (int end = 0; !group.loose && end < 2; ++end)
+        for (int end = 0; !group.in_remainder && end < 2; ++end)
             acts_.push_back({Act::What::minus, element_force[end], group.node[end], count});
         lay(plan.contacts, group, element_force);
         first += padded(count);
@@ -320,22 +320,22 @@ void SectorArrays::lay_contacts(const Sector& sector, const Mesh& mesh) {
     frame.contact = contact_rows_[0];
 }
 
-void SectorArrays::lay_images(const Sector& sector) {
-    SeamImages& images = plan.images;
-    images.seam = sector.seam.front();
-    images.image = sector.first_image();
-    images.nodes = static_cast<std::int32_t>(sector.seam.size());
-    images.cosine = std::cos(sector.turn);
-    images.sine = std::sin(sector.turn);
-    images.pull = new_stream(padded(images.nodes + (ways_ - 1) * lanes_));  // written interleaved
-    images.push = new_stream(padded(images.nodes + (ways_ - 1) * lanes_));
-    acts_.push_back({Act::What::plus, images.pull, images.seam, images.nodes});
-    acts_.push_back({Act::What::push, images.push, images.seam, images.nodes});
+void SectorArrays::lay_halo(const Sector& sector) {
+    SeamHalo& halo = plan.halo;
+    halo.seam = sector.seam.front();
+    halo.first = sector.first_halo();
+    halo.nodes = static_cast<std::int32_t>(sector.seam.size());
+    halo.cosine = std::cos(sector.turn);
+    halo.sine = std::sin(sector.turn);
+    halo.pull = new_buffer(padded(halo.nodes + (unroll_factor_ - 1) * lanes_));  // written interleaved
+    halo.push = new_buffer(padded(halo.nodes + (unroll_factor_ - 1) * lanes_));
+    acts_.push_back({Act::What::plus, halo.pull, halo.seam, halo.nodes});
+    acts_.push_back({Act::What::push, halo.push, halo.seam, halo.nodes});
 }
 
 void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constants) {
     // A register that has no node of its own reads and writes behind the last.
-    const std::size_t length = nodes_ + ways_ * lanes_, buffers = streams_ + ways_ * lanes_;
+    const std::size_t length = nodes_ + unroll_factor_ * lanes_, buffers = buffers_ + unroll_factor_ * lanes_;
     node_arrays_ = AlignedRows(27, length);
     int row = 0;
     for (Components* array : {&frame.x, &frame.v, &frame.v_half, &frame.pull, &frame.push, &frame.aero,
@@ -345,11 +345,11 @@ void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constant
     frame.inverse = node_arrays_[row++];
     for (double*& extra : frame.row_extra)
         extra = node_arrays_[row++];
-    stream_rows_ = AlignedRows(5, buffers);
+    buffer_rows_ = AlignedRows(5, buffers);
     for (int c = 0; c < 3; ++c)
-        frame.element_force[c] = stream_rows_[c];
+        frame.element_force[c] = buffer_rows_[c];
     for (int what = 0; what < 2; ++what)
-        frame.element_rows[what] = stream_rows_[3 + what];
+        frame.element_rows[what] = buffer_rows_[3 + what];
 
     enum : int {
         mass,
@@ -386,10 +386,10 @@ void SectorArrays::lay_nodes(const Sector& sector, const NodeConstants& constant
 }
 
 void SectorArrays::weigh(const Sector& sector, const std::vector<double>& weight) {
-    const SeamImages& images = plan.images;
+    const SeamHalo& halo = plan.halo;
     const auto own = [&](LocalNode n) {
-        const bool image = images.image <= n && n < images.image + images.nodes;
-        return image ? n - images.image + images.seam : n;
+        const bool in_halo = halo.first <= n && n < halo.first + halo.nodes;
+        return in_halo ? n - halo.first + halo.seam : n;
     };
     const auto of = [&](LocalNode n) { return weight[own(n)]; };
     for (const UnstrainedRow& row : unstrained_) {
@@ -444,8 +444,8 @@ NodeSources SectorArrays::sources_of(int first, int nodes) {
     s.cord_minus = collect(Act::What::cord_plus);
     s.end = collect(Act::What::cord_minus);
     const auto touched = [&](std::initializer_list<const std::vector<RemainderPull>*> all) {
-        return std::ranges::any_of(all, [&](const auto* loose) {
-            return std::ranges::any_of(*loose, [&](const RemainderPull& pull) {
+        return std::ranges::any_of(all, [&](const auto* remainder) {
+            return std::ranges::any_of(*remainder, [&](const RemainderPull& pull) {
                 return first <= pull.to && pull.to < first + nodes;
             });
         });
@@ -462,15 +462,15 @@ void SectorArrays::collect_sources(const Sector& sector) {
         if (pull.to == sector.payload()) payload.push_back(pull);
         return pull.to == sector.payload();
     });
-    SeamImages& images = plan.images;
-    for (int n = 0; n < images.nodes; n += lanes_)
-        images.sources.push_back(sources_of(images.image + n, std::min(lanes_, images.nodes - n)));
-    pair_up(images.sources);
+    SeamHalo& halo = plan.halo;
+    for (int n = 0; n < halo.nodes; n += lanes_)
+        halo.sources.push_back(sources_of(halo.first + n, std::min(lanes_, halo.nodes - n)));
+    pair_up(halo.sources);
     for (int n = 0; n < sector.own; n += lanes_)
         plan.own.push_back(sources_of(n, std::min(lanes_, sector.own - n)));
     pair_up(plan.own);
     for (std::size_t k = 0; k < plan.own.size(); ++k) {
-        const auto first = static_cast<std::int32_t>(k / ways_ * ways_) * lanes_;
+        const auto first = static_cast<std::int32_t>(k / unroll_factor_ * unroll_factor_) * lanes_;
         if ((plan.own[k].cord_plus < plan.own[k].end || plan.own[k].remainder_cord) &&
             (plan.on_cord.empty() || plan.on_cord.back() != first))
             plan.on_cord.push_back(first);

@@ -39,7 +39,7 @@ public:
     SectorArrays& operator=(const SectorArrays&) = delete;
 
     /// Row sums of everything unstrained with these weights of nodes (PerronScaling), by local node; those of
-    /// images are their nodes'. To be called before any bound is asked for.
+    /// halo nodes are those of the nodes themselves. To be called before any bound is asked for.
     void weigh(const Sector& sector, const std::vector<double>& weight);
 
     /// Row sums of cords alone, whose nodes weigh the same [N/m], [N s/m]; by node, the payload the last.
@@ -55,7 +55,7 @@ public:
     /// Saves or restores the data that a step leaves behind.
     void serialize(Archive& archive) {
         archive.numbers("nodes of the sector", node_arrays_.all());
-        archive.numbers("buffers", stream_rows_.all());
+        archive.numbers("buffers", buffer_rows_.all());
     }
 
     SectorFrame frame;
@@ -71,7 +71,7 @@ private:
     void lay_triangles(const Sector& sector, const MembraneLaw& law);
     void lay_cables(const Sector& sector, const Mesh& mesh, double bulk_viscosity, double beta);
     void lay_contacts(const Sector& sector, const Mesh& mesh);
-    void lay_images(const Sector& sector);
+    void lay_halo(const Sector& sector);
     void lay_nodes(const Sector& sector, const NodeConstants& constants);
     void collect_sources(const Sector& sector);
     NodeSources sources_of(int first, int nodes);
@@ -80,25 +80,25 @@ private:
     template <std::size_t corners, std::size_t buffers>
     void lay(std::vector<ElementBatch<corners, buffers>>& batches, const Group<corners>& group,
              const std::array<std::int32_t, buffers>& element_force) const;
-    std::int32_t new_stream(int elements);
+    std::int32_t new_buffer(int elements);
     int padded(int elements) const { return (elements + lanes_ - 1) / lanes_ * lanes_; }
     /// Filled up, so that all have their partners.
     template <class T>
     void pair_up(std::vector<T>& of_registers) const {
-        while (of_registers.size() % ways_ != 0)
+        while (of_registers.size() % unroll_factor_ != 0)
             of_registers.emplace_back();
     }
 
-    /// A element_force and the nodes on which it acts.
+    /// A buffer of forces and the nodes on which it acts.
     struct Act {
         enum class What { plus, minus, push, aero, cord_plus, cord_minus } what;
         std::int32_t element_force, node;
         int elements;
     };
     std::vector<Act> acts_;
-    int lanes_, ways_;
+    int lanes_, unroll_factor_;
     int nodes_;                 // with copies
-    std::int32_t streams_ = 0;  // length of a row of all buffers so far
+    std::int32_t buffers_ = 0;  // length of a row of all buffers so far
     struct UnstrainedRow {
         int at, triangle;
         TriangleRows of_triangle;
@@ -112,7 +112,7 @@ private:
     static constexpr int first_stiffness_row = 6;  // of a triangle's, in triangle_rows_; damping behind it
     static constexpr int cable_stiffness_row = 7;  // in node_rows_, likewise; those of cords behind these
     AlignedRows triangle_rows_, tape_constants_, cord_constants_, line_rows_, contact_rows_, node_rows_,
-        node_arrays_, stream_rows_;
+        node_arrays_, buffer_rows_;
 };
 
 }  // namespace twinchute::fullsim

@@ -358,16 +358,16 @@ HWY_INLINE void renew(const SectorFrame& f, const std::vector<NodeCopy>& copies)
 }
 
 void refresh(const SectorFrame& f, const SectorPlan& plan) {
-    const SeamImages& images = plan.images;
-    const Vec cosine = all(images.cosine), sine = all(images.sine);
+    const SeamHalo& halo = plan.halo;
+    const Vec cosine = all(halo.cosine), sine = all(halo.sine);
     for (const Components* array : {&f.x, &f.v}) {
         const Components& a = *array;
         // The last register reaches over copies, which are renewed next.
-        for (std::int32_t n = 0; n < images.nodes; n += lanes_of_all) {
-            const Vec3s image = turned(anywhere3(a, images.seam + n), cosine, sine);
-            put_anywhere(image.x, a[0] + images.image + n);
-            put_anywhere(image.y, a[1] + images.image + n);
-            put_anywhere(image.z, a[2] + images.image + n);
+        for (std::int32_t n = 0; n < halo.nodes; n += lanes_of_all) {
+            const Vec3s turned_node = turned(anywhere3(a, halo.seam + n), cosine, sine);
+            put_anywhere(turned_node.x, a[0] + halo.first + n);
+            put_anywhere(turned_node.y, a[1] + halo.first + n);
+            put_anywhere(turned_node.z, a[2] + halo.first + n);
         }
     }
     renew(f, plan.copies);
@@ -383,19 +383,18 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
     scatter_add_remainder(f.element_force, f.aero, plan.remainder_lines);
 
     const Vec zero = all(0.0);
-    const SeamImages& images = plan.images;
-    const Vec cosine = all(images.cosine), back = all(-images.sine);
-    for_nodes(images.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
-        const ForcesOn on = forces_on(f, plan, sources, images.image + n);
-        put3(turned(on.pull, cosine, back), f.element_force, images.pull + n);
-        put3(turned(on.push, cosine, back), f.element_force, images.push + n);
+    const SeamHalo& halo = plan.halo;
+    const Vec cosine = all(halo.cosine), back = all(-halo.sine);
+    for_nodes(halo.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
+        const ForcesOn on = forces_on(f, plan, sources, halo.first + n);
+        put3(turned(on.pull, cosine, back), f.element_force, halo.pull + n);
+        put3(turned(on.push, cosine, back), f.element_force, halo.push + n);
     });
 
     const Vec kick = all(step.kick), dt = all(step.dt), half_dt = all(0.5 * step.dt);
     const Vec first_kick = all(step.first.kick), shorter = all(step.first.dt - step.dt),
               half_first = all(0.5 * step.first.dt), later = all(step.only ? 0.0 : 1.0);
-    const Vec pressure = all(step.pressure), residual_drag = all(step.residual_drag),
-              gravity = all(step.gravity);
+    const Vec pressure = all(step.pressure), on_fabric = all(step.on_fabric), gravity = all(step.gravity);
     const Vec added_mass = all(step.added_mass);
     const NodeRows& k = f.node;
     Vec canopy_position = zero, canopy_velocity = zero, position = zero, velocity = zero,
@@ -409,16 +408,17 @@ SectorSums advance(const SectorFrame& f, const SectorPlan& plan, const SectorAdv
         const ForcesOn on = forces_on(f, plan, sources, n);
         const Vec mass = load(k.mass + n), share = load(k.share + n), canopy = load(k.canopy_mass + n);
         Vec3s aero = on.aero + pressure * on.push;
-        aero.z += share * residual_drag;
+        aero.z += share * on_fabric;
         Vec3s force = on.pull;
         const Vec3s v = aligned3(f.v, n);
         if (step.breathing > 0.0)
-            resist(share * all(step.breathing), Vec3s{v.x, v.y, v.z - all(step.breathing_mean)}, force,
+            resist(share * all(step.breathing), Vec3s{v.x, v.y, v.z - all(step.canopy_mean)}, force,
                    dissipated);
         if (step.accretion > 0.0)
             accrete(share * all(step.accretion), Vec3s{zero, zero, zero}, v, force, accretion_power);
-        if (step.alpha > 0.0)
-            resist(mass * all(step.alpha), Vec3s{v.x, v.y, v.z - all(step.mean)}, force, dissipated);
+        if (step.mass_damping > 0.0)
+            resist(mass * all(step.mass_damping), Vec3s{v.x, v.y, v.z - all(step.system_mean)}, force,
+                   dissipated);
         Vec3s total = force + aero;
         total.z = total.z - mass * gravity;
         const Vec inverse = all(1.0) / (load(k.inertia + n) + share * added_mass);
@@ -540,10 +540,10 @@ SectorBounds critical_step(const SectorFrame& f, const SectorPlan& plan, double 
         }
         return rows;
     };
-    const SeamImages& images = plan.images;
-    for_nodes(images.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
+    const SeamHalo& halo = plan.halo;
+    for_nodes(halo.sources, [&](const NodeSources* sources, std::int32_t n) HWY_ATTR {
         for (int what = 0; what < 2; ++what)
-            store(rows_of(sources, what, images.image + n), f.element_rows[what] + images.pull + n);
+            store(rows_of(sources, what, halo.first + n), f.element_rows[what] + halo.pull + n);
     });
     const NodeRows& k = f.node;
     const Vec one = all(1.0);

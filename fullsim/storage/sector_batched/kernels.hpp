@@ -43,10 +43,10 @@ struct NodeSources {
     bool remainder_cord = false;  ///< remainder cords do
 };
 
-/// The first seam and its images, each in consecutive nodes.
-struct SeamImages {
-    std::int32_t seam = 0, image = 0, nodes = 0;
-    std::int32_t pull = 0, push = 0;   ///< buffers: what acts on the images, turned back
+/// The first seam and its halo nodes, each in consecutive nodes.
+struct SeamHalo {
+    std::int32_t seam = 0, first = 0, nodes = 0;
+    std::int32_t pull = 0, push = 0;   ///< buffers: what acts on the halo nodes, turned back
     double cosine = 1.0, sine = 0.0;   ///< of the turn from one sector to the next
     std::vector<NodeSources> sources;  ///< of each register, none behind the last where it has no partner
 };
@@ -70,7 +70,7 @@ struct SectorPlan {
     std::vector<NodeSources> own;  ///< of each register of own nodes, none behind the last likewise
     std::vector<std::int32_t>
         on_cord;  ///< first own nodes of interleaved registers that have a node on a cord
-    SeamImages images;
+    SeamHalo halo;
     std::vector<std::int32_t> sources;
     std::vector<NodeCopy> copies, cord_copies;
     std::vector<RemainderPull> remainder_triangles, remainder_tapes, remainder_cords, remainder_contacts,
@@ -129,12 +129,9 @@ struct SectorAdvance {
     double gravity = 0.0;                      ///< [m/s^2]
     double added_mass = 0.0;                   ///< [kg] of the whole canopy, by share, as all of these:
     double pressure = 0.0;                     ///< [Pa]
-    double residual_drag = 0.0;                ///< [N] upwards
-    double breathing = 0.0;                    ///< [N s/m] about `breathing_mean`
-    double breathing_mean = 0.0;               ///< [m/s] upwards
-    double alpha = 0.0;                        ///< [1/s] about `mean`
-    double mean = 0.0;                         ///< [m/s] upwards
-    double accretion = 0.0;                    ///< [kg/s] from air at rest
+    /// As NodeLoads, upwards where they have a direction; accretion from air at rest.
+    double on_fabric = 0.0, breathing = 0.0, canopy_mean = 0.0, accretion = 0.0, mass_damping = 0.0,
+           system_mean = 0.0;
 };
 
 /// A further one of nodes on cords. half_step: [s] half of the whole step in its last, else nothing.
@@ -173,7 +170,7 @@ struct SectorKernels {
     SectorSums (*advance)(const SectorFrame&, const SectorPlan&, const SectorAdvance&);
     /// Cords as they are, and the nodes on them.
     SectorSums (*subcycle)(const SectorFrame&, const SectorPlan&, const SectorSubcycle&);
-    /// Images and copies are where their nodes are.
+    /// Puts halo nodes and copies where their nodes are.
     void (*refresh)(const SectorFrame&, const SectorPlan&);
     /// The least over own nodes; node damping by share of the fabric's area and by mass [N s/m], [1/s].
     SectorBounds (*critical_step)(const SectorFrame&, const SectorPlan&, double added_mass,

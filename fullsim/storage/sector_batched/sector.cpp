@@ -148,7 +148,7 @@ private:
         const auto k = static_cast<std::size_t>(n - gores_.own);
         if (k >= gores_.neighbour.size()) return link_;
         return g + 1 < sector_.gores ? place_[g + 1][gores_.neighbour[k]]
-                                     : sector_.first_image() + static_cast<LocalNode>(k);
+                                     : sector_.first_halo() + static_cast<LocalNode>(k);
     }
 
     void collect_elements() {

@@ -14,7 +14,7 @@ namespace twinchute::fullsim {
 /// The smallest sector: one gore under a single riser, else the gores of one riser. Its nodes are numbered
 /// one column of the canopy after the other, from vent to skirt and on along the line, link and riser at the
 /// end: so that elements of a kind that follow each other have nodes that do. After its own nodes come the
-/// payload, and the images of its first seam: the next sector's.
+/// payload, and the halo nodes of its first seam: the next sector's.
 struct Sector {
     int count = 0;      ///< of sectors
     int gores = 0;      ///< in each of them
@@ -25,12 +25,12 @@ struct Sector {
 
     std::vector<NodeIndex> node;  ///< [sector * own + own node]: in the mesh; on the axis the same in all
     std::vector<bool> on_axis;    ///< own nodes that all sectors share
-    std::vector<LocalNode> seam;  ///< own nodes whose images follow the payload
+    std::vector<LocalNode> seam;  ///< own nodes whose halo nodes follow the payload
     std::vector<GoreTriangle> triangles;
     std::vector<GoreCable> cables;  ///< tapes, lines, and the riser with as many strands as are this sector's
 
     LocalNode payload() const { return own; }
-    LocalNode first_image() const { return own + 1; }
+    LocalNode first_halo() const { return own + 1; }
     int nodes() const { return own + 1 + static_cast<int>(seam.size()); }
 };
 

@@ -10,6 +10,7 @@
 
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/inflow.hpp"
+#include "fullsim/forces/node_loads.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/storage/sector_batched/arrays.hpp"
@@ -47,7 +48,7 @@ private:
 
 class SectorLayout final : public Layout {
 public:
-    static bool knows(Block block) { return std::ranges::find(rows, block, &Row::block) != rows.end(); }
+    static bool knows(Block block) { return row_of(block) != nullptr; }
 
     SectorLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants, Sector sector,
                  const SectorKernels& kernels)
@@ -61,7 +62,6 @@ public:
           name_(sector_.gores == 1 ? fmt::format("one gore of {}, sector-batched", sector_.count)
                                    : fmt::format("{} gores of {}, sector-batched", sector_.gores,
                                                  sector_.gores * sector_.count)),
-          fabric_area_(mesh.fabric_area()),
           smallest_area_(smallest_projected_area(scene.parachutes.front())),
           line_diameter_(mesh.cord(CableKind::line).diameter),
           axis_(mesh.axis.z() > 0.0 ? 1.0 : -1.0),
@@ -89,15 +89,11 @@ public:
         loads_.clear();
         for (const ForceModels* models : {&structure, &loads})
             for (const auto& model : *models) {
-                const auto row = std::ranges::find(rows, model->block(), &Row::block);
-                (models == &structure ? structure_ : loads_).push_back(row);
-                if (row->block == Block::payload_drag) payload_drag_ = model.get();
+                const Row* row = model->node_load() ? nullptr : row_of(model->block());
+                (models == &structure ? structure_ : loads_).push_back({row, model.get()});
             }
         weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
         weigh_rows();
-        has_breathing_ = acts(Block::breathing_damping);
-        has_accretion_ = acts(Block::accretion);
-        has_mass_damping_ = acts(Block::mass_damping);
     }
 
     int sectors() const override { return sector_.count; }
@@ -125,8 +121,8 @@ public:
                 sector_.count * kernels_.kinetic(arrays_.frame, arrays_.plan, state.added_mass),
             0.0,
             {}};
-        for (const Row* row : structure_) {
-            const EnergyAndStrain of_row = (this->*row->levels)();
+        for (const Acting& block : structure_) {
+            const EnergyAndStrain of_row = (this->*block.row->levels)();
             levels.elastic += of_row.energy;
             levels.strain.push_back(of_row.strain);
         }
@@ -134,12 +130,17 @@ public:
     }
 
     void evaluate(State& state, BlockClock& clock) override {
-        for (const Row* row : structure_)
-            clock.run([&] { (this->*row->add)(state); });
+        node_loads_ = {};
+        for (const Acting& block : structure_)
+            clock.run([&] { (this->*block.row->add)(state); });
         state.force[mesh_.payload()].value = pull_ = pull_on_payload();
         state.riser_force = to_vec3(state.force[mesh_.payload()].value);
-        for (const Row* row : loads_)
-            clock.run([&] { (this->*row->add)(state); });
+        for (const Acting& block : loads_)
+            clock.run([&] {
+                if (!block.row) return block.model->node_load()->add_to(node_loads_, state);
+                block.row->add ? (this->*block.row->add)(state) : block.model->add_forces(state);
+            });
+        damp_payload(state);
     }
 
     /// A pack has no sectors.
@@ -147,9 +148,10 @@ public:
 
     CriticalSteps critical_steps(const State& state) override {
         if (weights_.renew(state)) weigh_rows();
-        const double by_share = (has_breathing_ ? breathing(state.air) : 0.0) +
-                                (has_accretion_ ? state.accretion() : 0.0);
-        const double by_mass = has_mass_damping_ ? scene_.full.alpha : 0.0;
+        NodeLoads loads;
+        for (const Acting& block : loads_)
+            if (const NodeLoad* load = block.model->node_load()) load->add_to(loads, state);
+        const double by_share = loads.damping_by_share(), by_mass = loads.mass_damping;
         const double payload_mass = constants_.mass[mesh_.payload()];
         const NodeRows& rows_of = arrays_.frame.node;
         const double payload = critical_step_of(
@@ -190,6 +192,12 @@ public:
         step_.last_line_dt = state.line_dt;
         step_.gravity = constants_.gravity;
         step_.added_mass = state.added_mass;
+        step_.on_fabric = node_loads_.on_fabric.z();
+        step_.breathing = node_loads_.breathing;
+        step_.canopy_mean = node_loads_.canopy_mean.z();
+        step_.accretion = node_loads_.accretion;
+        step_.mass_damping = node_loads_.mass_damping;
+        step_.system_mean = node_loads_.system_mean.z();
         const SectorSums one = kernels_.advance(arrays_.frame, arrays_.plan, step_);
         sums.drag_power += up(all * one.drag_power);
         sums.momentum += up(all * one.momentum);
@@ -230,12 +238,18 @@ private:
     /// How a block of the registry acts on a sector. None other may act: see check_scene.
     struct Row {
         Block block;
-        void (SectorLayout::*add)(State&);
+        void (SectorLayout::*add)(State&);                          // null: by its own loop, on the payload
         EnergyAndStrain (SectorLayout::*levels)() const = nullptr;  // of structure
     };
-    static const std::array<Row, 10> rows;
-
-    bool acts(Block block) const { return std::ranges::find(loads_, block, &Row::block) != loads_.end(); }
+    static const std::array<Row, 7> rows;
+    static const Row* row_of(Block block) {
+        const auto row = std::ranges::find(rows, block, &Row::block);
+        return row == rows.end() ? nullptr : &*row;
+    }
+    struct Acting {
+        const Row* row;  // none of a load on nodes
+        const ForceModel* model;
+    };
 
     void weigh_rows() {
         std::vector<double> weight;
@@ -330,11 +344,11 @@ private:
             all.area[2] = sector_.count * fabric_.area[2];  // across, they cancel
             all.swept = sector_.count * fabric_.swept;
             const Mouth mouth = inflow_->mouth([this](std::size_t k) { return skirt_node(k); });
-            step_.residual_drag = inflow_->set_pressure(state, all, mouth).z();
+            node_loads_.on_fabric += inflow_->set_pressure(state, all, mouth);
         } else {
             state.air.projected_area = sector_.count * fabric_.positive_area;
             state.air.signed_area = sector_.count * fabric_.signed_area;
-            step_.residual_drag = set_pressure(state.air, smallest_area_).z();
+            node_loads_.on_fabric += set_pressure(state.air, smallest_area_);
         }
         step_.pressure = state.air.pressure;
     }
@@ -355,25 +369,15 @@ private:
         kernels_.line_drag(arrays_.frame, arrays_.plan,
                            {&drag_coefficient_, line_diameter_, state.air.density, state.air.viscosity, {}});
     }
-    /// [N s/m] of the whole canopy.
-    double breathing(const AeroState& air) const {
-        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
-    }
-    void add_breathing(State& state) {
-        step_.breathing = breathing(state.air);
-        step_.breathing_mean = state.sums.canopy_area_velocity.z();
-    }
-    void add_accretion(State& state) { step_.accretion = state.accretion(); }
-    void add_mass_damping(State& state) {
-        step_.alpha = scene_.full.alpha;
-        step_.mean = state.sums.system_velocity.z();
+    void damp_payload(State& state) const {
+        if (!(node_loads_.mass_damping > 0.0)) return;
         const NodeIndex payload = mesh_.payload();
         Lanes dissipated = splat(0.0);
-        law::resist(step_.alpha * constants_.mass[payload], state.node[payload].v - up(step_.mean),
-                    state.force[payload].value, dissipated);
+        law::resist(node_loads_.mass_damping * constants_.mass[payload],
+                    state.node[payload].v - up(node_loads_.system_mean.z()), state.force[payload].value,
+                    dissipated);
         state.damping_power += sum3(dissipated);
     }
-    void add_payload_drag(State& state) { payload_drag_->add_forces(state); }
 
     const Scene& scene_;
     const Mesh& mesh_;
@@ -384,16 +388,15 @@ private:
     std::vector<Turn> turns_;  // to each sector
     MembranePass membranes_;
     std::string name_;
-    double fabric_area_, smallest_area_;  // [m^2] of the whole canopy
-    double line_diameter_;                // [m]
-    double axis_;                         // 1 where the canopy is above the payload, else -1
+    double smallest_area_;  // [m^2] of the whole canopy
+    double line_diameter_;  // [m]
+    double axis_;           // 1 where the canopy is above the payload, else -1
     std::vector<SectorArrays::CordRow> cord_rows_;
     Lanes pull_ = splat(0.0);    // [N] of all cords on the payload at the time of the forces
     double line_damping_ = 0.0;  // [W] by all cords, likewise or in the last subcycle
     CylinderDragTable drag_coefficient_;
-    std::vector<const Row*> structure_, loads_;
-    bool has_breathing_ = false, has_accretion_ = false, has_mass_damping_ = false;
-    const ForceModel* payload_drag_ = nullptr;
+    std::vector<Acting> structure_, loads_;
+    NodeLoads node_loads_;  // of the step
     PerronScaling weights_;
     ElementSums fabric_;  // of the sector
     std::optional<InflowBalance> inflow_ = InflowBalance::of(scene_, mesh_);
@@ -401,17 +404,14 @@ private:
     SectorAdvance step_;
 };
 
-const std::array<SectorLayout::Row, 10> SectorLayout::rows{{
+const std::array<SectorLayout::Row, 7> SectorLayout::rows{{
     {Block::membrane, &SectorLayout::add_membrane, &SectorLayout::fabric_levels},
     {Block::tapes, &SectorLayout::add_tapes, &SectorLayout::tape_levels},
     {Block::lines, &SectorLayout::add_cords, &SectorLayout::line_levels},
     {Block::gore_contact, &SectorLayout::add_contacts, &SectorLayout::contact_levels},
     {Block::canopy_pressure, &SectorLayout::add_pressure},
     {Block::line_drag, &SectorLayout::add_line_drag},
-    {Block::breathing_damping, &SectorLayout::add_breathing},
-    {Block::payload_drag, &SectorLayout::add_payload_drag},
-    {Block::accretion, &SectorLayout::add_accretion},
-    {Block::mass_damping, &SectorLayout::add_mass_damping},
+    {Block::payload_drag, nullptr},
 }};
 
 }  // namespace
@@ -420,7 +420,8 @@ std::unique_ptr<Layout> make_sector_layout(const Scene& scene, const Mesh& mesh,
                                            const NodeConstants& constants, std::string* why,
                                            const SectorKernels* kernels) {
     for (const ForceBlock& block : force_blocks())
-        if (!SectorLayout::knows(block.block) && !stages_with(block, scene).empty()) {
+        if (!SectorLayout::knows(block.block) && !stages_with(block, scene).empty() &&
+            !block.make(scene, mesh)->node_load()) {
             if (why) *why = fmt::format("'{}' acts on all of it", block.name);
             return nullptr;
         }

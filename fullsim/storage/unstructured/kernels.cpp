@@ -340,15 +340,15 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
     RowSums4 sums = all_sums;
     const Row none = row_of(0.0);
     const Row kick = row_of(step.kick), dt = row_of(step.dt), half_dt = row_of(0.5 * step.dt);
-    const Row pressure = row_of(step.pressure), residual_drag = row_from(step.residual_drag);
+    const Row pressure = row_of(step.pressure), on_fabric = row_from(step.on_fabric);
     const Row fall = row_from({0.0, 0.0, -step.gravity, 0.0});
-    const Row breathing_mean = row_from(step.breathing_mean), mean = row_from(step.mean);
+    const Row canopy_mean = row_from(step.canopy_mean), system_mean = row_from(step.system_mean);
     const Row wind = row_from(step.wind);
     // Copies, which no store to a node can change.
     const double *const masses = step.mass.data(), *const shares = step.share.data();
     double *const records = step.record, *const v_halves = step.v_half;
     const double added_mass = step.added_mass, breathing = step.breathing, accretion = step.accretion;
-    const double alpha = step.alpha;
+    const double mass_damping = step.mass_damping;
     for (std::size_t i = first; i < last; ++i) {
         const double mass = masses[i];
         double* const x_at = records + 8 * i;
@@ -364,14 +364,15 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
         if constexpr (canopy) {
             share = shares[i];
             inertia += share * added_mass;
-            aero += pressure * load_row(nodes.push + 4 * i) + share * residual_drag;
+            aero += pressure * load_row(nodes.push + 4 * i) + share * on_fabric;
             store_row(none, nodes.push + 4 * i);
             if (breathing > 0.0)
-                resist(share * breathing, load_row(v_at) - breathing_mean, force, sums.dissipated);
+                resist(share * breathing, load_row(v_at) - canopy_mean, force, sums.dissipated);
             if (more && accretion > 0.0)
                 accrete(share * accretion, wind, load_row(v_at), force, sums.accretion_power);
         }
-        if (more && alpha > 0.0) resist(alpha * mass, load_row(v_at) - mean, force, sums.dissipated);
+        if (more && mass_damping > 0.0)
+            resist(mass_damping * mass, load_row(v_at) - system_mean, force, sums.dissipated);
         const Row m = row_of(mass);
         const Row acceleration = (1.0 / inertia) * (force + aero + m * fall);
         const Row before = load_row(v_half_at), after = kicked(before, acceleration, kick);
@@ -420,8 +421,8 @@ Sums advance_all(Nodes nodes, const Advance& step) {
 }
 
 Sums advance(Nodes nodes, const Advance& step) {
-    return step.alpha > 0.0 || step.accretion > 0.0 ? advance_all<true>(nodes, step)
-                                                    : advance_all<false>(nodes, step);
+    return step.mass_damping > 0.0 || step.accretion > 0.0 ? advance_all<true>(nodes, step)
+                                                           : advance_all<false>(nodes, step);
 }
 
 }  // namespace

@@ -52,25 +52,21 @@ struct Bound {
 
 /// One step of nodes of the system.
 struct Advance {
-    std::size_t first = 0, last = 0;        ///< those
-    double* record = nullptr;               ///< as Nodes
-    double* v_half = nullptr;               ///< [m/s] 4 a node
-    std::span<const double> mass, share;    ///< as NodeConstants
-    std::size_t canopy = 0;                 ///< nodes, the first ones
-    std::size_t first_aero = 0;             ///< nodes before it have nothing in `aero`
-    double added_mass = 0.0;                ///< [kg] by share
-    double kick = 0.0, dt = 0.0;            ///< [s] between half steps, and of the step
-    bool weighs = false;                    ///< as EnergyTotals
-    double last_dt = 0.0;                   ///< [s] of the step before
-    double gravity = 0.0;                   ///< [m/s^2]
-    double pressure = 0.0;                  ///< [Pa] on `push`
-    std::array<double, 4> residual_drag{};  ///< [N] on the canopy by share
-    double breathing = 0.0;                 ///< [N s/m] of the whole canopy, by share, about `breathing_mean`
-    std::array<double, 4> breathing_mean{};  ///< [m/s]
-    double alpha = 0.0;                      ///< [1/s] about `mean`
-    std::array<double, 4> mean{};            ///< [m/s]
-    double accretion = 0.0;        ///< [kg/s] of the whole canopy, by share, from the wind's velocity
-    std::array<double, 4> wind{};  ///< [m/s]
+    std::size_t first = 0, last = 0;                              ///< those
+    double* record = nullptr;                                     ///< as Nodes
+    double* v_half = nullptr;                                     ///< [m/s] 4 a node
+    std::span<const double> mass, share;                          ///< as NodeConstants
+    std::size_t canopy = 0;                                       ///< nodes, the first ones
+    std::size_t first_aero = 0;                                   ///< nodes before it have nothing in `aero`
+    double added_mass = 0.0;                                      ///< [kg] by share
+    double kick = 0.0, dt = 0.0;                                  ///< [s] between half steps, and of the step
+    bool weighs = false;                                          ///< as EnergyTotals
+    double last_dt = 0.0;                                         ///< [s] of the step before
+    double gravity = 0.0;                                         ///< [m/s^2]
+    double pressure = 0.0;                                        ///< [Pa] on `push`
+    std::array<double, 4> on_fabric{};                            ///< [N] on the canopy by share
+    double breathing = 0.0, accretion = 0.0, mass_damping = 0.0;  ///< as NodeLoads
+    std::array<double, 4> canopy_mean{}, wind{}, system_mean{};   ///< likewise [m/s]
 };
 
 /// By component, times mass or share as StepSums.

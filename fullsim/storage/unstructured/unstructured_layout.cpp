@@ -10,10 +10,12 @@
 #include "fullsim/forces/canopy_pressure.hpp"
 #include "fullsim/forces/gore_contact.hpp"
 #include "fullsim/forces/inflow.hpp"
+#include "fullsim/forces/node_loads.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
 #include "fullsim/mesh/gore_contacts.hpp"
 #include "fullsim/storage/layout.hpp"
+#include "fullsim/storage/unstructured/element_list.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "fullsim/time/critical_step.hpp"
 #include "fullsim/time/node_mover.hpp"
@@ -39,57 +41,6 @@ double* doubles(std::vector<Record>& records) {
     return reinterpret_cast<double*>(records.data());
 }
 
-/// Elements one after the other, as the kernels want them in groups.
-class ElementList {
-public:
-    /// padding: constants of an element without effect.
-    template <std::size_t corners, std::size_t constants>
-    void begin(std::size_t count, int lanes, NodeIndex dummy, const std::array<double, constants>& padding) {
-        const std::size_t width = static_cast<std::size_t>(lanes);
-        lanes_ = width, corners_ = corners, constants_ = constants;
-        groups_ = (count + width - 1) / width;
-        node_.assign(groups_ * corners * width, row_offset(dummy));
-        node_.shrink_to_fit();
-        constant_.assign((groups_ * constants * width + Line{}.size() - 1) / Line{}.size(), Line{});
-        constant_.shrink_to_fit();
-        for (std::size_t i = count; i < groups_ * width; ++i)
-            set_constants(i, padding);
-    }
-
-    template <std::size_t corners, std::size_t constants>
-    void set(std::size_t i, const std::array<NodeIndex, corners>& node,
-             const std::array<double, constants>& constant) {
-        for (std::size_t c = 0; c < corners; ++c)
-            node_[(i / lanes_ * corners_ + c) * lanes_ + i % lanes_] = row_offset(node[c]);
-        set_constants(i, constant);
-    }
-
-    std::size_t bytes() const { return bytes_of(node_) + bytes_of(constant_); }
-
-    unstructured::Elements elements() const {
-        return {groups_, node_.data(), constant_.empty() ? nullptr : constant_.front().data()};
-    }
-
-private:
-    struct alignas(64) Line : std::array<double, 8> {};  // of a cache
-
-    static std::int32_t row_offset(NodeIndex node) {
-        return node * static_cast<std::int32_t>(sizeof(NodeVector));
-    }
-
-    template <std::size_t constants>
-    void set_constants(std::size_t i, const std::array<double, constants>& constant) {
-        for (std::size_t c = 0; c < constants; ++c) {
-            const std::size_t at = (i / lanes_ * constants_ + c) * lanes_ + i % lanes_;
-            constant_[at / Line{}.size()][at % Line{}.size()] = constant[c];
-        }
-    }
-
-    std::size_t groups_ = 0, lanes_ = 1, corners_ = 0, constants_ = 0;
-    std::vector<std::int32_t> node_;
-    std::vector<Line> constant_;
-};
-
 class UnstructuredLayout final : public Layout {
 public:
     UnstructuredLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
@@ -98,7 +49,6 @@ public:
           mesh_(mesh),
           constants_(constants),
           kernels_(kernels),
-          fabric_area_(mesh.fabric_area()),
           inflow_(InflowBalance::of(scene, mesh)) {}
 
     std::string_view name() const override { return "unstructured"; }
@@ -123,10 +73,10 @@ public:
             for (const auto& model : *models) {
                 const auto row = std::ranges::find(rows, model->block(), &Row::block);
                 const bool has_row = row != rows.end();
-                acts_.push_back({has_row ? row->add : nullptr, model.get()});
+                acts_.push_back({has_row ? row->add : nullptr, model.get(), model->node_load()});
                 if (has_row)
                     (this->*row->prepare)();
-                else if (models == &loads)
+                else if (models == &loads && !model->node_load())
                     first_aero_ = std::min(first_aero_, model->first_node());
             }
         if (springs_.springs || springs_.folds) prepare_edges();
@@ -163,11 +113,15 @@ public:
     double fabric_strain(const State& state) const override { return fabric_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
+        node_loads_ = {};
         for (std::size_t k = 0; k < acts_.size(); ++k) {
             if (k == structure_->size()) state.riser_force = to_vec3(state.force[mesh_.payload()].value);
             const Acting& block = acts_[k];
-            // Blocks that act on a few nodes have no kernel.
-            clock.run([&] { block.add ? (this->*block.add)(state) : block.model->add_forces(state); });
+            clock.run([&] {
+                if (block.load) return block.load->add_to(node_loads_, state);
+                // Blocks that act on a few nodes have no kernel.
+                block.add ? (this->*block.add)(state) : block.model->add_forces(state);
+            });
         }
         if (acts_.size() == structure_->size())
             state.riser_force = to_vec3(state.force[mesh_.payload()].value);
@@ -186,15 +140,17 @@ public:
         if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
         kernels_.cable_rows(cords_.elements(), rows_out);
         for (const Acting& block : acts_)
-            if (!block.add || block.add == &UnstructuredLayout::add_contacts)
+            if ((!block.add && !block.load) || block.add == &UnstructuredLayout::add_contacts)
                 block.model->add_row_sums(state, sums);
 
         GershgorinSums& pulled = cleared(pulled_sums_, state);
         pulled.weight.assign(state.node.size(), 1.0);
         unstructured::Bound bound{constants_.mass, constants_.share, state.added_mass};
-        bound.by_share = (has_.breathing ? breathing(state.air) : 0.0) +
-                         (has_.accretion ? state.accretion() : 0.0);
-        bound.by_mass = has_.mass_damping ? scene_.full.alpha : 0.0;
+        NodeLoads loads;
+        for (const Acting& block : acts_)
+            if (block.load) block.load->add_to(loads, state);
+        bound.by_share = loads.damping_by_share();
+        bound.by_mass = loads.mass_damping;
         CriticalSteps steps;
         // Nodes on lines that are not of the canopy are held by lines alone.
         unstructured::Bound canopy = bound;
@@ -209,9 +165,9 @@ public:
             return critical_step_of(of.stiffness[i], of.damping[i] + damping, inertia);
         };
         for (const NodeIndex i : pulled_) {
-            const double loads =
+            const double damping =
                 mesh_.is_canopy(i) ? 0.0 : sums.damping[i] + bound.by_mass * constants_.mass[i];
-            steps.lines = std::min(steps.lines, step_of(pulled, i, loads));
+            steps.lines = std::min(steps.lines, step_of(pulled, i, damping));
         }
         auto next = std::ranges::lower_bound(pulled_, constants_.canopy_nodes);
         for (NodeIndex i = constants_.canopy_nodes; i < mesh_.node_count(); ++i)
@@ -238,6 +194,13 @@ public:
         step_.weighs = state.energy.weighs;
         step_.last_dt = state.dt;
         step_.gravity = constants_.gravity;
+        step_.on_fabric = to_array4(node_loads_.on_fabric);
+        step_.breathing = node_loads_.breathing;
+        step_.canopy_mean = to_array4(node_loads_.canopy_mean);
+        step_.accretion = node_loads_.accretion;
+        step_.wind = to_array4(node_loads_.wind);
+        step_.mass_damping = node_loads_.mass_damping;
+        step_.system_mean = to_array4(node_loads_.system_mean);
         StepSums sums;
         const std::size_t all = constants_.mass.size();
         if (subcycles == 1) {
@@ -270,15 +233,15 @@ private:
         void (UnstructuredLayout::*prepare)();
         void (UnstructuredLayout::*add)(State&);
     };
-    static const std::array<Row, 13> rows;
+    static const std::array<Row, 10> rows;
 
     struct Acting {
         void (UnstructuredLayout::*add)(State&);
         const ForceModel* model;
+        const NodeLoad* load;
     };
     struct Has {
-        bool membrane = false, fabric = false, lines = false, line_drag = false, breathing = false,
-             accretion = false, mass_damping = false;
+        bool membrane = false, fabric = false, lines = false, line_drag = false;
     };
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -381,15 +344,16 @@ private:
         const double share = constants_.share[i];
         Lanes force = splat(0.0);
         Lanes dissipated = force, accreted = force;
-        if (step_.alpha > 0.0)
-            law::resist(step_.alpha * constants_.mass[i], v - as_lanes(step_.mean), force, dissipated);
+        if (step_.mass_damping > 0.0)
+            law::resist(step_.mass_damping * constants_.mass[i], v - as_lanes(step_.system_mean), force,
+                        dissipated);
         if (mesh_.is_canopy(i)) {
             if (step_.breathing > 0.0)
-                law::resist(share * step_.breathing, v - as_lanes(step_.breathing_mean), force, dissipated);
+                law::resist(share * step_.breathing, v - as_lanes(step_.canopy_mean), force, dissipated);
             if (step_.accretion > 0.0)
                 law::accrete(share * step_.accretion, as_lanes(step_.wind), v, force, accreted);
             state.aero[i].value += step_.pressure * std::exchange(push_[i].value, splat(0.0)) +
-                                   share * as_lanes(step_.residual_drag);
+                                   share * as_lanes(step_.on_fabric);
         }
         state.damping_power += sum3(dissipated);
         state.accretion_power += sum3(accreted);
@@ -446,13 +410,12 @@ private:
         }
         if (inflow_) {
             const auto skirt = [&](std::size_t k) { return state.node[inflow_->skirt()[k]]; };
-            step_.residual_drag =
-                to_array4(inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt)));
+            node_loads_.on_fabric += inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt));
         } else {
             state.air.projected_area = fabric_sums_.positive_area;
             state.air.signed_area = fabric_sums_.signed_area;
-            step_.residual_drag =
-                to_array4(set_pressure(state.air, smallest_projected_area(scene_.parachutes.front())));
+            node_loads_.on_fabric +=
+                set_pressure(state.air, smallest_projected_area(scene_.parachutes.front()));
         }
         step_.pressure = state.air.pressure;
     }
@@ -515,9 +478,9 @@ private:
 
     // --- cables ---------------------------------------------------------------------------
 
-    ElementList list_of(const std::vector<Cable>& cables) const {
+    unstructured::ElementList list_of(const std::vector<Cable>& cables) const {
         using Constants = std::array<double, unstructured::cable_constants>;
-        ElementList list;
+        unstructured::ElementList list;
         list.begin<2>(cables.size(), kernels_.lanes, mesh_.dummy(), Constants{1.0});
         for (std::size_t i = 0; i < cables.size(); ++i) {
             const CableConstants k =
@@ -600,40 +563,17 @@ private:
             kernels_.line_drag(nodes_of(state), lines_.elements(), line_air(state));
     }
 
-    // --- loads on nodes, which the step itself adds ---------------------------------------
-
-    /// [N s/m] of the whole canopy.
-    double breathing(const AeroState& air) const {
-        return *scene_.aerodynamics.breathing_damping * air.density * air.airspeed * fabric_area_;
-    }
-    void prepare_breathing() { has_.breathing = true; }
-    void add_breathing(State& state) {
-        step_.breathing = breathing(state.air);
-        step_.breathing_mean = to_array4(state.sums.canopy_area_velocity);
-    }
-    void prepare_accretion() { has_.accretion = true; }
-    void add_accretion(State& state) {
-        step_.accretion = state.accretion();
-        step_.wind = to_array4(state.air.wind);
-    }
-    void prepare_mass_damping() { has_.mass_damping = true; }
-    void add_mass_damping(State& state) {
-        step_.alpha = scene_.full.alpha;
-        step_.mean = to_array4(state.sums.system_velocity);
-    }
-
     const Scene& scene_;
     const Mesh& mesh_;
     const NodeConstants& constants_;
     const unstructured::Kernels& kernels_;
-    double fabric_area_;  // [m^2]
     std::optional<InflowBalance> inflow_;
     AirOnFabric air_ = AirOnFabric::none;
 
     const ForceModels* structure_ = nullptr;
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
-    ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
+    unstructured::ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
     std::vector<NodeIndex> pulled_;      // nodes on lines and risers, which may take subcycles
     std::vector<NodeVector> others_;     // [N] on them, of everything but lines and risers
     GershgorinSums sums_, pulled_sums_;  // of the bound: all, and of lines and risers alone
@@ -645,10 +585,11 @@ private:
     CylinderDragTable drag_coefficient_;
     std::vector<NodeVector> push_;  // [m^2] of each canopy node: area over which pressure acts
     NodeIndex first_aero_ = 0;      // canopy nodes before it have no force in state.aero
+    NodeLoads node_loads_;          // of the step
     unstructured::Advance step_;
 };
 
-const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
+const std::array<UnstructuredLayout::Row, 10> UnstructuredLayout::rows{{
     {Block::membrane, &UnstructuredLayout::prepare_membrane, &UnstructuredLayout::add_membrane},
     {Block::fabric_springs, &UnstructuredLayout::prepare_springs, &UnstructuredLayout::add_edges},
     {Block::gore_contact, &UnstructuredLayout::prepare_contacts, &UnstructuredLayout::add_contacts},
@@ -659,9 +600,6 @@ const std::array<UnstructuredLayout::Row, 13> UnstructuredLayout::rows{{
     {Block::fabric_drag, &UnstructuredLayout::prepare_fabric_drag, &UnstructuredLayout::add_fabric_drag},
     {Block::deployment_resistance, &UnstructuredLayout::prepare_folds, &UnstructuredLayout::add_folds},
     {Block::line_drag, &UnstructuredLayout::prepare_line_drag, &UnstructuredLayout::add_line_drag},
-    {Block::breathing_damping, &UnstructuredLayout::prepare_breathing, &UnstructuredLayout::add_breathing},
-    {Block::accretion, &UnstructuredLayout::prepare_accretion, &UnstructuredLayout::add_accretion},
-    {Block::mass_damping, &UnstructuredLayout::prepare_mass_damping, &UnstructuredLayout::add_mass_damping},
 }};
 
 }  // namespace

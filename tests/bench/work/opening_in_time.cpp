@@ -122,7 +122,7 @@ void study_opening_in_time(const Scene& demo, const TimeSettings& with,
         study.curves.push_back(own_steps(method, scene, run.steady_area, with.factors, truth.found.opening));
         check_the_truth(study.curves.back());
     };
-    own_curve("midpoint, lines in substeps", subcycles);
+    own_curve("midpoint, lines in subcycles", subcycles);
     own_curve("midpoint", plain);
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep || method.order < with.lowest_order || method.order > with.highest_order)

@@ -1,4 +1,4 @@
-// Substeps of lines within a step of the canopy, on a chain with an exact answer.
+// Subcycles of lines within a step of the canopy, on a chain with an exact answer.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -110,7 +110,7 @@ struct Chain {
 
 constexpr std::array<double, 3> displaced{2e-3, -1e-3, -2e-3};
 
-TEST(Substeps, AreOfSecondOrder) {
+TEST(Subcycles, AreOfSecondOrder) {
     Chain chain(0.5, 0.05, 4.0, 0.0);
     const double end = 2.3 * 2.0 * pi / chain.slower();
     const Eigen::Vector3d exact = chain.exact(displaced, end);
@@ -128,7 +128,7 @@ TEST(Substeps, AreOfSecondOrder) {
     EXPECT_NEAR(std::log2(error[1] / error[2]), 2.0, 0.1);
 }
 
-TEST(Substeps, AreBetterThanNone) {
+TEST(Subcycles, AreBetterThanNone) {
     // Their purpose: with the canopy's step as it is, the line's own error falls with its subcycles.
     Chain chain(0.5, 0.05, 4.0, 0.0);
     const double end = 2.3 * 2.0 * pi / chain.slower();
@@ -146,7 +146,7 @@ TEST(Substeps, AreBetterThanNone) {
     EXPECT_LT(error[1], 0.5 * error[0]);
 }
 
-TEST(Substeps, CloseTheLedger) {
+TEST(Subcycles, CloseTheLedger) {
     // Kinetic and elastic energy, the work of the pulls and what the line's dashpot takes, to second order:
     // halving the step quarters the largest residual. The number of subcycles changes on the way.
     double worst[2] = {0.0, 0.0};
@@ -181,7 +181,7 @@ double late_amplitude(Chain&& chain, double dt_over_half_period) {
     return late;
 }
 
-TEST(Substeps, RingWhereAStepIsHalfAPeriodOfTheLine) {
+TEST(Subcycles, RingWhereAStepIsHalfAPeriodOfTheLine) {
     // The impulses then come in time with the line's own motion, however small the subcycles are, until it
     // goes slack, here at 6e-5 m. What keeps it quiet is a skirt that is heavy beside the line, as with the
     // air it moves, and the line's bulk viscosity. Quiet is the jerk of one impulse, some 1e-6 m.
@@ -217,7 +217,7 @@ double growth(int elements, double mass, double viscosity, double canopy, double
     return ((rate * dt).exp() * kick).eval().eigenvalues().cwiseAbs().maxCoeff();
 }
 
-TEST(Substeps, DoNotRingUpToTheQuietStep) {
+TEST(Subcycles, DoNotRingUpToTheResonanceLimit) {
     // Against the eigenvalues of a whole step, which is the method's limit for infinitely small subcycles.
     // The canopy's own bound of 5 to 50 transit times of an element is that of stiff lines on a canopy that
     // fills or is open.
@@ -227,13 +227,13 @@ TEST(Substeps, DoNotRingUpToTheQuietStep) {
         for (const double viscosity : {0.06, 0.24})
             for (const double canopy : {5.0, 15.0, 50.0}) {
                 const LineWaves line{1.0 / elements, viscosity, mass, 0.0};
-                const double quiet = resonance_limit(line, 0.0, canopy);
+                const double limit = resonance_limit(line, 0.0, canopy);
                 for (int i = 1; i <= 20; ++i)
                     EXPECT_LT(
-                        growth(elements, mass, viscosity, canopy, std::min(quiet, 0.95 * canopy) * i / 20),
+                        growth(elements, mass, viscosity, canopy, std::min(limit, 0.95 * canopy) * i / 20),
                         1.0 + 1e-9)
                         << mass << ' ' << viscosity << ' ' << canopy << ' ' << i;
-                for (double dt = quiet; dt < std::min(4.0 * quiet, 0.95 * canopy); dt *= 1.01)
+                for (double dt = limit; dt < std::min(4.0 * limit, 0.95 * canopy); dt *= 1.01)
                     if (growth(elements, mass, viscosity, canopy, dt) > 1.0 + 1e-3) {
                         ++rang;
                         break;
@@ -246,7 +246,7 @@ TEST(Substeps, DoNotRingUpToTheQuietStep) {
     EXPECT_EQ(resonance_limit({}, 0.0, 5.0), std::numeric_limits<double>::infinity());
 }
 
-TEST(Substeps, RecordWhatRisersGiveThePayload) {
+TEST(Subcycles, RecordWhatRisersGiveThePayload) {
     // Lines a hundred times as stiff, in many subcycles: the mean force over time is the payload's momentum
     // and what gravity took of it; the force at the ends of steps is not.
     for (const char* symmetry : {"none", "sector"}) {
@@ -301,7 +301,7 @@ TEST(PerronScaling, BringTheBoundOfAChainToItsLimit) {
     }
 }
 
-TEST(Substeps, BoundsNameTheirNodes) {
+TEST(Subcycles, BoundsNameTheirNodes) {
     // By hand: canopy 1 kg and skirt 0.5 kg on the tape, skirt and 0.05 kg on the line, undamped 2
     // sqrt(m/2k).
     const Chain chain(0.5, 0.05, 4.0, 0.0);
