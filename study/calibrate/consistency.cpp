@@ -1,5 +1,5 @@
 // Causes of residuals other than noise. Each is tried as one more parameter, and the likeliest is named where
-// the fit with it is better by more than p_value allows; others where they explain what it leaves.
+// the fit with it is better by more than chance allows; others where they explain what it leaves.
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
@@ -52,7 +52,7 @@ double improvement(const Likelihood& likelihood, double before, double after) {
     return after > 0.0 ? count * std::log(before / after) : 0.0;
 }
 
-/// Whether a fit with one more unknown is better than p_value allows, and leaves little to explain.
+/// Whether a fit with one more unknown is better than chance allows, and leaves little to explain.
 bool explains(const Likelihood& likelihood, const Calibration& calibration, double after) {
     if (improvement(likelihood, calibration.sum, after) < much_better) return false;
     const double freedom = freedom_of(likelihood, calibration);
@@ -130,7 +130,7 @@ void look_for_scale(std::vector<Fault>& found, const Trial& trial, std::size_t t
               kind.name, of_test(trial.calibration, trial.tests[t].test),
               fmt::format("{:.1f} %", 100.0 * value)),
           fmt::format(
-              "with that factor the misfit falls by {} (20 is beyond p_value); a load is held against the "
+              "with that factor the misfit falls by {} (20 is beyond chance); a load is held against the "
               "weight that it ends at",
               readable(better, 3)),
           "check calibration and unit of the sensor, and the mass of the payload",
@@ -153,7 +153,7 @@ void look_for_clock(std::vector<Fault>& found, const Trial& trial, std::size_t t
          better,
          {fmt::format("the clock{} looks wrong by {:+.3f} s, which is said to be known",
                       of_test(trial.calibration, trial.tests[t].test), value),
-          fmt::format("with that offset the misfit falls by {} (20 is beyond p_value)", readable(better, 3)),
+          fmt::format("with that offset the misfit falls by {} (20 is beyond chance)", readable(better, 3)),
           "check what its time counts from, or take clock = \"known\" out",
           {}}});
 }
@@ -167,7 +167,7 @@ bool is_explained(const Trial& trial, const FitResult& corrected) {
 }
 
 /// Takes in the likeliest fault, and of the others those that explain what it leaves over, by as much as
-/// p_value does not. The rest follow from these. Gives the fit with them.
+/// chance does not. The rest follow from these. Gives the fit with them.
 FitResult take_faults(const Trial& trial, std::vector<Fault>& found) {
     std::ranges::stable_sort(found, std::ranges::greater{}, &Fault::better);
     FitResult corrected{trial.values, trial.calibration.sum, true};
