@@ -10,11 +10,14 @@ namespace {
 
 constexpr double memory_of_rate = 0.8;  // from one bound to the next, of the fastest chatter
 constexpr double few_impacts = 0.4;  // of the largest residual, which impacts of a canopy drawn out may use
+/// Air that joins the canopy within a step, over all that is accelerated: what brings it to speed is booked
+/// with the speed from before, an error of the energy in proportion to the step.
+constexpr double most_joining = 0.003;
 
 }  // namespace
 
 StepControl::StepControl(const Scene& scene, const Mesh& mesh, const NodeConstants& constants)
-    : scene_(scene) {
+    : scene_(scene), system_mass_(constants.system_mass) {
     for (const Cable& c : mesh.cables)
         if (std::max(c.node[0], c.node[1]) >= mesh.first_attachment())
             riser_stiffness_ =
@@ -69,6 +72,9 @@ ChosenStep StepControl::forecast(const State& state, const StepInputs& inputs) c
 void StepControl::refresh(const State& state, const StepInputs& inputs) {
     const ChosenStep chosen = choose(state, inputs, impacts_count(state) ? impacts_.share() : 1.0);
     step_ = chosen.dt;
+    const auto& added = scene_.aerodynamics.added_mass;
+    if (added && added->momentum == AddedMassMomentum::accreting && state.accretion() > 0.0)
+        step_ = std::min(step_, most_joining * (system_mass_ + state.added_mass) / state.accretion());
     if (state.stage == Stage::deployment && !state.folded) {
         const double rate = strain_rate(state, inputs.layout);
         strain_rate_ = std::max(std::abs(rate), memory_of_rate * strain_rate_);

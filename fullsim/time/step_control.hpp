@@ -76,6 +76,7 @@ private:
     bool comes_taut(const State& state, const Layout& layout);
 
     const Scene& scene_;
+    double system_mass_;            // [kg]
     double riser_stiffness_ = 0.0;  // [N/m] of the stiffest element on a body
     LineWaves line_waves_;
     ImpactWatch impacts_;
