@@ -7,11 +7,9 @@
 
 namespace twinchute::fullsim {
 
-GoreBound::GoreBound(const Mesh& mesh, const NodeConstants& constants, const Gores& gores,
-                     const GoreKernels& kernels, const GoreElements& elements,
-                     const std::vector<GoreNode>& node)
-    : mesh_(mesh),
-      constants_(constants),
+GoreBound::GoreBound(const NodeConstants& constants, const Gores& gores, const GoreKernels& kernels,
+                     const GoreElements& elements, const std::vector<GoreNode>& node)
+    : constants_(constants),
       gores_(gores),
       kernels_(kernels),
       elements_(elements),

@@ -15,8 +15,8 @@ namespace twinchute::fullsim {
 /// Of one stage. All arguments of the constructor are kept by reference.
 class GoreBound {
 public:
-    GoreBound(const Mesh& mesh, const NodeConstants& constants, const Gores& gores,
-              const GoreKernels& kernels, const GoreElements& elements, const std::vector<GoreNode>& node);
+    GoreBound(const NodeConstants& constants, const Gores& gores, const GoreKernels& kernels,
+              const GoreElements& elements, const std::vector<GoreNode>& node);
 
     /// mass_damping: [1/s] as NodeLoads.
     void begin(const State& state, const ForceModels& structure, double mass_damping);
@@ -51,7 +51,6 @@ private:
     void weigh_rows(const State& state, double mass_damping);
     void bound_cables(const State& state, double mass_damping);
 
-    const Mesh& mesh_;
     const NodeConstants& constants_;
     const Gores& gores_;
     const GoreKernels& kernels_;

@@ -110,7 +110,7 @@ public:
         if (has_.pressure) exchanged_.push_back(nodes_->frame.push);
         elements_.membranes_act = has_.membrane;
         elements_.springs_act = has_.springs || has_.folds;
-        bound_ = std::make_unique<GoreBound>(mesh_, constants_, gores_, kernels_, elements_, node_);
+        bound_ = std::make_unique<GoreBound>(constants_, gores_, kernels_, elements_, node_);
         bound_->begin(state, structure, node_loads_at(state).mass_damping);
     }
 
