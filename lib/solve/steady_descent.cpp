@@ -154,7 +154,7 @@ double SteadyDescent::glide(std::size_t from, std::size_t to, double sink) const
     return 0.5 * speed * speed / (sink * sink);
 }
 
-/// r [-] of the breathing.
+/// Share r [-] of breathing, and of growth where air accretes.
 double SteadyDescent::breathing(std::size_t from, std::size_t to) const {
     const Row &a = rows_[from], &b = rows_[to];
     const double lasting =
@@ -247,7 +247,7 @@ std::string unsteadiness_text(const std::optional<DescentWindow>& last) {
                            100.0 * last->drift);
     const std::string breathes =
         last->breathing > 0.5 * last->remaining
-            ? ": the canopy breathes, nothing damps it (aerodynamics.breathing_damping would)"
+            ? ": the canopy still breathes or grows (aerodynamics.breathing_damping damps the former)"
             : "";
     return fmt::format("{} the rate of descent is estimated to be still off by {:.2g} %{}", over,
                        100.0 * last->remaining, breathes);

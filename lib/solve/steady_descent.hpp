@@ -25,8 +25,9 @@
 //
 // Breathing. Where mu follows a canopy that breathes, int(mu dw_a) holds (mu - bar(mu)) dw_a as well, which
 // does not sum to zero over a period: a force that lasts, and shifts the rate by its half share r of W. J
-// takes it for transient, so that ln(bar(u)/u_b) holds it once. Nothing may damp the breathing; r goes with
-// the square of its amplitude, and where it is not seen to decay a doubled amplitude, 4 r, is still to come.
+// takes it for transient, so that ln(bar(u)/u_b) holds it once. It goes with the square of an amplitude that
+// may double: 3 r more may come. Where air accretes, r holds the force that growth will ask for as well, but
+// for the growth that denser air brings.
 //
 // Glide. Lift turns the force on the canopy by the angle gamma of the path, so that it carries the weight and
 // w = w_e cos^1.5 gamma: lower by 3 gamma^2/4, of which bar(V w) holds gamma^2/4. The rest, |bar(V_h)|^2/(2
@@ -89,7 +90,7 @@ struct DescentWindow {
     double amplitude = 0.0;       ///< [-] half the range of u over its mean
     double drift = 0.0;           ///< [-] of the mean of u from the first half to the second
     double remaining = 0.0;       ///< [-] estimate of the change of the rate that remains, at equal density
-    double breathing = 0.0;       ///< [-] what of that is breathing's, which is not seen to decay
+    double breathing = 0.0;       ///< [-] what of that breathing and growth may still bring
 
     bool is_steady() const {
         return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining;

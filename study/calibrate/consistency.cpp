@@ -30,7 +30,7 @@ struct Fault {
     Finding finding;
 };
 
-/// What the fit is judged by.
+/// The fit to be judged, and its data.
 struct Trial {
     Calibration& calibration;
     std::vector<FittedTest>& tests;

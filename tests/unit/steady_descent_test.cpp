@@ -178,7 +178,7 @@ FallSample breathing_at(double t, double w_e, double r) {
 }
 
 TEST(SteadyDescent, IsNotSteadyWhileItBreathesOn) {
-    // What breathing adds to the rate now, 0.2 %, is less than may remain; but it goes with the square of an
+    // Breathing adds 0.2 % to the rate now, less than may remain; but that goes with the square of an
     // amplitude that nothing holds. A window of 4 w/g = 3 s has whole periods in each of its thirds.
     const double w_e = 0.75 * g;
     const Environment air = uniform_air();

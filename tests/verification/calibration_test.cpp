@@ -218,7 +218,7 @@ TEST(CalibrationFindsWhatIsWrong, TheLikeliestFaultAloneWithWhatFollowsFromIt) {
     }
 }
 
-// What one fault does not explain is another: both are named, the likelier first.
+// Two faults, neither of which explains the other: both are named, the likelier first.
 TEST(CalibrationFindsWhatIsWrong, TwoFaultsAtOnce) {
     SyntheticDrop drop;
     drop.scale = 1.06;

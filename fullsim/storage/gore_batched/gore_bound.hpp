@@ -12,7 +12,7 @@
 
 namespace twinchute::fullsim {
 
-/// Of one stage. All arguments of the constructor are kept by reference.
+/// Bound of one stage. All arguments of the constructor are kept by reference.
 class GoreBound {
 public:
     GoreBound(const NodeConstants& constants, const Gores& gores, const GoreKernels& kernels,
