@@ -116,7 +116,7 @@ public:
         numbers(name, flat);
         if (!reads_) return;
         const std::size_t width = numbers_in<Row>(visit);
-        if (flat.size() % width != 0) refuse_range(name);
+        if (width == 0 || flat.size() % width != 0) refuse_range(name);
         rows.resize(flat.size() / width);
         for (std::size_t i = 0; i < rows.size(); ++i)
             scatter(flat.data() + i * width, rows[i], visit);
