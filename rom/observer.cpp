@@ -90,10 +90,9 @@ double Observer::impulse_between(double begin, double end) const {
 }
 
 double Observer::altitude_at(double t) const {
-    std::size_t right = 1;
-    while (right + 1 < rows_.size() && rows_[right].time < t)
-        ++right;
-    const HistoryRow &a = rows_[right - 1], &b = rows_[right];
+    const auto inner = std::ranges::subrange(rows_.begin() + 1, rows_.end() - 1);  // the last is never passed
+    const auto right = std::ranges::lower_bound(inner, t, {}, &HistoryRow::time);
+    const HistoryRow &a = *(right - 1), &b = *right;
     const double h = b.time - a.time;
     if (!(h > 0.0)) return b.altitude;
     const double x = (t - a.time) / h, y = 1.0 - x;
