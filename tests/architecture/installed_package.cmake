@@ -1,7 +1,8 @@
 # Installs the build into an empty prefix and uses it from outside the tree.
 # WHAT=program: builds the small project of docs/guide/library.md, runs it and the installed program.
 # WHAT=rom: builds and runs one that links the reduced-order model alone.
-# WHAT=headers: compiles every installed header alone.
+# WHAT=headers: compiles every installed header alone; with clang where it is found, which reads precompiled
+# headers three times as fast as GCC. They are not for a compiler cache.
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(NOT code EQUAL 0)
@@ -18,6 +19,11 @@ elseif(WHAT STREQUAL "rom")
   set(project "${SOURCE}/tests/architecture/rom_consumer")
 else()
   set(project "${SOURCE}/tests/architecture/headers")
+  find_program(CLANG clang++)
+  if(CLANG)
+    set(COMPILER "${CLANG}")
+  endif()
+  set(LAUNCHER "")
 endif()
 run("configuring ${project}" ${CMAKE_COMMAND} -S "${project}" -B "${WORK}/build" -G "${GENERATOR}"
   "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${FLAGS}"
