@@ -1,4 +1,6 @@
 // `twinchute calibrate` as a script sees it: files, exit codes, what is refused.
+#include <sys/resource.h>
+
 #include "tests/support/program_test.hpp"
 #include "tests/support/python.hpp"
 
@@ -45,6 +47,20 @@ TEST_F(SystemCalibrate, GivesTheTruthOfTheWorkedExample) {
     }
     EXPECT_TRUE(found["consistent"].get<bool>());
     EXPECT_GT(found["cost"]["runs"].get<int>(), 100);
+}
+
+TEST_F(SystemCalibrate, RunsKeepTheMemoryOfTheLast) {
+    // Pages that the system hands out, of all children so far: 84 a run when each run gave its buffers back.
+    const auto pages = [] {
+        rusage usage{};
+        getrusage(RUSAGE_CHILDREN, &usage);
+        return usage.ru_minflt;
+    };
+    const long before = pages();
+    ASSERT_EQ(run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet"}).code, 0);
+    const long taken = pages() - before, runs = read("out/calibration.json")["cost"]["runs"].get<long>();
+    EXPECT_GT(taken, 0);
+    EXPECT_LT(taken, 10 * runs);
 }
 
 TEST_F(SystemCalibrate, WritesASceneThatRuns) {
