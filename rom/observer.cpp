@@ -90,9 +90,11 @@ double Observer::impulse_between(double begin, double end) const {
 }
 
 double Observer::altitude_at(double t) const {
-    const auto inner = std::ranges::subrange(rows_.begin() + 1, rows_.end() - 1);  // the last is never passed
-    const auto right = std::ranges::lower_bound(inner, t, {}, &HistoryRow::time);
-    const HistoryRow &a = *(right - 1), &b = *right;
+    const std::span rows(rows_);
+    const auto inner = rows.subspan(1, rows.size() - 2);  // the last is never passed
+    const auto right = 1 + static_cast<std::size_t>(
+                               std::ranges::lower_bound(inner, t, {}, &HistoryRow::time) - inner.begin());
+    const HistoryRow &a = rows[right - 1], &b = rows[right];
     const double h = b.time - a.time;
     if (!(h > 0.0)) return b.altitude;
     const double x = (t - a.time) / h, y = 1.0 - x;
