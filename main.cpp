@@ -1,10 +1,6 @@
 // twinchute: one parachute scene at two fidelities, and the gap between them.
 #include <array>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include "compare/compare_command.hpp"
 #include "compare/ladder_command.hpp"
 #include "compare/report_command.hpp"
@@ -23,24 +19,8 @@
 #include "study/calibrate/calibrated_case.hpp"
 #include "study/campaign/campaign_command.hpp"
 
-namespace {
-
-/// Keeps what is freed for the next run. Calibrations and campaigns make thousands of runs with buffers of
-/// the same sizes; glibc gives such buffers back after each, and to ask for them anew takes longer than the
-/// run.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-    constexpr int largest = 32 << 20;  // [bytes] that glibc would ever keep by itself
-    mallopt(M_MMAP_THRESHOLD, largest);
-    mallopt(M_TRIM_THRESHOLD, 2 * largest);
-#endif
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
     using namespace twinchute;
-    keep_freed_memory();
     const Fidelity& rom = rom::rom_fidelity();
     const Fidelity& full = fullsim::full_fidelity();
 
