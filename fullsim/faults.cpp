@@ -61,15 +61,6 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
         return RunStatus{StatusCode::step_too_small,
                          fmt::format("critical time step {:.3g} s set by node {} {}", steps_.chosen().dt,
                                      bound().node, where())};
-    for (std::size_t i = 0; i < structure_.size(); ++i)
-        if (const double strain = levels.strain[i]; strain > scene_.full.strain_limit)
-            return RunStatus{
-                StatusCode::strain_limit,
-                fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}: it would have torn; a lighter "
-                            "payload, a slower release or a slower filling loads it less, "
-                            "full.strain_limit lets it stretch further",
-                            structure_[i]->element_name(structure_[i]->extreme(synchronised()).element),
-                            100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
     const double share = residual_share(e);
     if (!(std::abs(share) <= largest_residual)) {
@@ -82,6 +73,15 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
                 std::abs(residual(e)), lost ? "were lost" : "came from nowhere", 100.0 * std::abs(share),
                 where(), steps_.chosen().dt, hardest_hit(), scene_.full.time_step_factor)};
     }
+    for (std::size_t i = 0; i < structure_.size(); ++i)
+        if (const double strain = levels.strain[i]; strain > scene_.full.strain_limit)
+            return RunStatus{
+                StatusCode::strain_limit,
+                fmt::format("{} is strained by {:.1f} % (limit {:.1f} %) {}: it would have torn; a lighter "
+                            "payload, a slower release or a slower filling loads it less, "
+                            "full.strain_limit lets it stretch further",
+                            structure_[i]->element_name(structure_[i]->extreme(synchronised()).element),
+                            100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
     if (step >= most_steps)
         return RunStatus{StatusCode::step_limit,
                          fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};

@@ -35,11 +35,34 @@ constexpr double expected_fill_constant = 8.0;  // of a filling that is predicte
 constexpr double least_growth = 0.01, squid_travel = 5.0;
 constexpr double least_drag_area = 0.5;  // over (C_D S)_0, of a canopy that is still open at the end
 
+/// Runs of the same scene before this one, of longer steps: their energy did not add up.
+struct Attempts {
+    static constexpr int most = 2;
+
+    int count = 0;
+    double wall = 0.0, cpu = 0.0;  ///< [s]
+    std::string ending = {};       ///< of the last one
+
+    void add(const RunStatus& status, const CheckpointClock& clock) {
+        ++count;
+        wall += clock.wall();
+        cpu += clock.cpu();
+        ending = status.detail;
+    }
+    void serialize(Archive& archive) {
+        archive.whole("attempts", count, 0, most);
+        archive.number("attempts", wall);
+        archive.number("attempts", cpu);
+        archive.text("attempts", ending);
+    }
+};
+
 class FullRun {
 public:
     /// The parachute weighs what its mesh does; `stated_mass`: what the scene says of it [kg].
-    FullRun(const Scene& scene, double stated_mass, Run& run)
-        : scene_(scene),
+    FullRun(const Scene& scene, double stated_mass, Run& run, const Attempts& before)
+        : before_(before),
+          scene_(scene),
           run_(run),
           record_(begin_record(scene, "full")),
           simulation_(scene,
@@ -72,7 +95,7 @@ public:
         }
     }
 
-    RunRecord fly() {
+    void fly() {
         begin();
         while (!ended_) {
             // Right after a check no frame of the fields waits for the next one.
@@ -86,27 +109,11 @@ public:
             simulation_.step_to(next_stop());
             if (simulation_.was_checked()) check();
         }
-        return finish();
     }
+    const RunStatus& status() const { return record_.status; }
+    const CheckpointClock& clock() const { return clock_; }
 
-private:
-    const SystemState& system() const { return simulation_.system(); }
-
-    void begin() {
-        if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
-        add_event(view_.packed() ? "release" : view_.inflated() ? "full-open" : "line-stretch");
-        if (!view_.packed()) met(view_.inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
-    }
-
-    void observe() {
-        const double now = system().time;
-        observer_.observe(system(), simulation_.payload_force());
-        if (observer_.row_is_due(now)) observer_.add_row(simulation_.synchronised_state());
-        if (fields_.frame_is_due(now)) fields_.observe(simulation_.synchronised_state());
-        if (now >= descent_frames_from_) begin_descent_frames();
-        if (frames_.frame_is_due(now)) frames_.observe(simulation_.synchronised_state());
-    }
-
+    /// Once, after fly().
     RunRecord finish() {
         // The rest of the fall begins where this ends, not at the last row before.
         if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
@@ -126,7 +133,26 @@ private:
             if (found_.descent && last->is_steady()) found_.descent = last;
         }
         fill_results(view_, record_);
+        note_attempts();
         return std::move(record_);
+    }
+
+private:
+    const SystemState& system() const { return simulation_.system(); }
+
+    void begin() {
+        if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
+        add_event(view_.packed() ? "release" : view_.inflated() ? "full-open" : "line-stretch");
+        if (!view_.packed()) met(view_.inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+    }
+
+    void observe() {
+        const double now = system().time;
+        observer_.observe(system(), simulation_.payload_force());
+        if (observer_.row_is_due(now)) observer_.add_row(simulation_.synchronised_state());
+        if (fields_.frame_is_due(now)) fields_.observe(simulation_.synchronised_state());
+        if (now >= descent_frames_from_) begin_descent_frames();
+        if (frames_.frame_is_due(now)) frames_.observe(simulation_.synchronised_state());
     }
 
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
@@ -402,6 +428,19 @@ private:
         }
     }
 
+    void note_attempts() {
+        if (before_.count == 0) return;
+        record_.cost.wall_s += before_.wall;
+        record_.cost.cpu_s += before_.cpu;
+        const double factor = scene_.full.time_step_factor;
+        record_.warnings.push_back(
+            {fmt::format("the run was repeated with half of its step, full.time_step_factor = {:g}", factor),
+             fmt::format("at {:g} the energy did not add up: {}", 2.0 * factor, before_.ending),
+             fmt::format(
+                 "give the factor in the scene to spare the {:.2g} s before, or to keep a step as it is",
+                 before_.wall)});
+    }
+
     /// A sample of the fall, while the drag area is steady.
     void look_at_fall() {
         if (system().phase != Phase::open) return fall_.restart();
@@ -479,6 +518,7 @@ private:
         cost.blocks = simulation_.block_costs();
     }
 
+    Attempts before_;
     const Scene& scene_;
     Run& run_;
     RunRecord record_;
@@ -509,6 +549,7 @@ private:
 
 /// Saves or restores the run, without the parts that the constructor makes anew.
 void FullRun::serialize(Archive& archive) {
+    before_.serialize(archive);
     simulation_.serialize(archive);
     observer_.serialize(archive);
     fall_.serialize(archive);
@@ -557,6 +598,44 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     return keys;
 }
 
+constexpr std::string_view step_key = "full.time_step_factor";
+
+/// Where nobody chose the step.
+bool may_step_shorter(const Scene& scene) {
+    return std::ranges::any_of(scene.inputs, [&](const Input& input) {
+        return input.key == step_key && input.origin == InputOrigin::fallback &&
+               std::get<double>(input.value) == scene.full.time_step_factor;
+    });
+}
+
+Scene with_shorter_steps(Scene scene, double factor) {
+    scene.full.time_step_factor = factor;
+    for (Input& input : scene.inputs)
+        if (input.key == step_key) input.value = factor;
+    return scene;
+}
+
+/// One run, or several. What impacts add to the energy is chance, and grows with the step: where it becomes
+/// too much in a step that nobody has asked for, the scene is run again with half of it.
+RunRecord fly(const Scene& scene, double stated_mass, Run run) {
+    Attempts before;
+    if (!run.checkpoints.from.empty()) {
+        Archive archive(run.checkpoints.from, run.checkpoints.file);
+        before.serialize(archive);
+    }
+    for (;;) {
+        const Scene shorter =
+            with_shorter_steps(scene, std::ldexp(scene.full.time_step_factor, -before.count));
+        FullRun attempt(shorter, stated_mass, run, before);
+        attempt.fly();
+        const StatusCode code = attempt.status().code;
+        const bool adds_up = code != StatusCode::energy_grew && code != StatusCode::solver_failed;
+        if (adds_up || before.count == Attempts::most || !may_step_shorter(scene)) return attempt.finish();
+        before.add(attempt.status(), attempt.clock());
+        run.checkpoints.from.clear();
+    }
+}
+
 /// A run past its peak force, for the bracket of a predicted filling.
 RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
     scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
@@ -564,7 +643,7 @@ RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
     control.stop = run.stop;
     control.threads = run.threads;
     control.force_unstructured = run.force_unstructured;
-    RunRecord record = FullRun(scene, stated_mass, control).fly();
+    RunRecord record = fly(scene, stated_mass, control);
     if (const Event* full = record.find_event("full-open"), *begin = record.find_event("snatch"); full) {
         const double time = full->time - (begin ? begin->time : 0.0);
         record.add_metric("filling_time_s", time);
@@ -580,7 +659,7 @@ RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
 RunRecord run_fullsim(const Scene& scene, Run& run) {
     const Scene meshed = weighed(scene);
     const double stated_mass = scene.parachutes.front().mass;
-    RunRecord record = FullRun(meshed, stated_mass, run).fly();
+    RunRecord record = fly(meshed, stated_mass, run);
     const bool ended = record.status.code == StatusCode::completed ||
                        record.status.code == StatusCode::stopped_by_event ||
                        record.status.code == StatusCode::squids;

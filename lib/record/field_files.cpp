@@ -33,13 +33,21 @@ FieldFiles::FieldFiles(FileBatch& batch, fs::path directory)
     : batch_(batch), directory_(std::move(directory)) {}
 
 void FieldFiles::add(const VtuGrid& frame) {
-    assert(frame.time && (entries_.empty() || *frame.time > entries_.back().time));
+    assert(frame.time);
+    if (!entries_.empty() && *frame.time <= entries_.back().time) drop_all();
     std::string file = next_name();
     const std::string text = vtu_text(frame);
     const fs::path temporary = batch_.add(directory_ / file, text);
     if (computes_checksums_)
         written_.push_back({*frame.time, file, temporary.filename().string(), sha256_hex(text)});
     entries_.push_back({*frame.time, std::move(file)});
+}
+
+void FieldFiles::drop_all() {
+    for (const PvdEntry& entry : entries_)
+        batch_.drop(directory_ / entry.file);
+    entries_.clear();
+    written_.clear();
 }
 
 std::string FieldFiles::next_name() const {

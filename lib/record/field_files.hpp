@@ -17,7 +17,8 @@ public:
     /// `directory`: of the record.
     FieldFiles(FileBatch& batch, std::filesystem::path directory);
 
-    /// `frame.time` is later than that of the last one. Throws WriteError.
+    /// A frame that is not later than the last one begins anew: none of those before counts. Throws
+    /// WriteError.
     void add(const VtuGrid& frame);
     /// From here on computes the checksum of each frame, for checkpoints.
     void compute_checksums() { computes_checksums_ = true; }
@@ -35,6 +36,7 @@ public:
 
 private:
     std::string next_name() const;
+    void drop_all();
 
     FileBatch& batch_;
     std::filesystem::path directory_;

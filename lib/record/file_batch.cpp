@@ -175,6 +175,11 @@ void FileBatch::adopt(const fs::path& target, const fs::path& temporary) {
     pending_.push_back({target, temporary, Kind::content});
 }
 
+void FileBatch::drop(const fs::path& target) {
+    for (Pending& file : pending_)
+        file.dropped = file.dropped || file.target == target;
+}
+
 void FileBatch::remove(const fs::path& target) {
     removals_.push_back({target, aside_of(temporary_name(target))});
 }
@@ -185,7 +190,7 @@ void FileBatch::commit() {
     // Markers first: what stands in their directories from here on is not a record.
     for (const Kind kind : {Kind::marker, Kind::content}) {
         for (const Pending& file : pending_) {
-            if (file.kind == kind) renames.set_aside(file.target, aside_of(file.temporary));
+            if (file.kind == kind && !file.dropped) renames.set_aside(file.target, aside_of(file.temporary));
             directories.insert(parent_of(file.target));
         }
     }
@@ -193,7 +198,7 @@ void FileBatch::commit() {
         renames.set_aside(file.target, file.aside);
     for (const Kind kind : {Kind::content, Kind::marker}) {
         for (const Pending& file : pending_) {
-            if (file.kind == kind) renames.place(file.temporary, file.target);
+            if (file.kind == kind && !file.dropped) renames.place(file.temporary, file.target);
         }
         // A marker must not reach the disk before the contents whose checksums it holds.
         for (const fs::path& directory : directories)
@@ -201,7 +206,7 @@ void FileBatch::commit() {
     }
     renames.keep();
     for (const Pending& file : pending_)
-        ::unlink(aside_of(file.temporary).c_str());
+        ::unlink(file.dropped ? file.temporary.c_str() : aside_of(file.temporary).c_str());
     for (const Removal& file : removals_) {
         if (::unlink(file.aside.c_str()) == 0)
             ::rmdir(parent_of(file.target).c_str());  // stays when something is in it

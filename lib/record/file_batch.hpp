@@ -30,6 +30,9 @@ public:
     /// A file that another process has written to a temporary name beside `target` is of this batch from here
     /// on.
     void adopt(const std::filesystem::path& target, const std::filesystem::path& temporary);
+    /// A file added or adopted earlier is not to get its name after all. Its temporary file stays as long as
+    /// others do: a checkpoint may name it.
+    void drop(const std::filesystem::path& target);
     /// Lets the files added so far keep their temporary names when the batch is destroyed without commit(): a
     /// checkpoint names them.
     void spare() { spared_ = pending_.size(); }
@@ -47,6 +50,7 @@ private:
     struct Pending {
         std::filesystem::path target, temporary;
         Kind kind;
+        bool dropped = false;
     };
     struct Removal {
         std::filesystem::path target, aside;

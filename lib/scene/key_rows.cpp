@@ -515,7 +515,7 @@ constexpr Key scene_rows[] = {
     {.path = "full.bulk_viscosity", .binding = of_full<&FullSettings::bulk_viscosity>, .unit = "1", .need = defaulted, .fallback = "0.06", .range = from(0, 2), .user = full,
      .meaning = "b1 of the cables", .source = "paper Eq. 3"},
     {.path = "full.time_step_factor", .binding = of_full<&FullSettings::time_step_factor>, .unit = "1", .need = defaulted, .fallback = "0.95", .range = above(0, 4), .user = full,
-     .meaning = "share of the bound on the critical time step; above 1 is for tests of stability", .source = "docs/theory/full-model.md"},
+     .meaning = "share of the bound on the critical time step; above 1 is for tests of stability; where a run without it does not conserve energy, half and a quarter of it follow", .source = "docs/theory/full-model.md"},
     {.path = "full.line_substeps", .binding = of_full<&FullSettings::line_substeps>, .kind = integer, .need = defaulted, .fallback = "4", .range = from(1, 100), .user = full,
      .meaning = "most steps that lines and risers take within one of the canopy, where theirs is shorter", .source = "docs/theory/full-model.md"},
     {.path = "full.mass_scaling", .binding = of_full<&FullSettings::mass_scaling>, .unit = "1", .need = defaulted, .fallback = "0", .range = from(0, 1e-3), .user = full,

@@ -37,8 +37,9 @@ struct Checkpoints {
 struct Run {
     std::stop_token stop;                           ///< asks for an early, clean end
     std::function<void(const Progress&)> progress;  ///< may be empty; called now and then
-    /// May be empty; takes the frames of a scene that asks for them, in the order of their times. What it
-    /// throws ends the run.
+    /// May be empty; takes the frames of a scene that asks for them, in the order of their times. One that is
+    /// not later than the last belongs to a run that began anew: none of those before counts. What it throws
+    /// ends the run.
     std::function<void(const VtuGrid&)> fields = {};
     /// May be empty; takes the shapes for the report, once, at the end of a run that has some.
     std::function<void(ShapeFrames)> frames = {};

@@ -17,7 +17,9 @@
 #include "fullsim/storage/sector_batched/kernels.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "tests/support/random_drops.hpp"
 #include "tests/support/same_run.hpp"
+#include "tests/support/scratch_dir.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -131,6 +133,72 @@ INSTANTIATE_TEST_SUITE_P(
         std::erase_if(name, [](char c) { return c == ',' || c == ' '; });
         return name;
     });
+
+// --- runs that are repeated with shorter steps --------------------------------------------
+
+constexpr double too_long = 1.5;  // of the stable step: snatch adds 0.7 to 2 % to the energy of this drop
+
+/// A parachute torn out of its pack, with a factor of its step that is the scene's own or nobody's.
+Scene torn_out(double factor, InputOrigin origin) {
+    const ScratchDir here;
+    test::write_drop_data(here.path());
+    Scene scene = read_scene_text(test::DropGenerator(1, 0, true).drop().text, "drop 0", here.path());
+    scene.stop = {Trigger::Kind::time, 0.3, 0.0};
+    scene.full.time_step_factor = factor;
+    scene.full.fields_rate = 100.0;
+    for (Input& input : scene.inputs)
+        if (input.key == "full.time_step_factor") input.value = factor, input.origin = origin;
+    return scene;
+}
+
+/// Fields from where a run began anew.
+std::vector<std::string> last_fields(const Given& given) {
+    std::vector<std::string> last;
+    double time = -1.0;
+    for (const VtuGrid& frame : given.fields) {
+        if (*frame.time <= time) last.clear();
+        time = *frame.time;
+        last.push_back(vtu_text(frame));
+    }
+    return last;
+}
+
+TEST(RepeatedRuns, HaveHalfTheStepThatNobodyChose) {
+    const Given chosen = run(torn_out(too_long, InputOrigin::given), false);
+    ASSERT_EQ(chosen.record.status.code, StatusCode::energy_grew) << chosen.record.status.detail;
+    // Its bits are those of a scene that says half.
+    const Given half = run(torn_out(0.5 * too_long, InputOrigin::given), false);
+    Given repeated = run(torn_out(too_long, InputOrigin::fallback), false);
+    ASSERT_EQ(repeated.record.status.code, StatusCode::completed) << repeated.record.status.detail;
+    EXPECT_LT(half.fields.size(), repeated.fields.size());
+    EXPECT_EQ(last_fields(repeated), last_fields(half));
+    EXPECT_EQ(repeated.frames, half.frames);
+    // And it says so.
+    const Warning said = repeated.record.warnings.back();
+    repeated.record.warnings.pop_back();
+    EXPECT_NE(said.what.find("full.time_step_factor = 0.75"), std::string::npos) << said.what;
+    EXPECT_NE(said.why.find(chosen.record.status.detail), std::string::npos) << said.why;
+    const auto factor = std::ranges::find(repeated.record.inputs, "full.time_step_factor", &Input::key);
+    EXPECT_EQ(factor->origin, InputOrigin::fallback);
+    factor->origin = InputOrigin::given;
+    EXPECT_EQ(test::run_difference(repeated.record, half.record), "");
+}
+
+TEST(RepeatedRuns, GoOnFromTheCheckpointsOfEitherAttempt) {
+    Scene scene = torn_out(too_long, InputOrigin::fallback);
+    scene.full.checkpoint_interval = 1e-9;
+    Given whole = run(scene, true);
+    ASSERT_EQ(whole.record.status.code, StatusCode::completed) << whole.record.status.detail;
+    whole.record.warnings.back().suggestion.clear();  // how long it took
+    for (const std::size_t at : {std::size_t{1}, whole.saved.size() - 2}) {
+        Given rest = run(scene, false, whole.saved[at]);
+        rest.record.warnings.back().suggestion.clear();
+        EXPECT_EQ(test::run_difference(whole.record, rest.record), "") << at;
+        EXPECT_EQ(rest.frames, whole.frames) << at;
+        ASSERT_FALSE(rest.fields.empty());
+        EXPECT_EQ(vtu_text(rest.fields.back()), vtu_text(whole.fields.back())) << at;
+    }
+}
 
 // --- the state of a simulation ------------------------------------------------------------
 

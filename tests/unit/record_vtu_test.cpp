@@ -142,6 +142,43 @@ TEST_F(FieldFilesTest, AShorterRunTakesTheRestOfALongerOneAway) {
     EXPECT_EQ(names(), record_);
 }
 
+TEST_F(FieldFilesTest, ARunThatBeginsAnewLeavesItsOwnFramesAlone) {
+    write(5);
+    for (const bool named_by_a_checkpoint : {false, true}) {
+        FileBatch batch;
+        FieldFiles fields(batch, here_.path());
+        for (const int time : {0, 1, 2})
+            fields.add(small_grid(time));
+        if (named_by_a_checkpoint) fields.written();
+        for (const int time : {0, 3})
+            fields.add(small_grid(time));
+        EXPECT_EQ(fields.count(), 2u);
+        fields.finish();
+        add_record(batch, {}, here_.path());
+        batch.commit();
+        Names expected = record_;
+        expected.insert({"fields", "fields/frame-000000.vtu", "fields/frame-000001.vtu", "fields.pvd"});
+        EXPECT_EQ(names(), expected);
+        EXPECT_EQ(content_of(here_ / "fields/frame-000001.vtu"), vtu_text(small_grid(3)));
+    }
+}
+
+TEST_F(FieldFilesTest, FramesOfTheRunBeforeStayForItsCheckpoint) {
+    std::vector<WrittenFrame> named;
+    {
+        FileBatch batch;
+        FieldFiles fields(batch, here_.path());
+        fields.compute_checksums();
+        fields.add(small_grid(1));
+        named = fields.written();
+        fields.add(small_grid(0));  // and is killed
+    }
+    FileBatch batch;
+    FieldFiles fields(batch, here_.path());
+    fields.adopt(named);
+    EXPECT_EQ(fields.count(), 1u);
+}
+
 TEST_F(FieldFilesTest, WhatIsNotOursStays) {
     write(2);
     const Names theirs{"fields/my-camera.pvsm", "fields/frame-1.vtu", "fields/frame-00000x.vtu"};

@@ -338,7 +338,9 @@ TEST_F(RandomPredictions, OfTheFullModelEndAsTheySay) {
 }
 
 /// Noise stands for what nobody knows of a pack: which of many a run got must not decide whether there is an
-/// answer. Some packed drops, each with 16 seeds of its noise and again with a tenth of it.
+/// answer. Some packed drops, each with 16 seeds of its noise and again with a tenth of it. That a canopy
+/// tears is an answer, as long as the energy adds up, which is looked at first: a pack that hangs on for ten
+/// seconds or twenty meets its opening at other speeds.
 TEST_F(RandomDrops, NoiseDecidesNothing) {
     constexpr int wanted = 8, seeds = 16;
     int found = 0;
@@ -348,18 +350,21 @@ TEST_F(RandomDrops, NoiseDecidesNothing) {
         ++found;
         const Noise given = *scene.full.noise;
         std::map<std::string, std::vector<std::string>> endings;  // by whether there is an answer
+        int torn = 0;
         for (int i = 0; i < 2 * seeds; ++i) {
             scene.full.noise = Noise{i < seeds ? given.amplitude : 0.1 * given.amplitude,
                                      static_cast<std::uint64_t>(i % seeds + 1)};
             twinchute::Run run;
             const RunRecord record = fullsim::full_fidelity().run(scene, run);
-            const bool fails = is_numerical_failure(record.status.code);
+            const bool tears = record.status.code == StatusCode::strain_limit;
+            const bool fails = !tears && is_numerical_failure(record.status.code);
+            torn += tears;
             endings[fails ? "fails" : "ends"].push_back(
                 fmt::format("full.noise.amplitude={:.4g}, seed={}: {}", scene.full.noise->amplitude,
                             scene.full.noise->seed, record.status.detail));
         }
-        fmt::print("NOISE|{}|{}|{} end|{} fail\n", number, drop.kind, endings["ends"].size(),
-                   endings["fails"].size());
+        fmt::print("NOISE|{}|{}|{} end, {} of these torn|{} fail\n", number, drop.kind,
+                   endings["ends"].size(), torn, endings["fails"].size());
         std::fflush(stdout);
         if (endings["ends"].empty() || endings["fails"].empty()) continue;
         const auto& fewer = endings[endings["ends"].size() < endings["fails"].size() ? "ends" : "fails"];
