@@ -36,7 +36,7 @@ std::string Simulation::hardest_hit() const {
         if (const StrainExtremum extreme = model->extreme(s); extreme.strain > most) {
             most = extreme.strain;
             name =
-                fmt::format("{}, strained by {:.1f} %", model->element_name(extreme.element), 100.0 * most);
+                fmt::format("{}, strained by {:.2g} %", model->element_name(extreme.element), 100.0 * most);
         }
     return name;
 }
@@ -68,7 +68,7 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
         return RunStatus{
             lost ? StatusCode::solver_failed : StatusCode::energy_grew,
             fmt::format(
-                "{:.3g} J of energy {}, {:.1f} % of what changed hands, {}: the step of {:.2g} s is too "
+                "{:.3g} J of energy {}, {:.2g} % of what changed hands, {}: the step of {:.2g} s is too "
                 "long for impacts of {}; a smaller full.time_step_factor (now {:g}) brings shorter ones",
                 std::abs(residual(e)), lost ? "were lost" : "came from nowhere", 100.0 * std::abs(share),
                 where(), steps_.chosen().dt, hardest_hit(), scene_.full.time_step_factor)};

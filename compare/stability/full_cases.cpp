@@ -279,7 +279,8 @@ std::vector<Row> step_rows() {
     for (const double factor : {0.5, 0.95, 1.05, 1.5, 2.0, 3.0, 4.0}) {
         std::vector<StatusCode> causes;
         if (factor > 1.0)
-            causes = {StatusCode::energy_grew, StatusCode::not_finite, StatusCode::strain_limit};
+            causes = {StatusCode::energy_grew, StatusCode::solver_failed, StatusCode::not_finite,
+                      StatusCode::strain_limit};
         rows.push_back({fmt::format("step of {:g} times its bound", factor),
                         factor > 1.0 ? "above the bound: errors may grow with every step"
                                      : "below the bound: has to be right",
