@@ -2,7 +2,16 @@
 // carry what docs/cost.md quotes, with the unit in their name.
 #pragma once
 
+#include <string>
+
 namespace twinchute::bench {
+
+// Scenes that are measured.
+constexpr const char *c9_inflation = "c9-inflation.toml", *crane_drop = "paper/crane-drop.toml";
+
+inline std::string path_of(const char* scene) {
+    return std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + scene;
+}
 
 /// Ceilings of this machine: multiply-adds, reading and copying memory.
 void register_ceilings();

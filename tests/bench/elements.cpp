@@ -50,13 +50,6 @@ constexpr Size sizes[] = {
 
 constexpr int packed_steps = 2000;  // of a pack: lines and fabric begin to be drawn out
 
-constexpr const char* inflation = "c9-inflation.toml";
-constexpr const char* crane_drop = "paper/crane-drop.toml";
-
-std::string path_of(const char* scene) {
-    return std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + scene;
-}
-
 /// Bytes that the program has allocated; 0 where the C library cannot tell.
 double allocated() {
 #ifdef __GLIBC__
@@ -71,7 +64,7 @@ double allocated() {
 class InFlight {
 public:
     InFlight(const Size& size, bool packed)
-        : scene_(read_scene(path_of(packed ? crane_drop : inflation), keys(size, packed))) {
+        : scene_(read_scene(path_of(packed ? crane_drop : c9_inflation), keys(size, packed))) {
         const double before = allocated();
         simulation_ = std::make_unique<Simulation>(scene_);
         bytes_ = allocated() - before;
@@ -297,7 +290,7 @@ std::string name_of(std::string_view block, const Size& size) {
 
 void register_elements() {
     using fullsim::Stage;
-    const Scene filling = read_scene(path_of(inflation)), packed = read_scene(path_of(crane_drop));
+    const Scene filling = read_scene(path_of(c9_inflation)), packed = read_scene(path_of(crane_drop));
     for (const Size& size : sizes) {
         for (const fullsim::ForceBlock& row : fullsim::force_blocks())
             if (row.needed(filling, Stage::flight))

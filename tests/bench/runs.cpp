@@ -17,13 +17,6 @@
 namespace twinchute::bench {
 namespace {
 
-constexpr const char* inflation = "c9-inflation.toml";
-constexpr const char* crane_drop = "paper/crane-drop.toml";
-
-std::string path_of(const char* scene) {
-    return std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/" + scene;
-}
-
 /// How far a run had come at one of its reports of progress.
 struct Mark {
     double time;  ///< [s] simulated
@@ -145,19 +138,19 @@ void register_start(const char* name, std::vector<std::string> words) {
 
 void register_runs() {
     for (const auto& [name, file] :
-         {std::pair{"run/full/c9-inflation", inflation}, std::pair{"run/full/crane-drop", crane_drop}})
+         {std::pair{"run/full/c9-inflation", c9_inflation}, std::pair{"run/full/crane-drop", crane_drop}})
         benchmark::RegisterBenchmark(name, &measure_full, file)
             ->Unit(benchmark::kSecond)
             ->Iterations(1)
             ->Repetitions(3);
     for (const auto& [name, file] :
-         {std::pair{"run/rom/c9-inflation", inflation}, std::pair{"run/rom/crane-drop", crane_drop}})
+         {std::pair{"run/rom/c9-inflation", c9_inflation}, std::pair{"run/rom/crane-drop", crane_drop}})
         benchmark::RegisterBenchmark(name, &measure_rom, file)->Unit(benchmark::kMicrosecond);
-    benchmark::RegisterBenchmark("run/read-scene/c9-inflation", &measure_reading, inflation)
+    benchmark::RegisterBenchmark("run/read-scene/c9-inflation", &measure_reading, c9_inflation)
         ->Unit(benchmark::kMicrosecond);
     register_start("start/version", {TWINCHUTE_PROGRAM, "--version"});
-    register_start("start/rom-check", {TWINCHUTE_PROGRAM, "rom", path_of(inflation), "--check"});
-    register_start("start/rom", {TWINCHUTE_PROGRAM, "rom", path_of(inflation)});
+    register_start("start/rom-check", {TWINCHUTE_PROGRAM, "rom", path_of(c9_inflation), "--check"});
+    register_start("start/rom", {TWINCHUTE_PROGRAM, "rom", path_of(c9_inflation)});
 }
 
 }  // namespace twinchute::bench

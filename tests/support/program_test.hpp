@@ -29,6 +29,7 @@ inline Words program(const Words& words) {
 inline std::string shipped_scene(const std::string& name) {
     return TWINCHUTE_SOURCE_DIR "/data/scenes/" + name + ".toml";
 }
+inline const std::string c9_inflation = shipped_scene("c9-inflation");
 
 class ProgramTest : public testing::Test {
 protected:

@@ -8,9 +8,10 @@ namespace twinchute::test {
 namespace {
 
 const std::string data = TWINCHUTE_SOURCE_DIR "/data/calibration/";
-const std::string scene = data + "c9-drop.toml", drop_a = data + "c9-drop-a.toml",
+const std::string c9_drop = data + "c9-drop.toml", drop_a = data + "c9-drop-a.toml",
                   drop_b = data + "c9-drop-b.toml";
-const std::set<std::string> files{"out", "out/calibrated.toml", "out/calibration.json", "out/report.html"};
+const std::set<std::string> calibration_files{"out", "out/calibrated.toml", "out/calibration.json",
+                                              "out/report.html"};
 
 class SystemCalibrate : public ProgramTest {
 protected:
@@ -30,9 +31,9 @@ protected:
 };
 
 TEST_F(SystemCalibrate, GivesTheTruthOfTheWorkedExample) {
-    const Ended ended = run({"calibrate", scene, "--to", drop_a, "--out", "out", "--json"});
+    const Ended ended = run({"calibrate", c9_drop, "--to", drop_a, "--out", "out", "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
-    EXPECT_EQ(tree_of(here_.path()), files);
+    EXPECT_EQ(tree_of(here_.path()), calibration_files);
     EXPECT_EQ(ended.out, text("out/calibration.json"));
     const json found = read("out/calibration.json");
     const std::pair<const char*, double> truths[] = {{"parachute.fill_time.n", 5.5},
@@ -57,17 +58,17 @@ TEST_F(SystemCalibrate, RunsKeepTheMemoryOfTheLast) {
         return usage.ru_minflt;
     };
     const long before = pages();
-    ASSERT_EQ(run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet"}).code, 0);
+    ASSERT_EQ(run({"calibrate", c9_drop, "--to", drop_a, "--out", "out", "--quiet"}).code, 0);
     const long taken = pages() - before, runs = read("out/calibration.json")["cost"]["runs"].get<long>();
     EXPECT_GT(taken, 0);
     EXPECT_LT(taken, 10 * runs);
 }
 
 TEST_F(SystemCalibrate, WritesASceneThatRuns) {
-    ASSERT_EQ(
-        run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet", "--set", "payload.mass=152.4 kg"})
-            .code,
-        0);
+    ASSERT_EQ(run({"calibrate", c9_drop, "--to", drop_a, "--out", "out", "--quiet", "--set",
+                   "payload.mass=152.4 kg"})
+                  .code,
+              0);
     const Ended again = run({"rom", "out/calibrated.toml", "--json"});
     ASSERT_EQ(again.code, 0) << again.err;
     const json summary = json::parse(again.out), found = read("out/calibration.json");
@@ -76,11 +77,12 @@ TEST_F(SystemCalibrate, WritesASceneThatRuns) {
     EXPECT_TRUE(says(n["source"].get<std::string>(), "c9-drop-a.toml"));
     EXPECT_TRUE(says(n["source"].get<std::string>(), "[grade measured]"));
     EXPECT_EQ(summary["metrics"]["peak_force_N"], found["predictive"]["peak_force_N"]["estimate"]);
-    EXPECT_EQ(run({"calibrate", scene, "--to", drop_a, "--out", "out", "--quiet"}).code, 0);  // over its own
+    EXPECT_EQ(run({"calibrate", c9_drop, "--to", drop_a, "--out", "out", "--quiet"}).code,
+              0);  // over its own
 }
 
 TEST_F(SystemCalibrate, TakesSeveralTestsOnClocksOfTheirOwn) {
-    const Ended ended = run({"calibrate", scene, "--to", drop_a, "--to", drop_b, "--out", "out"});
+    const Ended ended = run({"calibrate", c9_drop, "--to", drop_a, "--to", drop_b, "--out", "out"});
     ASSERT_EQ(ended.code, 0) << ended.err << ended.out;
     EXPECT_TRUE(says(ended.out, "calibrated to 2 tests")) << ended.out;
     EXPECT_TRUE(says(ended.out, "test to test")) << ended.out;
@@ -99,7 +101,7 @@ TEST_F(SystemCalibrate, SaysWhatDoesNotGoTogether) {
     write("scaled.csv", csv);
     write("scaled.toml",
           "file = \"scaled.csv\"\nclock = \"known\"\n[force]\nsigma = \"3 %\"\nbandwidth = \"50 Hz\"\n");
-    const Ended ended = run({"calibrate", scene, "--to", "scaled.toml", "--out", "out"});
+    const Ended ended = run({"calibrate", c9_drop, "--to", "scaled.toml", "--out", "out"});
     EXPECT_EQ(ended.code, 1) << ended.out;
     EXPECT_TRUE(says(ended.out, "scale of the force sensor looks wrong")) << ended.out;
     EXPECT_TRUE(says(ended.out, "inconsistent")) << ended.out;
@@ -117,23 +119,23 @@ TEST_F(SystemCalibrate, RefusesBadInputAndWritesNothing) {
           "1\nsigma = 1\n");
     const auto before = tree_of(here_.path());
     const std::pair<Words, const char*> cases[] = {
-        {{scene}, "--to is missing"},
-        {{scene, "--to", "early.csv"}, "early.csv:4:1: the history lies wholly before the release"},
-        {{scene, "--to", "bad.csv"}, "bad.csv:4:3: 'x' is not a number"},
-        {{scene, "--to", "none.csv"}, "none.csv"},
-        {{scene, "--to", "set.toml"}, "--to: payload.mas: unknown key"},
-        {{scene, "--to", "prior.toml"}, "a prior on 'payload.mass', which is not fitted"},
-        {{scene, "--to", drop_a, "--vary", "payload.mas"},
+        {{c9_drop}, "--to is missing"},
+        {{c9_drop, "--to", "early.csv"}, "early.csv:4:1: the history lies wholly before the release"},
+        {{c9_drop, "--to", "bad.csv"}, "bad.csv:4:3: 'x' is not a number"},
+        {{c9_drop, "--to", "none.csv"}, "none.csv"},
+        {{c9_drop, "--to", "set.toml"}, "--to: payload.mas: unknown key"},
+        {{c9_drop, "--to", "prior.toml"}, "a prior on 'payload.mass', which is not fitted"},
+        {{c9_drop, "--to", drop_a, "--vary", "payload.mas"},
          "--vary payload.mas: unknown key, did you mean 'payload.mass'?"},
-        {{scene, "--to", drop_a, "--vary", "drag_area"},
+        {{c9_drop, "--to", drop_a, "--vary", "drag_area"},
          "unknown key, did you mean 'payload.drag_area' or 'parachute.drag_area'?\n"},
-        {{scene, "--to", drop_a, "--vary", "zzz.qqqqqq"},
+        {{c9_drop, "--to", drop_a, "--vary", "zzz.qqqqqq"},
          "unknown key, `twinchute list keys` shows all of them\n"},
-        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=9..2"}, "the lower bound comes first"},
-        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=2"}, "bounds are written LO..HI"},
-        {{scene, "--to", drop_a, "--vary", "parachute.fill_time.n=-1..2"}, "out of its range"},
-        {{scene, "--to", drop_a, "--vary", "environment.ground"}, "it is 0 in the scene"},
-        {{scene, "--to", drop_a, "--vary", "full.beta"}, "the reduced-order model does not use it"},
+        {{c9_drop, "--to", drop_a, "--vary", "parachute.fill_time.n=9..2"}, "the lower bound comes first"},
+        {{c9_drop, "--to", drop_a, "--vary", "parachute.fill_time.n=2"}, "bounds are written LO..HI"},
+        {{c9_drop, "--to", drop_a, "--vary", "parachute.fill_time.n=-1..2"}, "out of its range"},
+        {{c9_drop, "--to", drop_a, "--vary", "environment.ground"}, "it is 0 in the scene"},
+        {{c9_drop, "--to", drop_a, "--vary", "full.beta"}, "the reduced-order model does not use it"},
         {{shipped_scene("c9-inflation-speeds"), "--to", drop_a}, "a series of"},
     };
     for (const auto& [words, expected] : cases) {
@@ -146,11 +148,11 @@ TEST_F(SystemCalibrate, RefusesBadInputAndWritesNothing) {
 
 // A record says itself how it was dropped; the model that made it gives its inputs back.
 TEST_F(SystemCalibrate, TakesARecord) {
-    ASSERT_EQ(run({"rom", scene, "--quiet", "--out", "record", "--set", "payload.mass=120 kg", "--set",
+    ASSERT_EQ(run({"rom", c9_drop, "--quiet", "--out", "record", "--set", "payload.mass=120 kg", "--set",
                    "parachute.fill_time.n=5", "--set", "parachute.drag_area=45 m^2"})
                   .code,
               0);
-    const Ended ended = run({"calibrate", scene, "--to", "record", "--out", "out", "--json"});
+    const Ended ended = run({"calibrate", c9_drop, "--to", "record", "--out", "out", "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err << ended.out;
     const json found = json::parse(ended.out);
     EXPECT_EQ(found["tests"][0]["kind"], "record");
@@ -220,8 +222,8 @@ TEST_F(SystemCalibrate, ItsJsonKeepsItsSchema) {
                 "[descent_rate]\nvalue = \"8 m/s\"\nsigma = \"2 %\"\n"
                 "[[prior]]\nkey = \"parachute.fill_time.n\"\nmean = 4\nsigma = 0.5\n");
     here_.write("two.json",
-                run({"calibrate", scene, "--to", drop_a, "--to", drop_b, "--out", "a", "--json"}).out);
-    here_.write("held.json", run({"calibrate", scene, "--to", "speed.toml", "--out", "b", "--json"}).out);
+                run({"calibrate", c9_drop, "--to", drop_a, "--to", drop_b, "--out", "a", "--json"}).out);
+    here_.write("held.json", run({"calibrate", c9_drop, "--to", "speed.toml", "--out", "b", "--json"}).out);
     EXPECT_TRUE(read("held.json")["parameters"]["parachute.initial_drag_area_ratio"]["held"].get<bool>());
     const std::string schema = TWINCHUTE_SOURCE_DIR "/docs/schema/calibration.schema.json";
     const Ended ended =
@@ -235,7 +237,8 @@ TEST_F(SystemCalibrate, ItsJsonKeepsItsSchema) {
 }
 
 TEST_F(SystemCalibrate, ChecksWithoutFitting) {
-    EXPECT_TRUE(says(run({"calibrate", scene, "--to", drop_a, "--check"}).out, "is valid; nothing was run"));
+    EXPECT_TRUE(
+        says(run({"calibrate", c9_drop, "--to", drop_a, "--check"}).out, "is valid; nothing was run"));
     EXPECT_TRUE(nothing_written());
 }
 

@@ -5,15 +5,13 @@
 namespace twinchute::test {
 namespace {
 
-const std::string scene = shipped_scene("c9-inflation");
-
 /// A full run of a moment: few elements, short flight.
-const Words quick{"--set", "stop.time=0.25",        "--set", "full.mesh.gore_columns=1",
-                  "--set", "full.mesh.gore_rows=4", "--set", "full.mesh.line_elements=4"};
+const Words a_moment{"--set", "stop.time=0.25",        "--set", "full.mesh.gore_columns=1",
+                     "--set", "full.mesh.gore_rows=4", "--set", "full.mesh.line_elements=4"};
 
 class SystemCli : public ProgramTest {
 protected:
-    Ended run_quick(const Words& words) const { return run(words + quick); }
+    Ended run_quick(const Words& words) const { return run(words + a_moment); }
 };
 
 TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
@@ -33,7 +31,7 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
 }
 
 TEST_F(SystemCli, RomPrintsAndWritesNothing) {
-    const Ended ended = run({"rom", scene});
+    const Ended ended = run({"rom", c9_inflation});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_NE(ended.out.find("peak force"), std::string::npos);
     EXPECT_EQ(ended.out.find('\x1b'), std::string::npos);  // no colour into a file
@@ -42,35 +40,36 @@ TEST_F(SystemCli, RomPrintsAndWritesNothing) {
 }
 
 TEST_F(SystemCli, RomWritesWhereItIsTold) {
-    EXPECT_EQ(run({"rom", scene, "--out", "there", "--quiet"}).out, "");
+    EXPECT_EQ(run({"rom", c9_inflation, "--out", "there", "--quiet"}).out, "");
     EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/summary.json",
                                                             "there/history.csv", "there/events.csv"}));
     EXPECT_EQ(read("there/summary.json")["fidelity"], "rom");
 }
 
 TEST_F(SystemCli, JsonIsAllThatStandsOnStandardOutput) {
-    const json summary = json::parse(run({"rom", scene, "--json"}).out);
+    const json summary = json::parse(run({"rom", c9_inflation, "--json"}).out);
     EXPECT_EQ(summary["status"]["code"], "completed");
     EXPECT_EQ(summary["inputs"]["payload.mass"]["value"], 152.4);
-    const json gap = json::parse(run_quick({"compare", scene, "--json"}).out);
+    const json gap = json::parse(run_quick({"compare", c9_inflation, "--json"}).out);
     EXPECT_TRUE(gap.contains("metrics"));
 }
 
 TEST_F(SystemCli, OverridesReachTheModel) {
-    const json summary = json::parse(run({"rom", scene, "--json", "--set", "payload.mass='100 kg'"}).out);
+    const json summary =
+        json::parse(run({"rom", c9_inflation, "--json", "--set", "payload.mass='100 kg'"}).out);
     EXPECT_EQ(summary["inputs"]["payload.mass"]["value"], 100);
 }
 
 TEST_F(SystemCli, FullWritesItsRecordBesideTheSceneName) {
-    const Ended ended = run_quick({"full", scene});
+    const Ended ended = run_quick({"full", c9_inflation});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_EQ(ended.err, "");
     EXPECT_EQ(read("c9-inflation.out/summary.json")["fidelity"], "full");
-    EXPECT_EQ(run_quick({"full", scene}).code, 0);  // our own results may be written again
+    EXPECT_EQ(run_quick({"full", c9_inflation}).code, 0);  // our own results may be written again
 }
 
 TEST_F(SystemCli, CompareWritesTheWholeReport) {
-    const Ended ended = run_quick({"compare", scene, "--out", "out"});
+    const Ended ended = run_quick({"compare", c9_inflation, "--out", "out"});
     for (const char* file : {"gap.json", "report.html", "report.md", "junit.xml", "force.svg", "speed.svg",
                              "rom/summary.json", "rom/history.csv", "rom/events.csv", "full/summary.json",
                              "full/history.csv", "full/events.csv", "full/frames.bin"}) {
@@ -82,7 +81,8 @@ TEST_F(SystemCli, CompareWritesTheWholeReport) {
 TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
     // The whole opening on a coarse mesh: within a factor of two of the reduced-order model in what
     // both compute, and not equal to it.
-    Words words{"compare", scene, "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=4"};
+    Words words{"compare", c9_inflation,           "--set", "full.mesh.gore_columns=1",
+                "--set",   "full.mesh.gore_rows=4"};
     for (const char* metric : {"filling_time", "peak_force", "descent_rate"}) {
         words.insert(words.end(), {"--tolerance", std::string(metric) + "=50%"});
     }
@@ -91,16 +91,16 @@ TEST_F(SystemCli, ToleranceDecidesBetweenZeroAndOne) {
     EXPECT_EQ(wide.code, 0) << wide.out << wide.err;
     EXPECT_EQ(read("wide/gap.json")["verdict"], "within");
 
-    const Ended none = run_quick({"compare", scene, "--out", "none", "--tolerance", "max_force=0%"});
+    const Ended none = run_quick({"compare", c9_inflation, "--out", "none", "--tolerance", "max_force=0%"});
     EXPECT_EQ(none.code, 1) << none.err;
     EXPECT_NE(none.out.find("exceeded"), std::string::npos);
     EXPECT_EQ(read("none/gap.json")["metrics"]["max_force_N"]["verdict"], "exceeded");
 }
 
-const std::string rocket = shipped_scene("rocket-dual-deploy");
+const std::string rocket_scene = shipped_scene("rocket-dual-deploy");
 
 TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
-    const Words never{rocket, "--set", "parachute.main.deploy.when.height=0 ft"};
+    const Words never{rocket_scene, "--set", "parachute.main.deploy.when.height=0 ft"};
     const auto with = [&](Words words) {
         words.insert(words.begin() + 1, never.begin(), never.end());
         return run(words);
@@ -119,7 +119,7 @@ TEST_F(SystemCli, AParachuteThatNeverOpensEndsWithOne) {
 TEST_F(SystemCli, ParachutesThatWaitForEachOtherAreRefusedByEveryCommand) {
     for (const std::string command : {"rom", "full", "compare", "plan", "size", "ladder"}) {
         const Ended ended =
-            run({command, rocket, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}", "--set",
+            run({command, rocket_scene, "--set", "parachute.main.deploy.when={after=\"drogue.cut\"}", "--set",
                  "parachute.drogue.cut={after=\"main.full-open\"}"});
         EXPECT_EQ(ended.code, 2) << command;
         EXPECT_NE(ended.err.find("parachutes wait for each other (drogue.cut waits for main.full-open"),
@@ -131,10 +131,10 @@ TEST_F(SystemCli, ParachutesThatWaitForEachOtherAreRefusedByEveryCommand) {
 
 TEST_F(SystemCli, CheckRunsNothing) {
     for (const std::string command : {"compare", "rom", "full", "mesh"}) {
-        const Ended ended = run({command, scene, "--check"});
+        const Ended ended = run({command, c9_inflation, "--check"});
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_NE(ended.out.find("valid"), std::string::npos);
-        EXPECT_EQ(run({command, scene, "--check", "--set", "payload.mass=-1"}).code, 2);
+        EXPECT_EQ(run({command, c9_inflation, "--check", "--set", "payload.mass=-1"}).code, 2);
     }
     EXPECT_TRUE(nothing_written());
 }
@@ -142,16 +142,16 @@ TEST_F(SystemCli, CheckRunsNothing) {
 TEST_F(SystemCli, BadUsageAndBadScenesAreExitTwoAndWriteNothing) {
     const std::vector<Words> wrong{
         {},
-        {"simulate", scene},
+        {"simulate", c9_inflation},
         {"--frobnicate"},
         {"compare"},
-        {"rom", scene, "--treads", "2"},
+        {"rom", c9_inflation, "--treads", "2"},
         {"rom", "no-such-file.toml"},
-        {"rom", scene, "--set", "payload.mas=1"},
-        {"full", scene, "--set", "full.symmetry=sector", "--set", "release.path_angle=1"},
-        {"compare", scene, "--tolerance", "peak_force"},
-        {"compare", scene, "--tolerance", "peak_force=5s"},
-        {"compare", scene, "--tolerance", "no_such_metric=5%"},
+        {"rom", c9_inflation, "--set", "payload.mas=1"},
+        {"full", c9_inflation, "--set", "full.symmetry=sector", "--set", "release.path_angle=1"},
+        {"compare", c9_inflation, "--tolerance", "peak_force"},
+        {"compare", c9_inflation, "--tolerance", "peak_force=5s"},
+        {"compare", c9_inflation, "--tolerance", "no_such_metric=5%"},
         {"list", "no-such-topic"}};
     for (const Words& words : wrong) {
         const Ended ended = run(words);
@@ -172,23 +172,24 @@ TEST_F(SystemCli, ASceneErrorNamesFileLineAndColumn) {
 
 TEST_F(SystemCli, SomebodyElsesDirectoryIsRefusedBeforeAnythingRuns) {
     here_.write("thesis/chapter.tex", "years of work");
-    EXPECT_EQ(run({"rom", scene, "--out", "thesis"}).code, 2);
+    EXPECT_EQ(run({"rom", c9_inflation, "--out", "thesis"}).code, 2);
     EXPECT_EQ(tree_of(here_ / "thesis"), (std::set<std::string>{"chapter.tex"}));
 }
 
 TEST_F(SystemCli, ResultsThatCannotBeWrittenAreExitFour) {
     here_.write("file", "not a directory");
-    EXPECT_EQ(run({"rom", scene, "--out", "file/out"}).code, 4);
+    EXPECT_EQ(run({"rom", c9_inflation, "--out", "file/out"}).code, 4);
     EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"file"}));
-    EXPECT_EQ(Process(program({"rom", scene, "--json"}), here_.path(), "/dev/full").wait().code, 4);
+    EXPECT_EQ(Process(program({"rom", c9_inflation, "--json"}), here_.path(), "/dev/full").wait().code, 4);
 }
 
 TEST_F(SystemCli, ANumericalFailureIsExitThreeWithARecord) {
     // No fabric stays below a strain of 1e-6 while it opens.
-    const Ended ended = run_quick({"full", scene, "--out", "out", "--set", "full.strain_limit=1e-6"});
+    const Ended ended = run_quick({"full", c9_inflation, "--out", "out", "--set", "full.strain_limit=1e-6"});
     EXPECT_EQ(ended.code, 3) << ended.err;
     EXPECT_EQ(read("out/summary.json")["status"]["code"], "strain_limit");
-    const Ended both = run_quick({"compare", scene, "--out", "both", "--set", "full.strain_limit=1e-6"});
+    const Ended both =
+        run_quick({"compare", c9_inflation, "--out", "both", "--set", "full.strain_limit=1e-6"});
     EXPECT_EQ(both.code, 3) << both.err;
     EXPECT_NE(content_of(here_ / "both/junit.xml").find("<error type=\"strain_limit\""), std::string::npos);
     EXPECT_EQ(read("both/rom/summary.json")["status"]["code"], "completed");
@@ -198,11 +199,11 @@ TEST_F(SystemCli, AWarningOfFoldedGoresKnowsWhetherThereIsContact) {
     // Thrown upward at 50 m/s an open canopy meets the air from above and folds: a quarter of its area is
     // inside out.
     for (const std::string contact : {"none", "gores"}) {
-        Words words{"full", scene, "--out", contact};
+        Words words{"full", c9_inflation, "--out", contact};
         for (const char* key :
              {"parachute.deploy.by=inflated", "release.speed=50", "release.path_angle='-90 deg'"})
             words.insert(words.end(), {"--set", key});
-        words.insert(words.end(), quick.begin(), quick.end());
+        words.insert(words.end(), a_moment.begin(), a_moment.end());
         words.insert(words.end(), {"--set", "stop.time=2.2", "--set", "full.contact='" + contact + "'"});
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 0) << ended.err;
@@ -218,7 +219,7 @@ class SystemCliSignal : public SystemCli, public testing::WithParamInterface<int
 
 TEST_P(SystemCliSignal, EndsCleanlyWithTheRecordSoFar) {
     // Long enough to be running when the signal comes, whatever the machine.
-    Process process(program({"full", scene, "--out", "out", "--set", "stop.time=10"}), here_.path());
+    Process process(program({"full", c9_inflation, "--out", "out", "--set", "stop.time=10"}), here_.path());
     ASSERT_TRUE(process.send_when_handled(GetParam()));
     const Ended ended = process.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
@@ -241,7 +242,7 @@ TEST_F(SystemCli, ListsComeFromTheTablesThatRun) {
 }
 
 TEST_F(SystemCli, TheSameInputGivesTheSameNumbers) {
-    const Words words{"compare", scene, "--json", "--out"};
+    const Words words{"compare", c9_inflation, "--json", "--out"};
     auto metrics = [&](const std::string& directory) {
         Words all = words;
         all.push_back(directory);

@@ -16,8 +16,6 @@ namespace {
 
 using Names = std::set<std::string>;
 
-const std::string scene = shipped_scene("c9-inflation");
-
 // The C-9 of data/parachutes/usaf-c9.toml.
 constexpr double nominal_diameter = 8.53, vent_diameter = 0.853;  // [m]
 constexpr double fabric_area =
@@ -26,9 +24,10 @@ constexpr double fabric_area =
 /// No fabric is strained or hidden in folds at the start of a uniform mesh of two columns a gore.
 const Words uniform{"--set", "full.mesh.grading=uniform"};
 /// A full run of a moment: few elements, short flight.
-const Words coarse = uniform + Words{"--set", "full.mesh.gore_columns=2", "--set", "full.mesh.gore_rows=4",
-                                     "--set", "full.mesh.line_elements=4"};
-const Words quick = coarse + Words{"--set", "stop.time=0.5"};
+const Words few_elements =
+    uniform + Words{"--set", "full.mesh.gore_columns=2", "--set", "full.mesh.gore_rows=4",
+                    "--set", "full.mesh.line_elements=4"};
+const Words half_a_second = few_elements + Words{"--set", "stop.time=0.5"};
 
 class SystemFields : public ProgramTest {
 protected:
@@ -67,11 +66,11 @@ std::map<double, std::map<std::string, double>> rows_of(const std::string& csv) 
 
 TEST_F(SystemFields, VtkReadsBackWhatTheRunWrote) {
     NEEDS_VTK();
-    const Ended ended = run(Words{"full", scene, "--out", "o", "--fields", "20"} + quick);
+    const Ended ended = run(Words{"full", c9_inflation, "--out", "o", "--fields", "20"} + half_a_second);
     ASSERT_EQ(ended.code, 0) << ended.err;
     EXPECT_NE(ended.out.find("o/fields.pvd (11 frames)"), std::string::npos) << ended.out;
     const auto history = rows_of(content_of(here_ / "o/history.csv"));
-    const json counts = json::parse(run(Words{"mesh", scene, "--json"} + coarse).out);
+    const json counts = json::parse(run(Words{"mesh", c9_inflation, "--json"} + few_elements).out);
 
     const json frames = read("o/fields.pvd");
     ASSERT_EQ(frames.size(), 11u);  // 0, 0.05, ... 0.5 s
@@ -115,7 +114,7 @@ TEST_F(SystemFields, VtkReadsBackWhatTheRunWrote) {
 
 TEST_F(SystemFields, ArraysHaveTheirNamesUnitsAndRanges) {
     NEEDS_VTK();
-    ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "2"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "2"} + half_a_second).code, 0);
     const json frame = read("o/fields.pvd").back();  // half a second in: fabric under tension
     const std::map<std::string, std::string> cell_types{
         {"kind", "signed char"},      {"stress_first_N_m", "float"}, {"stress_second_N_m", "float"},
@@ -162,43 +161,44 @@ TEST_F(SystemFields, ArraysHaveTheirNamesUnitsAndRanges) {
 }
 
 TEST_F(SystemFields, TheRunItselfIsTheSameWithThem) {
-    ASSERT_EQ(run(Words{"full", scene, "--out", "plain"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "plain"} + half_a_second).code, 0);
     EXPECT_EQ(names("plain"), (Names{"summary.json", "history.csv", "events.csv", "frames.bin"}));
-    ASSERT_EQ(run(Words{"full", scene, "--out", "seen", "--fields", "50"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "seen", "--fields", "50"} + half_a_second).code, 0);
     EXPECT_EQ(content_of(here_ / "plain/history.csv"), content_of(here_ / "seen/history.csv"));
     EXPECT_EQ(names("seen").size(), 4u + 2u + 26u);
 
     const std::string first = content_of(here_ / "seen/fields/frame-000007.vtu");
-    ASSERT_EQ(run(Words{"full", scene, "--out", "seen", "--fields", "50"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "seen", "--fields", "50"} + half_a_second).code, 0);
     EXPECT_EQ(content_of(here_ / "seen/fields/frame-000007.vtu"), first);  // the same bytes
 }
 
 TEST_F(SystemFields, ThoseOfAnEarlierRunDoNotSurvive) {
-    ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "50"} + quick).code, 0);
-    ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "4"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "50"} + half_a_second).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "4"} + half_a_second).code, 0);
     EXPECT_EQ(names("o"),
               (Names{"summary.json", "history.csv", "events.csv", "frames.bin", "fields.pvd", "fields",
                      "fields/frame-000000.vtu", "fields/frame-000001.vtu", "fields/frame-000002.vtu"}));
-    ASSERT_EQ(run({"rom", scene, "--out", "o", "--quiet"}).code, 0);
+    ASSERT_EQ(run({"rom", c9_inflation, "--out", "o", "--quiet"}).code, 0);
     EXPECT_EQ(names("o"), (Names{"summary.json", "history.csv", "events.csv"}));
 }
 
 TEST_F(SystemFields, ASceneMayAskForThemAndTheOptionHasTheLastWord) {
     const Words asked{"--set", "full.fields_rate=4"};
-    ASSERT_EQ(run(Words{"full", scene, "--out", "a"} + quick + asked).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "a"} + half_a_second + asked).code, 0);
     EXPECT_EQ(names("a/fields").size(), 3u);
-    ASSERT_EQ(run(Words{"full", scene, "--out", "b", "--fields", "8"} + quick + asked).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "b", "--fields", "8"} + half_a_second + asked).code,
+              0);
     EXPECT_EQ(names("b/fields").size(), 5u);
     EXPECT_EQ(json::parse(content_of(here_ / "b/summary.json"))["inputs"]["full.fields_rate"]["value"], 8);
 }
 
 TEST_F(SystemFields, CompareWritesThemBesideTheFullRecord) {
-    const Ended ended = run(Words{"compare", scene, "--out", "o", "--fields", "4"} + quick);
+    const Ended ended = run(Words{"compare", c9_inflation, "--out", "o", "--fields", "4"} + half_a_second);
     ASSERT_LT(ended.code, 2) << ended.err;
     EXPECT_NE(ended.out.find("o/full/fields.pvd (3 frames)"), std::string::npos) << ended.out;
     EXPECT_TRUE(names("o/full").contains("fields/frame-000002.vtu"));
     EXPECT_FALSE(names("o/rom").contains("fields.pvd"));
-    ASSERT_LT(run(Words{"compare", scene, "--out", "o"} + quick).code, 2);
+    ASSERT_LT(run(Words{"compare", c9_inflation, "--out", "o"} + half_a_second).code, 2);
     EXPECT_FALSE(names("o/full").contains("fields"));
 }
 
@@ -206,43 +206,47 @@ TEST_F(SystemFields, EveryCaseOfASeriesHasItsOwn) {
     here_.write("series.toml",
                 "base = \"c9-inflation.toml\"\n[[case]]\nname = \"light\"\nset = { \"payload.mass\" = 80 }\n"
                 "[[case]]\nname = \"heavy\"\nset = { \"payload.mass\" = 250 }\n");
-    ASSERT_EQ(run(Words{"full", "series.toml", "--quiet", "--out", "o", "--fields", "4"} + quick).code, 0);
+    ASSERT_EQ(
+        run(Words{"full", "series.toml", "--quiet", "--out", "o", "--fields", "4"} + half_a_second).code, 0);
     for (const std::string name : {"light", "heavy"})
         EXPECT_EQ(names("o/" + name + "/fields").size(), 3u) << name;
 }
 
 TEST_F(SystemFields, ARateIsAPositiveNumber) {
     for (const std::string rate : {"0", "-5", "nan", "inf", "50 Hz", "50x", "fast", "", "1e9"}) {
-        const Ended ended = run({"full", scene, "--fields", rate});
+        const Ended ended = run({"full", c9_inflation, "--fields", rate});
         EXPECT_EQ(ended.code, 2) << rate;
         EXPECT_NE(ended.err.find("fields"), std::string::npos) << ended.err;
     }
-    EXPECT_EQ(run({"rom", scene, "--fields", "50"}).code, 2);  // it has none
-    EXPECT_EQ(run({"full", scene, "--fields", "4", "--fields", "5"}).code, 2);
+    EXPECT_EQ(run({"rom", c9_inflation, "--fields", "50"}).code, 2);  // it has none
+    EXPECT_EQ(run({"full", c9_inflation, "--fields", "4", "--fields", "5"}).code, 2);
     EXPECT_TRUE(names("").empty());
 }
 
 TEST_F(SystemFields, ThreadsAreAWholeNumberAndChangeNothing) {
     for (const std::string threads : {"0", "-1", "two", "1.5", "2x", "", "1e2", "257"}) {
-        const Ended ended = run({"full", scene, "--threads", threads});
+        const Ended ended = run({"full", c9_inflation, "--threads", threads});
         EXPECT_EQ(ended.code, 2) << threads;
         EXPECT_NE(ended.err.find("--threads"), std::string::npos) << ended.err;
     }
-    EXPECT_EQ(run({"rom", scene, "--threads", "2"}).code, 2);  // it has none
+    EXPECT_EQ(run({"rom", c9_inflation, "--threads", "2"}).code, 2);  // it has none
     EXPECT_TRUE(names("").empty());
     const Words fine{"--set", "full.mesh.gore_rows=17",    "--set", "full.mesh.gore_columns=2",
                      "--set", "full.mesh.line_elements=31"};  // enough for two
     for (const std::string threads : {"1", "2"})
-        ASSERT_EQ(run(Words{"full", scene, "--out", threads, "--threads", threads} + quick + fine).code, 0);
+        ASSERT_EQ(
+            run(Words{"full", c9_inflation, "--out", threads, "--threads", threads} + half_a_second + fine)
+                .code,
+            0);
     EXPECT_EQ(content_of(here_ / "1/history.csv"), content_of(here_ / "2/history.csv"));
     EXPECT_EQ(json::parse(content_of(here_ / "2/summary.json"))["provenance"]["threads"], 2);
 }
 
 TEST_F(SystemFields, AFailedRunKeepsThoseUpToThere) {
     NEEDS_VTK();
-    const Ended ended = run(Words{"full", scene, "--out", "o", "--fields", "1000", "--set",
+    const Ended ended = run(Words{"full", c9_inflation, "--out", "o", "--fields", "1000", "--set",
                                   "full.output_rate=1000", "--set", "full.strain_limit=0.002"} +
-                            quick);
+                            half_a_second);
     ASSERT_EQ(ended.code, 3) << ended.err;
     const auto history = rows_of(content_of(here_ / "o/history.csv"));
     const auto frames = names("o/fields").size();
@@ -256,7 +260,8 @@ TEST_F(SystemFields, AFailedRunKeepsThoseUpToThere) {
 TEST_F(SystemFields, AnInterruptedRunKeepsThoseUpToThere) {
     NEEDS_VTK();
     Process process(
-        program({"full", scene, "--out", "o", "--fields", "100", "--set", "stop.time=1000"}) + coarse,
+        program({"full", c9_inflation, "--out", "o", "--fields", "100", "--set", "stop.time=1000"}) +
+            few_elements,
         here_.path());
     ASSERT_TRUE(process.wait_until_handled(SIGINT));
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
@@ -273,7 +278,7 @@ TEST_F(SystemFields, AnInterruptedRunKeepsThoseUpToThere) {
 
 TEST_F(SystemFields, PicturesNeedNoDisplay) {
     NEEDS_VTK();
-    ASSERT_EQ(run(Words{"full", scene, "--out", "o", "--fields", "4"} + quick).code, 0);
+    ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "4"} + half_a_second).code, 0);
     for (const std::string field : {"stress", "strain", "wrinkling"}) {
         const Ended ended = run_vtk_script(
             "docs/pictures/render_fields.py",
@@ -287,7 +292,7 @@ TEST_F(SystemFields, PicturesNeedNoDisplay) {
 // --- the command mesh ---------------------------------------------------------------------------
 
 TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
-    const Ended ended = run({"mesh", scene, "--json"});
+    const Ended ended = run({"mesh", c9_inflation, "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json mesh = json::parse(ended.out);
     EXPECT_NEAR(mesh["fabric_area_m2"], fabric_area, 1e-9 * fabric_area);
@@ -312,9 +317,10 @@ TEST_F(SystemFields, AMeshWeighsAndMeasuresWhatItWasCutFrom) {
 
 TEST_F(SystemFields, AMeshIsReadByVtk) {
     NEEDS_VTK();
-    ASSERT_EQ(run(Words{"mesh", scene, "--out", "there/c9.vtu", "--set", "payload.mass=100"} + uniform).code,
-              0);
-    const json counts = json::parse(run(Words{"mesh", scene, "--json"} + uniform).out);
+    ASSERT_EQ(
+        run(Words{"mesh", c9_inflation, "--out", "there/c9.vtu", "--set", "payload.mass=100"} + uniform).code,
+        0);
+    const json counts = json::parse(run(Words{"mesh", c9_inflation, "--json"} + uniform).out);
     EXPECT_EQ(counts["grading"], "uniform");
     const json mesh = read("there/c9.vtu")[0];
     EXPECT_TRUE(mesh["complaints"].empty());
@@ -329,7 +335,7 @@ TEST_F(SystemFields, APackedSceneHasItsPackBeside) {
     NEEDS_VTK();
     const Words packed{"--set", "parachute.deploy.by=static-line",  "--set", "parachute.deploy.length=12.2",
                        "--set", "parachute.deploy.pack_ratio=0.02", "--set", "full.contact=none"};
-    ASSERT_EQ(run(Words{"mesh", scene, "--out", "c9.vtu"} + packed).code, 0);
+    ASSERT_EQ(run(Words{"mesh", c9_inflation, "--out", "c9.vtu"} + packed).code, 0);
     ASSERT_EQ(names(""), (Names{"c9.vtu", "c9-packed.vtu"}));
     const json open = read("c9.vtu")[0], pack = read("c9-packed.vtu")[0];
     EXPECT_EQ(open["cells"], pack["cells"]);
@@ -348,17 +354,17 @@ TEST_F(SystemFields, AMeshOfASeriesLiesInTheFolderOfItsCase) {
 
 TEST_F(SystemFields, AMeshOverwritesNobodyElsesFile) {
     here_.write("thesis.vtu", "years of work");
-    EXPECT_EQ(run({"mesh", scene, "--out", "thesis.vtu"}).code, 2);
+    EXPECT_EQ(run({"mesh", c9_inflation, "--out", "thesis.vtu"}).code, 2);
     EXPECT_EQ(content_of(here_ / "thesis.vtu"), "years of work");
     for (const std::string name : {"c9.txt", "c9", "", ".vtu", "o/"})
-        EXPECT_EQ(run({"mesh", scene, "--out", name}).code, 2) << name;
-    EXPECT_EQ(run({"mesh", scene, "--out", "thesis.vtu/c9.vtu"}).code, 4);
+        EXPECT_EQ(run({"mesh", c9_inflation, "--out", name}).code, 2) << name;
+    EXPECT_EQ(run({"mesh", c9_inflation, "--out", "thesis.vtu/c9.vtu"}).code, 4);
     EXPECT_EQ(run({"mesh", "no-such.toml"}).code, 2);
-    EXPECT_EQ(run({"mesh", scene, "--set", "payload.mass=-1"}).code, 2);
-    EXPECT_EQ(run({"mesh", scene, "--check", "--out", "c9.vtu"}).code, 0);
+    EXPECT_EQ(run({"mesh", c9_inflation, "--set", "payload.mass=-1"}).code, 2);
+    EXPECT_EQ(run({"mesh", c9_inflation, "--check", "--out", "c9.vtu"}).code, 0);
     EXPECT_EQ(names(""), (Names{"thesis.vtu"}));
-    ASSERT_EQ(run({"mesh", scene, "--out", "c9.vtu"}).code, 0);
-    EXPECT_EQ(run({"mesh", scene, "--out", "c9.vtu"}).code, 0);  // our own may be written again
+    ASSERT_EQ(run({"mesh", c9_inflation, "--out", "c9.vtu"}).code, 0);
+    EXPECT_EQ(run({"mesh", c9_inflation, "--out", "c9.vtu"}).code, 0);  // our own may be written again
 }
 
 }  // namespace

@@ -9,23 +9,22 @@
 namespace twinchute::test {
 namespace {
 
-const std::string scene = shipped_scene("c9-inflation");
-const std::set<std::string> files{"ladder.csv", "ladder.json", "ladder.md", "ladder.svg"};
+const std::set<std::string> ladder_files{"ladder.csv", "ladder.json", "ladder.md", "ladder.svg"};
 
 /// Few elements, and a short flight beyond the peak.
-const Words coarse{"--quick",
-                   "--set",
-                   "full.mesh.gore_columns=1",
-                   "--set",
-                   "full.mesh.gore_rows=4",
-                   "--set",
-                   "full.mesh.line_elements=4",
-                   "--set",
-                   "stop.time=2"};
+const Words coarse_ladder{"--quick",
+                          "--set",
+                          "full.mesh.gore_columns=1",
+                          "--set",
+                          "full.mesh.gore_rows=4",
+                          "--set",
+                          "full.mesh.line_elements=4",
+                          "--set",
+                          "stop.time=2"};
 
 class SystemLadder : public ProgramTest {
 protected:
-    Ended run(const Words& words) const { return ProgramTest::run(Words{"ladder"} + words + coarse); }
+    Ended run(const Words& words) const { return ProgramTest::run(Words{"ladder"} + words + coarse_ladder); }
     static json level(const json& ladder, const std::string& name) {
         for (const json& row : ladder["rungs"])
             if (row["name"] == name) return row;
@@ -34,10 +33,10 @@ protected:
 };
 
 TEST_F(SystemLadder, LeavesTableAndPlot) {
-    const Ended ended = run({scene, "--out", "out"});
+    const Ended ended = run({c9_inflation, "--out", "out"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     EXPECT_EQ(ended.err, "");
-    EXPECT_EQ(tree_of(here_ / "out"), files);
+    EXPECT_EQ(tree_of(here_ / "out"), ladder_files);
     const json ladder = read("out/ladder.json");
     EXPECT_EQ(ladder["generator"], "twinchute");
     EXPECT_TRUE(ended.out.ends_with(ladder["advice"].get<std::string>() + "\n"));
@@ -60,7 +59,7 @@ TEST_F(SystemLadder, LeavesTableAndPlot) {
 TEST_F(SystemLadder, AWrongTestTableIsRefusedBeforeAnythingRuns) {
     for (const char* file : {"absent.csv", "wrong.csv"}) {
         std::ofstream(here_ / "wrong.csv") << "peak_force\nm\n5000\n";
-        const Ended ended = run({scene, "--out", "out", "--reference", file});
+        const Ended ended = run({c9_inflation, "--out", "out", "--reference", file});
         EXPECT_EQ(ended.code, 2) << ended.err;
         EXPECT_NE(ended.err.find(file), std::string::npos) << ended.err;
         EXPECT_FALSE(std::filesystem::exists(here_ / "out"));
@@ -68,7 +67,7 @@ TEST_F(SystemLadder, AWrongTestTableIsRefusedBeforeAnythingRuns) {
 }
 
 TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
-    const Ended ended = run({scene, "--out", "out", "--json"});
+    const Ended ended = run({c9_inflation, "--out", "out", "--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json ladder = json::parse(ended.out);
     const auto error_at = [&](int power) {
@@ -90,7 +89,7 @@ TEST_F(SystemLadder, ErrorsOfTheReducedOrderModelFallWithTheTolerance) {
 
 TEST_F(SystemLadder, SameInputSameNumbers) {
     const auto numbers = [&] {
-        const Ended ended = run({scene, "--json"});
+        const Ended ended = run({c9_inflation, "--json"});
         EXPECT_EQ(ended.code, 0) << ended.err;  // our own results may be written again
         json ladder = json::parse(ended.out);
         for (json& row : ladder["rungs"])
@@ -102,21 +101,21 @@ TEST_F(SystemLadder, SameInputSameNumbers) {
 }
 
 TEST_F(SystemLadder, BadScenesAndUsageAreExitTwoAndWriteNothing) {
-    for (const Words& words :
-         {Words{scene, "--set", "payload.mass=-1"}, Words{"no-such-file.toml"}, Words{scene, "--seeds", "0"},
-          Words{scene, "--seeds", "three"}, Words{scene, "--rungs", "2"}, Words{}}) {
+    for (const Words& words : {Words{c9_inflation, "--set", "payload.mass=-1"}, Words{"no-such-file.toml"},
+                               Words{c9_inflation, "--seeds", "0"}, Words{c9_inflation, "--seeds", "three"},
+                               Words{c9_inflation, "--rungs", "2"}, Words{}}) {
         const Ended ended = run(words);
         EXPECT_EQ(ended.code, 2) << testing::PrintToString(words);
         EXPECT_EQ(ended.out, "");
         EXPECT_NE(ended.err, "");
     }
-    EXPECT_EQ(run({scene, "--check"}).code, 0);
+    EXPECT_EQ(run({c9_inflation, "--check"}).code, 0);
     EXPECT_TRUE(tree_of(here_.path()).empty());
 }
 
 TEST_F(SystemLadder, LevelsThatFailAreRows) {
     // No fabric stays below a strain of 1e-6 while it opens: every full run ends, as the scene itself does.
-    const Ended ended = run({scene, "--out", "out", "--set", "full.strain_limit=1e-6"});
+    const Ended ended = run({c9_inflation, "--out", "out", "--set", "full.strain_limit=1e-6"});
     EXPECT_EQ(ended.code, 3) << ended.err;
     const json ladder = read("out/ladder.json");
     EXPECT_EQ(level(ladder, "full, mesh x1")["status"]["code"], "strain_limit");
@@ -129,15 +128,15 @@ class SystemLadderSignal : public SystemLadder, public testing::WithParamInterfa
 TEST_P(SystemLadderSignal, KeepsTheLevelsThatWereDone) {
     // Default mesh and an endless flight: the first full level is long enough, whatever the machine. The
     // ground ends the flights of the other model.
-    Process process(
-        program({"ladder", scene, "--out", "out", "--set", "stop.time=1000", "--set", "release.height=5000"}),
-        here_.path());
+    Process process(program({"ladder", c9_inflation, "--out", "out", "--set", "stop.time=1000", "--set",
+                             "release.height=5000"}),
+                    here_.path());
     ASSERT_TRUE(process.wait_until_handled(GetParam()));
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     ::kill(process.id(), GetParam());
     const Ended ended = process.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
-    EXPECT_EQ(tree_of(here_ / "out"), files);
+    EXPECT_EQ(tree_of(here_ / "out"), ladder_files);
     const json ladder = read("out/ladder.json");
     EXPECT_EQ(ladder["exit_code"], 130);
     EXPECT_EQ(ladder["rungs"].front()["status"]["code"], "completed");

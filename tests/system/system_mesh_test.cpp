@@ -10,9 +10,9 @@ namespace twinchute::test {
 namespace {
 
 const std::string c9 = shipped_scene("c9-inflation");
-const Words coarse{"--set", "full.mesh.gore_columns=1",  "--set", "full.mesh.gore_rows=4",
-                   "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.3",
-                   "--set", "full.contact=none"};
+const Words coarse_mesh{"--set", "full.mesh.gore_columns=1",  "--set", "full.mesh.gore_rows=4",
+                        "--set", "full.mesh.line_elements=4", "--set", "stop.time=0.3",
+                        "--set", "full.contact=none"};
 
 class SystemMesh : public ProgramTest {
 protected:
@@ -32,14 +32,14 @@ TEST_F(SystemMesh, AnExportRunsAsTheGeneratedMesh) {
     for (const std::string version : {"4.1", "2.2"}) {
         SCOPED_TRACE(version);
         const Ended written =
-            run({"mesh", c9, "--out", "c9.msh", "--msh-version", version, "--quiet"}, coarse);
+            run({"mesh", c9, "--out", "c9.msh", "--msh-version", version, "--quiet"}, coarse_mesh);
         ASSERT_EQ(written.code, 0) << written.err;
         std::ifstream file(here_ / "c9.msh");
         std::string line;
         std::getline(file, line), std::getline(file, line);
         EXPECT_EQ(line, version + " 0 8");
         const auto peak = [&](const std::string& scene) {
-            const Ended ended = run({"full", scene, "--json"}, coarse);
+            const Ended ended = run({"full", scene, "--json"}, coarse_mesh);
             EXPECT_EQ(ended.code, 0) << ended.err;
             return json::parse(ended.out)["metrics"]["max_force_N"].get<double>();
         };
@@ -51,15 +51,16 @@ TEST_F(SystemMesh, AnExportRunsAsTheGeneratedMesh) {
 
 TEST_F(SystemMesh, OnlyOurOwnFilesAreOverwritten) {
     here_.write("c9.msh", MeshSketch().text());
-    const Ended refused = run({"mesh", c9, "--out", "c9.msh"}, coarse);
+    const Ended refused = run({"mesh", c9, "--out", "c9.msh"}, coarse_mesh);
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.err.find("is no mesh of twinchute"), std::string::npos) << refused.err;
-    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh"}, coarse).code, 0);
-    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh"}, coarse).code, 0);
-    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh", "--msh-version", "3"}, coarse).code, 2);
-    EXPECT_EQ(run({"mesh", c9, "--out", "other.stl"}, coarse).code, 2);
+    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh"}, coarse_mesh).code, 0);
+    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh"}, coarse_mesh).code, 0);
+    EXPECT_EQ(run({"mesh", c9, "--out", "other.msh", "--msh-version", "3"}, coarse_mesh).code, 2);
+    EXPECT_EQ(run({"mesh", c9, "--out", "other.stl"}, coarse_mesh).code, 2);
     // Lines of 4 m do not reach across a canopy of 4.27 m.
-    const Ended flat = run({"mesh", c9, "--out", "flat.msh", "--set", "parachute.line_length=4"}, coarse);
+    const Ended flat =
+        run({"mesh", c9, "--out", "flat.msh", "--set", "parachute.line_length=4"}, coarse_mesh);
     EXPECT_EQ(flat.code, 2);
     EXPECT_NE(flat.err.find("cannot be laid flat"), std::string::npos) << flat.err;
 }

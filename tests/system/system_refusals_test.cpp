@@ -18,33 +18,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string scene = shipped_scene("c9-inflation");
-
 /// A fast run whose record differs from that of another mass.
 Words rom(const std::string& mass, const fs::path& out) {
-    return {TWINCHUTE_PROGRAM, "rom",        scene,   "--quiet",
-            "--out",           out.string(), "--set", "payload.mass=" + mass};
+    return {TWINCHUTE_PROGRAM, "rom",        c9_inflation, "--quiet",
+            "--out",           out.string(), "--set",      "payload.mass=" + mass};
 }
 
 /// A run of both fidelities of a moment.
-Words quick(const std::string& command) {
-    return {TWINCHUTE_PROGRAM,
-            command,
-            scene,
-            "--quiet",
-            "--set",
-            "full.mesh.gore_columns=1",
-            "--set",
-            "full.mesh.gore_rows=4",
-            "--set",
-            "full.mesh.line_elements=4",
-            "--set",
-            "stop.time=0.25"};
+Words quick_run(const std::string& command) {
+    return {TWINCHUTE_PROGRAM, command,
+            c9_inflation,      "--quiet",
+            "--set",           "full.mesh.gore_columns=1",
+            "--set",           "full.mesh.gore_rows=4",
+            "--set",           "full.mesh.line_elements=4",
+            "--set",           "stop.time=0.25"};
 }
 
 /// A full run that lasts until somebody ends it.
 Words endless(const std::string& command) {
-    return {TWINCHUTE_PROGRAM, command, scene, "--set", "stop.time=1000"};
+    return {TWINCHUTE_PROGRAM, command, c9_inflation, "--set", "stop.time=1000"};
 }
 
 Ended run(const Words& words, const fs::path& directory = "/", const std::function<bool()>& prepare = {}) {
@@ -118,11 +110,12 @@ TEST_F(FullDisk, ANewDirectoryDisappearsAgain) {
 TEST_F(FullDisk, TheOtherCommandsKeepTheSamePromise) {
     for (const std::string command : {"full", "compare"}) {
         disk_.leave(4u << 20);  // a page takes less than 3 MB
-        ASSERT_LT(run(quick(command) + Words{"--out", disk_ / command}).code, 2);
+        ASSERT_LT(run(quick_run(command) + Words{"--out", disk_ / command}).code, 2);
         const auto earlier = everything_in(disk_ / command);
         for (const std::size_t room : {0u, 12u << 10, 24u << 10}) {
             disk_.leave(room);
-            expect_refused(run(quick(command) + Words{"--out", disk_ / command, "--set", "payload.mass=90"}));
+            expect_refused(
+                run(quick_run(command) + Words{"--out", disk_ / command, "--set", "payload.mass=90"}));
             EXPECT_TRUE(everything_in(disk_ / command) == earlier) << command << ", room " << room;
         }
         fs::remove(disk_ / "ballast");
@@ -131,11 +124,11 @@ TEST_F(FullDisk, TheOtherCommandsKeepTheSamePromise) {
 
 TEST_F(FullDisk, FieldsThatDoNotFitEndTheRunAndLeaveTheEarlierOnes) {
     const Words out{"--out", disk_ / "full"};
-    ASSERT_EQ(run(quick("full") + out + Words{"--fields", "4"}).code, 0);
+    ASSERT_EQ(run(quick_run("full") + out + Words{"--fields", "4"}).code, 0);
     const auto earlier = everything_in(disk_ / "full");
     for (const std::size_t room : {0u, 64u << 10, 128u << 10}) {
         disk_.leave(room);
-        expect_refused(run(quick("full") + out + Words{"--fields", "100"}));  // 26 frames of 45 kB
+        expect_refused(run(quick_run("full") + out + Words{"--fields", "100"}));  // 26 frames of 45 kB
         EXPECT_TRUE(everything_in(disk_ / "full") == earlier) << "room " << room;
     }
 }
@@ -143,7 +136,7 @@ TEST_F(FullDisk, FieldsThatDoNotFitEndTheRunAndLeaveTheEarlierOnes) {
 TEST_F(FullDisk, StandardOutputIsAResultToo) {
     disk_.leave(4u << 10);
     const Ended ended =
-        Process({TWINCHUTE_PROGRAM, "rom", scene, "--json"}, disk_.path(), (disk_ / "s.json").string())
+        Process({TWINCHUTE_PROGRAM, "rom", c9_inflation, "--json"}, disk_.path(), (disk_ / "s.json").string())
             .wait();
     EXPECT_EQ(ended.code, 4) << ended.err;
     EXPECT_NE(ended.err.find("standard output"), std::string::npos) << ended.err;
@@ -224,7 +217,7 @@ TEST(CurrentDirectory, OneThatIsGoneOrClosedStopsOnlyWhatIsWrittenThere) {
             fs::remove(here / "gone");
             return ended;
         };
-        const Ended printed = run_there({TWINCHUTE_PROGRAM, "rom", scene, "--json"});
+        const Ended printed = run_there({TWINCHUTE_PROGRAM, "rom", c9_inflation, "--json"});
         if (printed.code == 127) GTEST_SKIP() << "root cannot give up its right to write anywhere";
         EXPECT_EQ(printed.code, 0) << printed.err;
         EXPECT_EQ(json::parse(printed.out)["status"]["code"], "completed");

@@ -13,10 +13,6 @@
 namespace twinchute::bench {
 namespace {
 
-constexpr const char* own = "explicit midpoint, this toolkit";
-constexpr const char* adaptive = "ARKODE, adaptive";
-constexpr const char* even = "ARKODE, even steps";
-
 struct Interval {
     std::string name, title;
     Scene scene;
@@ -57,7 +53,7 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
                    curve.method, setting, s.evaluations, s.seconds, s.error, s.other_error);
         std::fflush(stdout);
     };
-    Curve midpoint{"midpoint", own, {}};
+    Curve midpoint{"midpoint", own_rule, {}};
     for (const double factor : {0.95, 0.475, 0.2375, 0.11875}) {
         Scene scene = interval.scene;
         scene.full.line_substeps = 1;  // so early none are taken anyway
@@ -67,7 +63,7 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
     study.curves.push_back(std::move(midpoint));
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep) continue;
-        Curve curve{fmt::format("order {}", method.order), adaptive, {}};
+        Curve curve{fmt::format("order {}", method.order), adaptive_steps, {}};
         // A method of order 2 needs millions of evaluations at a tight tolerance.
         for (const double rtol : interval.tolerances)
             if (method.order > 2 || rtol > 1e-5)
@@ -82,7 +78,7 @@ void measure(const Interval& interval, const std::filesystem::path& directory) {
     const auto steps = static_cast<double>(test::by_own_steps(scene, interval.end).evaluations);
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep || method.order == 2) continue;
-        Curve curve{fmt::format("even, order {}", method.order), even, {}};
+        Curve curve{fmt::format("even, order {}", method.order), even_steps, {}};
         for (const double share : {1.0, 0.8, 0.6, 0.3}) {
             const double dt = share * interval.end / steps;
             timed(curve, fmt::format("{:g}", share), [&] {

@@ -21,9 +21,6 @@ constexpr double end = 1.65;
 /// As the full model defines the filling time (docs/theory/filling-time.md).
 constexpr double filled_share = 0.98;
 
-constexpr const char* own = "explicit midpoint, this toolkit";
-constexpr const char* adaptive = "ARKODE, adaptive";
-
 /// Opening as an integrator computes it, seen by the observer of runs after each of its steps.
 struct Seen {
     Measured found;
@@ -85,7 +82,7 @@ void check_the_truth(const Curve& curve) {
 
 Curve own_steps(const char* method, Scene scene, double steady_area, const std::vector<double>& factors,
                 const Opening& truth) {
-    Curve curve{method, own, {}};
+    Curve curve{method, own_rule, {}};
     for (const double factor : factors) {
         scene.full.time_step_factor = factor;
         curve.samples.push_back(
@@ -127,7 +124,7 @@ void study_opening_in_time(const Scene& demo, const TimeSettings& with,
     for (const OdeMethod& method : explicit_methods()) {
         if (method.multistep || method.order < with.lowest_order || method.order > with.highest_order)
             continue;
-        Curve curve{fmt::format("order {}", method.order), adaptive, {}};
+        Curve curve{fmt::format("order {}", method.order), adaptive_steps, {}};
         for (const double rtol : with.tolerances) {
             const Seen pair = by_pair(plain, run.steady_area, method, rtol, elements);
             if (!pair.failure.empty()) {

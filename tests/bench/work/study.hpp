@@ -20,6 +20,10 @@ struct Sample {
     std::vector<double> more = {};  ///< further columns of the table
 };
 
+/// Families of methods for the full model.
+constexpr const char *own_rule = "explicit midpoint, this toolkit", *adaptive_steps = "ARKODE, adaptive",
+                     *even_steps = "ARKODE, even steps";
+
 /// Work and error of one method, at looser settings first.
 struct Curve {
     std::string method, family;
