@@ -16,8 +16,8 @@ namespace twinchute::compare {
 namespace {
 
 constexpr std::string_view closed = "closed form", rom = "rom", methods = "rom, other methods",
-                           rom_without = "rom, without a piece", full = "full", in_time = "full, time step",
-                           full_without = "full, without a piece";
+                           rom_without = "rom, without an effect", full = "full", in_time = "full, time step",
+                           full_without = "full, without an effect";
 
 /// Beyond the last one of a user's interest, as reference.
 constexpr std::array tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};

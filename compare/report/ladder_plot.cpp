@@ -23,10 +23,10 @@ struct Look {
 constexpr std::array looks{Look{"closed form", ink, MarkerShape::square, false},
                            Look{"rom", vermillion, MarkerShape::circle, true},
                            Look{"rom, other methods", orange, MarkerShape::triangle, false},
-                           Look{"rom, without a piece", purple, MarkerShape::square, false},
+                           Look{"rom, without an effect", purple, MarkerShape::square, false},
                            Look{"full", blue, MarkerShape::circle, true},
                            Look{"full, time step", green, MarkerShape::triangle, false},
-                           Look{"full, without a piece", sky, MarkerShape::square, false}};
+                           Look{"full, without an effect", sky, MarkerShape::square, false}};
 
 /// The first fidelity that a closed form can be held against; an input that is handed through has no gap and
 /// says nothing.

@@ -58,7 +58,7 @@ std::string every_run(const Scene&) {
 }
 
 /// Part of a run that is not a force block.
-struct Piece {
+struct Part {
     PlanPart::Kind kind;
     std::string_view name, what;
     bool (*needed)(const Scene&);
@@ -67,10 +67,10 @@ struct Piece {
 
 using enum PlanPart::Kind;
 
-constexpr std::array pieces{
-    Piece{dimension, "three dimensions", "places and velocities of all nodes", &always,
-          [](const Scene&) { return std::string("fabric folds in all directions"); }},
-    Piece{
+constexpr std::array parts_of_runs{
+    Part{dimension, "three dimensions", "places and velocities of all nodes", &always,
+         [](const Scene&) { return std::string("fabric folds in all directions"); }},
+    Part{
         dimension, "folds that differ from gore to gore", "all gores are computed, not one sector",
         [](const Scene& s) { return s.full.symmetry == Symmetry::none; },
         [](const Scene& s) {
@@ -79,70 +79,70 @@ constexpr std::array pieces{
                 "full.symmetry is \"sector\": all sectors move alike. From the pack, where they do not, that "
                 "would miss 16 % of the peak");
         }},
-    Piece{physics, "deployment", "lines and canopy are drawn out of the pack", &packed, &start},
-    Piece{physics, "snatch and inflation", "the canopy fills", [](const Scene& s) { return !inflated(s); },
-          &start},
-    Piece{physics, "wind", "the air moves", [](const Scene& s) { return s.environment.wind.has_value(); },
-          [](const Scene& s) { return given("environment.wind", s.environment.wind.has_value()); }},
-    Piece{physics, "added mass", "air moves with the canopy",
-          [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
-          [](const Scene& s) {
-              return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
-          }},
-    Piece{physics, "drag area by Mach number", "a factor on the prescribed one",
-          [](const Scene& s) { return s.parachutes.front().drag_area_mach_table.has_value(); },
-          [](const Scene& s) {
-              return given("parachute.drag_area_mach_table",
-                           s.parachutes.front().drag_area_mach_table.has_value());
-          }},
-    Piece{physics, "shape of the canopy's type", "gores and openings as the type is sewn",
-          [](const Scene& s) { return !stand_in(s.parachutes.front()); },
-          [](const Scene& s) {
-              if (const auto other = stand_in(s.parachutes.front())) return other->what;
-              if (s.parachutes.front().mesh) return given("parachute.mesh", true);
-              return std::string("the canopy is flat circular");
-          }},
-    Piece{physics, "Mach number", "what is subsonic is judged by it", &has_sound, &sound},
-    Piece{physics, "turning of the payload",
-          "it is a body of one density, of tetrahedra lumped into a rigid one or each by itself",
-          [](const Scene& s) { return s.payload.body.has_value(); },
-          [](const Scene& s) { return given("payload.body", s.payload.body.has_value()); }},
-    Piece{physics, "attitude of the payload in the air",
-          "its drag area follows the angle that it turns to the air",
-          [](const Scene& s) { return s.payload.body && s.payload.drag_area_table; },
-          [](const Scene& s) {
-              if (!s.payload.drag_area_table) return given("payload.drag_area_table", false);
-              if (!s.payload.body) return std::string("payload.body is absent: a point mass hangs straight");
-              return given("payload.drag_area_table", true);
-          }},
-    Piece{physics, "initial noise", "the canopy's nodes start a little displaced",
-          [](const Scene& s) { return s.full.noise.has_value(); },
-          [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},
+    Part{physics, "deployment", "lines and canopy are drawn out of the pack", &packed, &start},
+    Part{physics, "snatch and inflation", "the canopy fills", [](const Scene& s) { return !inflated(s); },
+         &start},
+    Part{physics, "wind", "the air moves", [](const Scene& s) { return s.environment.wind.has_value(); },
+         [](const Scene& s) { return given("environment.wind", s.environment.wind.has_value()); }},
+    Part{physics, "added mass", "air moves with the canopy",
+         [](const Scene& s) { return s.aerodynamics.added_mass.has_value(); },
+         [](const Scene& s) {
+             return given("aerodynamics.added_mass", s.aerodynamics.added_mass.has_value());
+         }},
+    Part{physics, "drag area by Mach number", "a factor on the prescribed one",
+         [](const Scene& s) { return s.parachutes.front().drag_area_mach_table.has_value(); },
+         [](const Scene& s) {
+             return given("parachute.drag_area_mach_table",
+                          s.parachutes.front().drag_area_mach_table.has_value());
+         }},
+    Part{physics, "shape of the canopy's type", "gores and openings as the type is sewn",
+         [](const Scene& s) { return !stand_in(s.parachutes.front()); },
+         [](const Scene& s) {
+             if (const auto other = stand_in(s.parachutes.front())) return other->what;
+             if (s.parachutes.front().mesh) return given("parachute.mesh", true);
+             return std::string("the canopy is flat circular");
+         }},
+    Part{physics, "Mach number", "what is subsonic is judged by it", &has_sound, &sound},
+    Part{physics, "turning of the payload",
+         "it is a body of one density, of tetrahedra lumped into a rigid one or each by itself",
+         [](const Scene& s) { return s.payload.body.has_value(); },
+         [](const Scene& s) { return given("payload.body", s.payload.body.has_value()); }},
+    Part{physics, "attitude of the payload in the air",
+         "its drag area follows the angle that it turns to the air",
+         [](const Scene& s) { return s.payload.body && s.payload.drag_area_table; },
+         [](const Scene& s) {
+             if (!s.payload.drag_area_table) return given("payload.drag_area_table", false);
+             if (!s.payload.body) return std::string("payload.body is absent: a point mass hangs straight");
+             return given("payload.drag_area_table", true);
+         }},
+    Part{physics, "initial noise", "the canopy's nodes start a little displaced",
+         [](const Scene& s) { return s.full.noise.has_value(); },
+         [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},
 
-    Piece{event, "release", "the run begins with a pack", &packed, &start},
-    Piece{event, "line-stretch", "the run begins with lines drawn out",
-          [](const Scene& s) { return !packed(s) && !inflated(s); }, &start},
-    Piece{event, "snatch", "lines come under load, the canopy begins to fill", &packed, &start},
-    Piece{event, "end-of-initial-phase", "the drag area begins to rise",
-          [](const Scene& s) {
-              const InitialPhase& initial = s.parachutes.front().initial_phase;
-              return !inflated(s) && (initial.transit || initial.seconds > 0.0);
-          },
-          [](const Scene& s) { return inflated(s) ? start(s) : std::string("by parachute.initial_phase"); }},
-    Piece{event, "switch", "finite elements begin to take over from springs", &has_springs, &structure},
-    Piece{event, "finite-elements-alone", "springs are dropped", &has_springs, &structure},
-    Piece{event, "full-open", "the drag area is full", &always, &every_run},
-    Piece{event, "canopy-filled", "the projected area first reaches 98 % of its steady mean",
-          [](const Scene& s) { return !inflated(s); }, &start},
-    Piece{event, "peak-force", "the opening force is largest", &always, &every_run},
-    Piece{event, "steady-descent", "the speed no longer changes", &always, &stop},
-    Piece{event, "ground", "the payload lands", &always, &stop},
-    Piece{event, "handed-over", "another model flies the rest of the fall, to the ground", &hands_over,
-          [](const Scene& s) { return hands_over(s) ? then_text(s) : given("stop.then", false); }},
+    Part{event, "release", "the run begins with a pack", &packed, &start},
+    Part{event, "line-stretch", "the run begins with lines drawn out",
+         [](const Scene& s) { return !packed(s) && !inflated(s); }, &start},
+    Part{event, "snatch", "lines come under load, the canopy begins to fill", &packed, &start},
+    Part{event, "end-of-initial-phase", "the drag area begins to rise",
+         [](const Scene& s) {
+             const InitialPhase& initial = s.parachutes.front().initial_phase;
+             return !inflated(s) && (initial.transit || initial.seconds > 0.0);
+         },
+         [](const Scene& s) { return inflated(s) ? start(s) : std::string("by parachute.initial_phase"); }},
+    Part{event, "switch", "finite elements begin to take over from springs", &has_springs, &structure},
+    Part{event, "finite-elements-alone", "springs are dropped", &has_springs, &structure},
+    Part{event, "full-open", "the drag area is full", &always, &every_run},
+    Part{event, "canopy-filled", "the projected area first reaches 98 % of its steady mean",
+         [](const Scene& s) { return !inflated(s); }, &start},
+    Part{event, "peak-force", "the opening force is largest", &always, &every_run},
+    Part{event, "steady-descent", "the speed no longer changes", &always, &stop},
+    Part{event, "ground", "the payload lands", &always, &stop},
+    Part{event, "handed-over", "another model flies the rest of the fall, to the ground", &hands_over,
+         [](const Scene& s) { return hands_over(s) ? then_text(s) : given("stop.then", false); }},
 
-    Piece{output, "record", "key figures, history, events", &always, &every_run},
-    Piece{output, "fields", "frames for VTK", [](const Scene& s) { return s.full.fields_rate.has_value(); },
-          [](const Scene& s) { return given("full.fields_rate", s.full.fields_rate.has_value()); }},
+    Part{output, "record", "key figures, history, events", &always, &every_run},
+    Part{output, "fields", "frames for VTK", [](const Scene& s) { return s.full.fields_rate.has_value(); },
+         [](const Scene& s) { return given("full.fields_rate", s.full.fields_rate.has_value()); }},
 };
 
 PlanPart part_of(const ForceBlock& block, const Scene& scene) {
@@ -156,9 +156,9 @@ PlanPart part_of(const ForceBlock& block, const Scene& scene) {
 
 std::vector<PlanPart> parts_of(const Scene& scene) {
     std::vector<PlanPart> parts;
-    for (const Piece& piece : pieces)
-        parts.push_back({piece.kind, std::string(piece.name), std::string(piece.what), piece.needed(scene),
-                         piece.why(scene)});
+    for (const Part& part : parts_of_runs)
+        parts.push_back(
+            {part.kind, std::string(part.name), std::string(part.what), part.needed(scene), part.why(scene)});
     for (const ForceBlock& block : force_blocks())
         parts.push_back(part_of(block, scene));
     std::ranges::stable_sort(parts, {}, &PlanPart::kind);

@@ -47,7 +47,7 @@ TEST(CompareLadder, OnlyEffectsThatTheSceneHasAreLeftOut) {
     const auto effects_of = [](const Scene& scene) {
         std::set<std::string> names;
         for (const Level& r : ladder_levels(scene))
-            if (r.family.ends_with("without a piece")) names.insert(r.name);
+            if (r.family.ends_with("without an effect")) names.insert(r.name);
         return names;
     };
     Scene scene = test::c9_scene();
