@@ -10,7 +10,8 @@ class SystemPaths : public ShortScene {
 protected:
     /// Runs a line in a shell, with the program as $T.
     Ended shell(const std::string& line) {
-        return Process({"/usr/bin/env", "T=" TWINCHUTE_PROGRAM, "/bin/bash", "-c", line}, here_.path())
+        return Process({"/usr/bin/env", std::string("T=") + TWINCHUTE_PROGRAM, "/bin/bash", "-c", line},
+                       here_.path())
             .wait();
     }
     /// Refused in usage, naming `what`.

@@ -61,8 +61,8 @@ TEST_F(SystemSize, SaysWhichLimitCannotBeMetAndByHowMuch) {
 
 TEST_F(SystemSize, RefusesWhatItCannotSize) {
     const std::string opening = shipped_scene("c9-inflation");
-    const auto refused = [&](Words words, std::string_view why) {
-        const Ended ended = run(std::move(words));
+    const auto refused = [&](const Words& words, std::string_view why) {
+        const Ended ended = run(words);
         EXPECT_EQ(ended.code, 2) << why;
         EXPECT_TRUE(says(ended.err, why)) << ended.err;
         EXPECT_EQ(ended.out, "");
