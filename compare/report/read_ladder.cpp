@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "compare/report/ladder_files.hpp"
@@ -26,6 +28,18 @@ std::string_view word(const JsonNode& node, Words known, std::string_view what) 
         node.refuse(fmt::format("'{}' is not a {}", shown(text), what),
                     fmt::format("known: {}", fmt::join(known, ", ")), again);
     return *found;
+}
+
+/// Families that files of earlier versions name by a retired word.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> retired_families{
+    {{"rom, without a piece", "rom, without an effect"},
+     {"full, without a piece", "full, without an effect"}}};
+
+std::string_view family(const JsonNode& node) {
+    const std::string text = node.text();
+    for (const auto& [retired, name] : retired_families)
+        if (text == retired) return name;
+    return word(node, drawn_families(), "family of levels");
 }
 
 std::string_view metric_name(const JsonNode& node) {
@@ -67,7 +81,7 @@ LevelResult read_level(const JsonNode& node, Words fidelities) {
     Level& level = result.level;
     level.name = node.text_at("name");
     if (const auto label = node.find("label")) level.label = label->text();
-    level.family = word(node.at("family"), drawn_families(), "family of levels");
+    level.family = family(node.at("family"));
     level.why = node.text_at("why");
     if (const auto fidelity = node.find("fidelity")) level.fidelity = word(*fidelity, fidelities, "fidelity");
     level.given = node.at("as_given").truth();
