@@ -8,8 +8,8 @@ void serialize_window(Archive& archive, std::optional<DescentWindow>& window) {
     archive.flag("window", is_there);
     if (!is_there) return window.reset();
     if (archive.reads()) window.emplace();
-    auto& [from, to, rate, amplitude, drift, remaining, breathing] = *window;
-    for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining, &breathing})
+    auto& [from, to, rate, amplitude, drift, remaining, breathing, filling, turns] = *window;
+    for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining, &breathing, &filling, &turns})
         archive.number("window", *x);
 }
 

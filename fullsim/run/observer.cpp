@@ -9,6 +9,21 @@ namespace {
 
 constexpr double filter_window = 5e-3;  // [s]
 
+/// Turns of the tangent along a closed polygon, seen along the axis: 1 where it does not cross itself (Hopf).
+double turns_of(const State& state, const std::vector<NodeIndex>& ring, const Vec3& axis) {
+    const auto place = [&](std::size_t k) { return to_vec3(state.node[ring[k % ring.size()]].x); };
+    const auto edge = [&](std::size_t k) {
+        const Vec3 along = place(k + 1) - place(k);
+        return Vec3(along - along.dot(axis) * axis);
+    };
+    double angle = 0.0;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        const Vec3 a = edge(k), b = edge(k + 1);
+        angle += std::atan2(a.cross(b).dot(axis), a.dot(b));
+    }
+    return std::round(angle / (2.0 * pi));
+}
+
 }  // namespace
 
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
@@ -20,7 +35,7 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
     };
     const Vec3 vent = centre_of(mesh.seam_rings.front()), skirt = centre_of(mesh.seam_rings.back());
     const Vec3 axis = (vent - skirt).normalized();
-    CanopyShape shape{0.0, (vent - skirt).norm()};
+    CanopyShape shape{0.0, (vent - skirt).norm(), turns_of(state, mesh.seam_rings.back(), axis)};
     for (const auto& ring : mesh.seam_rings) {
         const Vec3 centre = centre_of(ring);
         double sum = 0.0;
@@ -87,6 +102,7 @@ void Observer::add_row(const State& state) {
     row.added_mass = state.added_mass;
     row.seam_diameter = shape.seam_diameter;
     row.depth = shape.depth;
+    row.turns = shape.turns;
     row.density = state.air.density;
     row.volume = state.inflow.volume;
     row.mouth_area = state.inflow.mouth;
@@ -121,6 +137,13 @@ void Observer::forget() {
         rows_[unsettled_].force = rows_[unsettled_].force_raw;
         rows_[unsettled_].acceleration = unsettled_ > 0 ? rows_[unsettled_ - 1].acceleration : 0.0;
     }
+}
+
+double Observer::turns_since(double time) const {
+    double furthest = 1.0;
+    for (auto row = rows_.rbegin(); row != rows_.rend() && row->time >= time; ++row)
+        if (std::abs(row->turns - 1.0) > std::abs(furthest - 1.0)) furthest = row->turns;
+    return furthest;
 }
 
 double Observer::mean(double HistoryRow::*column, double seconds) const {
@@ -167,12 +190,12 @@ void Observer::serialize(Archive& archive) {
     archive.number("next row", next_row_);
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
-               pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, density,
-               volume, mouth_area, inflow_ratio] = row;
+               pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
+               density, volume, mouth_area, inflow_ratio] = row;
         each(position), each(velocity);
         for (double* x : {&time, &force, &force_raw, &acceleration, &drag_area, &dynamic_pressure, &pressure,
                           &airspeed, &projected_area, &signed_area, &added_mass, &seam_diameter, &depth,
-                          &density, &volume, &mouth_area, &inflow_ratio})
+                          &turns, &density, &volume, &mouth_area, &inflow_ratio})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());

@@ -18,14 +18,16 @@ struct HistoryRow {
     double drag_area, dynamic_pressure, pressure, airspeed;
     double projected_area, signed_area, added_mass;
     double seam_diameter, depth;              // [m]
+    double turns;                             // as CanopyShape
     double density;                           // [kg/m^3]
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
 };
 
-/// Mean diameter of the widest seam ring and distance from vent to skirt along the canopy's axis. Of
-/// `sectors` that are congruent (Layout::sectors) one is measured.
+/// Of `sectors` that are congruent (Layout::sectors) one is measured.
 struct CanopyShape {
-    double seam_diameter, depth;  // [m]
+    double seam_diameter;  ///< [m] mean of the widest seam ring
+    double depth;          ///< [m] from vent to skirt along the canopy's axis
+    double turns;          ///< of the skirt on its way around that axis: 1 where it does not cross itself
 };
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 
@@ -75,6 +77,8 @@ public:
     double filtered_force() const { return force_.value(); }           ///< [N] half a window ago
     double largest_acceleration() const { return extremes_.acceleration; }  ///< filtered [m/s^2]
 
+    /// CanopyShape::turns of the row from `time` on that is furthest from 1; 1 without a row.
+    double turns_since(double time) const;
     /// Mean of a column over the last `seconds` of the rows, trapezoidal.
     double mean(double HistoryRow::*column, double seconds) const;
     /// [N s] of the filtered force over [from, to].

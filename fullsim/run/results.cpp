@@ -100,6 +100,13 @@ std::vector<NeverOpened> unopened(const RunView& run) {
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
         return {{0, 1, "it was still filling on the ground (parachute.filling.initial_mouth)"}};
+    if (run.went_through_itself())
+        return {{0, 1,
+                 fmt::format("its skirt turns {:g} times on its way around: fabric has passed through fabric",
+                             run.observer.rows().back().turns),
+                 "do not trust its loads; two or more elements across a gore come apart again, and another "
+                 "full.noise.seed may spare it",
+                 true}};
     if (run.snatched()) return {};
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }

@@ -128,10 +128,11 @@ public:
         record_.provenance.threads = layout.threads();
         fill_cost();
         // The end of the run is steady, too, or its last window says that it is not.
-        if (const auto last = fall_.judge(simulation_.payload().x[2])) {
+        if (const auto last = judge_fall()) {
             found_.last_window = last;
             if (found_.descent && last->is_steady()) found_.descent = last;
         }
+        if (view_.went_through_itself()) found_.descent.reset();
         fill_results(view_, record_);
         note_attempts();
         return std::move(record_);
@@ -449,8 +450,13 @@ private:
     /// Judged now and then.
     bool falls_steadily() {
         if (system().step % Simulation::steps_between_checks != 0) return false;
-        found_.last_window = fall_.judge(simulation_.payload().x[2]);
+        found_.last_window = judge_fall();
         return found_.last_window && found_.last_window->is_steady();
+    }
+    std::optional<DescentWindow> judge_fall() {
+        auto window = fall_.judge(simulation_.payload().x[2]);
+        if (window && window->is_steady()) window->turns = observer_.turns_since(window->from);
+        return window;
     }
     FallSample fall_now() const {
         const SystemState& s = system();
@@ -472,6 +478,7 @@ private:
         now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
         now.period = 2.0 * pi * std::sqrt(length / gravity);
         now.across = {air.x(), air.y()};
+        now.area = s.air.projected_area;
         return now;
     }
 

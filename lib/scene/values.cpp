@@ -199,6 +199,10 @@ bool Values::is_active(const Key& key, std::string_view path) const {
 void Values::require_members_before(const std::string& path, const Entry& entry) const {
     for (const Key& list : kind_.keys) {
         if (!list.has_members() || !is_below(path, list.path)) continue;
+        if (row_path(kind_.keys, path) == path)
+            refuse(entry.key_place, path, "does not say which member it is of",
+                   fmt::format("{} is a list, of {} here", list.path, count(list.path)),
+                   fmt::format("write {}.1{}", list.path, path.substr(list.path.size())));
         const std::size_t begin = list.path.size() + 1;
         const std::string number = path.substr(begin, path.find('.', begin) - begin);
         const int members = count(list.path);

@@ -23,7 +23,7 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
                        const Reached& reached) {
     RunStatus& status = record.status;
     const bool ended = status.code == StatusCode::completed || status.code == StatusCode::stopped_by_event;
-    if (!ended || !reached.ground) return;
+    if (!ended || (!reached.ground && !std::ranges::any_of(unopened, &NeverOpened::in_the_air))) return;
     if (unopened.empty()) {
         if (!reached.full_open)
             record.warnings.push_back({"on the ground before the canopy was full",
@@ -42,8 +42,10 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
         names += (names.empty() ? "" : ", ") + who;
         why += fmt::format("; {} never opened ({})", who, one.why);
         record.warnings.push_back({fmt::format("{} never opened", who),
-                                   one.why + " when it was on the ground",
-                                   "check what it waits for, the height that this takes, and stop"});
+                                   one.why + (one.in_the_air ? "" : " when it was on the ground"),
+                                   one.remedy.empty()
+                                       ? "check what it waits for, the height that this takes, and stop"
+                                       : one.remedy});
     }
     record.add_metric("unopened_parachutes", count, MetricKind::result, names);
     status = {StatusCode::not_opened, status.detail + why};

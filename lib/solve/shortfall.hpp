@@ -15,6 +15,8 @@ struct NeverOpened {
     std::size_t parachute = 0;  ///< in the scene
     int count = 1;              ///< canopies
     std::string why;
+    std::string remedy = {};  ///< empty: what a parachute that waits needs
+    bool in_the_air = false;  ///< whatever ended the run, not on the ground alone
 };
 
 /// Canopies of `sequence` that have not opened by the end of a run.
@@ -28,9 +30,9 @@ struct Reached {
     bool filling_cut_short = false;    ///< that reason is the end of the run
 };
 
-/// On the ground whatever has never opened has failed, since nothing will open it any more: a warning, the
-/// metric unopened_parachutes and the status not_opened say so. A run that the scene stops in the air may
-/// stop before a deployment. A run that broke off keeps its status.
+/// On the ground whatever has never opened has failed, since nothing will open it any more, and so has what
+/// fails in the air: a warning, the metric unopened_parachutes and the status not_opened say so. A run that
+/// the scene stops in the air may stop before a deployment. A run that broke off keeps its status.
 void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<NeverOpened>& unopened,
                        const Reached& reached);
 

@@ -78,7 +78,7 @@ void SteadyDescent::add(const FallSample& now) {
     const double root = std::sqrt(now.density);
     const double spacing = descent_window(now.sink, 0.0, environment_->gravity) / rows_per_window;
     if (rows_.empty()) {
-        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0, now.air_sink, 0.0, 0.0, 0.0, {}};
+        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0, now.air_sink, 0.0, 0.0, 0.0, {}, 0.0};
         rows_.push_back(now_);
     } else {
         const FallSample& before = last_;
@@ -102,6 +102,7 @@ void SteadyDescent::add(const FallSample& now) {
         now_.swing += half * (before.swing + now.swing);
         for (std::size_t i = 0; i < now.across.size(); ++i)
             now_.across[i] += half * (before.across[i] + now.across[i]);
+        now_.area += half * (before.area + now.area);
         // The last row moves along until the next one is due.
         if (rows_.size() > 1 && now.time - rows_[rows_.size() - 2].time < spacing)
             rows_.back() = now_;
@@ -193,6 +194,8 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
         window.rate = mean(&Row::descent, first, end);
         window.drift = mean(&Row::path, half, end) / mean(&Row::path, first, half) - 1.0;
         window.amplitude = amplitude(first);
+        const double area = mean(&Row::area, first, half);
+        window.filling = area > 0.0 ? mean(&Row::area, half, end) / area - 1.0 : 0.0;
         const double gained = mean(&Row::swing, half, end) - mean(&Row::swing, first, half);
         window.breathing = growth_of_breathing * breathing(first, end);
         window.remaining = growth_of_swing * std::max(0.0, gained) / (8.0 * sink * sink) + window.breathing;
@@ -221,16 +224,17 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
 void SteadyDescent::serialize(Archive& archive) {
     archive.row("fall", last_, [](FallSample& s, auto&& each) {
         auto& [time, density, sink, airspeed, updraft, system_sink, air_sink, added_mass_ratio, accretion,
-               growth, swing, period, across] = s;
-        for (double* x : {&time, &density, &sink, &airspeed, &updraft, &system_sink, &air_sink,
-                          &added_mass_ratio, &accretion, &growth, &swing, &period, &across[0], &across[1]})
+               growth, swing, period, across, area] = s;
+        for (double* x :
+             {&time, &density, &sink, &airspeed, &updraft, &system_sink, &air_sink, &added_mass_ratio,
+              &accretion, &growth, &swing, &period, &across[0], &across[1], &area})
             each(*x);
     });
     const auto members = [](Row& row, auto&& each) {
-        auto& [time, u, descent, path, balance, gained, swing, air_sink, added, air_gained, grown, across] =
-            row;
+        auto& [time, u, descent, path, balance, gained, swing, air_sink, added, air_gained, grown, across,
+               area] = row;
         for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing, &air_sink, &added,
-                          &air_gained, &grown, &across[0], &across[1]})
+                          &air_gained, &grown, &across[0], &across[1], &area})
             each(*x);
     };
     archive.row("fall so far", now_, members);
@@ -241,10 +245,18 @@ std::string unsteadiness_text(const std::optional<DescentWindow>& last) {
     if (!last) return "it ended before the open canopy had fallen for one window, at least 4 v/g";
     const std::string over =
         fmt::format("over its last {:.3g} s, to {:.4g} s,", last->to - last->from, last->to);
+    if (last->turns != 1.0)
+        return fmt::format(
+            "the skirt of its canopy turns {:g} times on its way around: fabric has passed through fabric",
+            last->turns);
     if (last->is_steady()) return "the fall was steady, but a parachute had yet to open";
     if (std::abs(last->drift) >= steady_descent_change)
         return fmt::format("{} the mean of v sqrt(rho) drifts by {:.2g} % from one half to the other", over,
                            100.0 * last->drift);
+    if (std::abs(last->filling) >= steady_descent_filling)
+        return fmt::format(
+            "{} the projected area of the canopy changes by {:.2g} % from one half to the other", over,
+            100.0 * last->filling);
     const std::string breathes =
         last->breathing > 0.5 * last->remaining
             ? ": the canopy still breathes or grows (aerodynamics.breathing_damping damps the former)"

@@ -33,6 +33,10 @@
 // w = w_e cos^1.5 gamma: lower by 3 gamma^2/4, of which bar(V w) holds gamma^2/4. The rest, |bar(V_h)|^2/(2
 // w^2) of the mean horizontal velocity as a vector, may still come or go; a pendulum's averages out.
 //
+// Shape. A canopy that fell in and fills again under a prescribed drag area moves air and mass about in ways
+// that no balance of means holds, and its speed may stay for a window: its mean projected area has to stay,
+// too.
+//
 // Swing that lasts. In a limit cycle or a glide bar(u) stays below u_b for good. Then bar(u) itself has to
 // stay, by the same extrapolation over three windows of two periods each. A swing that grows counts as
 // growing on.
@@ -60,6 +64,9 @@ inline constexpr double steady_descent_change = 0.005;
 /// The estimate of the change that remains is below this: less than steady_descent_change by what estimates
 /// have been found to be off, 0.15 % of the rate in the worst of 140 random scenes.
 inline constexpr double steady_descent_remaining = 0.0035;
+/// The mean projected area of the canopy over one half of the window differs from that over the other by
+/// less.
+inline constexpr double steady_descent_filling = 0.05;
 /// The amplitude of v sqrt(rho) over its mean from which on it is stated beside the rate.
 inline constexpr double steady_descent_amplitude = 0.02;
 /// [s] of fall that changes of air and wind below are looked for in. No similarity rules the depth of an
@@ -81,6 +88,7 @@ struct FallSample {
     double swing = 0.0;      ///< [m^2/s^2] V_h^2 + 2 g L (1 - cos theta): s^2 of a pendulum at any phase
     double period = 0.0;     ///< [s] of that pendulum
     std::array<double, 2> across{};  ///< [m/s] horizontal velocity through that air
+    double area = 0.0;               ///< [m^2] projected, of the canopy; 0 where it has no shape
 };
 
 /// The fall over one window.
@@ -91,9 +99,12 @@ struct DescentWindow {
     double drift = 0.0;           ///< [-] of the mean of u from the first half to the second
     double remaining = 0.0;       ///< [-] estimate of the change of the rate that remains, at equal density
     double breathing = 0.0;       ///< [-] what of that breathing and growth may still bring
+    double filling = 0.0;         ///< [-] of the mean projected area, as drift
+    double turns = 1.0;  ///< of the canopy's skirt on its way around, at the end; 1: it does not cross itself
 
     bool is_steady() const {
-        return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining;
+        return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining &&
+               std::abs(filling) < steady_descent_filling && turns == 1.0;
     }
 };
 
@@ -133,6 +144,7 @@ private:
         double air_sink, added, air_gained;  // not an integral; of mu dt, of mu dw_a
         double grown;                        // integral of growth w, but for the density's
         std::array<double, 2> across;
+        double area;
     };
     std::size_t row_at(double time) const;
     double mean(double Row::*integral, std::size_t from, std::size_t to) const;

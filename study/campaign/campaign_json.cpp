@@ -61,8 +61,8 @@ ordered_json indices_json(const Campaign& campaign) {
     for (const MetricIndices& indices : campaign.results.indices) {
         ordered_json& of = all[indices.metric] = ordered_json::object();
         for (std::size_t i = 0; i < indices.of.size(); ++i) {
-            ordered_json& one = of[campaign.spec.inputs[i].key];
-            one["first_order"] = interval_json(indices.of[i].first);
+            ordered_json& one = of[campaign.spec.inputs[i].key] = ordered_json::object();
+            if (indices.of[i].first) one["first_order"] = interval_json(*indices.of[i].first);
             if (indices.of[i].total) one["total"] = interval_json(*indices.of[i].total);
         }
     }

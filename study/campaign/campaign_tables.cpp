@@ -87,9 +87,10 @@ Table indices_table(const Campaign& campaign, const MetricIndices& indices) {
     Table table;
     table.add_words({"Input"});
     table.add_numbers({"First order", "Total"});
+    const auto cell = [](const std::optional<Interval>& index) { return index ? percent(*index) : "-"; };
     for (std::size_t i = 0; i < indices.of.size(); ++i)
-        table.rows.push_back({Cell(campaign.spec.inputs[i].key, Tone::code), percent(indices.of[i].first),
-                              indices.of[i].total ? percent(*indices.of[i].total) : "-"});
+        table.rows.push_back({Cell(campaign.spec.inputs[i].key, Tone::code), cell(indices.of[i].first),
+                              cell(indices.of[i].total)});
     return table;
 }
 

@@ -13,7 +13,8 @@ namespace twinchute::study {
 
 /// Shares of the variance [-] of one metric that go with one input.
 struct Index {
-    Interval first = {};                 ///< Var(E[Y|X_i])/Var(Y)
+    /// Var(E[Y|X_i])/Var(Y); of an input whose values have no order, gusts, by Saltelli's design alone.
+    std::optional<Interval> first = {};
     std::optional<Interval> total = {};  ///< 1 - Var(E[Y|all but X_i])/Var(Y): Saltelli's design alone
 };
 

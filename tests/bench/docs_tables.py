@@ -218,6 +218,103 @@ def crane_seeds(tools):
             + table([f"{len(found)} seeds", "least", "5 %", "25 %", "median", "75 %", "95 %", "largest", "rom"], rows))
 
 
+PREDICTED = "data/scenes/c9-predicted.toml"
+
+
+def flown(tools, runs):
+    """Summaries and histories of runs, each given by its model, scene and `--set`s; beside each other."""
+    coarse = COARSE[1:] if tools.short else []
+
+    def fly(words):
+        model, scene, *sets = words
+        with tempfile.TemporaryDirectory() as directory:
+            said = tools.run([tools.program, model, os.path.join(TREE, scene), "--json", "--out", directory] + coarse
+                             + [word for each in sets for word in ("--set", each)], (0, 1, 3))
+            with open(os.path.join(directory, "history.csv")) as file:
+                rows = list(csv.DictReader(file))[1:]
+        return json.loads(said), rows
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(fly, runs))
+
+
+def metric(summary, key, digits):
+    """Of a run that has it; else how it ended, or a dash."""
+    if key in summary["metrics"]:
+        return f"{summary['metrics'][key]:.{digits}f}"
+    return summary["status"]["code"] if summary["status"]["code"] != "completed" else "-"
+
+
+def over_inflation(summary, rows):
+    """Largest projected area over the steady one."""
+    areas = [float(row["projected_area"]) for row in rows]
+    return f"{max(areas) / areas[-1]:.2f}" if summary["status"]["code"] == "completed" else "-"
+
+
+def filling_mouth(tools):
+    """What the initial mouth does to a predicted opening, in both models."""
+    mouths = [0.002, 0.005, 0.01, 0.02, 0.04]
+    sets = [f"parachute.filling.initial_mouth={mouth}" for mouth in mouths]
+    rom = flown(tools, [("rom", PREDICTED, word) for word in sets])
+    full = flown(tools, [("full", PREDICTED, word) for word in sets])
+    rows = [[str(mouth)] + [metric(run[0], key, digits) for key, digits in (("fill_constant", 2), ("peak_force_ratio", 1), ("descent_rate_m_s", 3))
+                            for run in (r, f)] + [metric(f[0], "projected_diameter_ratio", 3), over_inflation(*f), share(abs(f[0]["energy"]["residual_fraction"]))]
+            for mouth, r, f in zip(mouths, rom, full)]
+    return (tools.made(f"twinchute rom|full {PREDICTED} --set parachute.filling.initial_mouth=...")
+            + table(["initial mouth", "n, rom", "n, full", "X_p, rom", "X_p, full", "descent, rom [m/s]", "full", "D_p/D0", "largest S_p over steady",
+                     "energy residual"], rows))
+
+
+def filling_varied(tools):
+    """What steps, meshes and assumptions do to a predicted opening of the full model."""
+    varied = [("as shipped", [])]
+    varied += [(f"step factor {f}", [f"full.time_step_factor={f}"]) for f in (0.475, 0.2375)]
+    varied += [(f"{a} x {b} elements a gore", [f"full.mesh={{gore_columns={a}, gore_rows={b}, line_elements={c}}}"]) for a, b, c in ((6, 14, 51), (8, 18, 68), (10, 22, 85))]
+    varied += [(f"breathing damping k = {k}", [f"aerodynamics.breathing_damping.k={k}"]) for k in (0, 0.1, 1)]
+    varied += [(f"release at {v} m/s", [f"release.speed={v}"]) for v in (45, 90, 150)]
+    varied += [("entrance loss 1", ["parachute.filling.entrance_loss=1"])]
+    runs = flown(tools, [("full", PREDICTED, *sets) for _, sets in (varied[:5] if tools.short else varied)])
+    rows = [[name, metric(s, "fill_constant", 3), metric(s, "peak_force_ratio", 2), over_inflation(s, h), metric(s, "descent_rate_m_s", 3), f"{s['cost']['steps']}"]
+            for (name, _), (s, h) in zip(varied, runs)]
+    return tools.made(f"twinchute full {PREDICTED} --set ...") + table(["varied", "n", "X_p", "largest S_p over steady", "descent [m/s]", "steps"], rows)
+
+
+def filling_reefed(tools):
+    """The drag area behind a reefing line, which both models predict."""
+    scene = "data/scenes/c9-reefed.toml"
+    shares = [0.1, 0.3] if tools.short else [0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.8]
+    sets = [("parachute.filling={model='predicted', initial_mouth=0.02}", f"parachute.reefing.1.drag_area_ratio={share}") for share in shares]
+    rows = []
+    for model in ("rom", "full"):
+        found = [s for s, _ in flown(tools, [(model, scene, *each) for each in sets])]
+        whole = found[0]["inputs"]["parachute.drag_area"]["value"]
+        rows.append([model] + [f"{s['metrics']['stage_1_drag_area_m2'] / whole:.3f}" if "stage_1_drag_area_m2" in s["metrics"]
+                               else s["status"]["code"] for s in found])
+    return tools.made(f"twinchute rom|full {scene} --set parachute.filling=... --set parachute.reefing.1.drag_area_ratio=...") + table(["share"] + [str(share) for share in shares], rows)
+
+
+def filling_packed(tools):
+    """The packed crane drop with a filling that is predicted, over mouths and seeds."""
+    scene, seeds = "data/scenes/paper/crane-drop.toml", range(1, 2 if tools.short else 9)
+    mouths = [0.02] if tools.short else [0.002, 0.005, 0.01, 0.02, 0.04]
+    runs = flown(tools, [("full", scene, f"parachute.filling={{model='predicted', initial_mouth={mouth}}}", f"full.noise.seed={seed}")
+                         for mouth in mouths for seed in seeds])
+    rows = []
+    for k, mouth in enumerate(mouths):
+        of = [s for s, _ in runs[k * len(seeds):(k + 1) * len(seeds)]]
+        opened = [s["metrics"] for s in of if "fill_constant" in s["metrics"]]
+        ended = sorted({s["status"]["code"] for s in of if "fill_constant" not in s["metrics"]})
+
+        def spread(key, scale, digits):
+            values = [m[key] / scale for m in opened if key in m]
+            return f"{min(values):.{digits}f} to {max(values):.{digits}f}" if values else "-"
+        rows.append([str(mouth), f"{len(opened)} of {len(of)}", ", ".join(ended) or "-", spread("fill_constant", 1, 2), spread("peak_force_N", 1000, 1),
+                     spread("time_to_15_percent_drag_area_s", 1, 2), spread("time_to_98_percent_drag_area_s", 1, 2),
+                     share(max(abs(s["energy"]["residual_fraction"]) for s in of))])
+    return (tools.made(f"twinchute full {scene} --set parachute.filling=... --set full.noise.seed=1 to {len(seeds)}")
+            + table(["initial mouth", "opens", "the others", "n", "peak force [kN]", "15 % [s]", "98 % [s]", "largest energy residual"], rows))
+
+
 # Page of a block, the function that makes it, and whether it is quick enough for a test.
 BLOCKS = {
     "ladder": ("generated/ladder.md", ladder, True),
@@ -232,6 +329,10 @@ BLOCKS = {
     "gap-demo": ("guide/gap.md", why("data/scenes/c9-inflation.toml"), True),
     "gap-crane-drop": ("guide/gap.md", why("data/scenes/paper/crane-drop.toml"), False),
     "crane-seeds": ("theory/deployment.md", crane_seeds, True),
+    "filling-mouth": ("theory/filling.md", filling_mouth, False),
+    "filling-varied": ("theory/filling.md", filling_varied, True),
+    "filling-reefed": ("theory/filling.md", filling_reefed, False),
+    "filling-packed": ("theory/filling.md", filling_packed, False),
 }
 
 

@@ -30,6 +30,16 @@ std::string campaign_text(const std::string& plan, const std::string& answers) {
            answers;
 }
 const std::string mean = "[[answer]]\nname = \"peak\"\nmean = \"peak_force\"\n";
+/// The same in wind with gusts, down to where the scene is to stop.
+std::string gusty_text(const std::string& plan, const std::string& answers, const std::string& stop) {
+    std::string text = campaign_text(plan, answers);
+    const std::string before = "stop.at=\"peak-force\"";
+    text.replace(text.find(before), before.size(),
+                 "stop.at=\"" + stop + "\"', 'environment.wind={speed=4, from=\"270 deg\"}");
+    return text +
+           "[[vary]]\nkey = \"wind.gusts\"\nsd = [\"2 m/s\", \"2 m/s\", 0.5]\n"
+           "correlation_length = [\"60 m\", 60, 30]\n";
+}
 
 class SystemCampaign : public ProgramTest {
 protected:
@@ -142,6 +152,15 @@ TEST_F(SystemCampaign, SameBytesForThreadsAndShards) {
     EXPECT_EQ(digest("one"), digest("parts"));
     EXPECT_EQ(text("one/campaign.h5"), text("parts/campaign.h5"));
     EXPECT_EQ(read("one/campaign.json")["answers"], read("parts/campaign.json")["answers"]);
+}
+
+// The gusts of a run are a function of the seed and of its number, and of nothing that ran before it.
+TEST_F(SystemCampaign, GustsAreTheSameForThreadsAndShards) {
+    write("c.toml", gusty_text("runs = 8300\nseed = 3", mean, "peak-force"));
+    ASSERT_EQ(campaign({"--out", "one", "--threads", "1", "--quiet"}).code, 0);
+    for (const char* shard : {"2/2", "1/2"})
+        ASSERT_EQ(campaign({"--out", "parts", "--shard", shard, "--threads", "2", "--quiet"}).code, 0);
+    EXPECT_EQ(digest("one"), digest("parts"));
 }
 
 TEST_F(SystemCampaign, TwoWorkersAtOnceMakeTheSame) {
@@ -292,6 +311,22 @@ TEST_F(SystemCampaign, BothModelsTogetherSayWhatTheFullOneWould) {
     EXPECT_GT(answer["best_rom_runs"], 1.0);
     EXPECT_LE(answer["full_alone"]["interval_95"][0], answer["estimate"]);
     EXPECT_GE(answer["full_alone"]["interval_95"][1], answer["estimate"]);
+}
+
+// Both models of a pair fly through the same gusts, or the one could not speak for the other.
+TEST_F(SystemCampaign, BothModelsMeetTheSameGusts) {
+    const std::string deviation = "[[answer]]\nname = \"landing\"\nmean = \"landing_east\"\n";
+    write("c.toml",
+          gusty_text("runs = 400\nfidelity = \"both\"\npilot = 12\nfull_runs = 12", deviation, "ground"));
+    ASSERT_EQ(
+        campaign({"--out", "out", "--quiet", "--set", "full.mesh.gore_columns=1", "--set",
+                  "full.mesh.gore_rows=6", "--set", "full.contact=\"none\"", "--set", "release.height=60"})
+            .code,
+        0);
+    const json both = read("out/campaign.json")["both"];
+    EXPECT_EQ(both["pairs"], 12);
+    EXPECT_FALSE(says(both["engine"].get<std::string>(), "one sector"));
+    EXPECT_GT(both["answers"][0]["correlation"], 0.9);
 }
 
 TEST_F(SystemCampaign, FullRunsAreOfOneSectorWhereItStandsForTheWhole) {

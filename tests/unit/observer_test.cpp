@@ -101,5 +101,26 @@ TEST(Observer, CountsAPeakThatTheEndOfTheRunCutsOff) {
     EXPECT_GT(run.observer.peak().time, 0.049);
 }
 
+TEST(CanopyShape, CountsHowOftenTheSkirtGoesAround) {
+    // The canopy of a mesh, its angles about the axis times a whole number: the places of the skirt's nodes
+    // then go around so often, in or against the order of the gores. Radii stay, and with them the mean
+    // diameter.
+    const Mesh mesh = test::coarse_c9();
+    const State open = test::state_of(mesh);
+    const CanopyShape sound = canopy_shape(open, mesh);
+    EXPECT_EQ(sound.turns, 1.0);
+    for (const int times : {-1, 2, 3}) {
+        State wound = open;
+        for (NodeRecord& node : wound.node) {
+            const double radius = std::hypot(node.x[0], node.x[1]),
+                         angle = times * std::atan2(node.x[1], node.x[0]);
+            node.x[0] = radius * std::cos(angle), node.x[1] = radius * std::sin(angle);
+        }
+        const CanopyShape shape = canopy_shape(wound, mesh);
+        EXPECT_EQ(shape.turns, times);
+        EXPECT_NEAR(shape.seam_diameter, sound.seam_diameter, 1e-9);
+    }
+}
+
 }  // namespace
 }  // namespace twinchute::fullsim

@@ -87,6 +87,17 @@ TEST(SceneParachutes, OverridesNameAMember) {
     // Another condition takes the place of the one that was there.
     EXPECT_EQ(read_text(reefed, {"parachute.reefing.1.until.time=3 s"}).parachutes[0].reefing[0].until.kind,
               Trigger::Kind::time);
+    // A key of a list without a number is of no member, however many there are.
+    for (const std::string& scene : {reefed, good_scene}) {
+        try {
+            read_text(scene, {"parachute.reefing.drag_area_ratio=0.5"});
+            ADD_FAILURE() << "read, and of no effect";
+        } catch (const SceneError& error) {
+            EXPECT_NE(std::string(error.what()).find("parachute.reefing.1.drag_area_ratio"),
+                      std::string::npos)
+                << error.what();
+        }
+    }
     // A list as a whole takes the place of the list.
     const std::string list = R"(parachute.reefing=[{ drag_area_ratio = 0.2, until = { time = "3 s" } }])";
     EXPECT_EQ(read_text(reefed, {list}).parachutes[0].reefing.size(), 1u);

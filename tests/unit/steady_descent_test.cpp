@@ -177,6 +177,34 @@ FallSample breathing_at(double t, double w_e, double r) {
     return now;
 }
 
+TEST(SteadyDescent, WaitsForACanopyThatStillFills) {
+    // Nothing in the speed tells of a canopy that fell in and fills again while its drag area is prescribed.
+    // Its area grows by 2 % a second for a minute, which is 5 % from half to half of a window of 5 s and
+    // more; then it breathes by a fifth, five times a second, of which means over whole periods see nothing.
+    const double w_e = 1.3 * g;
+    const auto filling = [&](double t) {
+        FallSample now = fall_at(t, w_e);
+        now.area = 100.0 * std::exp(0.02 * std::min(t, 60.0)) * (1.0 + 0.2 * std::cos(10.0 * pi * t));
+        return now;
+    };
+    const auto window = first_steady(filling);
+    ASSERT_TRUE(window);
+    // Half of the window, 2.6 s, may hold 1 % of growth for each 0.5 s before the end: 5 % is left behind.
+    EXPECT_GT(window->to, 60.0);
+    EXPECT_LT(window->to, 60.0 + descent_window(w_e, 0.0, g));
+    EXPECT_LT(std::abs(window->filling), steady_descent_filling);
+
+    const Environment air = uniform_air();
+    SteadyDescent judge(air);
+    for (int k = 0; k < 2000; ++k)
+        judge.add(filling(k * step));
+    const auto last = judge.judge(0.0);
+    ASSERT_TRUE(last);
+    // exp(0.02 (5.2 s)/2) - 1, and a hundredth of it for halves that cut a period.
+    EXPECT_NEAR(last->filling, std::expm1(0.02 * 0.5 * descent_window(w_e, 0.0, g)), 0.01);
+    EXPECT_NE(unsteadiness_text(last).find("projected area"), std::string::npos) << unsteadiness_text(last);
+}
+
 TEST(SteadyDescent, IsNotSteadyWhileItBreathesOn) {
     // Breathing adds 0.2 % to the rate now, less than may remain; but that goes with the square of an
     // amplitude that nothing holds. A window of 4 w/g = 3 s has whole periods in each of its thirds.
