@@ -30,9 +30,9 @@ std::string events_text(const std::vector<Event>& events) {
     Table table;
     table.right = {false, true, true, true};
     for (const Event& event : events) {
+        const double altitude = std::abs(event.altitude) < 0.05 ? 0.0 : event.altitude;  // no -0.0
         table.rows.push_back({printable(event.name), fmt::format("{:.3f} s", event.time),
-                              fmt::format("{:.1f} m", event.altitude),
-                              fmt::format("{:.2f} m/s", event.speed)});
+                              fmt::format("{:.1f} m", altitude), fmt::format("{:.2f} m/s", event.speed)});
     }
     return aligned(table, {}, 2);
 }

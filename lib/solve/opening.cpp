@@ -231,8 +231,11 @@ void add_opening_metrics(const MetricSink& sink, const Scene& scene, const Openi
     }
     if (r.landing_time) {
         add("flight_time_s", *r.landing_time);
-        add("landing_east_m", r.end_position.x());
-        add("landing_north_m", r.end_position.y());
+        // A flight in a plane leaves a direction across it to rounding.
+        const double rounding = 1e-12 * r.end_position.norm() + 1e-12 * std::abs(scene.release.altitude);
+        const auto part = [&](double along) { return std::abs(along) > rounding ? along : 0.0; };
+        add("landing_east_m", part(r.end_position.x()));
+        add("landing_north_m", part(r.end_position.y()));
     }
 }
 

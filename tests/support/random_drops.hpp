@@ -328,14 +328,15 @@ inline void DropGenerator::put_aerodynamics() {
     if (random_bool(0.85)) line("breathing_damping = {{ k = {} }}", text_of(log_in(0.2, 2.0)));
 }
 
-/// The coarsest meshes that are still a canopy: of flat gores, one element across, one in seven from the pack
-/// stays wound twice around its axis.
+/// The coarsest meshes that are still a canopy. Coarser ones pass through themselves on their way out of the
+/// pack, and one in seven (one element across) or in eighteen (two, in four rows) stays wound twice around
+/// its axis.
 inline void DropGenerator::put_full() {
     line("\n[full]");
     const auto line_elements = 2 + below(2), rows = 3 + below(2);
     const bool fine = random_bool(0.2);
     line("mesh = {{ gore_columns = {}, gore_rows = {}, line_elements = {}, riser_elements = 1 }}",
-         fine || packed_ ? 2 : 1, rows, line_elements);
+         fine || packed_ ? 2 : 1, packed_ ? 2 * rows : rows, line_elements);
     const bool noise = packed_ || random_bool(0.4);
     if (noise) {
         const auto seed = 1 + below(1000);

@@ -128,6 +128,7 @@ TEST(DescentRate, OfACanopyThatWentThroughItselfIsNone) {
     test::write_drop_data(here.path());
     const RandomDrop drop = test::DropGenerator(3, 163, true).drop();
     Scene scene = read_scene_text(drop.text, drop.kind, here.path());
+    scene.full.mesh.gore_rows = 4;
     scene.stop = {Trigger::Kind::time, 25.0, 0.0};
     int wound = 0;
     for (int seed = 1; seed <= 12; ++seed) {
