@@ -229,18 +229,40 @@ void draw_markers(SvgCanvas& canvas, const Plot& plot, const Frame& f, const Sca
                   [&](const GuideLine& marker) { return !(marker.at >= x.low && marker.at <= x.high); });
     std::ranges::stable_sort(markers, {}, &GuideLine::at);
     constexpr double room = 130;  // [px] for a label
+    struct Taken {
+        int row;
+        double from, to;
+    };
+    std::vector<Taken> taken;
     for (std::size_t i = 0; i < markers.size(); ++i) {
         const double at = x.at(markers[i].at);
         const bool last = i + 1 == markers.size();
         // The first one's words go to its left and the last one's to its right; what has no room
-        // there goes to the other side, a line higher.
+        // there goes to the other side, a line higher; so does what would cover the words before.
         bool to_left = i == 0 && !last;
         const bool cramped = to_left ? at < f.left + room : at > f.right - room;
         if (cramped) to_left = !to_left;
-        const double row = f.top - (cramped || (i > 0 && !last) ? 22 : 7);
+        int row = cramped || (i > 0 && !last) ? 1 : 0;
+        const std::string label = shortened(markers[i].label, 24);
+        const double length = 1.15 * letter * static_cast<double>(label.size());
+        const auto place = [&](bool left, int line) {
+            return left ? Taken{line, at - 4 - length, at - 4} : Taken{line, at + 4, at + 4 + length};
+        };
+        const auto is_free = [&](const Taken& here) {
+            return here.to < f.right + 40 && std::ranges::none_of(taken, [&](const Taken& other) {
+                       return other.row == here.row && other.from < here.to && here.from < other.to;
+                   });
+        };
+        for (const auto& [left, line] : {std::pair(to_left, row), std::pair(to_left, 1 - row),
+                                         std::pair(!to_left, row), std::pair(!to_left, 1 - row)})
+            if (is_free(place(left, line))) {
+                to_left = left, row = line;
+                break;
+            }
+        taken.push_back(place(to_left, row));
         canvas.line(at, f.top - 4, at, f.bottom, markers[i].colour, R"( stroke-dasharray="2 3")");
-        canvas.words(to_left ? at - 4 : at + 4, row, to_left ? "end" : "start", markers[i].colour,
-                     shortened(markers[i].label, 24), R"( font-size="12")");
+        canvas.words(to_left ? at - 4 : at + 4, f.top - (row == 1 ? 22 : 7), to_left ? "end" : "start",
+                     markers[i].colour, label, R"( font-size="12")");
     }
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "compare/render/plot.hpp"
 #include "compare/render/ticks.hpp"
@@ -144,6 +145,37 @@ TEST(CompareSvg, WithoutDataItSaysSo) {
     EXPECT_EQ(test::count_of(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
     comparison.candidate.channels.clear();
     EXPECT_NE(force_svg(comparison).find("no data"), std::string::npos);
+}
+
+TEST(CompareSvg, WordsOfMarkersDoNotCoverEachOther) {
+    // Two words whose lines lie 0.2 mm apart on paper, in the middle and at the right end; a letter takes 6
+    // px at most.
+    for (const double at : {50.0, 97.0}) {
+        Plot plot;
+        plot.series.emplace_back();
+        plot.series.front().x = {0.0, 100.0};
+        plot.series.front().y = {0.0, 1.0};
+        plot.markers = {{"mean", ink, 20.0}, {"design load", ink, at}, {"overload", ink, at + 0.1}};
+        const std::string svg = svg_plot(plot);
+        struct Words {
+            double from, to, y;
+        };
+        std::vector<Words> all;
+        for (const auto& [label, colour, place] : plot.markers) {
+            const std::size_t end = svg.find(">" + label + "<"), begin = svg.rfind("<text", end);
+            ASSERT_NE(end, std::string::npos) << label;
+            const std::string tag = svg.substr(begin, end - begin);
+            const auto number = [&](const char* name) { return std::stod(tag.substr(tag.find(name) + 4)); };
+            const double x = number(" x=\""), length = 6.0 * static_cast<double>(label.size());
+            const bool ends = tag.find("text-anchor=\"end\"") != std::string::npos;
+            all.push_back({ends ? x - length : x, ends ? x : x + length, number(" y=\"")});
+        }
+        for (std::size_t i = 0; i < all.size(); ++i)
+            for (std::size_t k = 0; k < i; ++k)
+                EXPECT_TRUE(std::abs(all[i].y - all[k].y) >= 12.0 || all[i].to < all[k].from ||
+                            all[k].to < all[i].from)
+                    << plot.markers[i].label << " over " << plot.markers[k].label << " at " << at;
+    }
 }
 
 TEST(CompareSvg, EscapesWhatItIsGiven) {
