@@ -57,10 +57,6 @@ struct RunView {
     double snatch_density() const {
         return packed() ? findings.snatch_density : observer.rows().front().density;
     }
-    /// Open, with a skirt that crosses itself at the end.
-    bool went_through_itself() const {
-        return simulation.system().phase == Phase::open && observer.rows().back().turns != 1.0;
-    }
     /// Largest peak of all stages.
     Observer::Peak largest_peak() const {
         Observer::Peak largest = observer.peak();

@@ -146,6 +146,12 @@ double Observer::turns_since(double time) const {
     return furthest;
 }
 
+bool Observer::crosses_itself(double seconds) const {
+    const double begin = rows_.back().time - seconds;
+    return std::all_of(rows_.rbegin(), rows_.rend(),
+                       [&](const HistoryRow& row) { return row.time < begin || row.turns != 1.0; });
+}
+
 double Observer::mean(double HistoryRow::*column, double seconds) const {
     double integral = 0.0;
     std::size_t i = rows_.size() - 1;

@@ -79,6 +79,8 @@ public:
 
     /// CanopyShape::turns of the row from `time` on that is furthest from 1; 1 without a row.
     double turns_since(double time) const;
+    /// It is not 1 in any row of the last `seconds`.
+    bool crosses_itself(double seconds) const;
     /// Mean of a column over the last `seconds` of the rows, trapezoidal.
     double mean(double HistoryRow::*column, double seconds) const;
     /// [N s] of the filtered force over [from, to].

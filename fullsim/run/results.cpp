@@ -100,7 +100,7 @@ std::vector<NeverOpened> unopened(const RunView& run) {
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
         return {{0, 1, "it was still filling on the ground (parachute.filling.initial_mouth)"}};
-    if (run.went_through_itself())
+    if (went_through_itself(run))
         return {{0, 1,
                  fmt::format("its skirt turns {:g} times on its way around: fabric has passed through fabric",
                              run.observer.rows().back().turns),
@@ -126,6 +126,12 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
 }
 
 }  // namespace
+
+bool went_through_itself(const RunView& run) {
+    return run.simulation.system().phase == Phase::open &&
+           run.observer.rows().back().time >= run.full_open() + shape_average &&
+           run.observer.crosses_itself(shape_average);
+}
 
 void fill_results(const RunView& run, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);

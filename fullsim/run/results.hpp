@@ -8,6 +8,8 @@ namespace twinchute::fullsim {
 
 /// [s] that the projected area is averaged over: the shape settles later than the speed.
 inline constexpr double shape_average = 2.0;
+/// Has been open for that long, with a skirt that crosses itself throughout.
+bool went_through_itself(const RunView& run);
 /// Share of the steady projected area at which a canopy is filled (docs/theory/filling-time.md).
 inline constexpr double filled_share = 0.98;
 

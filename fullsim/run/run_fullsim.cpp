@@ -132,7 +132,7 @@ public:
             found_.last_window = last;
             if (found_.descent && last->is_steady()) found_.descent = last;
         }
-        if (view_.went_through_itself()) found_.descent.reset();
+        if (went_through_itself(view_)) found_.descent.reset();
         fill_results(view_, record_);
         note_attempts();
         return std::move(record_);
