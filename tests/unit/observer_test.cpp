@@ -120,6 +120,12 @@ TEST(CanopyShape, CountsHowOftenTheSkirtGoesAround) {
         EXPECT_EQ(shape.turns, times);
         EXPECT_NEAR(shape.seam_diameter, sound.seam_diameter, 1e-9);
     }
+    // Lines that share a node make it a corner once.
+    Mesh doubled = mesh;
+    auto& skirt = doubled.seam_rings.back();
+    for (std::size_t k = 0; k < skirt.size(); k += 2)
+        skirt.insert(skirt.begin() + static_cast<std::ptrdiff_t>(k), skirt[k]);
+    EXPECT_EQ(canopy_shape(open, doubled).turns, 1.0);
 }
 
 }  // namespace
