@@ -11,18 +11,21 @@ constexpr double filter_window = 5e-3;  // [s]
 
 /// Turns of the tangent along a closed polygon, seen along the axis: 1 where it does not cross itself (Hopf).
 double turns_of(const State& state, const std::vector<NodeIndex>& ring, const Vec3& axis) {
-    std::vector<Vec3> edges;
+    const auto turn = [&](const Vec3& a, const Vec3& b) {
+        return std::atan2(a.cross(b).dot(axis), a.dot(b));
+    };
+    std::optional<Vec3> first, last;
+    double angle = 0.0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
         const Vec3 along =
             to_vec3(state.node[ring[(k + 1) % ring.size()]].x) - to_vec3(state.node[ring[k]].x);
         const Vec3 across = along - along.dot(axis) * axis;
-        if (across.squaredNorm() > 0.0) edges.push_back(across);  // several lines may share a node
+        if (!(across.squaredNorm() > 0.0)) continue;  // several lines may share a node
+        if (last) angle += turn(*last, across);
+        if (!first) first = across;
+        last = across;
     }
-    double angle = 0.0;
-    for (std::size_t k = 0; k < edges.size(); ++k) {
-        const Vec3 &a = edges[k], &b = edges[(k + 1) % edges.size()];
-        angle += std::atan2(a.cross(b).dot(axis), a.dot(b));
-    }
+    if (first) angle += turn(*last, *first);
     return std::round(angle / (2.0 * pi));
 }
 
