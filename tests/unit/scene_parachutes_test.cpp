@@ -193,9 +193,8 @@ TEST(SceneParachutes, WhatDoesNotFitIsRefusedAtItsPlace) {
          edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.cut\" }"),
          {},
          {"test.toml:16", "parachute.cut.after", "wait for each other",
-          "drogue.cut waits for main.full-open, main.full-open for main.line-stretch, main.line-stretch for "
-          "drogue.cut",
-          "let one of them wait for"}},
+          "drogue.cut waits for main.full-open, main.full-open for main.line-stretch,",
+          "main.line-stretch for drogue.cut", "let one of them wait for"}},
         {"a circle through a reefing line",
          edited(edited(two, "when = { height = \"150 m\" }", "when = { after = \"drogue.full-open\" }"),
                 "cut = { after = \"main.full-open\", delay = \"1 s\" }",
