@@ -120,7 +120,7 @@ std::optional<double> pulse_width(const RunRecord& record, const Scene&, const Q
     if (!time || !force || !is_usable(*time, *force, a.window)) return {};
     const History history(*time, *force);
     const auto best = highest(history, a.window);
-    if (!best) return {};
+    if (!best || !(best->mean > 0.0)) return {};
     const std::vector<double> starts = history.starts(a.window);
     const auto top = std::ranges::lower_bound(starts, best->begin) - starts.begin();
     // From the top outward to the first point below half of it, then by halving.
@@ -128,7 +128,7 @@ std::optional<double> pulse_width(const RunRecord& record, const Scene&, const Q
         for (auto i = top; i >= 0 && i < std::ssize(starts); i += step) {
             double out = starts[static_cast<std::size_t>(i)];
             if (history.mean(out, a.window) >= 0.5 * best->mean) continue;
-            double in = starts[static_cast<std::size_t>(i - step)];
+            double in = i == top ? best->begin : starts[static_cast<std::size_t>(i - step)];
             for (int n = 0; n < 60; ++n) {
                 const double middle = 0.5 * (in + out);
                 (history.mean(middle, a.window) >= 0.5 * best->mean ? in : out) = middle;
