@@ -23,7 +23,7 @@ struct HistoryRow {
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
 };
 
-/// Of `sectors` that are congruent (Layout::sectors) one is measured.
+/// Shape of a canopy; one sector is measured where `sectors` are congruent (Layout::sectors).
 struct CanopyShape {
     double seam_diameter;  ///< [m] mean of the widest seam ring
     double depth;          ///< [m] from vent to skirt along the canopy's axis

@@ -100,7 +100,8 @@ struct DescentWindow {
     double remaining = 0.0;       ///< [-] estimate of the change of the rate that remains, at equal density
     double breathing = 0.0;       ///< [-] what of that breathing and growth may still bring
     double filling = 0.0;         ///< [-] of the mean projected area, as drift
-    double turns = 1.0;  ///< of the canopy's skirt on its way around, at the end; 1: it does not cross itself
+    double turns =
+        1.0;  ///< of the canopy's skirt on its way around, furthest from 1: it does not cross itself
 
     bool is_steady() const {
         return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining &&

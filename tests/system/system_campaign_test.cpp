@@ -30,7 +30,7 @@ std::string campaign_text(const std::string& plan, const std::string& answers) {
            answers;
 }
 const std::string mean = "[[answer]]\nname = \"peak\"\nmean = \"peak_force\"\n";
-/// The same in wind with gusts, down to where the scene is to stop.
+/// A campaign in wind with gusts, down to where the scene is to stop.
 std::string gusty_text(const std::string& plan, const std::string& answers, const std::string& stop) {
     std::string text = campaign_text(plan, answers);
     const std::string before = "stop.at=\"peak-force\"";
