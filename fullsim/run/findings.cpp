@@ -8,8 +8,9 @@ void serialize_window(Archive& archive, std::optional<DescentWindow>& window) {
     archive.flag("window", is_there);
     if (!is_there) return window.reset();
     if (archive.reads()) window.emplace();
-    auto& [from, to, rate, amplitude, drift, remaining, breathing, filling, turns] = *window;
-    for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining, &breathing, &filling, &turns})
+    auto& [from, to, rate, amplitude, drift, remaining, breathing, filling, breath, turns] = *window;
+    for (double* x : {&from, &to, &rate, &amplitude, &drift, &remaining, &breathing, &filling, &breath[0],
+                      &breath[1], &turns})
         archive.number("window", *x);
 }
 

@@ -78,7 +78,8 @@ void SteadyDescent::add(const FallSample& now) {
     const double root = std::sqrt(now.density);
     const double spacing = descent_window(now.sink, 0.0, environment_->gravity) / rows_per_window;
     if (rows_.empty()) {
-        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0, now.air_sink, 0.0, 0.0, 0.0, {}, 0.0};
+        now_ = {now.time, now.sink * root, 0.0, 0.0, 0.0, 0.0, 0.0, now.air_sink, 0.0, 0.0, 0.0, {}, 0.0,
+                0.0};
         rows_.push_back(now_);
     } else {
         const FallSample& before = last_;
@@ -103,6 +104,7 @@ void SteadyDescent::add(const FallSample& now) {
         for (std::size_t i = 0; i < now.across.size(); ++i)
             now_.across[i] += half * (before.across[i] + now.across[i]);
         now_.area += half * (before.area + now.area);
+        now_.area_squared += half * (before.area * before.area + now.area * now.area);
         // The last row moves along until the next one is due.
         if (rows_.size() > 1 && now.time - rows_[rows_.size() - 2].time < spacing)
             rows_.back() = now_;
@@ -155,6 +157,13 @@ double SteadyDescent::glide(std::size_t from, std::size_t to, double sink) const
     return 0.5 * speed * speed / (sink * sink);
 }
 
+/// [-] Root mean square of the projected area about its mean, over that mean; 0 without an area.
+double SteadyDescent::breath(std::size_t from, std::size_t to) const {
+    const double area = mean(&Row::area, from, to);
+    return area > 0.0 ? std::sqrt(std::max(0.0, mean(&Row::area_squared, from, to) / (area * area) - 1.0))
+                      : 0.0;
+}
+
 /// Share r [-] of breathing, and of growth where air accretes.
 double SteadyDescent::breathing(std::size_t from, std::size_t to) const {
     const Row &a = rows_[from], &b = rows_[to];
@@ -196,6 +205,7 @@ std::optional<DescentWindow> SteadyDescent::judge(double altitude) {
         window.amplitude = amplitude(first);
         const double area = mean(&Row::area, first, half);
         window.filling = area > 0.0 ? mean(&Row::area, half, end) / area - 1.0 : 0.0;
+        window.breath = {breath(first, half), breath(half, end)};
         const double gained = mean(&Row::swing, half, end) - mean(&Row::swing, first, half);
         window.breathing = growth_of_breathing * breathing(first, end);
         window.remaining = growth_of_swing * std::max(0.0, gained) / (8.0 * sink * sink) + window.breathing;
@@ -232,9 +242,9 @@ void SteadyDescent::serialize(Archive& archive) {
     });
     const auto members = [](Row& row, auto&& each) {
         auto& [time, u, descent, path, balance, gained, swing, air_sink, added, air_gained, grown, across,
-               area] = row;
+               area, area_squared] = row;
         for (double* x : {&time, &u, &descent, &path, &balance, &gained, &swing, &air_sink, &added,
-                          &air_gained, &grown, &across[0], &across[1], &area})
+                          &air_gained, &grown, &across[0], &across[1], &area, &area_squared})
             each(*x);
     };
     archive.row("fall so far", now_, members);
@@ -257,6 +267,11 @@ std::string unsteadiness_text(const std::optional<DescentWindow>& last) {
         return fmt::format(
             "{} the projected area of the canopy changes by {:.2g} % from one half to the other", over,
             100.0 * last->filling);
+    if (last->breathes_more())
+        return fmt::format(
+            "{} its canopy breathes more and more, by {:.2g} % of its projected area (rms) in the first half "
+            "and {:.2g} % in the second (aerodynamics.breathing_damping damps it)",
+            over, 100.0 * last->breath[0], 100.0 * last->breath[1]);
     const std::string breathes =
         last->breathing > 0.5 * last->remaining
             ? ": the canopy still breathes or grows (aerodynamics.breathing_damping damps the former)"

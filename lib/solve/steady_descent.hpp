@@ -26,8 +26,10 @@
 // Breathing. Where mu follows a canopy that breathes, int(mu dw_a) holds (mu - bar(mu)) dw_a as well, which
 // does not sum to zero over a period: a force that lasts, and shifts the rate by its half share r of W. J
 // takes it for transient, so that ln(bar(u)/u_b) holds it once. It goes with the square of an amplitude that
-// may double: 3 r more may come. Where air accretes, r holds the force that growth will ask for as well, but
-// for the growth that denser air brings.
+// may double: 3 r more may come. Without damping the amplitude itself can grow, tenfold within a minute
+// (r = 0.02 % and 1 % of the rate at its end), and no rate says so: a canopy that breathes more in the second
+// half of a window than in the first is not steady. Where air accretes, r holds the force that growth will
+// ask for as well, but for the growth that denser air brings.
 //
 // Glide. Lift turns the force on the canopy by the angle gamma of the path, so that it carries the weight and
 // w = w_e cos^1.5 gamma: lower by 3 gamma^2/4, of which bar(V w) holds gamma^2/4. The rest, |bar(V_h)|^2/(2
@@ -67,6 +69,9 @@ inline constexpr double steady_descent_remaining = 0.0035;
 /// The mean projected area of the canopy over one half of the window differs from that over the other by
 /// less.
 inline constexpr double steady_descent_filling = 0.05;
+/// A canopy whose projected area varies (root mean square over the mean) by more than this must not vary
+/// more in the second half of the window than in the first. Ten times as much would move the rate by 0.2 %.
+inline constexpr double steady_descent_breath = 0.005;
 /// The amplitude of v sqrt(rho) over its mean from which on it is stated beside the rate.
 inline constexpr double steady_descent_amplitude = 0.02;
 /// [s] of fall that changes of air and wind below are looked for in. No similarity rules the depth of an
@@ -100,12 +105,15 @@ struct DescentWindow {
     double remaining = 0.0;       ///< [-] estimate of the change of the rate that remains, at equal density
     double breathing = 0.0;       ///< [-] what of that breathing and growth may still bring
     double filling = 0.0;         ///< [-] of the mean projected area, as drift
+    /// [-] root mean square of the projected area about its mean, over that mean: in each half
+    std::array<double, 2> breath{};
     double turns =
         1.0;  ///< of the canopy's skirt on its way around, furthest from 1: it does not cross itself
 
+    bool breathes_more() const { return breath[1] > std::max(steady_descent_breath, breath[0]); }
     bool is_steady() const {
         return std::abs(drift) < steady_descent_change && remaining < steady_descent_remaining &&
-               std::abs(filling) < steady_descent_filling && turns == 1.0;
+               std::abs(filling) < steady_descent_filling && !breathes_more() && turns == 1.0;
     }
 };
 
@@ -145,7 +153,7 @@ private:
         double air_sink, added, air_gained;  // not an integral; of mu dt, of mu dw_a
         double grown;                        // integral of growth w, but for the density's
         std::array<double, 2> across;
-        double area;
+        double area, area_squared;
     };
     std::size_t row_at(double time) const;
     double mean(double Row::*integral, std::size_t from, std::size_t to) const;
@@ -154,6 +162,7 @@ private:
     double trend_of_mean(std::size_t from, std::size_t to) const;
     double amplitude(std::size_t from) const;
     double glide(std::size_t from, std::size_t to, double sink) const;
+    double breath(std::size_t from, std::size_t to) const;
     double breathing(std::size_t from, std::size_t to) const;
 
     const Environment* environment_;

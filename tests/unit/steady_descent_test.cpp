@@ -205,6 +205,43 @@ TEST(SteadyDescent, WaitsForACanopyThatStillFills) {
     EXPECT_NE(unsteadiness_text(last).find("projected area"), std::string::npos) << unsteadiness_text(last);
 }
 
+TEST(SteadyDescent, WaitsForABreathThatGrows) {
+    // Nothing damps it: the area of the canopy, which breathes five times a second, varies by a tenth more
+    // each second, and after a minute by 2 % less. Its mean is the same in all windows, and so is the speed.
+    const double w_e = 1.3 * g;
+    const auto breathing = [&](double rms) {
+        return [=](double t) {
+            FallSample now = fall_at(t, w_e);
+            const double grown = std::exp(0.1 * (std::min(t, 60.0) - 60.0) - 0.02 * std::max(0.0, t - 60.0));
+            now.area = 100.0 * (1.0 + std::sqrt(2.0) * rms * grown * std::cos(10.0 * pi * t));
+            return now;
+        };
+    };
+    const double longest = 58.0, half = 0.5 * descent_window(w_e, 0.0, g);
+    const Environment air = uniform_air();
+    SteadyDescent judge(air);
+    // From when on it is large enough to be looked at: 0.5 % in 11 % that it comes to, ln(22)/0.1 = 31 s
+    // before its end.
+    const auto fall = breathing(0.11);
+    for (int k = 0; k * step < longest; ++k) {
+        judge.add(fall(k * step));
+        if (k * step < 33.0) continue;
+        const auto window = judge.judge(0.0);
+        ASSERT_TRUE(window && !window->is_steady()) << k * step;
+    }
+    const auto last = judge.judge(0.0);
+    // Rows lie a tenth of a period apart, so that a half may be off by as much at either end.
+    EXPECT_NEAR(last->breath[1] / last->breath[0], std::exp(0.1 * half), 0.02);
+    EXPECT_NEAR(last->breath[1], 0.11 * std::exp(0.1 * (longest - 60.0 - 0.5 * half)), 0.02 * 0.11);
+    EXPECT_NE(unsteadiness_text(last).find("breathing_damping"), std::string::npos)
+        << unsteadiness_text(last);
+    // Once it dies out it is steady, although it is as large; and one that is small is at once.
+    for (double t = longest; t < 60.0 + 4.0 * half; t += step)
+        judge.add(fall(t));
+    EXPECT_TRUE(judge.judge(0.0)->is_steady());
+    EXPECT_TRUE(first_steady(breathing(0.004), 10.0));
+}
+
 TEST(SteadyDescent, IsNotSteadyWhileItBreathesOn) {
     // Breathing adds 0.2 % to the rate now, less than may remain; but that goes with the square of an
     // amplitude that nothing holds. A window of 4 w/g = 3 s has whole periods in each of its thirds.
