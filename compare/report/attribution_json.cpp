@@ -27,7 +27,7 @@ Json metric_json(const MetricAttribution& metric, const MetricRow& row) {
     json["reference"] = metric.reference;
     Json& terms = json["terms"] = Json::array();
     for (const AttributionTerm& term : metric.terms) {
-        Json one{{"piece", term.name}, {"title", term.title}, {"effect", term.effect}};
+        Json one{{"name", term.name}, {"title", term.title}, {"effect", term.effect}};
         if (!term.detail.empty()) one["detail"] = term.detail;
         terms.push_back(std::move(one));
     }
@@ -61,8 +61,9 @@ MetricAttribution read_metric(const JsonNode& node, std::string_view key, const 
     metric.candidate = same(node.at("candidate"), key, comparison.candidate);
     metric.reference = same(node.at("reference"), key, comparison.reference);
     node.at("terms").each_row([&](const JsonNode& term) {
-        const auto detail = term.find("detail");
-        metric.terms.push_back({term.text_at("piece"), term.text_at("title"), term.at("effect").number(),
+        const auto detail = term.find("detail"), name = term.find("name");
+        metric.terms.push_back({name ? name->text() : term.text_at("piece"),  // of earlier versions
+                                term.text_at("title"), term.at("effect").number(),
                                 detail ? detail->text() : std::string()});
     });
     metric.interaction = node.at("interaction").number();

@@ -98,7 +98,7 @@ ordered_json part_json(const PlanPart& part) {
 ordered_json plan_json(const Planned& planned) {
     ordered_json json{{"fidelity", planned.fidelity->name}};
     if (!planned.unsupported_keys.empty()) {
-        json["lacks"] = planned.unsupported_keys;
+        json["unsupported_keys"] = planned.unsupported_keys;
         return json;
     }
     const Plan& plan = planned.plan;

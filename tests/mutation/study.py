@@ -156,7 +156,7 @@ def largest_terms(gap):
         if metric["verdict"] != "exceeded" or attributed is None:
             continue
         term = max(attributed["terms"], key=lambda t: abs(t["effect"]))
-        found.append((metric["name"], term["piece"], term["effect"], -metric["difference"], metric.get("unit", "")))
+        found.append((metric["name"], term["name"], term["effect"], -metric["difference"], metric.get("unit", "")))
     return found
 
 

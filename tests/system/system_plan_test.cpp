@@ -63,7 +63,7 @@ TEST_F(SystemPlan, StagesAreThoseOfTheRunAndAddUp) {
 TEST_F(SystemPlan, AModelThatCannotRunTheSceneSaysSo) {
     const Words free{shipped_scene("paper/free-2000m"), "--set", "parachute.deploy.pack_drag_area=0"};
     const json all = plan_json(free);
-    EXPECT_EQ(all["plans"][0]["lacks"], json::array({"parachute.deploy.pack_drag_area"}));
+    EXPECT_EQ(all["plans"][0]["unsupported_keys"], json::array({"parachute.deploy.pack_drag_area"}));
     EXPECT_FALSE(all["plans"][1].contains("wall_s"));
     EXPECT_GT(all["plans"][1]["stages"][0]["wall_per_step_s"], 0.0);
 }

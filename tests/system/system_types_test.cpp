@@ -34,8 +34,8 @@ TEST_F(SystemTypes, APlanNamesWhatIsLacking) {
     const Ended ended = run("plan", "cross", {"--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json all = json::parse(ended.out);
-    EXPECT_FALSE(all["plans"][0].contains("lacks"));
-    EXPECT_EQ(all["plans"][1]["lacks"], json::array({"parachute.type"}));
+    EXPECT_FALSE(all["plans"][0].contains("unsupported_keys"));
+    EXPECT_EQ(all["plans"][1]["unsupported_keys"], json::array({"parachute.type"}));
 }
 
 TEST_F(SystemTypes, ASolidOneIsMeshedByItsOwnGores) {

@@ -81,6 +81,19 @@ TEST(CompareAttributionText, ComesBackFromJson) {
     EXPECT_FALSE(read_attribution(gap_json(none), "gap.json", none));
 }
 
+TEST(CompareAttributionText, EarlierVersionsCalledATermAPiece) {
+    Comparison comparison = explained();
+    const std::string text = gap_json(comparison);
+    nlohmann::json gap = nlohmann::json::parse(text);
+    for (auto& metric : gap["attribution"]["metrics"])
+        for (auto& term : metric["terms"]) {
+            term["piece"] = term["name"];
+            term.erase("name");
+        }
+    comparison.attribution = read_attribution(gap.dump(), "gap.json", comparison);
+    EXPECT_EQ(gap_json(comparison), text);
+}
+
 TEST(CompareAttributionText, AMetricOfALaterVersionIsLeftOut) {
     Comparison comparison = explained();
     nlohmann::json gap = nlohmann::json::parse(gap_json(comparison));
