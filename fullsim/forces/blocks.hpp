@@ -57,6 +57,8 @@ std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
 /// Drag of the canopy as a piece of fabric, until snatch (paper, 3.2.1).
 std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient);
+/// [-] of the area between vent and skirt: parachute.deploy.drag_coefficient is that of fabric, not of slots.
+double fabric_drag_coefficient(const Scene& scene);
 /// resistance: [N/m] of width.
 std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, double resistance);
 /// direction: unit vector. The history is kept by reference.

@@ -4,6 +4,7 @@
 #include "fullsim/forces/lanes_view.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/forces/spring.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute::fullsim {
 
@@ -154,6 +155,11 @@ private:
 };
 
 }  // namespace
+
+double fabric_drag_coefficient(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    return chute.deploy.drag_coefficient * (1.0 - slot_share(chute));
+}
 
 std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient) {
     return std::make_unique<FabricDragBlock>(mesh, coefficient);

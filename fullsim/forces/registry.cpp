@@ -8,6 +8,7 @@
 #include "fullsim/forces/tetrahedra.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -117,7 +118,7 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      [](const Scene& s) {
          return deployed(s, strength("parachute.deploy.drag_coefficient", deployment(s).drag_coefficient));
      },
-     [](const Scene& s, const Mesh& m) { return make_fabric_drag(m, deployment(s).drag_coefficient); }},
+     [](const Scene& s, const Mesh& m) { return make_fabric_drag(m, fabric_drag_coefficient(s)); }},
     {Block::deployment_resistance, "deployment resistance", "paper, 5.2; docs/theory/deployment.md", false,
      true, true, true, false, false,
      [](const Scene& s, Stage stage) {
@@ -152,7 +153,8 @@ constexpr std::array<ForceBlock, block_count> blocks{{
          return given("aerodynamics.breathing_damping", s.aerodynamics.breathing_damping.has_value());
      },
      [](const Scene& s, const Mesh& m) {
-         return make_breathing_damping(m, *s.aerodynamics.breathing_damping);
+         return make_breathing_damping(
+             m, *s.aerodynamics.breathing_damping * (1.0 - slot_share(s.parachutes.front())));
      }},
     {Block::payload_drag, "payload drag", "paper, 3.1", false, false, true, false, false, false,
      [](const Scene& s, Stage) { return s.payload.drag_area.has_value(); },

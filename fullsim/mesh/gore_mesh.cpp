@@ -6,6 +6,7 @@
 
 #include "fullsim/canopy/canopy_geometry.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -30,7 +31,7 @@ public:
           geometry_(canopy_geometry(chute)),
           outline_(geometry_.outline(chute)) {
         lay_out_rows();
-        mesh_.fabric = chute.fabric;
+        mesh_.fabric = meshed_fabric(chute);
         mesh_.cords.fill(chute.line);
         for (const Tape& tape : geometry_.tapes)
             mesh_.cords[static_cast<std::size_t>(kind_of(tape.line))] = chute.tapes.*tape.cord;
@@ -40,7 +41,7 @@ public:
         mesh_.axis = axis;
         mesh_.line_stretch = 1.0 + load / (chute_.gores * chute_.line.axial_stiffness());
         const Vec3 across = axis.unitOrthogonal();
-        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, chute_.fabric}), across,
+        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric}), across,
                      axis.cross(across));
         return build(payload_mass);
     }

@@ -7,6 +7,7 @@
 
 #include "fullsim/run/parts.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 #include "lib/solve/shortfall.hpp"
 #include "lib/solve/validity.hpp"
 
@@ -164,7 +165,9 @@ void fill_results(const RunView& run, RunRecord& record) {
                       "elastic, of all lines and steps");
     record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
                       MetricKind::result, "first principal, elastic, of all triangles and steps");
-    add_strength_margins(record, run.parachute());
+    Parachute of_sheet = run.parachute();
+    of_sheet.fabric = meshed_fabric(of_sheet);
+    add_strength_margins(record, of_sheet);
     record.energy = run.simulation.ledger();
     record.channels = run.observer.channels();
     add_drag_area_times(record, run.scene, result,

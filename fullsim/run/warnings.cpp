@@ -78,6 +78,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
+    if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
     if (chute.mesh)
         std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene),
                           std::back_inserter(record.warnings));

@@ -30,6 +30,11 @@ std::vector<std::string_view> meshed_canopies() {
     return {"own", "flat-circular", "none"};
 }
 
+/// Words of full_model.slots.
+std::vector<std::string_view> slot_words() {
+    return {"none", "smeared"};
+}
+
 /// A range that a type may have, a table of its file: { low, high, source, grade }.
 struct RangeRow {
     std::string_view name, unit;
@@ -88,6 +93,14 @@ std::span<const Key> type_keys() {
              .need = KeyNeed::optional,
              .range = {0.0, 1000.0, true, false},
              .meaning = "along the seam, over those of the others; absent: all alike"},
+            {.path = "type.full_model.slots",
+             .kind = KeyKind::word,
+             .need = KeyNeed::defaulted,
+             .fallback = "none",
+             .choices = slot_words,
+             .meaning =
+                 "narrow slots across the gores, which parachute.geometric_porosity gives the share of: "
+                 "the full model smears fabric and slots to one sheet"},
             {.path = "type.full_model.gore_source",
              .kind = KeyKind::text,
              .need = KeyNeed::optional,
@@ -147,6 +160,7 @@ MeshedCanopy meshed_canopy(const Values& v) {
                         v.word("type.full_model.why"),
                         gore_of(v),
                         {}};
+    meshed.slotted = v.word("type.full_model.slots") == slot_words().back();
     const std::string source = "type.full_model.gore_source";
     if (v.given(source)) meshed.gore_source = v.word(source);
     if (!meshed.gore.empty() && meshed.gore_source.empty())

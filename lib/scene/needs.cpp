@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "lib/scene/keys.hpp"
 
@@ -49,7 +50,10 @@ std::vector<std::string> missing_lines(const Parachute& chute) {
 }
 
 std::vector<std::string> missing_structure(const Parachute& chute) {
-    return missing(chute, false);
+    std::vector<std::string> keys = missing(chute, false);
+    if (chute.type && chute.type->meshed.slotted && !chute.mesh && !(slot_share(chute) > 0.0))
+        keys.emplace_back("parachute.geometric_porosity");
+    return keys;
 }
 
 std::string lacks_canopy(const Parachute& chute) {
@@ -65,6 +69,34 @@ std::vector<GorePanel> gore_panels(const Parachute& chute) {
     for (std::size_t i = 0; i < std::min(panels.size(), chute.panel_length.size()); ++i)
         panels[i].length = chute.panel_length[i];
     return panels;
+}
+
+double slot_share(const Parachute& chute) {
+    if (!chute.type || !chute.type->meshed.slotted || chute.mesh) return 0.0;
+    const double vent = std::pow(chute.vent_diameter / chute.nominal_diameter, 2);
+    return std::max(0.0, (chute.geometric_porosity - vent) / (1.0 - vent));
+}
+
+Fabric meshed_fabric(const Parachute& chute) {
+    Fabric fabric = chute.fabric;
+    const double solid = 1.0 - slot_share(chute);
+    fabric.thickness *= solid;
+    if (fabric.strength) *fabric.strength *= solid;
+    return fabric;
+}
+
+std::optional<Warning> smeared_slots(const Parachute& chute) {
+    const double slots = slot_share(chute);
+    if (!(slots > 0.0)) return std::nullopt;
+    return Warning{
+        fmt::format(
+            "slots are smeared: a sheet of {:.3g} % of the fabric's thickness and strength stands for "
+            "both",
+            100.0 * (1.0 - slots)),
+        fmt::format("slots of {} canopies are narrower than an element", chute.type->title),
+        "trust forces and the shape of the whole; across slots only tapes carry load, so that tapes have "
+        "more "
+        "of it and fabric less than here"};
 }
 
 std::optional<Warning> stand_in(const Parachute& chute) {

@@ -23,6 +23,17 @@ std::string lacks_canopy(const Parachute& chute);
 /// lengths that the parachute has itself. Empty for flat circular canopies and where nothing else is known.
 std::vector<GorePanel> gore_panels(const Parachute& chute);
 
+/// Share [-] of slots in the area between vent and skirt, of a type whose slots the full model smears: what
+/// parachute.geometric_porosity leaves after the vent. 0 for all others, and for a mesh of one's own.
+double slot_share(const Parachute& chute);
+
+/// The sheet that the full model meshes: the fabric, thinner by its slots where these are smeared, and as
+/// much weaker.
+Fabric meshed_fabric(const Parachute& chute);
+
+/// Warning where slots are smeared.
+std::optional<Warning> smeared_slots(const Parachute& chute);
+
 /// Warning where a flat circular canopy stands in for another type, as lacks_canopy; otherwise nothing.
 std::optional<Warning> stand_in(const Parachute& chute);
 

@@ -30,7 +30,7 @@ constexpr SizeRow size_rows[] = {
 double mass_measure(const Parachute& p) {
     const double d = p.nominal_diameter, v = p.vent_diameter;
     if (!missing_structure(p).empty()) return d * d;
-    return 0.25 * pi * (d * d - v * v) * p.fabric.density * p.fabric.thickness +
+    return 0.25 * pi * (d * d - v * v) * p.fabric.density * meshed_fabric(p).thickness +
            0.5 * p.gores * (d - v) * p.tapes.radial.linear_density() +
            pi * (d * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
            (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();

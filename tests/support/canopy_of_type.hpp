@@ -10,7 +10,11 @@ namespace twinchute::test {
 
 /// Types whose gores the full model meshes by panels.
 inline constexpr const char* panelled_types[] = {"conical",           "biconical",         "triconical",
-                                                 "extended-skirt-10", "extended-skirt-14", "hemispherical"};
+                                                 "extended-skirt-10", "extended-skirt-14", "hemispherical",
+                                                 "conical-ribbon"};
+
+/// Types whose slots the full model smears.
+inline constexpr const char* slotted_types[] = {"ringslot", "flat-ribbon", "conical-ribbon"};
 
 inline Parachute canopy_of_type(const std::string& type, int gores = 28) {
     Parachute chute = c9_scene().parachutes.front();

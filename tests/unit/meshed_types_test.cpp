@@ -24,7 +24,8 @@ Scene of_type(const std::string& type) {
 }
 
 TEST(MeshedTypes, EachTypeSaysWhatIsMeshedForIt) {
-    // Solid canopies that are sewn of full gores; whatever else has slots, arms, ribs or an open middle.
+    // Canopies that are sewn of full gores, and those with narrow slots where the scene says how much of
+    // them; whatever else has gaps, arms, ribs or an open middle.
     std::set<std::string> meshed(std::begin(panelled_types), std::end(panelled_types));
     meshed.insert("flat-circular");
     for (const std::string& name : canopy_type_names(TWINCHUTE_SOURCE_DIR "/data")) {
@@ -32,10 +33,39 @@ TEST(MeshedTypes, EachTypeSaysWhatIsMeshedForIt) {
         const Parachute& chute = scene.parachutes.front();
         EXPECT_FALSE(chute.type->meshed.why.empty()) << name;
         const Keys lacking = fullsim::full_fidelity().unsupported_keys(scene);
-        EXPECT_EQ(lacking, meshed.contains(name) ? Keys{} : Keys{"parachute.type"}) << name;
+        const bool slots = std::ranges::count(slotted_types, name) > 0;
+        EXPECT_EQ(lacking, slots                   ? Keys{"parachute.geometric_porosity"}
+                           : meshed.contains(name) ? Keys{}
+                                                   : Keys{"parachute.type"})
+            << name;
         EXPECT_FALSE(stand_in(chute)) << name;
         EXPECT_TRUE(rom::rom_fidelity().unsupported_keys(scene).empty()) << name;
     }
+}
+
+TEST(MeshedTypes, SlotsAreWhatTheVentLeavesOfThePorosity) {
+    for (const std::string type : slotted_types) {
+        const auto with = [&](double porosity) {
+            return read_text(good_scene, {"parachute.type=" + type,
+                                          "parachute.geometric_porosity=" + std::to_string(porosity)});
+        };
+        const Scene scene = with(0.2);
+        const Parachute& chute = scene.parachutes.front();
+        EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(scene).empty()) << type;
+        // A vent of d = 0.853 m in D0 = 8.53 m is 1 % of S0; the other 19 % are slots in 99 %.
+        ASSERT_EQ(chute.vent_diameter, 0.1 * chute.nominal_diameter);
+        EXPECT_NEAR(slot_share(chute), 0.19 / 0.99, 1e-12) << type;
+        EXPECT_NEAR(meshed_fabric(chute).thickness, chute.fabric.thickness * 0.8 / 0.99, 1e-15) << type;
+        ASSERT_TRUE(smeared_slots(chute)) << type;
+        EXPECT_NE(smeared_slots(chute)->what.find("80.8 %"), std::string::npos) << smeared_slots(chute)->what;
+        // No more than the vent.
+        EXPECT_EQ(fullsim::full_fidelity().unsupported_keys(with(0.01)),
+                  Keys{"parachute.geometric_porosity"});
+    }
+    const Scene solid = read_text(good_scene, {"parachute.type=conical", "parachute.geometric_porosity=0.2"});
+    EXPECT_EQ(slot_share(solid.parachutes.front()), 0.0);
+    EXPECT_FALSE(smeared_slots(solid.parachutes.front()));
+    EXPECT_EQ(meshed_fabric(solid.parachutes.front()), solid.parachutes.front().fabric);
 }
 
 TEST(MeshedTypes, ARefusalNamesTheTypeAndItsReason) {

@@ -102,6 +102,21 @@ TEST(PanelledCanopy, WeighsWhatItsMaterialsWeigh) {
     }
 }
 
+TEST(PanelledCanopy, SlotsWeighNothing) {
+    // Fabric 533 * 1e-4 of its area, of which slots are the part that the vent leaves of 20 %.
+    for (const char* type : test::slotted_types) {
+        Parachute chute = canopy_of_type(type);
+        const Mesh solid = constructed(chute, {2, 17, 31, 5});
+        chute.geometric_porosity = 0.2;
+        const Mesh slotted = constructed(chute, {2, 17, 31, 5});
+        const double vent = std::pow(chute.vent_diameter / chute.nominal_diameter, 2);
+        EXPECT_EQ(slotted.fabric_area(), solid.fabric_area()) << type;
+        EXPECT_NEAR(solid.parachute_mass() - slotted.parachute_mass(),
+                    533.0 * 1e-4 * solid.fabric_area() * (0.2 - vent) / (1.0 - vent), 1e-10)
+            << type;
+    }
+}
+
 TEST(PanelledCanopy, ConesAreConstructedWithoutStrain) {
     for (const char* type : panelled_types) {
         const Mesh mesh = constructed(canopy_of_type(type), {2, 17, 2, 1});

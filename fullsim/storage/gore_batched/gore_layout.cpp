@@ -537,7 +537,7 @@ private:
     }
     ElementSums drag_fabric(const GoreFrame& part) const {
         return kernels_.fabric_drag(part, elements_.membrane,
-                                    {0.5 * density_ * deploy().drag_coefficient, wind_});
+                                    {0.5 * density_ * fabric_drag_coefficient(scene_), wind_});
     }
     void finish_fabric_drag(State& state, const ElementSums& all) {
         state.air.projected_area = all.positive_area;

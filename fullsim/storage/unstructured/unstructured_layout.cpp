@@ -420,7 +420,7 @@ private:
         step_.pressure = state.air.pressure;
     }
     void add_fabric_drag(State& state) {
-        const FabricDragPass pass{0.5 * state.air.density * deploy().drag_coefficient,
+        const FabricDragPass pass{0.5 * state.air.density * fabric_drag_coefficient(scene_),
                                   to_array3(state.air.wind)};
         state.air.projected_area =
             kernels_.fabric_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
