@@ -3,21 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "lib/scene/needs.hpp"
 
 namespace twinchute {
 
 std::string unsupported_text(const Scene& scene, const std::vector<std::string>& keys) {
+    const Parachute& chute = scene.parachutes.front();
+    const std::vector<std::string> missing = missing_structure(chute);
     std::vector<std::string> physics, absent;
     for (const std::string& key : keys) {
-        const bool given = std::ranges::any_of(scene.inputs, [&](const Input& input) {
+        const bool needed = std::ranges::count(missing, key) > 0;
+        const bool given = !needed && std::ranges::any_of(scene.inputs, [&](const Input& input) {
             return input.key == key || input.key.starts_with(key + ".");
         });
         std::string named = fmt::format("'{}'", key);
-        if (const std::string why = lacks_canopy(scene.parachutes.front());
-            key == "parachute.type" && !why.empty())
+        if (const std::string why = lacks_canopy(chute); key == "parachute.type" && !why.empty())
             named += fmt::format(" ({})", why);
+        if (needed && key == "parachute.geometric_porosity")
+            named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
+                                 chute.type->title,
+                                 100.0 * std::pow(chute.vent_diameter / chute.nominal_diameter, 2));
         (given ? physics : absent).push_back(std::move(named));
     }
     std::string text;

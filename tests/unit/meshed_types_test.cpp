@@ -74,6 +74,13 @@ TEST(MeshedTypes, ARefusalNamesTheTypeAndItsReason) {
               "ends, open between the arms)");
 }
 
+TEST(MeshedTypes, ASlottedTypeNeedsItsPorosity) {
+    EXPECT_EQ(
+        unsupported_text(of_type("ringslot"), {"parachute.geometric_porosity"}),
+        "it needs 'parachute.geometric_porosity' (of vent and slots of a ringslot canopy; the vent alone "
+        "has 1 %)");
+}
+
 TEST(MeshedTypes, ATypeThatSaysNothingIsRefused) {
     ScratchDir here;
     here.write("parachutes/types/mine.toml", "title = \"mine\"\n");
