@@ -186,4 +186,8 @@ CsvTable read_csv_table(std::string_view text, const std::string& file, std::spa
     return Reader(file, known).read(text, fewest);
 }
 
+void refuse_columns(const std::string& file, std::string problem, std::string hint) {
+    throw SceneError({file, 1, 1}, "", std::move(problem), "", std::move(hint));
+}
+
 }  // namespace twinchute

@@ -36,4 +36,7 @@ struct CsvTable {
 CsvTable read_csv_table(std::string_view text, const std::string& file, std::span<const CsvColumn> known,
                         std::size_t fewest = 2);
 
+/// Throws SceneError about the columns that a table has, at its first line.
+[[noreturn]] void refuse_columns(const std::string& file, std::string problem, std::string hint);
+
 }  // namespace twinchute

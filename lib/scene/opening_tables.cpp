@@ -32,10 +32,6 @@ constexpr std::array<CsvColumn, 2> by_mach_number{
                      std::move(hint));
 }
 
-[[noreturn]] void refuse_columns(const std::string& file, std::string problem, std::string hint) {
-    throw SceneError({file, 1, 1}, "", std::move(problem), "", std::move(hint));
-}
-
 void require_full(const std::string& file, const std::vector<double>& ratio, std::size_t row,
                   std::string_view where) {
     if (ratio[row] != 1.0)

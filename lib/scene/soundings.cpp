@@ -27,10 +27,6 @@ constexpr std::array<CsvColumn, 6> wind_columns{{altitude,
 
 constexpr std::array<CsvColumn, 2> force_columns{{{"time", "s", {0.0, 36000.0}}, {"force", "N", {0.0, 1e7}}}};
 
-[[noreturn]] void refuse_columns(const std::string& file, std::string problem, std::string hint) {
-    throw SceneError({file, 1, 1}, "", std::move(problem), "", std::move(hint));
-}
-
 }  // namespace
 
 AirTable read_air_table(std::string_view text, const std::string& file, const std::string& name) {
