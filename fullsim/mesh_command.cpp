@@ -128,6 +128,14 @@ Circles circles_of(const Parachute& chute) {
     return {area(chute.nominal_diameter), area(chute.vent_diameter)};
 }
 
+/// What sets the mesh apart from the canopy of the parachute's type.
+std::optional<std::string> note_of(const Parachute& chute) {
+    if (const auto other = stand_in(chute)) return other->what + ": " + other->why;
+    if (const auto slots = smeared_slots(chute))
+        return slots->what + ": " + slots->why + "; read back by parachute.mesh, the fabric is whole";
+    return std::nullopt;
+}
+
 std::string summary_json_of(const Scene& scene, const std::vector<View>& views) {
     using nlohmann::ordered_json;
     const MeshSummary s = summarise(views.front().mesh);
@@ -159,7 +167,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
                       {"vent_area_m2", circles.vent},
                       {"smallest_edge_m", s.smallest_edge},
                       {"meshes", std::move(meshes)}};
-    if (const auto other = stand_in(scene.parachutes.front())) json["note"] = other->what + ": " + other->why;
+    if (const auto note = note_of(scene.parachutes.front())) json["note"] = *note;
     return json_text(json);
 }
 
@@ -199,8 +207,7 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     std::string text = style.paint(printable(scene.name), Colour::bold);
     if (!scene.case_name.empty()) text += ", " + printable(scene.case_name);
     text += "\n\n" + aligned(table, style, 2) + "\n" + aligned(sizes, style, 2);
-    if (const auto other = stand_in(chute))
-        text += fmt::format("\nnote      {}: {}", other->what, other->why);
+    if (const auto note = note_of(chute)) text += "\nnote      " + *note;
     for (const View& view : views)
         if (!view.file.empty()) text += fmt::format("\nmesh      {}", printable(view.file.string()));
     return text + (views.front().file.empty() ? "" : "\n");

@@ -16,9 +16,9 @@ protected:
     }
 };
 
-TEST_F(SystemTypes, WithSlotsOrArmsAreRefusedByKey) {
+TEST_F(SystemTypes, WithGapsOrArmsAreRefusedByKey) {
     const auto before = tree_of(here_.path());
-    for (const char* type : {"cross", "conical-ribbon", "ringslot"})
+    for (const char* type : {"cross", "annular", "disk-gap-band"})
         for (const char* command : {"full", "compare", "ladder", "mesh"}) {
             const Ended ended = run(command, type);
             EXPECT_EQ(ended.code, 2) << command << ", " << type << ": " << ended.err;
@@ -45,6 +45,14 @@ TEST_F(SystemTypes, ASolidOneIsMeshedByItsOwnGores) {
         EXPECT_FALSE(json::parse(ended.out).contains("note")) << type;
     }
     EXPECT_NE(run("mesh", "conical", {"--json"}).out, run("mesh", "flat-circular", {"--json"}).out);
+}
+
+TEST_F(SystemTypes, SlotsAreNotedBesideTheMesh) {
+    EXPECT_NE(run("mesh", "ringslot").err.find("it needs 'parachute.geometric_porosity'"), std::string::npos);
+    const Ended ended = run("mesh", "ringslot", {"--json", "--set", "parachute.geometric_porosity=0.2"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(json::parse(ended.out)["note"].get<std::string>().find("slots are smeared"), std::string::npos)
+        << ended.out;
 }
 
 }  // namespace

@@ -90,8 +90,8 @@ TEST(RecordJson, NeverWritesWhatIsNotFinite) {
     record.add_metric("impulse_N_s", std::numeric_limits<double>::quiet_NaN());
     record.add_metric("load_factor", std::numeric_limits<double>::infinity());
     const std::string text = summary_json(record);
-    const json summary = json::parse(text);
-    for (const auto& [path, value] : summary.flatten().items())
+    const json summary = json::parse(text), values = summary.flatten();
+    for (const auto& [path, value] : values.items())
         EXPECT_FALSE(value.is_null()) << path;
     EXPECT_FALSE(summary["metrics"].contains("impulse_N_s"));
     EXPECT_FALSE(summary["metrics"].contains("load_factor"));
