@@ -90,9 +90,9 @@ TEST(RecordJson, NeverWritesWhatIsNotFinite) {
     record.add_metric("impulse_N_s", std::numeric_limits<double>::quiet_NaN());
     record.add_metric("load_factor", std::numeric_limits<double>::infinity());
     const std::string text = summary_json(record);
-    const json summary = json::parse(text), values = summary.flatten();
-    for (const auto& [path, value] : values.items())
-        EXPECT_FALSE(value.is_null()) << path;
+    json summary = json::parse(text);
+    summary.erase("provenance");  // names compiler flags, which may have the word
+    EXPECT_EQ(summary.dump().find("null"), std::string::npos);
     EXPECT_FALSE(summary["metrics"].contains("impulse_N_s"));
     EXPECT_FALSE(summary["metrics"].contains("load_factor"));
     ASSERT_EQ(summary["missing"].size(), 2u);  // so that a gate does not pass for want of them
