@@ -128,7 +128,7 @@ Circles circles_of(const Parachute& chute) {
     return {area(chute.nominal_diameter), area(chute.vent_diameter)};
 }
 
-/// What sets the mesh apart from the canopy of the parachute's type.
+/// Difference between the mesh and the canopy of the parachute's type; nothing where there is none.
 std::optional<std::string> note_of(const Parachute& chute) {
     if (const auto other = stand_in(chute)) return other->what + ": " + other->why;
     if (const auto slots = smeared_slots(chute))
