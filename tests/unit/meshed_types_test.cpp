@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fullsim/fidelity.hpp"
+#include "fullsim/forces/blocks.hpp"
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/needs.hpp"
 #include "rom/fidelity.hpp"
@@ -56,6 +57,9 @@ TEST(MeshedTypes, SlotsAreWhatTheVentLeavesOfThePorosity) {
         ASSERT_EQ(chute.vent_diameter, 0.1 * chute.nominal_diameter);
         EXPECT_NEAR(slot_share(chute), 0.19 / 0.99, 1e-12) << type;
         EXPECT_NEAR(meshed_fabric(chute).thickness, chute.fabric.thickness * 0.8 / 0.99, 1e-15) << type;
+        Scene packed = scene;
+        packed.parachutes.front().deploy.drag_coefficient = 0.1;
+        EXPECT_NEAR(fullsim::fabric_drag_coefficient(packed), 0.1 * 0.8 / 0.99, 1e-15) << type;
         ASSERT_TRUE(smeared_slots(chute)) << type;
         EXPECT_NE(smeared_slots(chute)->what.find("80.8 %"), std::string::npos) << smeared_slots(chute)->what;
         // No more than the vent.
