@@ -41,10 +41,10 @@ ForcePiece piece_of(const ForceHistory& force, double zero, double begin, double
     return {value, (value - force.at(begin + quarter - zero)) / quarter, middle};
 }
 
-template <int dimensions, bool by_mach>
+template <int dimensions>
 class DeploymentRun {
     static constexpr int size = 4 * dimensions;
-    using Model = TwoBodies<dimensions, by_mach>;
+    using Model = TwoBodies<dimensions>;
 
 public:
     DeploymentRun(const Scene& scene, RunContext& context, OpeningSequence& sequence, Openings& openings,
@@ -90,6 +90,7 @@ private:
         model.stiffness = line_stiffness(chute_);
         model.taut_distance = taut_distance(chute_);
         model.canopies = &sequence_;
+        model.by_mach = sequence_.go_by_mach();
         if (scene_.aerodynamics.added_mass && sequence_.out_mass() > 0.0)
             model.added_mass = &*scene_.aerodynamics.added_mass;
         const Vec<dimensions> velocity =
@@ -308,9 +309,7 @@ Motion<dimensions> released(const Scene& scene) {
 template <int dimensions>
 Deployed<dimensions> deploy(const Scene& scene, RunContext& context, OpeningSequence& sequence,
                             Openings& openings, double time, const Motion<dimensions>& motion) {
-    if (sequence.go_by_mach())
-        return DeploymentRun<dimensions, true>(scene, context, sequence, openings, time, motion).run(motion);
-    return DeploymentRun<dimensions, false>(scene, context, sequence, openings, time, motion).run(motion);
+    return DeploymentRun<dimensions>(scene, context, sequence, openings, time, motion).run(motion);
 }
 
 template Motion<1> released(const Scene&);

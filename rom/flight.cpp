@@ -25,9 +25,9 @@ double drift_of_decay(double x) {
     return 2.0 / x * std::expm1(-0.5 * x) * std::expm1(-0.5 * x);
 }
 
-template <int dimensions, Air air, bool by_mach>
+template <int dimensions>
 class Flight {
-    using Model = RigidComposite<dimensions, air, by_mach>;
+    using Model = RigidComposite<dimensions>;
 
 public:
     Flight(const Scene& scene, RunContext& context, OpeningSequence& sequence, double time,
@@ -80,6 +80,7 @@ private:
         Model model;
         model.atmosphere = scene_.environment.atmosphere;
         model.canopies = &sequence_;
+        model.by_mach = sequence_.go_by_mach();
         model.gravity = scene_.environment.gravity;
         model.payload_mass = scene_.payload.mass;
         model.payload_drag_area = scene_.payload.drag_area.value_or(0.0);
@@ -149,7 +150,7 @@ private:
         one.loads = canopy.loads(one.motion, flow);
         if (flow.speed > 0.0)
             one.filled.drag_area = one.loads.drag / (0.5 * flow.density * flow.speed * flow.speed);
-        if constexpr (air_mass) {
+        if (model_.added_mass) {
             constexpr double apparent = 0.375;  // over the air within (paper, Eq. 18)
             one.filled.added_mass = (1.0 + apparent) * flow.density * one.loads.volume;
             one.filled.capture = apparent * flow.density * std::max(0.0, one.loads.volume_rate);
@@ -210,13 +211,6 @@ private:
         }
     }
 
-    /// Where a drag area goes by it; otherwise 0.
-    double mach_number([[maybe_unused]] const Motion<dimensions>& m,
-                       [[maybe_unused]] const Vec<dimensions>& airspeed) const {
-        if constexpr (by_mach) return model_.mach_number(m, airspeed);
-        return 0.0;
-    }
-
     HistoryRow row(double t, std::span<const double> y) const {
         const auto m = motion_of<dimensions>(y);
         const auto loads = this->loads(t, y);
@@ -233,8 +227,8 @@ private:
             const LargestPull pull = largest_pull<dimensions>(
                 sequence_,
                 CanopyAir<dimensions>{t, loads.density, scene_.environment.gravity,
-                                      mach_number(m, loads.airspeed), model_.added_mass,
-                                      air == Air::accreting, model_.canopy_airspeed(m, loads.airspeed),
+                                      model_.mach_number(m, loads.airspeed), model_.added_mass,
+                                      model_.accretes(), model_.canopy_airspeed(m, loads.airspeed),
                                       loads.acceleration},
                 [&](std::size_t canopy) -> const Filled* {
                     const auto bulb = std::ranges::find(bulbs_, canopy, &Bulb::canopy);
@@ -632,7 +626,6 @@ private:
     Openings& openings_;
     const double separation_;  // [m] of payload and parachute, from lock-up on
     Model model_;
-    static constexpr bool air_mass = air != Air::none;
     const bool predicted_ =
         std::ranges::any_of(scene_.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
     mutable std::vector<FilledBulb> inside_;  // of the state that was looked at last
@@ -655,17 +648,7 @@ template <int dimensions>
 std::optional<RunStatus> fly_on(const Scene& scene, RunContext& context, OpeningSequence& sequence,
                                 double time, Motion<dimensions>& motion, double separation,
                                 Openings& openings) {
-    const auto fly = [&]<Air air>() {
-        if (sequence.go_by_mach())
-            return Flight<dimensions, air, true>(scene, context, sequence, time, motion, separation, openings)
-                .fly();
-        return Flight<dimensions, air, false>(scene, context, sequence, time, motion, separation, openings)
-            .fly();
-    };
-    if (!scene.aerodynamics.added_mass) return fly.template operator()<Air::none>();
-    if (scene.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting)
-        return fly.template operator()<Air::accreting>();
-    return fly.template operator()<Air::inertia_only>();
+    return Flight<dimensions>(scene, context, sequence, time, motion, separation, openings).fly();
 }
 
 template std::optional<RunStatus> fly_on(const Scene&, RunContext&, OpeningSequence&, double, Motion<1>&,

@@ -11,19 +11,16 @@
 
 namespace twinchute::rom {
 
-/// Effect of the air that moves with the canopy on the equation of motion.
-enum class Air { none, inertia_only, accreting };
-
-/// by_mach: the drag area of a canopy goes by the Mach number.
-template <int dimensions, Air air, bool by_mach = false>
+template <int dimensions>
 struct RigidComposite {
     Atmosphere atmosphere;
     const OpeningSequence* canopies = nullptr;
-    double gravity = 0.0;            ///< [m/s^2]
-    double payload_mass = 0.0;       ///< [kg]
-    double payload_drag_area = 0.0;  ///< [m^2]
-    const AddedMassSpec* added_mass = nullptr;
-    const Wind* wind = nullptr;  ///< in three dimensions only
+    double gravity = 0.0;                       ///< [m/s^2]
+    double payload_mass = 0.0;                  ///< [kg]
+    double payload_drag_area = 0.0;             ///< [m^2]
+    const AddedMassSpec* added_mass = nullptr;  ///< null: none
+    bool by_mach = false;                       ///< the drag area of a canopy goes by the Mach number
+    const Wind* wind = nullptr;                 ///< in three dimensions only
 
     /// [kg] below the risers: packs that are still closed ride on the payload.
     double hung_mass() const { return payload_mass + canopies->packed_mass(); }
@@ -44,13 +41,13 @@ struct RigidComposite {
     /// C_D S [m^2] of all canopies that are out, in air that the payload meets with `airspeed` [m/s].
     double canopy_drag_area(double t, const Motion<dimensions>& motion,
                             const Vec<dimensions>& airspeed) const {
-        if constexpr (by_mach) return canopies->drag_area(t, mach_number(motion, airspeed));
-        return canopies->drag_area(t);
+        return by_mach ? canopies->drag_area(t, mach_number(motion, airspeed)) : canopies->drag_area(t);
     }
-    /// Not for air without a temperature.
+    /// Where a drag area goes by it; otherwise 0: air may be without a temperature.
     double mach_number(const Motion<dimensions>& motion, const Vec<dimensions>& airspeed) const {
-        return airspeed.norm() / *atmosphere.speed_of_sound(motion.altitude());
+        return by_mach ? airspeed.norm() / *atmosphere.speed_of_sound(motion.altitude()) : 0.0;
     }
+    bool accretes() const { return added_mass && added_mass->momentum == AddedMassMomentum::accreting; }
 
     /// Loads on the composite at one moment.
     struct Loads {
@@ -68,10 +65,10 @@ struct RigidComposite {
         Vec<dimensions> force = drag_of<dimensions>(now.density, now.drag_area, velocity) +
                                 drag_of<dimensions>(now.density, payload_drag_area, now.airspeed);
         force[dimensions - 1] -= weighed * gravity;
-        if constexpr (air != Air::none) {
+        if (added_mass) {
             const ValueAndRate mass = canopies->added_mass(*added_mass, t, now.density);
             now.added_mass = mass.value;
-            if constexpr (air == Air::accreting) force -= std::max(0.0, mass.rate) * velocity;
+            if (accretes()) force -= std::max(0.0, mass.rate) * velocity;
         }
         now.acceleration = force / (weighed + now.added_mass);
         return now;
@@ -80,21 +77,20 @@ struct RigidComposite {
     /// been brought to speed by their drag, what is apparent takes its momentum while it grows.
     Loads loads(double t, const Motion<dimensions>& motion, const Filled& filled) const {
         Loads now{atmosphere.at(motion.altitude()).density, 0.0, 0.0, airspeed(motion), {}};
-        const double mach = by_mach ? mach_number(motion, now.airspeed) : 0.0;
+        const double mach = mach_number(motion, now.airspeed);
         now.drag_area = filled.drag_area;
         double capture = 0.0;
         for (const Canopy& c : canopies->all()) {
             if (!c.is_out() || c.fills_itself()) continue;
-            now.drag_area += c.count * (by_mach ? OpeningSequence::drag_area_of(c, t, mach)
-                                                : OpeningSequence::drag_area_of(c, t));
-            if constexpr (air != Air::none) {
+            now.drag_area += c.count * OpeningSequence::drag_area_of(c, t, mach);
+            if (added_mass) {
                 const ValueAndRate mass = OpeningSequence::added_mass_of(c, *added_mass, t, now.density);
                 now.added_mass += c.count * mass.value;
                 capture += c.count * mass.rate;
             }
         }
         now.added_mass += filled.added_mass;
-        capture = (air == Air::accreting ? std::max(0.0, capture) : 0.0) + filled.capture;
+        capture = (accretes() ? std::max(0.0, capture) : 0.0) + filled.capture;
         const double weighed = hung_mass() + canopies->out_mass();
         const Vec<dimensions> velocity = canopy_airspeed(motion, now.airspeed);
         Vec<dimensions> force = drag_of<dimensions>(now.density, now.drag_area, velocity) +

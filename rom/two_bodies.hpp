@@ -36,8 +36,8 @@ enum class DeploymentPhase {
 
 /// State vector: the payload's position and velocity, then distance and velocity of the parachute from it.
 /// The distance is a component of its own because it is small beside the altitude, and the lines' stretch
-/// smaller. by_mach: the drag area of a canopy that is out goes by the Mach number.
-template <int dimensions, bool by_mach = false>
+/// smaller.
+template <int dimensions>
 struct TwoBodies {
     Atmosphere atmosphere;
     const Wind* wind = nullptr;
@@ -51,6 +51,7 @@ struct TwoBodies {
     Vec<dimensions> behind;                     ///< unit vector of the extraction force
     const OpeningSequence* canopies = nullptr;  ///< that the payload hangs under already
     const AddedMassSpec* added_mass = nullptr;  ///< of theirs
+    bool by_mach = false;                       ///< their drag area goes by the Mach number
 
     DeploymentPhase phase = DeploymentPhase::free_pack;  ///< set at each stage boundary, as is the force
     ForcePiece extraction;
@@ -85,15 +86,13 @@ struct TwoBodies {
 
     /// C_D S [m^2] of all canopies that are out, in the air that the payload meets.
     double canopy_drag_area(double t, const Motion<dimensions>& m) const {
-        if constexpr (by_mach) return canopies->drag_area(t, mach_number(m));
-        return canopies->drag_area(t);
+        return by_mach ? canopies->drag_area(t, mach_number(m)) : canopies->drag_area(t);
     }
     /// Mach number of the payload, where a drag area goes by it; otherwise 0.
-    double mach_number([[maybe_unused]] const Motion<dimensions>& m) const {
-        if constexpr (by_mach)
-            return airspeed_of<dimensions>(m.velocity, m.altitude(), wind).norm() /
-                   *atmosphere.speed_of_sound(m.altitude());
-        return 0.0;
+    double mach_number(const Motion<dimensions>& m) const {
+        if (!by_mach) return 0.0;
+        return airspeed_of<dimensions>(m.velocity, m.altitude(), wind).norm() /
+               *atmosphere.speed_of_sound(m.altitude());
     }
 
     /// (m_l + M_a) dv/dt = m_l g + D_l + T e, with the drag and added mass of canopies that are out.

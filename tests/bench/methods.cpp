@@ -21,7 +21,7 @@ namespace twinchute::bench {
 namespace {
 
 using State = std::array<double, 2>;  // altitude [m], its rate [m/s]
-using Model = rom::RigidComposite<1, rom::Air::none>;
+using Model = rom::RigidComposite<1>;
 
 /// One stage of a run of the C-9, with the right-hand side of the reduced-order model.
 struct Problem {

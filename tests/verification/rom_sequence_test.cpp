@@ -180,31 +180,24 @@ TEST(RomSequence, AClusterWithoutLagIsOneParachute) {
 
 /// Balance of the pull of two canopies, one a second late, on the confluence in a flight across the wind of
 /// their own speed, with the pull on the payload in the equation of motion: one law, summed.
-template <rom::Air air>
-void expect_balance(const Scene& scene) {
+void expect_balance(const Scene& scene, const AddedMassSpec* added_mass) {
     const FlightState at_snatch{0.0, 300.0, -20.0, 22.0, 1.225};
     OpeningSequence openings(scene);
     openings.release(at_snatch);
     constexpr double t = 1.3;  // [s] the first nearly full, the second in its initial phase
     while (openings.next_time() <= t)
         openings.advance({openings.next_time(), 280.0, -20.0, 22.0, 1.225});
-    rom::RigidComposite<2, air> model;
+    rom::RigidComposite<2> model;
     model.atmosphere = scene.environment.atmosphere;
     model.canopies = &openings;
     model.gravity = g;
     model.payload_mass = scene.payload.mass;
     model.payload_drag_area = 1.0;
-    model.added_mass = &*scene.aerodynamics.added_mass;
+    model.added_mass = added_mass;
     const rom::Motion<2> motion{{0.0, 280.0}, {9.0, -20.0}};
     const auto loads = model.loads(t, motion);
-    const rom::CanopyAir<2> shared{t,
-                                   loads.density,
-                                   g,
-                                   0.0,
-                                   air == rom::Air::none ? nullptr : model.added_mass,
-                                   air == rom::Air::accreting,
-                                   loads.airspeed,
-                                   loads.acceleration};
+    const rom::CanopyAir<2> shared{
+        t, loads.density, g, 0.0, added_mass, model.accretes(), loads.airspeed, loads.acceleration};
     rom::Vec<2> sum = rom::Vec<2>::Zero(), drag = rom::Vec<2>::Zero(), own = rom::Vec<2>::Zero();
     std::vector<double> each;
     for (const Canopy& c : openings.all()) {
@@ -222,7 +215,7 @@ void expect_balance(const Scene& scene) {
         scene.payload.mass * (loads.acceleration + g * rom::Vec<2>::UnitY()) - payload_drag;
     EXPECT_NEAR((sum - pulled).norm(), 0.0, 1e-12 * force);
     // Without air that moves along: drag is the opening force and what their own inertia and weight take.
-    if (air == rom::Air::none) {
+    if (!added_mass) {
         EXPECT_NEAR((drag - pulled - own).norm(), 0.0, 1e-12 * force);
     }
     EXPECT_GT(each[0], 1.5 * each[1]);
@@ -230,9 +223,12 @@ void expect_balance(const Scene& scene) {
 
 TEST(RomSequence, WhatTheCanopiesPullIsTogetherTheOpeningForce) {
     const Scene scene = read_text(with("count = 2\nlag = [0, \"1 s\"]\n"), {"payload.mass=300 kg"});
-    expect_balance<rom::Air::none>(scene);
-    expect_balance<rom::Air::inertia_only>(scene);
-    expect_balance<rom::Air::accreting>(scene);
+    expect_balance(scene, nullptr);
+    AddedMassSpec air = *scene.aerodynamics.added_mass;
+    for (const AddedMassMomentum momentum : {AddedMassMomentum::inertia_only, AddedMassMomentum::accreting}) {
+        air.momentum = momentum;
+        expect_balance(scene, &air);
+    }
 }
 
 TEST(RomSequence, ThePeakOfOneCanopyIsFoundBetweenTheRows) {

@@ -13,7 +13,7 @@ namespace twinchute::bench {
 namespace {
 
 using Values = std::vector<double>;
-using Composite = rom::RigidComposite<1, rom::Air::inertia_only>;
+using Composite = rom::RigidComposite<1>;
 using Bodies = rom::TwoBodies<1>;
 
 constexpr double printed_modulus = 9.7e10;  // [Pa] of the lines, paper, 5.1
