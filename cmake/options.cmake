@@ -23,14 +23,23 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
-# twinchute_library(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): a static library, exported as twinchute::NAME.
+# twinchute_cold(TARGET): no run spends time in it (reading, writing, reports). A release then optimises it less, which
+# takes a third off its compilation; without contraction the bits stay the same.
+function(twinchute_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# twinchute_library(NAME [COLD] SOURCES ... [PUBLIC ...] [PRIVATE ...]): a static library, exported as twinchute::NAME.
 function(twinchute_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(twinchute_${name} STATIC ${ARG_SOURCES})
   add_library(twinchute::${name} ALIAS twinchute_${name})
   set_target_properties(twinchute_${name} PROPERTIES EXPORT_NAME ${name})
   target_link_libraries(twinchute_${name} PUBLIC $<BUILD_INTERFACE:twinchute_options> ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   target_compile_features(twinchute_${name} PUBLIC cxx_std_20)
+  if(ARG_COLD)
+    twinchute_cold(twinchute_${name})
+  endif()
   target_include_directories(twinchute_${name} INTERFACE $<INSTALL_INTERFACE:${TWINCHUTE_INCLUDE_DIR}>)
   install(TARGETS twinchute_${name} EXPORT twinchute)
 endfunction()
