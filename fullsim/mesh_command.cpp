@@ -133,6 +133,8 @@ std::optional<std::string> note_of(const Parachute& chute) {
     if (const auto other = stand_in(chute)) return other->what + ": " + other->why;
     if (const auto slots = smeared_slots(chute))
         return slots->what + ": " + slots->why + "; read back by parachute.mesh, the fabric is whole";
+    if (const auto gaps = open_gaps(chute))
+        return gaps->why + "; a canopy of several pieces is not read back by parachute.mesh";
     return std::nullopt;
 }
 

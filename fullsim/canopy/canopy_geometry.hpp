@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -31,6 +33,12 @@ struct GoreOutline {
     std::function<SeamPoint(double seam)> seam_point;  ///< by distance from the apex along the seam [m]
     /// Between vent and skirt, where the cut has corners and the mesh a row [m], rising.
     std::vector<double> corners = {};
+    /// Where gores have no fabric: from corner to corner [m].
+    std::vector<std::array<double, 2>> gaps = {};
+
+    bool in_gap(double seam) const {
+        return std::ranges::any_of(gaps, [&](const auto& gap) { return seam > gap[0] && seam < gap[1]; });
+    }
 };
 
 /// Nodes around the canopy at one distance from the apex along the seams.

@@ -20,6 +20,9 @@ GoreOutline outline_of_panels(const Parachute& chute) {
     const auto meridian = std::make_shared<const Meridian>(panels, chute.gores, area);
     std::vector<double> corners = meridian->edges();
     corners.pop_back();
+    std::vector<std::array<double, 2>> gaps;
+    for (std::size_t i = 1; i < panels.size(); ++i)
+        if (panels[i].gap) gaps.push_back({corners[i - 1], corners[i]});
     return {chute.gores,
             pi / chute.gores,
             meridian->seam_at(polygon_radius(chute.vent_diameter, chute.gores)),
@@ -28,7 +31,8 @@ GoreOutline outline_of_panels(const Parachute& chute) {
                 const MeridianPoint p = meridian->at(seam);
                 return SeamPoint{p.radius, p.depth, p.centre};
             },
-            std::move(corners)};
+            std::move(corners),
+            std::move(gaps)};
 }
 
 /// How gores of panels are folded before they open. With an even number of columns a gore is pleated at its
@@ -137,11 +141,18 @@ private:
         loose_vent_ = loose_vent_radius(middle, foot, centre(below) - centre(vent));
     }
 
-    /// Largest length over that of the cut, in any direction of any triangle of a gore.
+    /// Largest length over that of the cut, in any direction of any triangle of a gore, and of tapes in gaps.
     double largest_stretch() const {
         double largest = 0.0;
         for (int row = 0; row + 1 < static_cast<int>(rows_.size()); ++row) {
-            const int above = rows_[static_cast<std::size_t>(row)].columns;
+            const NodeRow &upper = rows_[static_cast<std::size_t>(row)],
+                          &lower = rows_[static_cast<std::size_t>(row) + 1];
+            if (outline_.in_gap(0.5 * (upper.seam + lower.seam))) {
+                largest = std::max(
+                    largest, (node(row + 1, 0, 0) - node(row, 0, 0)).norm() / (lower.seam - upper.seam));
+                continue;
+            }
+            const int above = upper.columns;
             for (int k = 0; k < columns_; ++k) {
                 const Corner a{row + 1, k}, b{row + 1, k + 1};
                 if (above < columns_) {

@@ -100,14 +100,16 @@ private:
         move_rows_to_corners();
     }
 
-    /// The row nearest to each corner of the cut goes there, the rows between are stretched alike.
+    /// The row nearest to each corner of the cut goes there, the rows between are stretched alike. A gap is
+    /// one row.
     void move_rows_to_corners() {
         const int last = counts_.gore_rows, corners = static_cast<int>(outline_.corners.size());
         int before = 0;
         for (int k = 0; k < corners; ++k) {
             const double corner = outline_.corners[static_cast<std::size_t>(k)];
             int nearest = before + 1;
-            while (nearest < last - corners + k &&
+            const bool ends_gap = k > 0 && outline_.in_gap(0.5 * (rows_[before].seam + corner));
+            while (!ends_gap && nearest < last - corners + k &&
                    std::abs(rows_[nearest + 1].seam - corner) < std::abs(rows_[nearest].seam - corner))
                 ++nearest;
             const double from = rows_[before].seam, to = rows_[nearest].seam;
@@ -149,6 +151,7 @@ private:
     void sew_gores() {
         for (int gore = 0; gore < chute_.gores; ++gore)
             for (int row = 0; row < counts_.gore_rows; ++row) {
+                if (outline_.in_gap(0.5 * (rows_[row].seam + rows_[row + 1].seam))) continue;
                 const int columns = rows_[row].columns;
                 if (columns < rows_[row + 1].columns) {
                     sew_fans(gore, row);

@@ -164,7 +164,7 @@ void fill_results(const RunView& run, RunRecord& record) {
     record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
     record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
-                      MetricKind::result, "first principal, elastic, of all triangles and steps");
+                      MetricKind::result, "first principal, elastic, of all triangles and steps; larger on finer meshes");
     Parachute of_sheet = run.parachute();
     of_sheet.fabric = meshed_fabric(of_sheet);
     add_strength_margins(record, of_sheet);

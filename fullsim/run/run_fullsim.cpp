@@ -594,6 +594,8 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.filling.is_predicted()) {
         // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
         if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
+        // The balance of the air in the canopy knows mouth, fabric and vent.
+        if (open_gaps(chute)) keys.emplace_back("parachute.filling");
     }
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);

@@ -79,6 +79,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "correct parachute.mass, or the materials");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
+    if (auto warning = open_gaps(chute)) record.warnings.push_back(std::move(*warning));
     if (chute.mesh)
         std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene),
                           std::back_inserter(record.warnings));

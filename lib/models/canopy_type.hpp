@@ -25,6 +25,7 @@ struct TypeRange {
 struct GorePanel {
     double length;       ///< along the seam, over that of the other panels [-]
     double top, bottom;  ///< slope at its upper and at its lower edge
+    bool gap = false;    ///< no fabric between its edges, which the radial tapes hold together
 
     bool operator==(const GorePanel&) const = default;
 };

@@ -93,6 +93,12 @@ std::span<const Key> type_keys() {
              .need = KeyNeed::optional,
              .range = {0.0, 1000.0, true, false},
              .meaning = "along the seam, over those of the others; absent: all alike"},
+            {.path = "type.full_model.gaps",
+             .kind = KeyKind::quantities,
+             .unit = "1",
+             .need = KeyNeed::optional,
+             .range = {1.0, 1000.0, false, false},
+             .meaning = "which panels have no fabric, by their numbers from the apex"},
             {.path = "type.full_model.slots",
              .kind = KeyKind::word,
              .need = KeyNeed::defaulted,
@@ -137,6 +143,28 @@ TypeRange range_of(const Values& v, const std::string& path) {
     return range;
 }
 
+/// A gap lies between panels of fabric: vent and skirt are edges of fabric.
+void mark_gaps(const Values& v, std::vector<GorePanel>& gore) {
+    for (const double number : v.numbers("type.full_model.gaps")) {
+        const auto refuse = [&](std::string why, std::string suggestion) {
+            throw SceneError(v.place("type.full_model.gaps.1"), "full_model.gaps",
+                             fmt::format("panel {:g} cannot be a gap", number), std::move(why),
+                             std::move(suggestion));
+        };
+        const double last = static_cast<double>(gore.size());
+        if (number != std::floor(number) || number > last)
+            refuse(fmt::format("panels are numbered from 1 to {:g}", last), "give numbers of panels");
+        if (number == 1.0 || number == last)
+            refuse("vent and skirt are edges of fabric", "begin and end with fabric");
+        gore[static_cast<std::size_t>(number) - 1].gap = true;
+    }
+    for (std::size_t i = 1; i < gore.size(); ++i)
+        if (gore[i].gap && gore[i - 1].gap)
+            throw SceneError(v.place("type.full_model.gaps.1"), "full_model.gaps",
+                             fmt::format("panels {} and {} are gaps", i, i + 1), "nothing lies between them",
+                             "make them one");
+}
+
 std::vector<GorePanel> gore_of(const Values& v) {
     const auto given = [&](const char* name) { return v.numbers(fmt::format("type.full_model.{}", name)); };
     const auto top = given("cone_angle"), bottom = given("lower_angle"), length = given("panel_length");
@@ -150,6 +178,7 @@ std::vector<GorePanel> gore_of(const Values& v) {
                              fmt::format("full_model.{}", name),
                              fmt::format("{} of {} panels", list->size(), top.size()),
                              "full_model.cone_angle says how many there are", "give one for each");
+    mark_gaps(v, gore);
     return gore;
 }
 

@@ -99,6 +99,16 @@ std::optional<Warning> smeared_slots(const Parachute& chute) {
         "of it and fabric less than here"};
 }
 
+std::optional<Warning> open_gaps(const Parachute& chute) {
+    if (chute.mesh || std::ranges::none_of(gore_panels(chute), &GorePanel::gap)) return std::nullopt;
+    return Warning{"the drag acts on the fabric as one pressure, and air passes the gaps unseen",
+                   fmt::format("gores of {} canopies have gaps that radial tapes alone bridge; no tape lies "
+                               "along their edges",
+                               chute.type->title),
+                   "projected area and D_p are those of the fabric; the stability that gaps give is no "
+                   "result here"};
+}
+
 std::optional<Warning> stand_in(const Parachute& chute) {
     if (!chute.type || chute.mesh || chute.type->meshed.shape != MeshedCanopy::Shape::flat_circular)
         return std::nullopt;

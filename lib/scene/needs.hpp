@@ -31,6 +31,9 @@ double slot_share(const Parachute& chute);
 /// much weaker.
 Fabric meshed_fabric(const Parachute& chute);
 
+/// Warning where a canopy has gaps in its gores.
+std::optional<Warning> open_gaps(const Parachute& chute);
+
 /// Warning where slots are smeared.
 std::optional<Warning> smeared_slots(const Parachute& chute);
 

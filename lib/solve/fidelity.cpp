@@ -21,6 +21,9 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
         std::string named = fmt::format("'{}'", key);
         if (const std::string why = lacks_canopy(chute); key == "parachute.type" && !why.empty())
             named += fmt::format(" ({})", why);
+        if (key == "parachute.filling" && open_gaps(chute))
+            named += fmt::format(" (predicted, of a {} canopy: its balance of air knows no gaps)",
+                                 chute.type->title);
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,

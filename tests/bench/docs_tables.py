@@ -18,6 +18,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 TREE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 DEMO = os.path.join(TREE, "data", "scenes", "c9-inflation.toml")
@@ -315,6 +316,44 @@ def filling_packed(tools):
             + table(["initial mouth", "opens", "the others", "n", "peak force [kN]", "15 % [s]", "98 % [s]", "largest energy residual"], rows))
 
 
+def canopies(tools):
+    """Each type that the full model meshes, in the C-9's size: finer meshes, and drops from the pack."""
+    demo, crane, seeds = "data/scenes/c9-inflation.toml", "data/scenes/paper/crane-drop.toml", range(1, 6)
+    meshes = [(9, 2), (18, 4), (36, 8)]
+    types = {}
+    for path in sorted(glob.glob(os.path.join(TREE, "data", "parachutes", "types", "*.toml"))):
+        with open(path, "rb") as file:
+            content = tomllib.load(file)
+        if content.get("full_model", {}).get("canopy") == "own":
+            types[os.path.basename(path)[:-5]] = content
+    opened, packed, runs = [], [], []
+    for name, content in types.items():
+        sets = [f"parachute.type='{name}'"]
+        if content["full_model"].get("slots") == "smeared":
+            sets.append("parachute.geometric_porosity=0.15")
+        runs += [("full", demo, *sets, "full.symmetry='sector'", f"full.mesh.gore_rows={rows}", f"full.mesh.gore_columns={columns}")
+                 for rows, columns in meshes]
+        runs += [("full", crane, *sets, f"full.noise.seed={seed}") for seed in seeds]
+    found = iter([summary for summary, _ in flown(tools, runs)])
+    for name, content in types.items():
+        fine, drops = [next(found) for _ in meshes], [next(found) for _ in seeds]
+        ratio = content.get("projected_diameter_ratio", {"grade": "R"})
+        book = "-" if ratio["grade"] == "R" else f"{ratio['low']:.2f} to {ratio['high']:.2f}"
+        opened.append([name] + [metric(s, "projected_diameter_ratio", 4) for s in fine]
+                      + [book, metric(fine[-1], "canopy_depth_ratio", 3)]
+                      + [metric(s, "peak_force_N", 0) for s in fine] + [metric(s, "max_membrane_stress_N_m", 0) for s in fine])
+        peaks = [s["metrics"]["peak_force_ratio"] for s in drops if "peak_force_ratio" in s["metrics"]]
+        ends = [s["status"]["code"] for s in drops]
+        packed.append([name, ", ".join(f"{ends.count(code)} {code}" for code in sorted(set(ends))),
+                       f"{min(peaks):.2f} to {max(peaks):.2f}" if peaks else "-",
+                       metric(drops[0], "projected_diameter_ratio", 4), metric(drops[0], "descent_rate_m_s", 2)])
+    names = [f"{rows} x {columns}" for rows, columns in meshes]
+    return (tools.made(f"twinchute full {demo} --set parachute.type=...`, `twinchute full {crane} --set full.noise.seed=1 to {len(seeds)}")
+            + table(["from line stretch"] + [f"D_p/D0, {n}" for n in names] + ["handbook", "depth over D_p"]
+                    + [f"peak [N], {n}" for n in names] + [f"stress [N/m], {n}" for n in names], opened)
+            + "\n" + table(["from the pack", f"{len(seeds)} seeds", "X_p", "D_p/D0", "descent [m/s]"], packed))
+
+
 # Page of a block, the function that makes it, and whether it is quick enough for a test.
 BLOCKS = {
     "ladder": ("generated/ladder.md", ladder, True),
@@ -324,6 +363,7 @@ BLOCKS = {
     "work-opening": ("generated/integrators.md", work_opening, True),
     "step-bound": ("stability.md", bound, False),
     "step-order": ("verification.md", order, True),
+    "canopies": ("generated/canopies.md", canopies, False),
     "series": ("generated/series.md", series, False),
     "validation": ("generated/validation.md", validation, False),
     "gap-demo": ("guide/gap.md", why("data/scenes/c9-inflation.toml"), True),

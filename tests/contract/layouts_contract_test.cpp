@@ -186,6 +186,11 @@ TEST(Layouts, AgreeWhereElementsCarryThePack) {
     compare_along(crane_drop({"full.structure='fe'", "full.mesh.grading='uniform'"}), 4'000);
 }
 
+TEST(Layouts, AgreeWhereGoresHaveAGap) {
+    // From the pack on springs, which end at a gap as the fabric does; and elements.
+    compare_along(crane_drop({"parachute.type='disk-gap-band'", "full.ramp_time='0.3 s'"}), 120'000, 4);
+}
+
 TEST(Layouts, AgreeWhereGoresFillNoBlock) {
     // Thirty and twelve gores, odd and even columns; accreting air; an oblique start and an open canopy.
     Scene scene = crane_drop({"full.mesh.gore_columns=3"});

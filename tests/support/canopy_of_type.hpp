@@ -11,10 +11,15 @@ namespace twinchute::test {
 /// Types whose gores the full model meshes by panels.
 inline constexpr const char* panelled_types[] = {"conical",           "biconical",         "triconical",
                                                  "extended-skirt-10", "extended-skirt-14", "hemispherical",
-                                                 "conical-ribbon"};
+                                                 "conical-ribbon",    "disk-gap-band",     "ringsail"};
+
+/// Whose constructed meridian is an arc.
+inline bool is_round(const std::string& type) {
+    return type == "hemispherical" || type == "ringsail";
+}
 
 /// Types whose slots the full model smears.
-inline constexpr const char* slotted_types[] = {"ringslot", "flat-ribbon", "conical-ribbon"};
+inline constexpr const char* slotted_types[] = {"ringslot", "flat-ribbon", "conical-ribbon", "ringsail"};
 
 inline Parachute canopy_of_type(const std::string& type, int gores = 28) {
     Parachute chute = c9_scene().parachutes.front();

@@ -16,9 +16,9 @@ protected:
     }
 };
 
-TEST_F(SystemTypes, WithGapsOrArmsAreRefusedByKey) {
+TEST_F(SystemTypes, WithArmsOrRibsAreRefusedByKey) {
     const auto before = tree_of(here_.path());
-    for (const char* type : {"cross", "annular", "disk-gap-band"})
+    for (const char* type : {"cross", "annular", "guide-surface-ribbed"})
         for (const char* command : {"full", "compare", "ladder", "mesh"}) {
             const Ended ended = run(command, type);
             EXPECT_EQ(ended.code, 2) << command << ", " << type << ": " << ended.err;
@@ -45,6 +45,15 @@ TEST_F(SystemTypes, ASolidOneIsMeshedByItsOwnGores) {
         EXPECT_FALSE(json::parse(ended.out).contains("note")) << type;
     }
     EXPECT_NE(run("mesh", "conical", {"--json"}).out, run("mesh", "flat-circular", {"--json"}).out);
+}
+
+TEST_F(SystemTypes, GapsAreNotedBesideTheMeshAndInTheRecord) {
+    const Ended mesh = run("mesh", "disk-gap-band", {"--json"});
+    ASSERT_EQ(mesh.code, 0) << mesh.err;
+    EXPECT_NE(json::parse(mesh.out)["note"].get<std::string>().find("have gaps"), std::string::npos);
+    const Ended full = run("full", "disk-gap-band", {"--json", "--set", "stop.at='peak-force'"});
+    ASSERT_EQ(full.code, 0) << full.err;
+    EXPECT_NE(full.out.find("air passes the gaps unseen"), std::string::npos) << full.out;
 }
 
 TEST_F(SystemTypes, SlotsAreNotedBesideTheMesh) {

@@ -85,6 +85,23 @@ TEST(MeshedTypes, ASlottedTypeNeedsItsPorosity) {
         "has 1 %)");
 }
 
+TEST(MeshedTypes, GapsAreSaidAndPredictNoFilling) {
+    const Scene scene = of_type("disk-gap-band");
+    ASSERT_TRUE(open_gaps(scene.parachutes.front()));
+    EXPECT_NE(open_gaps(scene.parachutes.front())->why.find("disk-gap-band canopies have gaps"),
+              std::string::npos);
+    EXPECT_EQ(slot_share(scene.parachutes.front()), 0.0);
+    EXPECT_FALSE(open_gaps(of_type("conical").parachutes.front()));
+    Scene predicted = scene;
+    predicted.parachutes.front().filling.model = find_filling("predicted");
+    ASSERT_TRUE(predicted.parachutes.front().filling.is_predicted());
+    EXPECT_EQ(fullsim::full_fidelity().unsupported_keys(predicted), Keys{"parachute.filling"});
+    EXPECT_NE(unsupported_text(predicted, {"parachute.filling"}).find("its balance of air knows no gaps"),
+              std::string::npos);
+    predicted.parachutes.front().type = of_type("conical").parachutes.front().type;
+    EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(predicted).empty());
+}
+
 TEST(MeshedTypes, ATypeThatSaysNothingIsRefused) {
     ScratchDir here;
     here.write("parachutes/types/mine.toml", "title = \"mine\"\n");
@@ -114,6 +131,18 @@ std::string refusal(const std::string& full_model, const std::string& keys = "")
         return error.what();
     }
     return "";
+}
+
+TEST(MeshedTypes, AGapLiesBetweenPanelsOfFabric) {
+    const auto with = [](const char* gaps) {
+        return refusal(std::string("canopy = \"own\", why = \"mine\", cone_angle = [0, 1, 1, 1], "
+                                   "gore_source = \"me\", gaps = ") +
+                       gaps);
+    };
+    EXPECT_EQ(with("[2]"), "");
+    for (const char* wrong : {"[1]", "[4]", "[1.5]", "[5]", "[0]"})
+        EXPECT_NE(with(wrong).find("full_model.gaps"), std::string::npos) << wrong << with(wrong);
+    EXPECT_NE(with("[2, 3]").find("panels 2 and 3 are gaps"), std::string::npos) << with("[2, 3]");
 }
 
 TEST(MeshedTypes, AFlatCircularCanopyMayStandInForAType) {

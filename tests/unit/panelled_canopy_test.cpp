@@ -17,6 +17,7 @@ namespace twinchute::fullsim {
 namespace {
 
 using test::canopy_of_type;
+using test::is_round;
 using test::panelled_types;
 
 constexpr double nominal = 0.25 * pi * 8.53 * 8.53,
@@ -48,9 +49,27 @@ double tip(const Parachute& chute) {
            (std::cos(delta) * std::cos(slope));
 }
 
-TEST(PanelledCanopy, ConesHaveTheNominalAreaLessTheVentsTip) {
+/// Disk-gap-band with its gores' unit of length [m]: a disk of n triangles of side 5.765, and gap and band
+/// that stand on its edge as rectangles of 0.69 and 1.94, have the nominal area together.
+struct DiskGapBand {
+    double unit, edge;  ///< edge: of the disk, all gores together [m]
+
+    explicit DiskGapBand(int gores) {
+        const double delta = pi / gores, around = 2.0 * gores * std::sin(delta) * 5.765;
+        const double disk = 0.5 * gores * std::sin(2.0 * delta) * 5.765 * 5.765;
+        unit = std::sqrt(nominal / (disk + around * (0.69 + 1.94)));
+        edge = around * unit;
+    }
+    double gap_area() const { return edge * 0.69 * unit; }  ///< [m^2]
+};
+
+double gap_area(const std::string& type, int gores) {
+    return type == "disk-gap-band" ? DiskGapBand(gores).gap_area() : 0.0;
+}
+
+TEST(PanelledCanopy, ConesHaveTheNominalAreaLessTheVentsTipAndGaps) {
     for (const char* type : panelled_types) {
-        if (type == std::string("hemispherical")) continue;
+        if (is_round(type)) continue;
         for (const int gores : {8, 28})
             for (const Grading grading : {Grading::graded, Grading::uniform})
                 for (const MeshCounts& counts : {MeshCounts{1, 3, 2, 1, grading},
@@ -58,7 +77,8 @@ TEST(PanelledCanopy, ConesHaveTheNominalAreaLessTheVentsTip) {
                                                  {3, 17, 2, 1, grading},
                                                  {4, 18, 2, 1, grading}}) {
                     const Parachute chute = canopy_of_type(type, gores);
-                    EXPECT_NEAR(constructed(chute, counts).fabric_area(), nominal - tip(chute), 1e-10)
+                    EXPECT_NEAR(constructed(chute, counts).fabric_area(),
+                                nominal - tip(chute) - gap_area(type, gores), 1e-10)
                         << type << counts.gore_columns;
                 }
     }
@@ -88,7 +108,7 @@ TEST(PanelledCanopy, AHemispheresAreaIsOfSecondOrder) {
 TEST(PanelledCanopy, WeighsWhatItsMaterialsWeigh) {
     // By hand as for the flat circular one: fabric 533 * 1e-4 of its area, cords of 462 kg/m^3 and 4 mm.
     for (const char* type : panelled_types) {
-        if (type == std::string("hemispherical")) continue;
+        if (is_round(type)) continue;
         const Parachute chute = canopy_of_type(type);
         const Meridian meridian(gore_panels(chute), 28, nominal);
         const double chords = 2.0 * std::sin(pi / 28.0), vent = polygon_radius(0.853, 28);
@@ -97,7 +117,7 @@ TEST(PanelledCanopy, WeighsWhatItsMaterialsWeigh) {
         const double length =
             28.0 * (7.31 + 1.22 + seam + chords * (meridian.at(meridian.length()).radius + vent));
         EXPECT_NEAR(constructed(chute, {2, 17, 31, 5}).parachute_mass(),
-                    533.0 * 1e-4 * (nominal - tip(chute)) + cord * length, 1e-10)
+                    533.0 * 1e-4 * (nominal - tip(chute) - gap_area(type, 28)) + cord * length, 1e-10)
             << type;
     }
 }
@@ -121,8 +141,7 @@ TEST(PanelledCanopy, ConesAreConstructedWithoutStrain) {
     for (const char* type : panelled_types) {
         const Mesh mesh = constructed(canopy_of_type(type), {2, 17, 2, 1});
         // Chords of a curved meridian are shorter than its arc by 1 - (h/R)^2/24: 4e-4 of 17 rows.
-        const bool curved = type == std::string("hemispherical");
-        EXPECT_LT(std::abs(largest_strain(mesh)), curved ? 1e-3 : 1e-12) << type;
+        EXPECT_LT(std::abs(largest_strain(mesh)), is_round(type) ? 1e-3 : 1e-12) << type;
     }
 }
 
@@ -144,6 +163,39 @@ TEST(PanelledCanopy, RowsLieOnTheEdgesOfPanels) {
                 EXPECT_NEAR(*nearest, corner, 1e-12) << type << rows;
             }
             EXPECT_NEAR(seam.back(), outline.skirt, 1e-12);
+        }
+}
+
+TEST(PanelledCanopy, TapesAloneBridgeAGap) {
+    // One row, as wide as the gap is, whatever the number of rows: no triangle has nodes on both sides, each
+    // seam has a tape there, and nothing else runs across.
+    for (const Grading grading : {Grading::graded, Grading::uniform})
+        for (const int rows : {3, 4, 7, 17, 40}) {
+            const Parachute chute = canopy_of_type("disk-gap-band");
+            const Mesh mesh = constructed(chute, {2, rows, 2, 1, grading});
+            const DiskGapBand sizes(28);
+            const double below = (5.765 + 0.5 * 0.69) * sizes.unit;  // the gap's middle, apex to there
+            const double apex = mesh.position[mesh.seam_rings.front().front()].z();
+            // The disk lies flat at the apex's height, the band hangs below the gap.
+            const auto in_band = [&](NodeIndex i) { return mesh.position[i].z() < apex - 1e-6; };
+            double depth = 0.0;
+            for (const NodeIndex i : mesh.seam_rings.back())
+                depth = std::max(depth, apex - mesh.position[i].z());
+            EXPECT_NEAR(depth, (0.69 + 1.94) * sizes.unit, 1e-10);
+            for (const Triangle& t : mesh.triangles)
+                EXPECT_TRUE(in_band(t.node[0]) == in_band(t.node[1]) &&
+                            in_band(t.node[1]) == in_band(t.node[2]));
+            int across = 0;
+            for (const Cable& c : mesh.cables) {
+                if (c.kind >= CableKind::line || in_band(c.node[0]) == in_band(c.node[1])) continue;
+                ++across;
+                EXPECT_EQ(c.kind, CableKind::radial);
+                EXPECT_NEAR(c.rest_length, 0.69 * sizes.unit, 1e-10);
+            }
+            EXPECT_EQ(across, 28) << rows;
+            const GoreOutline outline = canopy_geometry(chute).outline(chute);
+            EXPECT_TRUE(outline.in_gap(below)) << rows;
+            EXPECT_FALSE(outline.in_gap(5.76 * sizes.unit) || outline.in_gap(6.46 * sizes.unit));
         }
 }
 
