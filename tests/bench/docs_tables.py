@@ -338,7 +338,7 @@ def canopies(tools):
     for name, content in types.items():
         fine, drops = [next(found) for _ in meshes], [next(found) for _ in seeds]
         ratio = content.get("projected_diameter_ratio", {"grade": "R"})
-        book = "-" if ratio["grade"] == "R" else f"{ratio['low']:.2f} to {ratio['high']:.2f}"
+        book = "-" if ratio["grade"] == "R" else " to ".join(sorted({f"{ratio[end]:.2f}" for end in ("low", "high")}))
         opened.append([name] + [metric(s, "projected_diameter_ratio", 4) for s in fine]
                       + [book, metric(fine[-1], "canopy_depth_ratio", 3)]
                       + [metric(s, "peak_force_N", 0) for s in fine] + [metric(s, "max_membrane_stress_N_m", 0) for s in fine])
