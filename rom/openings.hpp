@@ -37,6 +37,8 @@ public:
     void lines_taut();
     /// The stage that the force has belonged to ends: its peak is known.
     void close();
+    /// As OpeningSequence::is_growing.
+    bool is_growing(std::size_t parachute) const { return sequence_.is_growing(parachute); }
     /// Whether all openings take place at all, whatever the speed at snatch turned out to be.
     RunStatus check() const;
 

@@ -64,12 +64,22 @@ void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openi
     const Observer& observer = context.observer;
     const HistoryRow& last = observer.rows().back();
     RunRecord& record = context.record;
-    for (const ParachuteResult& chute : result.parachutes)
+    bool all_known = true;
+    for (ParachuteResult& chute : result.parachutes) {
+        if (openings.is_growing(chute.index)) {
+            all_known = false;
+            if (!chute.stages.empty()) chute.stages.back().peak_force.reset();
+        }
         for (const ParachuteResult::Stage& stage : chute.stages)
             if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
                 result.peak_force = stage.peak_force;
                 result.peak_time = stage.peak_time;
             }
+    }
+    if (!all_known) {
+        result.peak_force.reset();
+        result.peak_canopy_force.reset();
+    }
     if (!result.parachutes.empty()) result.snatch_force = result.parachutes.front().snatch_force;
     if (result.peak_force) {
         const HistoryRow& top = observer.row_near(result.peak_time);
@@ -149,7 +159,7 @@ Reached reached_by(const Scene& scene, const RunContext& context, const OpeningS
     constexpr double on_ground = 1e-6;  // [m] to which a stop at the altitude of the ground is met
     const bool landed = context.record.find_event("ground") != nullptr ||
                         context.observer.rows().back().altitude - scene.environment.ground < on_ground;
-    return {landed, sequence.unopened().empty() && sequence.is_open()};
+    return {landed, sequence.unopened().empty() && sequence.is_open(), !sequence.is_open()};
 }
 
 /// The record of Run::samples.

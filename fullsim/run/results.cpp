@@ -14,6 +14,13 @@
 namespace twinchute::fullsim {
 namespace {
 
+/// Whether the canopy is neither full nor as full as its reefing line lets it be, and has not stopped to
+/// grow.
+bool still_fills(const RunView& run, const RunStatus& status) {
+    return run.snatched() && !run.inflated() && status.code != StatusCode::squids &&
+           run.observer.rows().back().time < run.full_open() && !run.findings.stages.back().full;
+}
+
 /// Opening of a reefed parachute, stage by stage.
 ParachuteResult stages_of_opening(const RunView& run) {
     ParachuteResult opening;
@@ -35,7 +42,7 @@ std::optional<double> steady_area_of(const RunView& run) {
     return run.observer.mean(&HistoryRow::projected_area, shape_average);
 }
 
-OpeningResult opening_of(const RunView& run, std::optional<double> steady_area) {
+OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optional<double> steady_area) {
     const Observer& seen = run.observer;
     const Findings& found = run.findings;
     const HistoryRow& last = seen.rows().back();
@@ -56,10 +63,14 @@ OpeningResult opening_of(const RunView& run, std::optional<double> steady_area) 
     }
     if (run.packed()) result.snatch_force = seen.snatch_peak().value;
     const Observer::Peak peak = run.largest_peak();
-    if (peak.value > 0.0) result.peak_force = peak.value;
+    const bool fills = still_fills(run, status);
+    if (peak.value > 0.0 && !fills) result.peak_force = peak.value;
     result.max_force = std::max(peak.value, seen.snatch_peak().value);
     result.peak_time = peak.time;
-    if (run.sequence && result.snatched) result.parachutes.push_back(stages_of_opening(run));
+    if (run.sequence && result.snatched) {
+        result.parachutes.push_back(stages_of_opening(run));
+        if (fills) result.parachutes.back().stages.back().peak_force.reset();
+    }
     if (const double filled = run.full_open(); last.time >= filled && !run.inflated())
         result.impulse = seen.impulse(found.snatch, filled);
     result.max_deceleration = seen.largest_acceleration();
@@ -117,6 +128,7 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
     Reached reached;
     reached.ground = run.findings.landing_time.has_value();
     reached.full_open = run.snatched() && end >= run.full_open();
+    reached.filling = run.snatched() && !reached.full_open;
     if (!reached.full_open || has_filling_time) return reached;
     reached.filling_cut_short = end < run.full_open() + shape_average;
     reached.no_filling_time =
@@ -136,7 +148,7 @@ bool went_through_itself(const RunView& run) {
 
 void fill_results(const RunView& run, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
-    const OpeningResult result = opening_of(run, steady_area);
+    const OpeningResult result = opening_of(run, record.status, steady_area);
     const Filling& choice = run.parachute().filling;
     const double lasts = run.simulation.inflation().filling_time;
     const Metric filling{
@@ -164,7 +176,8 @@ void fill_results(const RunView& run, RunRecord& record) {
     record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
     record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
-                      MetricKind::result, "first principal, elastic, of all triangles and steps; larger on finer meshes");
+                      MetricKind::result,
+                      "first principal, elastic, of all triangles and steps; larger on finer meshes");
     Parachute of_sheet = run.parachute();
     of_sheet.fabric = meshed_fabric(of_sheet);
     add_strength_margins(record, of_sheet);

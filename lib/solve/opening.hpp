@@ -60,7 +60,7 @@ struct ParachuteResult {
     struct Stage {
         double begin = 0.0;
         std::optional<double> full = {};        ///< when its drag area was full
-        std::optional<double> peak_force = {};  ///< [N]; none of a stage without length
+        std::optional<double> peak_force = {};  ///< [N]; none of a stage without length, or that still fills
         double peak_time = 0.0;
     };
     std::size_t index = 0;  ///< in the scene
@@ -92,7 +92,7 @@ struct OpeningResult {
     double snatch_density = 0.0;         ///< [kg/m^3]
     std::optional<double> snatch_force;  ///< [N] packed starts
     std::optional<double> filling_time;  ///< [s] from snatch
-    std::optional<double> peak_force;    ///< [N]
+    std::optional<double> peak_force;    ///< [N] none while a canopy still fills: it may be yet to come
     double peak_time = 0.0;
     double max_force = 0.0;                                         ///< [N]
     std::optional<CanopyPeak> peak_canopy_force, max_canopy_force;  ///< where several pulled at once

@@ -228,6 +228,11 @@ bool OpeningSequence::waits_for_steady_descent() const {
     });
 }
 
+bool OpeningSequence::is_growing(std::size_t parachute) const {
+    return std::ranges::any_of(
+        all_, [&](const Canopy& c) { return c.index == parachute && is_filling(c) && !c.squids; });
+}
+
 bool OpeningSequence::is_quiet() const {
     return std::ranges::none_of(all_, [](const Canopy& c) { return c.is_out() && c.phase != Phase::open; });
 }

@@ -111,6 +111,8 @@ public:
     void met(std::size_t watched, const FlightState& now);
     bool waits_for_steady_descent() const;
 
+    /// Whether a canopy of this parachute fills, and grows: its peak force may be yet to come.
+    bool is_growing(std::size_t parachute) const;
     /// No drag area changes.
     bool is_quiet() const;
     /// Nothing fills, and nothing will.

@@ -70,7 +70,11 @@ void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& 
         else
             note_missing("filling_time_s", before("the canopy was full"), in_time);
     }
-    note_missing("peak_force_N", before("a canopy began to fill"), in_time);
+    if (reached.filling && !reached.ground && !record.find_metric("peak_force_N"))
+        record.warnings.push_back({"no peak force", before("the canopy was full"),
+                                   "stop later; the maximum of the force is that until the end of the run"});
+    note_missing("peak_force_N", before(reached.filling ? "the canopy was full" : "a canopy began to fill"),
+                 in_time);
     note_missing("descent_rate_m_s", before("the descent was steady"), in_time);
 }
 

@@ -26,6 +26,7 @@ std::vector<NeverOpened> never_opened(const OpeningSequence& sequence);
 struct Reached {
     bool ground = false;               ///< the payload, or a pack, is on the ground
     bool full_open = false;            ///< every canopy that is out is full, and none is still to come out
+    bool filling = false;              ///< a canopy had begun to fill and is not full
     std::string no_filling_time = {};  ///< why there is none although the canopy is full; empty: no reason
     bool filling_cut_short = false;    ///< that reason is the end of the run
 };
