@@ -140,8 +140,8 @@ TEST(RomProperties, WithoutGravityAFasterReleasePullsHarder) {
         fast.stop.value /= factor;
         const RunRecord a = run_rom(slow), b = run_rom(fast);
         if (!has_run(a) || !has_run(b)) continue;
-        const double expected = factor * factor * of(a, "peak_force_N");
-        ASSERT_NEAR(of(b, "peak_force_N"), expected, 1e-5 * expected) << i;
+        const double expected = factor * factor * of(a, "max_force_N");
+        ASSERT_NEAR(of(b, "max_force_N"), expected, 1e-5 * expected) << i;
     }
 }
 
@@ -176,8 +176,8 @@ TEST(RomProperties, UnitsOfMassLengthAndTimeMeanNothing) {
         }
         const RunRecord a = run_rom(told), b = run_rom(other);
         if (!has_run(a) || !has_run(b)) continue;
-        const double force = of(a, "peak_force_N") * m * l / (t * t);
-        ASSERT_NEAR(of(b, "peak_force_N"), force, 1e-6 * force) << i;
+        const double force = of(a, "max_force_N") * m * l / (t * t);
+        ASSERT_NEAR(of(b, "max_force_N"), force, 1e-6 * force) << i;
         const double speed = last(a, "speed") * l / t;
         ASSERT_NEAR(last(b, "speed"), speed, 1e-6 * speed) << i;
     }
@@ -198,7 +198,7 @@ TEST(RomProperties, NorthIsADirectionLikeAnyOther) {
                           wind.y() * std::cos(angle) - wind.x() * std::sin(angle), 0.0});
         const RunRecord a = run_rom(scene), b = run_rom(turned);
         if (!has_run(a) || !has_run(b)) continue;
-        ASSERT_NEAR(of(b, "peak_force_N"), of(a, "peak_force_N"), 1e-6 * of(a, "peak_force_N")) << i;
+        ASSERT_NEAR(of(b, "max_force_N"), of(a, "max_force_N"), 1e-6 * of(a, "max_force_N")) << i;
         const double east = last(a, "east"), north = last(a, "north"), far = std::hypot(east, north);
         ASSERT_NEAR(last(b, "east"), east * std::cos(angle) + north * std::sin(angle), 1e-6 * (far + 1.0))
             << i;
@@ -220,7 +220,7 @@ TEST(RomProperties, TheOrderOfParachutesIsNone) {
         ASSERT_EQ(a.status.code, b.status.code) << i;
         if (!has_run(a)) continue;
         // Sums in another order: rounding, and what the integration's 1e-8 makes of it.
-        ASSERT_NEAR(of(a, "peak_force_N"), of(b, "peak_force_N"), 1e-6 * of(b, "peak_force_N")) << i;
+        ASSERT_NEAR(of(a, "max_force_N"), of(b, "max_force_N"), 1e-6 * of(b, "max_force_N")) << i;
         ASSERT_EQ(a.events.size(), b.events.size()) << i;
     }
     EXPECT_GT(tried, scenes / 8);
