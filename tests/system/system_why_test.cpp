@@ -13,9 +13,9 @@ protected:
                     "base = \"c9-inflation.toml\"\n"
                     "full.mesh = { gore_columns = 1, gore_rows = 4, line_elements = 4 }\n"
                     "full.noise = { amplitude = \"0.1 mm\", seed = 5 }\n"
-                    "stop.time = 0.25\n"
+                    "stop.time = 1.7\n"
                     "[compare.tolerance]\n"
-                    "peak_force = \"1000 %\"\n"  // of a moment on a coarse mesh
+                    "peak_force = \"1000 %\"\n"  // of a coarse mesh
                     "time_to_peak_force = \"1000 %\"\n");
     }
 };
