@@ -212,7 +212,8 @@ private:
         fields_.accept();
         frames_.accept();
         if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
-        if (run_.progress && system().step % steps_between_reports == 0) report_progress();
+        // Checks follow the step whose number they divide.
+        if (run_.progress && system().step % steps_between_reports == 1) report_progress();
     }
 
     void check_end() {
