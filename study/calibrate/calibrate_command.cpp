@@ -33,11 +33,7 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
             fmt::format("{}: a series of {} cases where one scene is wanted (tests are of one canopy), "
                         "write a scene without [[case]]",
                         scene.file.string(), scenes.size()));
-    require_physics(scene, rom, {});
-    if (has_calibration(scene))
-        throw UsageError(fmt::format(
-            "{}: is calibrated already (parachute.calibration), calibrate the scene that it is based on",
-            scene.file.string()));
+    require_calibratable(scene, rom);
     std::vector<DropTest> tests;
     for (const std::string& name : arguments.values("to"))
         tests.push_back(read_drop_test(name, scene));
@@ -56,14 +52,7 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
     Calibration calibration = calibrate(scene_with, tests, rom, settings);
     if (calibration.interrupted) return ExitCode::interrupted;  // half a fit says nothing
 
-    FileBatch batch;
-    if (is_of_records(tests))
-        batch.add(directory / calibration_table_name, calibration_table(calibration, scene_with, tests));
-    const std::string json = calibration_json(calibration, scene, tests);
-    batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
-    batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
-    batch.add(directory / "calibration.json", json, FileBatch::Kind::marker);
-    batch.commit();
+    const std::string json = write_calibration(calibration, scene_with, scene, tests, directory);
     if (arguments.has("json"))
         print(json);
     else if (!arguments.has("quiet"))
@@ -74,6 +63,27 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
 }
 
 }  // namespace
+
+void require_calibratable(const Scene& scene, const Fidelity& rom) {
+    require_physics(scene, rom, {});
+    if (has_calibration(scene))
+        throw UsageError(fmt::format(
+            "{}: is calibrated already (parachute.calibration), calibrate the scene that it is based on",
+            scene.file.string()));
+}
+
+std::string write_calibration(Calibration& calibration, const SceneWith& scene_with, const Scene& scene,
+                              const std::vector<DropTest>& tests, const fs::path& directory) {
+    FileBatch batch;
+    if (is_of_records(tests))
+        batch.add(directory / calibration_table_name, calibration_table(calibration, scene_with, tests));
+    std::string json = calibration_json(calibration, scene, tests);
+    batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
+    batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
+    batch.add(directory / "calibration.json", json, FileBatch::Kind::marker);
+    batch.commit();
+    return json;
+}
 
 Command calibrate_command(const Fidelity& rom) {
     Command command;
