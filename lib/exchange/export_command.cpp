@@ -81,6 +81,9 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     text += fmt::format("\n# {}\n", one_line(chute.name));
     left_out(!chute.reefing.empty(), "reefing; the parachute opens in one");
     left_out(chute.cut.has_value(), "cut; RocketPy drops a parachute where the next one opens");
+    const bool stays = !chute.cut && &chute != &scene.parachutes.back();
+    left_out(stays,
+             "its drag once the next parachute is open; RocketPy then drops it, this scene keeps both");
     left_out(chute.deploy.starts_packed(), "deployment from the pack; its time is not in lag");
     left_out(chute.drag_area_mach_table.has_value(), "drag area by Mach number");
     left_out(!chute.lag.empty(), "lags within the cluster");
@@ -98,7 +101,7 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
         filling ? fmt::format(", then {:.4g} s of filling by the reduced-order model", *filling) : "");
     if (chute.projected_diameter_ratio > 0.0)
         text += fmt::format(
-            "    radius={:.6g},  # [m] half of D_p; for RocketPy's added mass, its version 1.10 or later\n",
+            "    radius={:.6g},  # [m] half of D_p; for RocketPy's added mass, its version 1.11 or later\n",
             0.5 * chute.projected_diameter_ratio * chute.nominal_diameter);
     return text + ")\n";
 }

@@ -13,6 +13,12 @@ namespace {
 
 constexpr double fall_gravity = 9.80665;  // [m/s^2]
 
+/// [deg] from 0 to 360 of an angle [rad].
+double compass(double angle) {
+    const double degrees = std::fmod(angle * 180.0 / pi, 360.0);
+    return degrees < 0.0 ? degrees + 360.0 : degrees;
+}
+
 }  // namespace
 
 void add_ground_air(ImportedScene& scene, ImportedTable& environment, double ground, double temperature,
@@ -32,7 +38,7 @@ void add_ground_air(ImportedScene& scene, ImportedTable& environment, double gro
 void add_uniform_wind(ImportedScene& scene, ImportedTable& environment, double speed, double from) {
     scene.uniform_wind = WindLevel{0.0, speed, from};
     environment.add("wind", fmt::format("{{ speed = {}, from = {} }}", toml_quantity(speed, "m/s"),
-                                        toml_quantity(from * 180.0 / pi, "deg")));
+                                        toml_quantity(compass(from), "deg")));
 }
 
 void order_levels(std::vector<WindLevel>& levels) {
@@ -45,9 +51,9 @@ void add_velocity(ImportedTable& release, double horizontal, double upward, std:
     const double speed = std::hypot(horizontal, upward);
     release.add("speed", speed, "m/s");
     if (speed == 0.0) return;
-    release.add("path_angle", std::atan2(-upward, horizontal) * 180.0 / pi, "deg");
+    release.add("path_angle", std::atan2(0.0 - upward, horizontal) * 180.0 / pi, "deg");
     if (heading)
-        release.add("heading", *heading * 180.0 / pi, "deg");
+        release.add("heading", compass(*heading), "deg");
     else if (horizontal > 0.0)
         release.add("heading", "\"90 deg\"", "assumed: the file does not say");
 }

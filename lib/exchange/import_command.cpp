@@ -246,7 +246,7 @@ Command import_command(const Fidelity& rom) {
     command.name = "import";
     command.summary = "a scene from an OpenRocket design or RocketPy's parachutes";
     command.operand = "FILE";
-    command.example = "twinchute import tests/data/openrocket/dual-deploy.ork";
+    command.example = "twinchute import data/import/rocket-dual-deploy.ork";
     command.options = {
         {"out", "FILE",
          "write the scene there, a .toml file, and say what was taken over; without it print the scene"},

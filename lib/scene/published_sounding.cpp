@@ -177,9 +177,11 @@ private:
         std::size_t begin = 0;
         for (const std::size_t end : ends) {
             if (begin >= line.text.size()) break;
-            const bool crosses = end < line.text.size() && line.text[end - 1] != ' ' && line.text[end] != ' ';
+            // Numbers end below the last letter of their column's name.
             std::string_view text = line.text.substr(begin, end - begin);
-            if (crosses || text.find('\t') != std::string_view::npos)
+            const bool ends_there = text.back() != ' ' && (end >= line.text.size() || line.text[end] == ' ');
+            if (text.find_first_not_of(' ') != std::string_view::npos &&
+                (!ends_there || text.size() < end - begin || text.find('\t') != std::string_view::npos))
                 refuse(line, end,
                        fmt::format("the columns do not end below their names ('{}')", printable_part(text)),
                        "empty cells are told from others by their place alone",
@@ -220,7 +222,8 @@ private:
             const NumberedLine& line = lines_[i];
             const auto words = words_between_blanks(line.text);
             if (words.empty()) continue;
-            if (is_fsl_head(line.text)) refuse_second(line);
+            if (is_fsl_head(line.text) || (i + 1 < lines_.size() && is_fsl_head(lines_[i + 1].text)))
+                refuse_second(line);
             const auto kind = sounding_number(words[0]);
             if (!kind || *kind != std::floor(*kind) || *kind < 1.0 || *kind > 9.0)
                 refuse(line, 1, fmt::format("'{}' is no kind of line", printable_part(words[0])),

@@ -22,7 +22,7 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
     for (const std::string command :
-         {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "plan", "list"}) {
+         {"compare", "rom", "full", "report", "ladder", "stability", "import", "export", "mesh", "plan", "list"}) {
         const Ended help = run({command, "-h"});
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("example: twinchute " + command), std::string::npos) << help.out;
