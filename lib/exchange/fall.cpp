@@ -43,8 +43,8 @@ void add_uniform_wind(ImportedScene& scene, ImportedTable& environment, double s
 
 void order_levels(std::vector<WindLevel>& levels) {
     std::ranges::stable_sort(levels, {}, &WindLevel::altitude);
-    const auto doubled = std::ranges::unique(levels, {}, &WindLevel::altitude);
-    levels.erase(doubled.begin(), doubled.end());
+    const auto same = [](const WindLevel& a, const WindLevel& b) { return a.altitude == b.altitude; };
+    levels.erase(std::unique(levels.begin(), levels.end(), same), levels.end());
 }
 
 void add_velocity(ImportedTable& release, double horizontal, double upward, std::optional<double> heading) {

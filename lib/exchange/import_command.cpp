@@ -222,6 +222,10 @@ ExitCode run_import(const Arguments& arguments, const Fidelity& rom) {
         scene_text(imported, fs::path(arguments.operand).filename().string(), wind_table);
     const std::string name = out ? out->string() : fmt::format("the scene made from {}", arguments.operand);
     const Check check = fly(imported, text, name, out ? out->parent_path() : fs::path(), wind_table, rom);
+    if (const ExitCode code = exit_code(check.status.code);
+        code == ExitCode::usage || code == ExitCode::numerical)
+        throw UsageError(fmt::format("{}: the scene made from it does not run ({}), give keys with --set",
+                                     arguments.operand, check.status.detail));
     if (out && !arguments.has("check")) {
         FileBatch batch;
         if (!wind_table.empty()) batch.add(out->parent_path() / wind_table, wind_table_text(imported.wind));

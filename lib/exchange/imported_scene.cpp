@@ -39,16 +39,23 @@ std::string full_path(const ImportedTable& table, std::string_view key) {
     return table.path.empty() ? std::string(key) : fmt::format("{}.{}", table.path, key);
 }
 
-/// Whether a key of a table is the one that an assignment names, or one that says the same otherwise.
+/// Whether a key and one that an assignment names say the same, or stand in each other's place.
 bool is_same(const std::string& path, const std::string& assigned) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 3> instead{
-        {{"release.height", "release.altitude"},
-         {"release.speed", "release.airspeed"},
-         {"environment.atmosphere", "environment.atmosphere.model"}}};
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> instead{
+        {{"height", "altitude"},
+         {"speed", "airspeed"},
+         {"drag_area", "drag_coefficient"},
+         {"atmosphere", "atmosphere.model"}}};
     if (path == assigned || assigned.starts_with(path + ".")) return true;
+    const std::size_t filling = path.find(".fill_time.");
+    if (filling != std::string::npos && assigned.starts_with(path.substr(0, filling + 11))) return true;
     return std::ranges::any_of(instead, [&](const auto& pair) {
-        return (path == pair.first && assigned == pair.second) ||
-               (path == pair.second && assigned == pair.first);
+        const auto swapped = [&](std::string_view from, std::string_view to) {
+            return path.ends_with(from) &&
+                   path.substr(0, path.size() - from.size()) + std::string(to) == assigned;
+        };
+        return swapped("." + std::string(pair.first), "." + std::string(pair.second)) ||
+               swapped("." + std::string(pair.second), "." + std::string(pair.first));
     });
 }
 
@@ -150,8 +157,8 @@ std::string parachute_name(std::string_view foreign, const std::vector<std::stri
     std::ranges::transform(name, name.begin(), [](char c) {
         return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     });
-    const auto doubled = std::ranges::unique(name, [](char a, char b) { return a == '-' && b == '-'; });
-    name.erase(doubled.begin(), doubled.end());
+    const auto both_dashes = [](char a, char b) { return a == '-' && b == '-'; };
+    name.erase(std::unique(name.begin(), name.end(), both_dashes), name.end());
     constexpr std::size_t longest = 32;  // names of presets hold sizes and masses
     if (name.size() > longest) {
         const std::size_t dash = name.rfind('-', longest);

@@ -80,12 +80,12 @@ private:
                     device.stage != design_.stage_of_branch() || !sources
                         ? fmt::format("it is of the stage '{}', which falls by itself; --device '{}' takes "
                                       "that one",
-                                      design_.stages.empty() ? "" : design_.stages[device.stage].name,
-                                      device.name)
+                                      design_.stage_name(device), device.name)
                         : std::string("it does not deploy in the stored simulation"));
-            else if (!design_.is_wanted(device))
+            else if (!design_.is_wanted(device)) {
                 leave_out(device, "--device names another");
-            else
+                all_taken_ = false;
+            } else
                 taken_.push_back(&device);
         }
         if (taken_.empty())
@@ -332,8 +332,7 @@ private:
         names_.push_back(name);
         ImportedTable table{"[[parachute]]", taken_.size() == 1 ? "parachute" : "parachute." + name, {}};
         table.notes.push_back(fmt::format("{} '{}', stage '{}'", device.streamer ? "streamer" : "parachute",
-                                          device.name,
-                                          design_.stages.empty() ? "" : design_.stages[device.stage].name));
+                                          device.name, design_.stage_name(device)));
         const auto material = [&](const char* child, std::string_view what, std::string_view unit) {
             const pugi::xml_node node = device.node.child(child);
             if (node)
@@ -421,6 +420,7 @@ private:
     }
 
     void state_landing() {
+        if (!all_taken_) return;  // the file's landing is under all of them
         if (design_.branch.rows.empty()) {
             const auto speed = design_.as_number(
                 design_.simulation.child("flightdata").attribute("groundhitvelocity").value());
@@ -464,7 +464,7 @@ private:
     const OpenRocketFile design_;
     std::vector<const RecoveryDevice*> taken_;
     std::vector<std::string> names_;  ///< of the parachutes of the scene
-    bool packed_sizes_ = false;
+    bool packed_sizes_ = false, all_taken_ = true;
     std::optional<double> apogee_;  ///< [s] in the stored flight
     double release_ = 0.0;          ///< [s] likewise
     double ground_ = 0.0;           ///< [m] above sea level

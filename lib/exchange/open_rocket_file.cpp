@@ -208,6 +208,16 @@ bool OpenRocketFile::has_summary(pugi::xml_node one) {
     return static_cast<bool>(one.child("flightdata").attribute("maxaltitude"));
 }
 
+std::string OpenRocketFile::stage_name(const RecoveryDevice& device) const {
+    return stages.empty() ? "" : stages[device.stage].name;
+}
+
+bool OpenRocketFile::falls_in(const RecoveryDevice& device, pugi::xml_node flight) const {
+    const std::string_view name = flight.attribute("name").value();
+    return name == "MAIN" ? device.stage == 0
+                          : stage_name(device) == name;  // MAIN: file format 1.4 and before
+}
+
 pugi::xml_node OpenRocketFile::find_branch(pugi::xml_node one_simulation) const {
     for (const pugi::xml_node one : one_simulation.child("flightdata").children("databranch")) {
         if (!one.child("datapoint")) continue;
@@ -216,8 +226,7 @@ pugi::xml_node OpenRocketFile::find_branch(pugi::xml_node one_simulation) const 
             const std::string_view source = event.attribute("source").value();
             if (choice_.devices.empty() || std::ranges::any_of(devices, [&](const RecoveryDevice& device) {
                     return is_wanted(device) &&
-                           (source.empty() ? stages[device.stage].name == one.attribute("name").value()
-                                           : source == device.id);
+                           (source.empty() ? falls_in(device, one) : source == device.id);
                 }))
                 return one;
         }

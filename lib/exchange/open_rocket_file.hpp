@@ -80,6 +80,8 @@ public:
     std::optional<double> heading_at(double time) const;
     /// 8 of file format 1.8; 0 where it is not understood.
     int minor_version() const;
+    /// Name of the stage that a device lies in.
+    std::string stage_name(const RecoveryDevice& device) const;
     /// Number of the stage whose flight is taken; 0 where none is.
     std::size_t stage_of_branch() const;
 
@@ -98,6 +100,8 @@ private:
     void walk(pugi::xml_node subcomponents, std::size_t stage, int count, int depth);
     void check_names() const;
     void choose_simulation();
+    /// Whether a device is of the stage that a stored flight is of, by its name.
+    bool falls_in(const RecoveryDevice& device, pugi::xml_node flight) const;
     static bool has_summary(pugi::xml_node one);
     /// The first branch of a simulation in which a wanted device opens.
     pugi::xml_node find_branch(pugi::xml_node one_simulation) const;

@@ -75,6 +75,11 @@ public:
         add_common_assumptions(scene_, "RocketPy");
         write_environment();
         write_payload_and_release();
+        if (chutes_.size() > 1 && !order_is_known())
+            scene_.assumptions.push_back(
+                "parachutes that are open pull together, where RocketPy flies on with the newest alone: the "
+                "file does not "
+                "tell their order");
         for (std::size_t i = 0; i < chutes_.size(); ++i)
             write_parachute(i);
         scene_.table("stop", "[stop]").add("at", "\"ground\"");
@@ -491,8 +496,13 @@ private:
         return chute.when == Chute::When::apogee ? 1e6 + chute.lag : 1e7 - chute.height;
     }
 
+    bool order_is_known() const {
+        return std::ranges::none_of(chutes_, [](const Chute& one) { return one.when == Chute::When::code; });
+    }
+
     std::optional<std::size_t> next_after(std::size_t i) const {
         std::optional<std::size_t> next;
+        if (!order_is_known()) return next;
         for (std::size_t k = 0; k < chutes_.size(); ++k) {
             const bool later = order_of(k) > order_of(i) || (order_of(k) == order_of(i) && k > i);
             if (later && (!next || order_of(k) < order_of(*next))) next = k;
@@ -512,7 +522,7 @@ private:
             out.push_back(fmt::format(
                 "geographic position of the launch site (latitude {}, longitude {}): a scene has none",
                 latitude->get<double>(), function_at("longitude", 0.0).value_or(0.0)));
-        if (rows_.empty() || rows_.back()[3] > ground_ + 1.0) return;
+        if (rows_.empty() || !choice_.devices.empty() || rows_.back()[3] > ground_ + 1.0) return;
         const Row& last = rows_.back();
         scene_.stated_landing_speed = -last[6];
         scene_.stated_by = "last state of the stored flight";
