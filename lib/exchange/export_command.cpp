@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/exchange/flight_map.hpp"
 #include "lib/exchange/imported_scene.hpp"
 #include "lib/math/vec.hpp"
 #include "lib/record/file_batch.hpp"
@@ -19,18 +22,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view export_mark = "# Exported by twinchute";
+constexpr std::string_view export_mark = "Exported by twinchute";
 
+/// A format that --to names.
+struct ExportFormat {
+    std::string_view name, extension;
+    bool on_map = false;  ///< it needs --position
+};
+
+constexpr ExportFormat export_formats[] = {
+    {"rocketpy", ".py"}, {"kml", ".kml", true}, {"geojson", ".geojson", true}};
+
+/// Nobody else's file is overwritten: one of ours says so at its head.
 void check_export_target(const fs::path& file) {
     std::error_code ignored;
     if (!fs::exists(file, ignored)) return;
-    std::string head(export_mark.size(), '\0');
+    std::string head(256, '\0');
     if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
         if (fs::is_empty(file, ignored)) return;
         std::ifstream stream(file, std::ios::binary);
         stream.read(head.data(), static_cast<std::streamsize>(head.size()));
     }
-    if (head != export_mark)
+    if (head.find(export_mark) == std::string::npos)
         throw UsageError(
             fmt::format("'{}' was not written by `twinchute export` (nothing else is overwritten), name "
                         "another file with --out",
@@ -106,42 +119,91 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     return text + ")\n";
 }
 
-ExitCode run_export(const Arguments& arguments, const Fidelity& rom) {
+const ExportFormat& wanted_format(const Arguments& arguments) {
     const std::string to = arguments.value("to").value_or("");
-    if (to != "rocketpy")
+    const auto format = std::ranges::find(export_formats, to, &ExportFormat::name);
+    if (format == std::end(export_formats))
         throw UsageError(
-            to.empty() ? "--to is missing (it names the program), e.g. --to rocketpy"
-                       : fmt::format("'--to {}' is not understood (rocketpy is), e.g. --to rocketpy", to));
-    std::optional<fs::path> out;
-    if (const auto text = arguments.value("out")) {
-        out = *text;
-        if (out->extension() != ".py" || out->stem().empty())
-            throw UsageError(fmt::format(
-                "'--out {}' is not understood (the name of a .py file is wanted), e.g. --out parachutes.py",
-                *text));
-        check_export_target(*out);
+            to.empty() ? "--to is missing (it names the format), e.g. --to rocketpy"
+                       : fmt::format("'--to {}' is not understood (rocketpy, kml and geojson are), e.g. --to "
+                                     "rocketpy",
+                                     one_line(to)));
+    return *format;
+}
+
+/// The point that --position names.
+std::optional<LocalMap> wanted_map(const Arguments& arguments, const ExportFormat& format) {
+    const auto text = arguments.value("position");
+    if (!text) {
+        if (format.on_map)
+            throw UsageError(
+                fmt::format("--position is missing (a scene has no geographic position), e.g. --to {} "
+                            "--position=47.3,8.5",
+                            format.name));
+        return {};
     }
+    const std::size_t comma = std::min(text->find(','), text->size());
+    const auto number = [](std::string_view part, double largest) -> std::optional<double> {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (error != std::errc{} || end != part.data() + part.size() || !(std::abs(value) <= largest))
+            return {};
+        return value;
+    };
+    const std::string_view all = *text;
+    const auto latitude = number(all.substr(0, comma), 85.0);
+    const auto longitude = number(all.substr(std::min(comma + 1, all.size())), 360.0);
+    if (!latitude || !longitude || !format.on_map)
+        throw UsageError(
+            format.on_map
+                ? fmt::format("'--position {}' is not understood (latitude and longitude of the release in "
+                              "degrees are wanted, to 85 deg from the equator), e.g. --position=47.3,8.5",
+                              one_line(*text))
+                : fmt::format("--position is of no use to '{}' (it draws no map), leave it out",
+                              format.name));
+    return LocalMap(*latitude * pi / 180.0, *longitude * pi / 180.0);
+}
+
+std::optional<fs::path> wanted_export_file(const Arguments& arguments, const ExportFormat& format) {
+    const auto text = arguments.value("out");
+    if (!text) return {};
+    const fs::path out = *text;
+    if (out.extension() != format.extension || out.stem().empty())
+        throw UsageError(
+            fmt::format("'--out {}' is not understood (the name of a {} file is wanted), e.g. --out drop{}",
+                        one_line(*text), format.extension, format.extension));
+    check_export_target(out);
+    return out;
+}
+
+ExitCode run_export(const Arguments& arguments, const Fidelity& rom) {
+    const ExportFormat& format = wanted_format(arguments);
+    const std::optional<LocalMap> map = wanted_map(arguments, format);
+    const std::optional<fs::path> out = wanted_export_file(arguments, format);
     const std::vector<Scene> scenes = scenes_of(arguments);
     if (!scenes.front().case_name.empty())
-        throw UsageError(fmt::format(
-            "{}: a series of {} cases where one scene is wanted (one file of parachutes is made), "
-            "write a scene without [[case]]",
-            scenes.front().file.string(), scenes.size()));
+        throw UsageError(
+            fmt::format("{}: a series of {} cases where one scene is wanted (one file is made), "
+                        "write a scene without [[case]]",
+                        scenes.front().file.string(), scenes.size()));
     const Scene& scene = scenes.front();
     require_physics(scene, rom, {});
-    for (const Parachute& chute : scene.parachutes)
-        trigger_of(scene, chute);
+    if (!map)
+        for (const Parachute& chute : scene.parachutes)
+            trigger_of(scene, chute);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;
     }
     Run run;
     const RunRecord record = rom.run(scene, run);
-    const std::string text = rocketpy_text(scene, record);
+    const std::string text = !map                   ? rocketpy_text(scene, record)
+                             : format.name == "kml" ? flight_kml(record, *map)
+                                                    : flight_geojson(record, *map);
     if (out) {
         replace_file(*out, text);
-        if (!arguments.has("quiet")) print(fmt::format("parachutes  {}\n", printable(out->string())));
-    } else {
+        if (!arguments.has("quiet")) print(fmt::format("exported  {}\n", printable(out->string())));
+    } else if (!arguments.has("quiet")) {
         print(text);
     }
     return exit_code(record.status.code);
@@ -153,7 +215,7 @@ std::string rocketpy_text(const Scene& scene, const RunRecord& record) {
     double parachutes = 0.0;
     for (const Parachute& chute : scene.parachutes)
         parachutes += chute.count * chute.mass;
-    std::string text = fmt::format("{} from the scene '{}'.\n", export_mark, one_line(scene.name));
+    std::string text = fmt::format("# {} from the scene '{}'.\n", export_mark, one_line(scene.name));
     text += fmt::format(
         "# RocketPy flies the mass of the rocket without propellant: here {:.6g} kg, of which {:.4g} kg "
         "parachutes.\n",
@@ -172,12 +234,14 @@ std::string rocketpy_text(const Scene& scene, const RunRecord& record) {
 Command export_command(const Fidelity& rom) {
     Command command;
     command.name = "export";
-    command.summary = "the parachutes of a scene as Python for RocketPy";
+    command.summary = "parachutes as Python for RocketPy, or the flight as KML or GeoJSON";
     command.operand = "SCENE";
     command.example = "twinchute export data/scenes/rocket-dual-deploy.toml --to rocketpy";
     command.options = {
-        {"to", "PROGRAM", "rocketpy"},
-        {"out", "FILE", "write there, a .py file, instead of standard output"},
+        {"to", "FORMAT",
+         "rocketpy; kml or geojson: trajectory, events and landing point of the reduced-order model"},
+        {"position", "LAT,LON", "of the release, in degrees, for kml and geojson, e.g. --position=47.3,8.5"},
+        {"out", "FILE", "write there, a .py, .kml or .geojson file, instead of standard output"},
         {"set", "KEY=VALUE", "override a key of the scene, e.g. payload.mass='150 kg'", true},
         {"check", "", "validate the scene and run nothing"},
         {"quiet", "", "print nothing but errors"},

@@ -93,7 +93,7 @@ TEST_F(SystemImport, WindByAltitudeIsAFileBesideTheScene) {
     EXPECT_TRUE(says(run({"import", "r.ork"}).out, "wind by altitude: it is a file beside the scene"));
 }
 
-TEST_F(SystemImport, ExportPrintsPythonAndComesBack) {
+TEST_F(SystemImport, ExportPrintsPythonOrWritesIt) {
     const Ended ended = run({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_TRUE(says(ended.out, "main = Parachute(\n")) << ended.out;
@@ -103,9 +103,34 @@ TEST_F(SystemImport, ExportPrintsPythonAndComesBack) {
     EXPECT_EQ(text("p.py"), ended.out);
     EXPECT_EQ(run({"export", c9_inflation}).code, 2);
     EXPECT_EQ(run({"export", c9_inflation, "--to", "openrocket"}).code, 2);
+    EXPECT_EQ(run({"export", c9_inflation, "--to", "rocketpy", "--position=1,2"}).code, 2);
+    EXPECT_EQ(run({"export", shipped_scene("rocket-dual-deploy"), "--to", "rocketpy", "--out", "p.kml"}).code,
+              2);
     const Ended sonde = run({"export", shipped_scene("sonde"), "--to", "rocketpy"});
     EXPECT_EQ(sonde.code, 2);
     EXPECT_TRUE(says(sonde.err, "a condition that RocketPy does not have")) << sonde.err;
+}
+
+TEST_F(SystemImport, AFlightOnAMapLandsWhereItsMetricsSay) {
+    const Words rocket{"export", shipped_scene("rocket-dual-deploy"), "--to", "geojson"};
+    const json map = json::parse(run(rocket + Words{"--position", "-33.9,18.4"}).out);
+    const json landing = map["features"].back()["geometry"]["coordinates"];
+    const json metrics =
+        json::parse(run({"rom", shipped_scene("rocket-dual-deploy"), "--json"}).out)["metrics"];
+    // A sphere of 6371 km is within 0.4 % of WGS 84 here.
+    const double degree = 6371000.0 * M_PI / 180.0;
+    const double east = (landing[0].get<double>() - 18.4) * degree * std::cos(33.9 * M_PI / 180.0);
+    EXPECT_NEAR(east, metrics["landing_east_m"].get<double>(), 0.004 * east);
+    EXPECT_GT(east, 100.0);
+    EXPECT_NEAR(landing[1].get<double>(), -33.9, 1e-9);
+    EXPECT_EQ(run(rocket).code, 2);  // where is it?
+    for (const char* place : {"91,0", "a,b", "47.3", "47.3,", ",8", "1,2,3", "nan,0"})
+        EXPECT_EQ(run(rocket + Words{"--position", place}).code, 2) << place;
+    EXPECT_EQ(run(rocket + Words{"--position", "-33.9,18.4", "--out", "f.geojson"}).code, 0);
+    EXPECT_EQ(run(rocket + Words{"--position", "-33.9,18.4", "--out", "f.geojson"}).code,
+              0);  // its own, once more
+    here_.write("mine.geojson", "{}");
+    EXPECT_EQ(run(rocket + Words{"--position", "-33.9,18.4", "--out", "mine.geojson"}).code, 2);
 }
 
 }  // namespace
