@@ -23,6 +23,10 @@ namespace fs = std::filesystem;
 ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
     if (!arguments.has("to"))
         throw UsageError("--to is missing (it names the test that inputs are fitted to), e.g. --to drop.csv");
+    if (arguments.operand == "-")
+        throw UsageError(
+            "'-' is no scene to calibrate (calibrated.toml names the file that it is based on), save it as a "
+            "file");
     CalibrationSettings settings;
     for (const std::string& text : arguments.values("vary"))
         settings.vary.push_back(read_vary(text));
