@@ -19,6 +19,7 @@
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute::fullsim {
@@ -156,7 +157,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
         meshes.push_back(std::move(mesh));
     }
     ordered_json json{{"generator", "twinchute"},
-                      {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                      {"scene", scene_json(scene_id(scene))},
                       {"grading", grading_name(scene.full.mesh.grading)},
                       {"nodes", s.nodes},
                       {"triangles", s.triangles},
