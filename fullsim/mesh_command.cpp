@@ -266,8 +266,11 @@ Command mesh_command() {
     command.options = scene_options(
         "write the mesh there: .vtu, a packed one beside it as <name>-packed.vtu; or .msh for Gmsh, as made");
     command.options.front().value = "FILE";
-    command.options.insert(command.options.begin() + 1,
-                           {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
+    command.options.insert(command.options.begin() + 1, {"msh-version",
+                                                         "VERSION",
+                                                         "of a .msh file: 4.1 (default) or 2.2, both ASCII",
+                                                         false,
+                                                         {"4.1", "2.2"}});
     command.run = &run_mesh;
     return command;
 }

@@ -83,7 +83,7 @@ Command calibrate_command(const Fidelity& rom) {
     Command command;
     command.name = "calibrate";
     command.summary = "inputs of a scene from tests, with their uncertainty";
-    command.operand = "SCENE";
+    command.operand = "SCENE.toml";  // calibrated.toml refers to it: no standard input
     command.example =
         "twinchute calibrate data/calibration/c9-drop.toml --to data/calibration/c9-drop-a.toml";
     command.options = scene_options("write the results there instead of ./<scene file>.out");
