@@ -12,6 +12,8 @@
 #include "lib/cli/list_command.hpp"
 #include "lib/cli/plan_command.hpp"
 #include "lib/cli/program.hpp"
+#include "lib/exchange/export_command.hpp"
+#include "lib/exchange/import_command.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/rom_command.hpp"
 #include "rom/size/size_command.hpp"
@@ -35,6 +37,8 @@ int main(int argc, char** argv) {
         compare::ladder_command({&rom, &full}),
         compare::stability_command(full, rom),
         compare::validate_command({&rom, &full}, study::case_calibrator(rom)),
+        exchange::import_command(rom),
+        exchange::export_command(rom),
         fullsim::mesh_command(),
         plan_command({&rom, &full}),
         list_command(),

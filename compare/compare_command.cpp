@@ -225,7 +225,7 @@ private:
         if (of.finished)
             add_gap_files(batch, comparison, of.place, beside, trend ? &*trend : nullptr);
         else
-            add_report(batch, comparison, of.place, beside, trend ? &*trend : nullptr);
+            add_report(batch, comparison, of.place, beside, trend ? &*trend : nullptr, csv_head(arguments_));
         baseline_.add_files(batch, trend, comparison, of.place);
         batch.commit();
         if (of.candidate) of.candidate->ended(comparison.candidate);
@@ -323,6 +323,7 @@ Command compare_command(const Fidelity& reference, const Fidelity& candidate) {
     const std::vector<Option> of_baseline = baseline_options();
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     command.options.insert(command.options.begin() + 1, own.begin(), own.end());
+    command.options.insert(command.options.begin() + 2, plain_csv_option());
     if (reference.gives_fields || candidate.gives_fields)
         command.options.insert(command.options.begin() + 2, fields_option());
     if (reference.keeps_checkpoints || candidate.keeps_checkpoints)

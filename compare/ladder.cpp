@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lib/cli/record_text.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "lib/solve/stopwatch.hpp"
 
 namespace twinchute::compare {
@@ -136,7 +137,7 @@ void run_level(LevelResult& result, const Scene& scene, const Fidelity& fidelity
 Ladder climb(const Scene& scene, std::span<const Fidelity* const> fidelities, const LadderOptions& options,
              const RunOne& run) {
     Ladder ladder;
-    ladder.scene = {scene.name, scene.file.string(), scene.sha256};
+    ladder.scene = scene_id(scene);
     ladder.inputs = scene.inputs;
     ladder.provenance = current_provenance();
     ladder.threads = options.threads;

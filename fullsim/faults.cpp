@@ -58,9 +58,11 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
             fmt::format("{} {}; the time step is probably above the stable one, lower full.time_step_factor",
                         first_bad_node(synchronised()), where())};
     if (steps_.chosen().dt < smallest_step)
-        return RunStatus{StatusCode::step_too_small,
-                         fmt::format("critical time step {:.3g} s set by node {} {}", steps_.chosen().dt,
-                                     bound().node, where())};
+        return RunStatus{
+            StatusCode::step_too_small,
+            fmt::format("critical time step {:.3g} s set by node {} {}; a coarser full.mesh there, or fabric "
+                        "and lines that are less stiff for their mass, allow longer ones",
+                        steps_.chosen().dt, bound().node, where())};
     // Written so that a NaN fails, too; energy that vanishes is as wrong as energy from nowhere.
     const double share = residual_share(e);
     if (!(std::abs(share) <= largest_residual)) {
@@ -83,8 +85,11 @@ std::optional<RunStatus> Simulation::find_fault_in(const EnergiesAndStrains& lev
                             structure_[i]->element_name(structure_[i]->extreme(synchronised()).element),
                             100.0 * strain, 100.0 * scene_.full.strain_limit, where())};
     if (step >= most_steps)
-        return RunStatus{StatusCode::step_limit,
-                         fmt::format("{} steps are the most that a run may take, {}", most_steps, where())};
+        return RunStatus{
+            StatusCode::step_limit,
+            fmt::format("{} steps are the most that a run may take, {}; an earlier stop or a coarser "
+                        "full.mesh takes fewer",
+                        most_steps, where())};
     sound_loads_ = state_.largest;
     return std::nullopt;
 }

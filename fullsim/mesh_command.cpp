@@ -19,6 +19,7 @@
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute::fullsim {
@@ -158,7 +159,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
         meshes.push_back(std::move(mesh));
     }
     ordered_json json{{"generator", "twinchute"},
-                      {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                      {"scene", scene_json(scene_id(scene))},
                       {"grading", grading_name(scene.full.mesh.grading)},
                       {"nodes", s.nodes},
                       {"triangles", s.triangles},
@@ -267,8 +268,11 @@ Command mesh_command() {
     command.options = scene_options(
         "write the mesh there: .vtu, a packed one beside it as <name>-packed.vtu; or .msh for Gmsh, as made");
     command.options.front().value = "FILE";
-    command.options.insert(command.options.begin() + 1,
-                           {"msh-version", "VERSION", "of a .msh file: 4.1 (default) or 2.2, both ASCII"});
+    command.options.insert(command.options.begin() + 1, {"msh-version",
+                                                         "VERSION",
+                                                         "of a .msh file: 4.1 (default) or 2.2, both ASCII",
+                                                         false,
+                                                         {"4.1", "2.2"}});
     command.run = &run_mesh;
     return command;
 }

@@ -43,7 +43,8 @@ std::optional<RunStatus> Simulation::snatch() {
     if (!sound)
         return RunStatus{StatusCode::refused,
                          fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
-                                     "than the filling time of {:.4g} s",
+                                     "than the filling time of {:.4g} s, shorten parachute.initial_phase or "
+                                     "lengthen parachute.fill_time",
                                      airspeed.norm(), inflation.initial_time, inflation.filling_time)};
     inflation_ = inflation;
     state_.phase = first_phase(scene_, inflation_);

@@ -264,7 +264,9 @@ private:
                        : RunStatus{StatusCode::stopped_by_event, "the parachute reached the ground: " + why};
         }
         if (segment == IntegrationSegment::reached_end && solver.time() < context_.stop_time)
-            return {StatusCode::time_limit, why};
+            return {
+                StatusCode::time_limit,
+                why + ", check parachute.deploy and payload.drag_area, or end the run before by stop.time"};
         return context_.ending(segment, solver);
     }
 

@@ -162,7 +162,7 @@ RunStatus Openings::check() const {
             StatusCode::refused,
             fmt::format("{}at snatch the initial phase is not shorter than the filling time (t_s = {:.4g} s, "
                         "t_i = {:.4g} s, t_f = {:.4g} s), shorten parachute.initial_phase or lengthen "
-                        "fill_time",
+                        "parachute.fill_time",
                         whose, inflation.snatch, inflation.initial_time, inflation.filling_time)};
     }
     return {};

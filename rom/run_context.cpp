@@ -94,19 +94,29 @@ RunStatus RunContext::ending(IntegrationSegment segment, const OdeSolver& solver
         case IntegrationSegment::reached_end:
             if (stop_is_set_ || time < stop_time) return {StatusCode::completed, "stop condition met"};
             return {StatusCode::time_limit,
-                    fmt::format("stop condition not met within {:g} s of flight", stop_time)};
+                    fmt::format("stop condition not met within {:g} s of flight, stop at what comes sooner, "
+                                "e.g. stop.time or stop.altitude",
+                                stop_time)};
         case IntegrationSegment::not_finite:
-            return {StatusCode::not_finite, fmt::format("force or acceleration after t = {:.6g} s", time)};
+            return {
+                StatusCode::not_finite,
+                fmt::format(
+                    "force or acceleration after t = {:.6g} s, take another rom.method, or check the inputs "
+                    "that act there",
+                    time)};
         case IntegrationSegment::too_many_steps:
             return {StatusCode::step_limit,
-                    fmt::format("more than {} steps by t = {:.6g} s", max_steps, time)};
+                    fmt::format(
+                        "more than {} steps by t = {:.6g} s, give a larger rom.rtol, an implicit rom.method "
+                        "or an earlier stop",
+                        max_steps, time)};
         case IntegrationSegment::interrupted:
             return {StatusCode::interrupted, "stopped on request"};
         case IntegrationSegment::root:  // the caller's
         case IntegrationSegment::failed:
             break;
     }
-    return {StatusCode::solver_failed, solver.failure()};
+    return {StatusCode::solver_failed, solver.failure() + ", take another rom.method or a larger rom.rtol"};
 }
 
 RunStatus RunContext::landed(const std::string& before) const {

@@ -151,7 +151,8 @@ void note_squids(RunRecord& record, const OpeningSequence& sequence, const Fligh
     record.status = {
         StatusCode::squids,
         fmt::format("{}: at {:.4g} m/s the fabric of '{}' lets out all that its mouth takes in; "
-                    "{} in air of {:.4g} kg/m^3",
+                    "{} in air of {:.4g} kg/m^3; a larger parachute.filling.initial_mouth or fabric that "
+                    "lets less through opens at higher speeds",
                     record.status.detail, now.airspeed, squids->chute->name, opens, now.density)};
 }
 

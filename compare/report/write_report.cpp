@@ -21,11 +21,11 @@ void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::fi
 }
 
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                const LadderBeside& beside, const Trend* trend) {
+                const LadderBeside& beside, const Trend* trend, CsvHead head) {
     add_record(batch, comparison.candidate, directory / comparison.candidate.fidelity,
-               comparison.candidate_frames);
+               comparison.candidate_frames, head);
     add_record(batch, comparison.reference, directory / comparison.reference.fidelity,
-               comparison.reference_frames);
+               comparison.reference_frames, head);
     add_gap_files(batch, comparison, directory, beside, trend);
 }
 

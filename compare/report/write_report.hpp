@@ -7,6 +7,7 @@
 #include "compare/ladder_beside.hpp"
 #include "compare/trend.hpp"
 #include "lib/record/file_batch.hpp"
+#include "lib/record/record_csv.hpp"
 
 namespace twinchute::compare {
 
@@ -17,8 +18,10 @@ void write_report(const Comparison& comparison, const std::filesystem::path& dir
                   const LadderBeside& beside = {});
 
 /// Writes it as part of a larger batch. `trend`: against a baseline, for junit.xml; null where there is none.
+/// `head`: of the tables of both records.
 void add_report(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
-                const LadderBeside& beside = {}, const Trend* trend = nullptr);
+                const LadderBeside& beside = {}, const Trend* trend = nullptr,
+                CsvHead head = CsvHead::names_and_units);
 
 /// Adds all but the records: what can be made again from them.
 void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,

@@ -212,7 +212,8 @@ private:
         fields_.accept();
         frames_.accept();
         if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
-        if (run_.progress && system().step % steps_between_reports == 0) report_progress();
+        // Checks follow the step whose number they divide.
+        if (run_.progress && system().step % steps_between_reports == 1) report_progress();
     }
 
     void check_end() {
@@ -308,7 +309,10 @@ private:
         if (now < hold_end_) {
             if (now >= longest_deployment)
                 end(StatusCode::time_limit,
-                    fmt::format("the lines never came taut within {:g} s of release", longest_deployment));
+                    fmt::format(
+                        "the lines never came taut within {:g} s of release, check parachute.deploy and "
+                        "payload.drag_area, or end the run before by stop.time",
+                        longest_deployment));
             return;
         }
         found_.line_stretch_time = now - hold();
@@ -506,7 +510,9 @@ private:
         if (now < std::min(stop_time_, event_stop_)) return;
         if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
             end(StatusCode::time_limit,
-                fmt::format("stop condition not met within {:g} s of flight", stop_time_));
+                fmt::format("stop condition not met within {:g} s of flight, stop at what comes sooner, e.g. "
+                            "stop.time or stop.altitude",
+                            stop_time_));
         else
             end(StatusCode::completed, "stop condition met");
     }

@@ -23,6 +23,7 @@ struct Option {
     std::string value;  ///< placeholder of its argument, e.g. "DIR"; empty: a switch
     std::string meaning;
     bool repeatable = false;
+    std::vector<std::string> words = {};  ///< its argument is one of these; empty: whatever `value` says
 };
 
 /// The command line after the command; every name is an option of that command.
@@ -45,6 +46,7 @@ struct Command {
     std::vector<Option> options;
     /// Throws UsageError, SceneError or WriteError.
     std::function<ExitCode(const Arguments&)> run;
+    std::vector<std::string> operand_words = {};  ///< the first operand is one of these; empty: see `operand`
 };
 
 }  // namespace twinchute

@@ -1,6 +1,9 @@
 // Exit codes of the program. Scripts rely on these numbers.
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
@@ -13,6 +16,14 @@ enum class ExitCode : int {
     unwritable = 4,  ///< the results could not be written
     interrupted = 130,
 };
+
+struct ExitMeaning {
+    ExitCode code;
+    std::string_view meaning;  ///< for manuals
+};
+
+/// Every exit code.
+std::span<const ExitMeaning> exit_meanings();
 
 /// The exit code of a run that ended so.
 ExitCode exit_code(StatusCode status);

@@ -57,7 +57,7 @@ CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>
                                   std::move(checkpoints), all),
                       ""};
     if (one.long_run && report.record.status.code != StatusCode::refused) {
-        add_record(batch, report.record, one.place, frames);
+        add_record(batch, report.record, one.place, frames, csv_head(arguments));
         batch.commit();
     }
     if (one.long_run) one.long_run->ended(report.record);
@@ -99,6 +99,8 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     }
     std::optional<std::filesystem::path> directory = arguments.value("out");
     if (!directory && output == DefaultOutput::directory) directory = default_output_dir(arguments.operand);
+    if (!directory && arguments.has("plain-csv"))
+        throw UsageError("--plain-csv is for the tables of a record (none is written), give --out DIR, too");
     const bool resumes = arguments.has("resume");
     std::vector<Case> cases;  // what cannot be gone on with is known before anything runs
     for (const Scene& scene : scenes)
@@ -146,6 +148,7 @@ Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultO
     command.options =
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
+    command.options.insert(command.options.begin() + 1, plain_csv_option());
     if (fidelity.gives_fields) command.options.insert(command.options.begin() + 1, fields_option());
     if (fidelity.keeps_checkpoints) command.options.insert(command.options.begin() + 1, resume_option());
     if (fidelity.has_threads) command.options.insert(command.options.begin() + 1, threads_option());

@@ -222,6 +222,8 @@ Command list_command() {
     command.operand = "[TOPIC [KEY]...]";
     command.example = "twinchute list keys parachute.deploy";
     command.options = {{"json", "", "print the table as JSON"}};
+    for (const Topic& topic : topics)
+        command.operand_words.emplace_back(topic.name);
     command.run = run_list;
     return command;
 }

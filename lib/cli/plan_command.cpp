@@ -13,6 +13,7 @@
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/scene_id.hpp"
 
 namespace twinchute {
 namespace {
@@ -169,7 +170,7 @@ ExitCode run_plan(const std::vector<const Fidelity*>& fidelities, const Argument
             for (const Planned& planned : plans)
                 all.push_back(plan_json(planned));
             texts.push_back(json_text({{"generator", "twinchute"},
-                                       {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+                                       {"scene", scene_json(scene_id(scene))},
                                        {"plans", std::move(all)}}));
             continue;
         }

@@ -11,6 +11,7 @@
 #include <malloc.h>
 #endif
 
+#include "lib/cli/help_commands.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/record_error.hpp"
 #include "lib/record/write_error.hpp"
@@ -24,31 +25,13 @@ namespace po = boost::program_options;
 
 const Option help_option{"help", "", "this page", false};
 
-std::vector<Option> all_options(const Command& command) {
-    std::vector<Option> options = command.options;
-    options.push_back(help_option);
-    return options;
-}
-
 [[noreturn]] void fail_unknown_option(const Command& command, const std::string& option) {
-    const std::vector<Option> options = all_options(command);
+    const std::vector<Option> options = options_of(command);
     std::vector<std::string> names;
     for (const Option& row : options)
         names.push_back("--" + row.name);
     throw UsageError(fmt::format("unknown option '{}' of `twinchute {}`, {}", option, command.name,
                                  suggest(option, {names.begin(), names.end()})));
-}
-
-const Command& find_command(std::span<const Command> commands, const std::string& name) {
-    const auto command = std::ranges::find(commands, name, &Command::name);
-    if (command != commands.end()) return *command;
-    std::vector<std::string_view> known;
-    for (const Command& row : commands)
-        known.push_back(row.name);
-    for (const std::string_view option : {"--help", "--version"})
-        known.push_back(option);
-    throw UsageError(fmt::format("unknown {} '{}', {}", name.starts_with('-') ? "option" : "command", name,
-                                 suggest(name, known)));
 }
 
 void option_lines(std::string& text, const std::vector<Option>& options) {
@@ -66,12 +49,18 @@ void say(const std::string& text) {
 }
 
 ExitCode run_words(std::span<const Command> commands, const std::vector<std::string>& words) {
+    // Most runs are of a command that runs something: those about the program are made for the others.
+    std::vector<Command> all;
+    if (words.empty() || std::ranges::count(commands, words[0], &Command::name) == 0) {
+        all = with_help_commands(commands);
+        commands = all;
+    }
     if (words.empty()) throw UsageError("no command given.\n\n" + program_help(commands));
     if (words[0] == "-h" || words[0] == "--help") {
         say(program_help(commands));
         return ExitCode::done;
     }
-    if (words[0] == "--version") {
+    if (words[0] == "-V" || words[0] == "--version") {
         say(version_text());
         return ExitCode::done;
     }
@@ -110,6 +99,26 @@ void keep_freed_memory() {
 
 }  // namespace
 
+const char* const scene_operand_text = "SCENE is a TOML file, or - for standard input.";
+
+const Command& find_command(std::span<const Command> commands, const std::string& name) {
+    const auto command = std::ranges::find(commands, name, &Command::name);
+    if (command != commands.end()) return *command;
+    std::vector<std::string_view> known;
+    for (const Command& row : commands)
+        known.push_back(row.name);
+    for (const std::string_view option : {"--help", "--version"})
+        known.push_back(option);
+    throw UsageError(fmt::format("unknown {} '{}', {}", name.starts_with('-') ? "option" : "command", name,
+                                 suggest(name, known)));
+}
+
+std::vector<Option> options_of(const Command& command) {
+    std::vector<Option> options = command.options;
+    options.push_back(help_option);
+    return options;
+}
+
 std::optional<std::string> Arguments::value(std::string_view name) const {
     const auto found = options.find(name);
     if (found == options.end() || found->second.empty()) return {};
@@ -123,7 +132,7 @@ std::vector<std::string> Arguments::values(std::string_view name) const {
 
 Arguments parse_arguments(const Command& command, const std::vector<std::string>& words) {
     po::options_description described;
-    for (const Option& option : all_options(command)) {
+    for (const Option& option : options_of(command)) {
         const std::string names = option.name == "help" ? "help,h" : option.name;
         if (option.value.empty()) {
             described.add_options()(names.c_str(), "");
@@ -202,7 +211,8 @@ std::string program_help(std::span<const Command> commands) {
         text += fmt::format("  {:<27} {}\n", command.name + " " + command.operand, command.summary);
     }
     text += "\n  -h, --help                  this page; after a command: its options and an example\n";
-    text += "  --version                   version, commit and compiler\n";
+    text += "  -V, --version               version, commit and compiler\n";
+    text += fmt::format("\n{}\n", scene_operand_text);
     if (!commands.empty()) text += fmt::format("\nexample: {}\n", commands.front().example);
     return text;
 }
@@ -210,7 +220,7 @@ std::string program_help(std::span<const Command> commands) {
 std::string command_help(const Command& command) {
     std::string text = fmt::format("{}\n\nusage: twinchute {}{}{} [options]\n\n", command.summary,
                                    command.name, command.operand.empty() ? "" : " ", command.operand);
-    option_lines(text, all_options(command));
+    option_lines(text, options_of(command));
     text += fmt::format("\nexample: {}\n", command.example);
     return text;
 }

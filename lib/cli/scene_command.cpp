@@ -13,6 +13,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "lib/solve/hand_over.hpp"
 
 namespace twinchute {
@@ -25,6 +26,15 @@ std::vector<Option> scene_options(std::string out_meaning) {
         {"json", "", "print the summary as JSON and nothing else"},
         {"quiet", "", "print nothing but errors"},
     };
+}
+
+Option plain_csv_option() {
+    return {"plain-csv", "",
+            "write history.csv and events.csv without the line of units, which summary.json then holds"};
+}
+
+CsvHead csv_head(const Arguments& arguments) {
+    return arguments.has("plain-csv") ? CsvHead::names : CsvHead::names_and_units;
 }
 
 Option fields_option() {
@@ -110,9 +120,8 @@ void require_physics(const Scene& scene, const Fidelity& fidelity, std::span<con
 void say_valid(const std::vector<Scene>& scenes, const Arguments& arguments) {
     std::vector<std::string> texts;
     for (const Scene& scene : scenes) {
-        const SceneId id{scene.name, scene.file.string(), scene.sha256};
         texts.push_back(json_text({{"generator", "twinchute"},
-                                   {"scene", scene_json(id)},
+                                   {"scene", scene_json(scene_id(scene))},
                                    {"valid", true},
                                    {"warnings", warnings_json(scene.warnings)}}));
         if (arguments.has("json") || arguments.has("quiet")) continue;

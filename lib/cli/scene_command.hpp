@@ -9,12 +9,17 @@
 
 #include "lib/cli/command.hpp"
 #include "lib/record/field_files.hpp"
+#include "lib/record/record_csv.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
 
 /// --out, --set, --check, --json, --quiet.
 std::vector<Option> scene_options(std::string out_meaning);
+
+/// --plain-csv, for commands that write records, and the head of the tables that it asks for.
+Option plain_csv_option();
+CsvHead csv_head(const Arguments& arguments);
 
 /// --fields, for commands that run a fidelity which gives fields.
 Option fields_option();

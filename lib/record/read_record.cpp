@@ -66,16 +66,17 @@ struct Texts {
 };
 
 /// Reports a fault in a table with its line first, a checksum that does not match only after that.
-RunRecord read_parts(const Texts& texts, const fs::path& directory, FileChecksums& checksums) {
+RunRecord read_parts(const Texts& texts, const fs::path& directory, FilesBeside& beside) {
     const auto name = [&](const char* file) { return (directory / file).string(); };
     require_size(texts.summary, largest_summary, name("summary.json"));
     require_size(texts.history, largest_history, name("history.csv"));
     require_size(texts.events, largest_events, name("events.csv"));
-    RunRecord record = read_summary(texts.summary, name("summary.json"), checksums);
-    record.channels = read_history(texts.history, name("history.csv"));
-    record.events = read_events(texts.events, name("events.csv"));
-    require_checksum(checksums, "history.csv", texts.history, name("history.csv"));
-    require_checksum(checksums, "events.csv", texts.events, name("events.csv"));
+    RunRecord record = read_summary(texts.summary, name("summary.json"), beside);
+    record.channels = read_history(texts.history, name("history.csv"), beside.history_units);
+    record.events = read_events(texts.events, name("events.csv"),
+                                beside.history_units ? CsvHead::names : CsvHead::names_and_units);
+    require_checksum(beside.checksums, "history.csv", texts.history, name("history.csv"));
+    require_checksum(beside.checksums, "events.csv", texts.events, name("events.csv"));
     return record;
 }
 
@@ -98,20 +99,20 @@ RunRecord read_record(const fs::path& directory) {
     const std::string summary = read_record_file(directory / "summary.json", largest_summary),
                       history = read_record_file(directory / "history.csv", largest_history),
                       events = read_record_file(directory / "events.csv", largest_events);
-    FileChecksums checksums;
-    RunRecord record = read_parts({summary, history, events}, directory, checksums);
-    for (const auto& [name, checksum] : checksums) {
+    FilesBeside beside;
+    RunRecord record = read_parts({summary, history, events}, directory, beside);
+    for (const auto& [name, checksum] : beside.checksums) {
         if (name == "history.csv" || name == "events.csv") continue;  // read_parts has seen to them
         const fs::path file = directory / name;
-        require_checksum(checksums, name, read_record_file(file, largest_other), file.string());
+        require_checksum(beside.checksums, name, read_record_file(file, largest_other), file.string());
     }
     return record;
 }
 
 RunRecord read_record_text(std::string_view summary, std::string_view history, std::string_view events,
                            const fs::path& directory) {
-    FileChecksums checksums;
-    return read_parts({summary, history, events}, directory, checksums);
+    FilesBeside beside;
+    return read_parts({summary, history, events}, directory, beside);
 }
 
 }  // namespace twinchute

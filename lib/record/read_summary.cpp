@@ -155,7 +155,7 @@ void require_schema(const JsonNode& top, std::string_view what, std::int64_t kno
                                 "read it with the version that wrote it");
 }
 
-RunRecord read_summary(std::string_view text, const std::string& file, FileChecksums& checksums) {
+RunRecord read_summary(std::string_view text, const std::string& file, FilesBeside& beside) {
     const JsonDocument document(text, file);
     const JsonNode top = document.top();
     require_schema(top, "record", RunRecord::schema);
@@ -191,7 +191,13 @@ RunRecord read_summary(std::string_view text, const std::string& file, FileCheck
         record.left_out.push_back({row.text_at("what"), row.text_at("why")});
     });
     record.provenance = read_provenance(top.at("provenance"));
-    if (const auto files = top.find("files")) checksums = read_checksums(*files);
+    if (const auto units = top.find("history_units")) {
+        beside.history_units.emplace();
+        units->each_key([&](const std::string& column, const JsonNode& unit) {
+            (*beside.history_units)[column] = unit.text();
+        });
+    }
+    if (const auto files = top.find("files")) beside.checksums = read_checksums(*files);
     // Last: what is wrong in it is said with its key; only then, that it is another one.
     if (const auto checksum = top.find("sha256")) require_own_checksum(text, checksum->text(), file);
     return record;

@@ -142,12 +142,12 @@ void require_width(const Cells& cells, const Cell& cell, std::size_t index, std:
                  fmt::format("the first line has {}", columns));
 }
 
-/// The names of the columns, each once, and below them their units.
+/// The names of the columns, each once, and below them their units, or none.
 struct Header {
     std::vector<std::string> names, units;
 };
 
-Header read_header(Cells& cells) {
+Header read_header(Cells& cells, CsvHead head) {
     Header header;
     std::set<std::string> seen;
     for (const Cell& cell : cells.line_of_cells()) {
@@ -156,6 +156,7 @@ Header read_header(Cells& cells) {
             cells.refuse(cell.place, fmt::format("the column '{}' stands here twice", shown(name)));
         header.names.push_back(std::move(name));
     }
+    if (head == CsvHead::names) return header;
     std::size_t index = 0;
     for (const Cell& cell : cells.line_of_cells()) {
         require_width(cells, cell, index++, header.names.size());
@@ -166,10 +167,19 @@ Header read_header(Cells& cells) {
 
 }  // namespace
 
-std::vector<Channel> read_history(std::string_view text, const std::string& file) {
+std::vector<Channel> read_history(std::string_view text, const std::string& file,
+                                  const std::optional<ColumnUnits>& units) {
     Cells cells(text, file);
-    Header header = read_header(cells);
+    Header header = read_header(cells, units ? CsvHead::names : CsvHead::names_and_units);
     const std::size_t columns = header.names.size();
+    if (units)
+        for (const std::string& name : header.names) {
+            const auto unit = units->find(name);
+            if (unit == units->end() && !name.empty())
+                cells.refuse({1, 1}, fmt::format("the column '{}' has no unit", shown(name)),
+                             "summary.json names those of a table without a line of them");
+            header.units.push_back(unit == units->end() ? "" : unit->second);
+        }
     if (columns == 1 && header.names[0].empty() && header.units[0].empty()) {  // a record without channels
         if (!cells.at_end()) cells.refuse(cells.here(), "numbers without a column");
         return {};
@@ -195,7 +205,7 @@ std::vector<Channel> read_history(std::string_view text, const std::string& file
     return channels;
 }
 
-std::vector<Event> read_events(std::string_view text, const std::string& file) {
+std::vector<Event> read_events(std::string_view text, const std::string& file, CsvHead head) {
     struct Column {
         std::string_view name, unit;
         double Event::*value;  ///< null: the name
@@ -204,11 +214,12 @@ std::vector<Event> read_events(std::string_view text, const std::string& file) {
                                Column{"altitude", "m", &Event::altitude},
                                Column{"speed", "m/s", &Event::speed}};
     Cells cells(text, file);
-    const Header header = read_header(cells);
+    const Header header = read_header(cells, head);
     for (const Column& column : known) {
         const auto found = std::ranges::find(header.names, column.name);
         if (found == header.names.end())
             cells.refuse({1, 1}, fmt::format("the column '{}' is missing", column.name));
+        if (head == CsvHead::names) continue;  // without a line of units: those that are known
         const std::string& unit = header.units[static_cast<std::size_t>(found - header.names.begin())];
         if (unit != column.unit)
             cells.refuse({2, 1}, fmt::format("{} is in '{}'", column.name, shown(unit)),

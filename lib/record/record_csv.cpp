@@ -14,11 +14,11 @@ void append_number(std::string& text, double value) {
     if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{}", value);
 }
 
+}  // namespace
+
 std::string unit_field(std::string_view unit) {
     return unit.empty() ? "1" : csv_field(unit);  // what UDUNITS calls dimensionless
 }
-
-}  // namespace
 
 std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
@@ -30,7 +30,7 @@ std::string csv_field(std::string_view text) {
     return quoted + '"';
 }
 
-std::string history_csv(const RunRecord& record) {
+std::string history_csv(const RunRecord& record, CsvHead head) {
     const auto& channels = record.channels;
     std::string names, units;
     std::size_t rows = channels.empty() ? 0 : channels.front().values.size();
@@ -41,7 +41,8 @@ std::string history_csv(const RunRecord& record) {
         names += separator + csv_field(channels[i].name);
         units += separator + unit_field(channels[i].unit);
     }
-    std::string text = names + '\n' + units + '\n';
+    std::string text = names + '\n';
+    if (head == CsvHead::names_and_units) text += units + '\n';
     text.reserve(text.size() + rows * channels.size() * 20);
     for (std::size_t row = 0; row < rows; ++row) {
         for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -53,8 +54,9 @@ std::string history_csv(const RunRecord& record) {
     return text;
 }
 
-std::string events_csv(const RunRecord& record) {
-    std::string text = "name,time,altitude,speed\n-,s,m,m/s\n";
+std::string events_csv(const RunRecord& record, CsvHead head) {
+    std::string text = "name,time,altitude,speed\n";
+    if (head == CsvHead::names_and_units) text += "-,s,m,m/s\n";
     for (const Event& event : record.events) {
         text += csv_field(event.name);
         for (const double value : {event.time, event.altitude, event.speed}) {

@@ -179,7 +179,7 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance) {
             {"threads", provenance.threads}};
 }
 
-std::string summary_json(const RunRecord& record, const FileChecksums& files) {
+std::string summary_json(const RunRecord& record, const FileChecksums& files, CsvHead head) {
     std::vector<Metric> metrics = record.metrics;
     std::vector<MissingMetric> missing = record.missing;
     std::vector<Warning> warnings = record.warnings;
@@ -208,6 +208,11 @@ std::string summary_json(const RunRecord& record, const FileChecksums& files) {
     json["warnings"] = warnings_json(warnings);
     json["left_out"] = left_out_json(record.left_out);
     json["provenance"] = provenance_json(record.provenance);
+    if (head == CsvHead::names) {
+        json["history_units"] = Json::object();
+        for (const Channel& channel : record.channels)
+            json["history_units"][channel.name] = unit_field(channel.unit);
+    }
     if (!files.empty()) json["files"] = files;
     return json_text(json);
 }

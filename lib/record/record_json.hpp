@@ -7,12 +7,15 @@
 #include <vector>
 
 #include "lib/record/checksum.hpp"
+#include "lib/record/record_csv.hpp"
 #include "lib/record/run_record.hpp"
 
 namespace twinchute {
 
-/// The text of summary.json. `files`: those written beside it; none, where the record is not written.
-std::string summary_json(const RunRecord& record, const FileChecksums& files = {});
+/// The text of summary.json. `files`: those written beside it; none, where the record is not written. Where
+/// their tables have no line of units (`head`), it holds the units of the channels.
+std::string summary_json(const RunRecord& record, const FileChecksums& files = {},
+                         CsvHead head = CsvHead::names_and_units);
 
 /// The record as a reader of its files will see it: metrics, and seconds of blocks, that are not finite are
 /// left out, other such numbers are NaN (0 for the terms of the energy that are written only unless zero),

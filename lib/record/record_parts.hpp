@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lib/record/checksum.hpp"
+#include "lib/record/record_csv.hpp"
 #include "lib/record/record_error.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -44,9 +47,17 @@ inline constexpr EnergyTerm energy_terms[] = {
 /// none beyond `largest` [bytes]. Throws RecordError.
 std::string read_record_file(const std::filesystem::path& file, std::size_t largest);
 
-/// Everything but channels and events. `file` stands for it in messages. `checksums` gets what it says of the
-/// files beside it, by plain names. Throws RecordError.
-RunRecord read_summary(std::string_view text, const std::string& file, FileChecksums& checksums);
+/// Units by column.
+using ColumnUnits = std::map<std::string, std::string>;
+
+/// What summary.json says of the files beside it.
+struct FilesBeside {
+    FileChecksums checksums;                   ///< by plain names
+    std::optional<ColumnUnits> history_units;  ///< where the tables have no line of units
+};
+
+/// Everything but channels and events. `file` stands for it in messages. Throws RecordError.
+RunRecord read_summary(std::string_view text, const std::string& file, FilesBeside& beside);
 
 /// Parts that other files hold as well. Each throws RecordError.
 SceneId read_scene_id(const JsonNode& node);
@@ -55,10 +66,11 @@ Provenance read_provenance(const JsonNode& node);
 /// That a file is of twinchute, and of the schema that this version knows; `what` it should be: "record".
 void require_schema(const JsonNode& top, std::string_view what, std::int64_t known);
 
-/// Throws RecordError.
-std::vector<Channel> read_history(std::string_view text, const std::string& file);
+/// `units`: of a table without a line of them. Throws RecordError.
+std::vector<Channel> read_history(std::string_view text, const std::string& file,
+                                  const std::optional<ColumnUnits>& units);
 
 /// Throws RecordError.
-std::vector<Event> read_events(std::string_view text, const std::string& file);
+std::vector<Event> read_events(std::string_view text, const std::string& file, CsvHead head);
 
 }  // namespace twinchute

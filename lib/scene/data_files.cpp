@@ -119,27 +119,9 @@ std::string file_stem_of(std::string_view name) {
     return stem.empty() ? "scene" : stem;
 }
 
-std::string read_text_file(const fs::path& file, std::size_t largest) {
-    const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
-        return SceneError({file.string(), 0, 0}, "", problem, why, hint);
-    };
-    std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status))
-        throw refuse("no such file", "", file == "-" ? "standard input is /dev/stdin" : "check the path");
-    if (fs::is_directory(status)) throw refuse("is a directory", "a file is wanted", "name the file in it");
-    // Standard input and process substitutions are pipes without a name, and read to their end. One with a
-    // name may have nobody who writes: whether it can be read would hang on who comes first, or for ever.
-    const int handle = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    const auto cannot = [&](int reason) {
-        return refuse("cannot be read", std::strerror(reason), "check its permissions");
-    };
-    if (handle < 0) throw cannot(errno);
-    struct statfs where {};
-    if (fs::is_fifo(status) && ::fstatfs(handle, &where) == 0 && where.f_type != PIPEFS_MAGIC) {
-        ::close(handle);
-        throw refuse("is a named pipe", "a file is wanted", "name a file, or pipe it into /dev/stdin");
-    }
+/// All that comes from a file or pipe. Throws SceneError (place: `name`) where it cannot be read or is larger
+/// than `largest` [bytes].
+static std::string read_all(int handle, const std::string& name, std::size_t largest) {
     std::string text, chunk(1 << 16, '\0');
     ssize_t count = 0;
     do {  // bounded: a device has no size and no end
@@ -148,13 +130,43 @@ std::string read_text_file(const fs::path& file, std::size_t largest) {
         pollfd more{handle, POLLIN, 0};
         if (count < 0 && errno == EAGAIN) ::poll(&more, 1, -1);
     } while (text.size() <= largest && (count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR))));
-    const int reason = count < 0 ? errno : 0;
-    ::close(handle);
-    if (reason != 0) throw cannot(reason);
+    if (count < 0)
+        throw SceneError(
+            {name, 0, 0}, "", "cannot be read", std::strerror(errno),
+            name == stdin_name ? "pipe a scene into it, or name a file" : "check its permissions");
     if (text.size() > largest)
-        throw refuse("is too large", fmt::format("more than {} MiB", largest >> 20),
-                     largest == largest_scene_file ? "is it a scene?" : "is it the right file?");
+        throw SceneError({name, 0, 0}, "", "is too large", fmt::format("more than {} MiB", largest >> 20),
+                         largest == largest_scene_file ? "is it a scene?" : "is it the right file?");
     return text;
+}
+
+const std::string& stdin_text() {
+    static const std::string text = read_all(STDIN_FILENO, std::string(stdin_name), largest_scene_file);
+    return text;
+}
+
+std::string read_text_file(const fs::path& file, std::size_t largest) {
+    const auto refuse = [&](const std::string& problem, const std::string& why, const std::string& hint) {
+        return SceneError({file.string(), 0, 0}, "", problem, why, hint);
+    };
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status))
+        throw refuse("no such file", "",
+                     file == "-" ? "here standard input is /dev/stdin" : "check the path");
+    if (fs::is_directory(status)) throw refuse("is a directory", "a file is wanted", "name the file in it");
+    // Process substitutions are pipes without a name, and read to their end. One with a name may have nobody
+    // who writes: whether it can be read would hang on who comes first, or for ever.
+    const int handle = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (handle < 0) throw refuse("cannot be read", std::strerror(errno), "check its permissions");
+    const struct Closed {
+        int handle;
+        ~Closed() { ::close(handle); }
+    } closed{handle};
+    struct statfs where {};
+    if (fs::is_fifo(status) && ::fstatfs(handle, &where) == 0 && where.f_type != PIPEFS_MAGIC)
+        throw refuse("is a named pipe", "a file is wanted", "name a file, or pipe it into /dev/stdin");
+    return read_all(handle, file.string(), largest);
 }
 
 }  // namespace twinchute

@@ -39,7 +39,14 @@ std::string file_stem_of(std::string_view name);
 /// [bytes] that a scene, design, material or table may have.
 inline constexpr std::size_t largest_scene_file = 4u << 20;
 
-/// The whole file, or what comes through a pipe without a name (standard input, a process substitution).
+/// Standard input: how messages name it.
+inline constexpr std::string_view stdin_name = "<stdin>";
+
+/// All of standard input, which is read once and kept: a command may read its scene several times. Throws
+/// SceneError where it cannot be read or is larger than a scene.
+const std::string& stdin_text();
+
+/// The whole file, or what comes through a pipe without a name (/dev/stdin, a process substitution).
 /// Throws SceneError (place: the file as given) when it cannot be read, is a directory, a named pipe or
 /// larger than `largest` [bytes].
 std::string read_text_file(const std::filesystem::path& file, std::size_t largest = largest_scene_file);

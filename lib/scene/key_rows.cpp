@@ -251,7 +251,7 @@ constexpr Key scene_rows[] = {
     {.path = "environment.atmosphere.temperature_offset", .binding = of_air<&Atmosphere::temperature_offset>, .unit = "K", .need = defaulted, .fallback = "0", .range = from(-100, 100),
      .only_with = "us76", .meaning = "warmer than standard at the same pressure altitude; a difference, in K"},
     {.path = "environment.atmosphere.table", .binding = of_air<&Atmosphere::table, &AirTable::file>, .kind = csv_file, .only_with = "table",
-     .meaning = "columns altitude, temperature, and pressure or density; makes the model \"table\""},
+     .meaning = "columns altitude, temperature, and pressure or density; or a sounding as published, a Wyoming list or FSL; makes the model \"table\""},
     {.path = "environment.gravity", .binding = member<&Scene::environment, &Environment::gravity>, .unit = "m/s^2", .need = defaulted, .fallback = "9.80665", .range = above(0, 100),
      .meaning = "downward acceleration", .source = "standard gravity, ISO 80000-3"},
     {.path = "environment.ground", .binding = member<&Scene::environment, &Environment::ground>, .unit = "m", .need = defaulted, .fallback = "0", .range = from(-1000, 80000),
@@ -267,7 +267,7 @@ constexpr Key scene_rows[] = {
     {.path = "environment.wind.up", .binding = wind_component<2>, .unit = "m/s", .need = defaulted, .fallback = "0", .range = from(-100, 100),
      .only_with = "components", .meaning = "upward"},
     {.path = "environment.wind.table", .binding = member<&Scene::environment, &Environment::wind, &Wind::table>, .kind = csv_file, .only_with = "table",
-     .meaning = "columns altitude, and speed and from, or east, north and perhaps up; its ends hold beyond them"},
+     .meaning = "columns altitude, and speed and from, or east, north and perhaps up; or a sounding as published; its ends hold beyond them"},
 
     {.path = "payload.mass", .binding = member<&Scene::payload, &Payload::mass>, .unit = "kg", .range = above(0, 1e6), .meaning = "everything below the risers"},
     {.path = "payload.drag_area", .binding = member<&Scene::payload, &Payload::drag_area>, .unit = "m^2", .need = optional, .range = from(0, 1e4), .instead_of = "payload.drag_area_table", .meaning = "C_D S of the payload"},

@@ -203,6 +203,7 @@ std::vector<Scene> read_scenes_text(std::string_view text, const std::string& na
 }
 
 std::vector<Scene> read_scenes(const fs::path& file, const std::vector<std::string>& overrides) {
+    if (file == "-") return read_scenes_text(stdin_text(), std::string(stdin_name), {}, overrides);
     return read_scenes_text(read_text_file(file), file.string(), file.parent_path(), overrides);
 }
 

@@ -26,7 +26,8 @@ Scene read_scene_text(std::string_view text, const std::string& name, const std:
 
 /// The scenes of a file: one for each [[case]], in their order, or the one scene when there is none. Laid
 /// over each other are, from below: a design, the file that `base` names, the file, the case, `overrides`.
-/// Messages about a case name it. The cases of a file take the place of those of its base.
+/// Messages about a case name it. The cases of a file take the place of those of its base. The file "-" is
+/// standard input, as if it lay in the current directory.
 std::vector<Scene> read_scenes(const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,

@@ -7,16 +7,6 @@
 namespace twinchute {
 namespace {
 
-std::string complaint_text(const std::string& key, const std::string& problem, const std::string& why,
-                           const std::string& suggestion) {
-    std::string text;
-    if (!key.empty()) text += key + ": ";
-    text += problem;
-    if (!why.empty()) text += " (" + why + ")";
-    if (!suggestion.empty()) text += ", " + suggestion;
-    return text;
-}
-
 std::string message(const SourcePlace& place, const std::string& complaint) {
     std::string text = place.file;
     if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
@@ -26,18 +16,30 @@ std::string message(const SourcePlace& place, const std::string& complaint) {
 
 }  // namespace
 
+std::string SceneError::Complaint::text(const std::string& key) const {
+    std::string text = parts;
+    if (!key.empty()) text += key + ": ";
+    text += problem;
+    if (!why.empty()) text += " (" + why + ")";
+    if (!suggestion.empty()) text += ", " + suggestion;
+    return text;
+}
+
 SceneError::SceneError(SourcePlace place, std::string key, std::string problem, std::string why,
                        std::string suggestion)
-    : SceneError(place, key, complaint_text(key, problem, why, suggestion), "") {}
+    : SceneError(std::move(place), std::move(key),
+                 Complaint{std::move(problem), std::move(why), std::move(suggestion), ""}) {}
 
-SceneError::SceneError(SourcePlace place, std::string key, std::string complaint, const std::string& part)
-    : std::runtime_error(message(place, part.empty() ? complaint : part + ": " + complaint)),
+SceneError::SceneError(SourcePlace place, std::string key, Complaint complaint)
+    : std::runtime_error(message(place, complaint.text(key))),
       place_(std::move(place)),
       key_(std::move(key)),
-      complaint_(part.empty() ? std::move(complaint) : part + ": " + complaint) {}
+      complaint_(std::move(complaint)) {}
 
 SceneError SceneError::within(const std::string& part) const {
-    return {place_, key_, complaint_, part};
+    Complaint complaint = complaint_;
+    complaint.parts.insert(0, part + ": ");
+    return {place_, key_, std::move(complaint)};
 }
 
 }  // namespace twinchute

@@ -21,16 +21,25 @@ public:
 
     const SourcePlace& place() const { return place_; }
     const std::string& key() const { return key_; }
+    /// Parts of the complaint; empty where it has none.
+    const std::string& problem() const { return complaint_.problem; }
+    const std::string& why() const { return complaint_.why; }
+    const std::string& suggestion() const { return complaint_.suggestion; }
 
     /// Repeats the complaint for one part of a scene: "file:line:column: part: key: ...".
     SceneError within(const std::string& part) const;
 
 private:
-    SceneError(SourcePlace place, std::string key, std::string complaint, const std::string& part);
+    struct Complaint {
+        std::string problem, why, suggestion;
+        std::string parts;  ///< of the scene, outermost first: "case 'x': "
+        std::string text(const std::string& key) const;
+    };
+    SceneError(SourcePlace place, std::string key, Complaint complaint);
 
     SourcePlace place_;
     std::string key_;
-    std::string complaint_;  ///< what() after the place
+    Complaint complaint_;
 };
 
 }  // namespace twinchute

@@ -7,6 +7,8 @@
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/csv_table.hpp"
+#include "lib/scene/published_sounding.hpp"
+#include "lib/scene/scene_error.hpp"
 
 namespace twinchute {
 namespace {
@@ -27,9 +29,60 @@ constexpr std::array<CsvColumn, 6> wind_columns{{altitude,
 
 constexpr std::array<CsvColumn, 2> force_columns{{{"time", "s", {0.0, 36000.0}}, {"force", "N", {0.0, 1e7}}}};
 
+/// Levels of a published sounding that have what is asked for; each has to lie above the one before.
+template <class Has>
+std::vector<SoundingLevel> levels_with(std::string_view text, const std::string& file, std::string_view what,
+                                       Has&& has) {
+    std::vector<SoundingLevel> levels;
+    for (const SoundingLevel& level : read_published_sounding(text, file)) {
+        if (!has(level)) continue;
+        if (!levels.empty() && level.altitude <= levels.back().altitude) {
+            const SoundingLevel& before = levels.back();
+            const bool repeated = level.altitude == before.altitude && level.pressure == before.pressure &&
+                                  level.temperature == before.temperature && level.speed == before.speed &&
+                                  level.from == before.from;
+            if (repeated) continue;  // one level under two names, such as a mandatory and a significant one
+            throw SceneError({file, level.line, 1}, "", "height does not rise",
+                             fmt::format("{:.1f} m after {:.1f} m in line {}", level.altitude,
+                                         before.altitude, before.line),
+                             "take one of the two lines out");
+        }
+        levels.push_back(level);
+    }
+    if (levels.size() < 2)
+        throw SceneError({file, levels.empty() ? 1 : levels.front().line, 1}, "",
+                         fmt::format("{} levels with {}", levels.size(), what),
+                         "two are the fewest to go between", "name a sounding that has more");
+    return levels;
+}
+
+AirTable published_air(std::string_view text, const std::string& file, const std::string& name) {
+    AirTable air;
+    air.file = name;
+    air.beside = AirTable::Beside::pressure;
+    for (const SoundingLevel& level : levels_with(text, file, "pressure and temperature", [](const auto& l) {
+             return l.pressure && l.temperature;
+         })) {
+        air.altitude.push_back(level.altitude);
+        air.temperature.push_back(*level.temperature);
+        air.logarithm.push_back(std::log(*level.pressure));
+    }
+    return air;
+}
+
+Wind published_wind(std::string_view text, const std::string& file, const std::string& name) {
+    Wind wind;
+    wind.table = name;
+    for (const SoundingLevel& level :
+         levels_with(text, file, "wind", [](const auto& l) { return l.speed && l.from; }))
+        wind.levels.push_back({level.altitude, wind_from(*level.speed, *level.from)});
+    return wind;
+}
+
 }  // namespace
 
 AirTable read_air_table(std::string_view text, const std::string& file, const std::string& name) {
+    if (is_published_sounding(text)) return published_air(text, file, name);
     const CsvTable table = read_csv_table(text, file, air_columns);
     constexpr const char* hint = "the columns are altitude, temperature, and pressure or density";
     if (!table.has("temperature")) refuse_columns(file, "the column 'temperature' is missing", hint);
@@ -49,6 +102,7 @@ AirTable read_air_table(std::string_view text, const std::string& file, const st
 }
 
 Wind read_wind_table(std::string_view text, const std::string& file, const std::string& name) {
+    if (is_published_sounding(text)) return published_wind(text, file, name);
     const CsvTable table = read_csv_table(text, file, wind_columns);
     const bool polar = table.has("speed") && table.has("from");
     const bool cartesian = table.has("east") && table.has("north");

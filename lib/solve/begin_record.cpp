@@ -1,10 +1,11 @@
+#include "lib/scene/scene_id.hpp"
 #include "lib/solve/fidelity.hpp"
 
 namespace twinchute {
 
 RunRecord begin_record(const Scene& scene, std::string_view fidelity) {
     RunRecord record;
-    record.scene = {scene.name, scene.file.string(), scene.sha256};
+    record.scene = scene_id(scene);
     record.inputs = scene.inputs;
     record.warnings = scene.warnings;
     record.fidelity = fidelity;

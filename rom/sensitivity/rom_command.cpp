@@ -13,6 +13,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/sensitivity.hpp"
 
@@ -61,7 +62,7 @@ std::string sensitivity_text(const Scene& scene, const Sensitivity& s, const Sty
 ordered_json sensitivity_json(const Scene& scene, const Sensitivity& s) {
     ordered_json json;
     json["generator"] = "twinchute";
-    json["scene"] = scene_json({scene.name, scene.file.string(), scene.sha256});
+    json["scene"] = scene_json(scene_id(scene));
     for (std::size_t m = 0; m < s.metrics.size(); ++m)
         json["metrics"][s.metrics[m]] = s.values[m];
     json["inputs"] = ordered_json::array();
@@ -80,6 +81,9 @@ ExitCode run_sensitivity(const Arguments& arguments, const Fidelity& full) {
         throw UsageError(
             "--out goes with a record, not with --sensitivity (which writes to standard output "
             "only), take one of them out");
+    if (arguments.has("plain-csv"))
+        throw UsageError(
+            "--plain-csv is for the tables of a record (--sensitivity writes none), take one of them out");
     const std::vector<Scene> scenes = scenes_of(arguments);
     for (const Scene& scene : scenes)
         require_physics(scene, rom_fidelity(), std::array{&full});

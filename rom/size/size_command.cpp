@@ -54,39 +54,16 @@ std::optional<fs::path> wanted_file(const Arguments& arguments, const std::vecto
     return file;
 }
 
-/// Checks that scenes have what sizing needs.
-void check(const std::vector<Scene>& scenes) {
-    for (const Scene& scene : scenes) {
-        require_physics(scene, rom_fidelity(), {});
-        if (!scene.size)
-            throw UsageError(
-                fmt::format("{}: there is no [size] (it holds the limits), add e.g. [size] with "
-                            "max_descent_rate = \"6 m/s\"",
-                            scene.file.string()));
-        for (const std::string& name : scene.size->vary)
-            if (const std::string why = find_vary(name)->why_unavailable(scene); !why.empty())
-                throw UsageError(
-                    fmt::format("{}: size.vary: '{}' cannot vary ({}), add it or take the word out",
-                                scene.file.string(), name, why));
-    }
-}
-
-/// The sized scene for other commands to run.
-std::string scene_text(const Scene& scene, const Candidate& best) {
-    Scene sized = best.found->scene;
-    sized.name += ", sized";
-    return fmt::format("{} from the scene '{}'.\n", mark, printable(scene.name)) + write_scene(sized);
-}
-
 void write(const Scene& scene, const Candidate& best, const fs::path& out) {
     FileBatch batch;
-    batch.add(directory_of(scene, out.parent_path()) / out.filename(), scene_text(scene, best));
+    batch.add(directory_of(scene, out.parent_path()) / out.filename(), sized_scene_text(scene, best));
     batch.commit();
 }
 
 ExitCode run_size(const Arguments& arguments) {
     const std::vector<Scene> scenes = scenes_of(arguments);
-    check(scenes);
+    for (const Scene& scene : scenes)
+        require_sizable(scene);
     const std::optional<fs::path> out = wanted_file(arguments, scenes);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
@@ -124,6 +101,25 @@ ExitCode run_size(const Arguments& arguments) {
 }
 
 }  // namespace
+
+void require_sizable(const Scene& scene) {
+    require_physics(scene, rom_fidelity(), {});
+    if (!scene.size)
+        throw UsageError(
+            fmt::format("{}: there is no [size] (it holds the limits), add e.g. [size] with "
+                        "max_descent_rate = \"6 m/s\"",
+                        scene.file.string()));
+    for (const std::string& name : scene.size->vary)
+        if (const std::string why = find_vary(name)->why_unavailable(scene); !why.empty())
+            throw UsageError(fmt::format("{}: size.vary: '{}' cannot vary ({}), add it or take the word out",
+                                         scene.file.string(), name, why));
+}
+
+std::string sized_scene_text(const Scene& scene, const Candidate& best) {
+    Scene sized = best.found->scene;
+    sized.name += ", sized";
+    return fmt::format("{} from the scene '{}'.\n", mark, printable(scene.name)) + write_scene(sized);
+}
 
 Command size_command() {
     Command command;

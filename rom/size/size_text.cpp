@@ -10,6 +10,7 @@
 #include "lib/cli/record_text.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/scene/scene_id.hpp"
 
 namespace twinchute::rom {
 namespace {
@@ -184,7 +185,7 @@ nlohmann::ordered_json size_json(const Scene& scene, const Sized& sized) {
         candidates.push_back(candidate_json(sized, candidate));
     return {{"generator", "twinchute"},
             {"schema", 1},
-            {"scene", scene_json({scene.name, scene.file.string(), scene.sha256})},
+            {"scene", scene_json(scene_id(scene))},
             {"meets", best != nullptr && best->meets()},
             {"candidates", std::move(candidates)}};
 }

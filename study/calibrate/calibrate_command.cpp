@@ -23,6 +23,10 @@ namespace fs = std::filesystem;
 ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
     if (!arguments.has("to"))
         throw UsageError("--to is missing (it names the test that inputs are fitted to), e.g. --to drop.csv");
+    if (arguments.operand == "-")
+        throw UsageError(
+            "'-' is no scene to calibrate (calibrated.toml names the file that it is based on), save it as a "
+            "file");
     CalibrationSettings settings;
     for (const std::string& text : arguments.values("vary"))
         settings.vary.push_back(read_vary(text));
@@ -33,11 +37,7 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
             fmt::format("{}: a series of {} cases where one scene is wanted (tests are of one canopy), "
                         "write a scene without [[case]]",
                         scene.file.string(), scenes.size()));
-    require_physics(scene, rom, {});
-    if (has_calibration(scene))
-        throw UsageError(fmt::format(
-            "{}: is calibrated already (parachute.calibration), calibrate the scene that it is based on",
-            scene.file.string()));
+    require_calibratable(scene, rom);
     std::vector<DropTest> tests;
     for (const std::string& name : arguments.values("to"))
         tests.push_back(read_drop_test(name, scene));
@@ -56,14 +56,7 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
     Calibration calibration = calibrate(scene_with, tests, rom, settings);
     if (calibration.interrupted) return ExitCode::interrupted;  // half a fit says nothing
 
-    FileBatch batch;
-    if (is_of_records(tests))
-        batch.add(directory / calibration_table_name, calibration_table(calibration, scene_with, tests));
-    const std::string json = calibration_json(calibration, scene, tests);
-    batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
-    batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
-    batch.add(directory / "calibration.json", json, FileBatch::Kind::marker);
-    batch.commit();
+    const std::string json = write_calibration(calibration, scene_with, scene, tests, directory);
     if (arguments.has("json"))
         print(json);
     else if (!arguments.has("quiet"))
@@ -75,11 +68,32 @@ ExitCode run_calibrate(const Arguments& arguments, const Fidelity& rom) {
 
 }  // namespace
 
+void require_calibratable(const Scene& scene, const Fidelity& rom) {
+    require_physics(scene, rom, {});
+    if (has_calibration(scene))
+        throw UsageError(fmt::format(
+            "{}: is calibrated already (parachute.calibration), calibrate the scene that it is based on",
+            scene.file.string()));
+}
+
+std::string write_calibration(Calibration& calibration, const SceneWith& scene_with, const Scene& scene,
+                              const std::vector<DropTest>& tests, const fs::path& directory) {
+    FileBatch batch;
+    if (is_of_records(tests))
+        batch.add(directory / calibration_table_name, calibration_table(calibration, scene_with, tests));
+    std::string json = calibration_json(calibration, scene, tests);
+    batch.add(directory / "calibrated.toml", calibrated_scene(calibration, scene, tests, directory));
+    batch.add(directory / "report.html", calibration_page(calibration, scene, tests));
+    batch.add(directory / "calibration.json", json, FileBatch::Kind::marker);
+    batch.commit();
+    return json;
+}
+
 Command calibrate_command(const Fidelity& rom) {
     Command command;
     command.name = "calibrate";
     command.summary = "inputs of a scene from tests, with their uncertainty";
-    command.operand = "SCENE";
+    command.operand = "SCENE.toml";  // calibrated.toml refers to it: no standard input
     command.example =
         "twinchute calibrate data/calibration/c9-drop.toml --to data/calibration/c9-drop-a.toml";
     command.options = scene_options("write the results there instead of ./<scene file>.out");

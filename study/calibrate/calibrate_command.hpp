@@ -1,13 +1,26 @@
 // `twinchute calibrate`.
 #pragma once
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "lib/cli/command.hpp"
 #include "lib/solve/fidelity.hpp"
+#include "study/calibrate/calibration.hpp"
 
 namespace twinchute::study {
 
 /// Exit code 0 where inputs are fitted, 1 where they are and the tests do not go with the model. `rom`: gives
 /// samples.
 Command calibrate_command(const Fidelity& rom);
+
+/// Throws UsageError for a scene that cannot be calibrated.
+void require_calibratable(const Scene& scene, const Fidelity& rom);
+
+/// Writes the files of a calibration, all or none, and returns the text of calibration.json. Throws
+/// WriteError.
+std::string write_calibration(Calibration& calibration, const SceneWith& scene_with, const Scene& scene,
+                              const std::vector<DropTest>& tests, const std::filesystem::path& directory);
 
 }  // namespace twinchute::study

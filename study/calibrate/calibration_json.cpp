@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/record/record_json.hpp"
+#include "lib/scene/scene_id.hpp"
 #include "study/calibrate/calibration_files.hpp"
 
 namespace twinchute::study {
@@ -92,7 +93,7 @@ ordered_json residuals_json(const Calibration& calibration) {
 std::string calibration_json(const Calibration& calibration, const Scene& scene,
                              const std::vector<DropTest>& tests) {
     ordered_json json{{"schema", 1}, {"generator", "twinchute"}};
-    json["scene"] = scene_json({scene.name, scene.file.string(), scene.sha256});
+    json["scene"] = scene_json(scene_id(scene));
     json["tests"] = tests_json(tests);
     json["consistent"] = calibration.is_consistent();
     json["findings"] = ordered_json::array();

@@ -231,7 +231,7 @@ Command campaign_command(const Fidelity& rom, const Fidelity& full) {
          "runs at the same time, as many as there are cores unless given; the answer is the same"},
         {"resume", "", "go on with the runs that are there"},
         {"shard", "I/N", "make only this part of the runs, beside other processes that make the others"},
-        {"export", "csv", "also write all runs as runs.csv"},
+        {"export", "csv", "also write all runs as runs.csv", false, {"csv"}},
         {"rerun", "INDEX", "run this one of the runs in full, with its record, into DIR/rerun-INDEX"},
         {"set", "KEY=VALUE", "override a key of the scene that varies", true},
         {"check", "", "validate campaign and scene and run nothing more than the scene itself"},

@@ -99,7 +99,7 @@ std::string campaign_json(const Campaign& campaign) {
     const Scene& scene = campaign.sampler->nominal();
     ordered_json json{{"schema", 1}, {"generator", "twinchute"}};
     json["campaign"] = {{"name", spec.name},
-                        {"file", spec.file.string()},
+                        {"file", spec.file.filename().string()},
                         {"sha256", spec.sha256},
                         {"base", spec.base},
                         {"scene", scene.name},

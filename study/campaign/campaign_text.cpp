@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "compare/render/escape.hpp"
+#include "lib/math/geodesy.hpp"
 #include "lib/record/file_batch.hpp"
 #include "study/campaign/campaign_files.hpp"
 
@@ -104,14 +105,10 @@ void export_csv(const CampaignRuns& runs, std::uint64_t count, const std::filesy
 }
 
 std::string campaign_kml(const Campaign& campaign) {
-    const double latitude = (*campaign.spec.release_point)[0], longitude = (*campaign.spec.release_point)[1];
-    // Radii of curvature of WGS 84 at the release: landing points lie within some kilometres of it.
-    constexpr double a = 6378137.0, e2 = 6.69437999014e-3, degree = 57.29577951308232;
-    const double w = 1.0 - e2 * std::sin(latitude) * std::sin(latitude);
-    const double along = a * (1.0 - e2) / (w * std::sqrt(w)), across = a / std::sqrt(w) * std::cos(latitude);
+    const LocalMap map((*campaign.spec.release_point)[0], (*campaign.spec.release_point)[1]);
     const auto place = [&](double east, double north) {
-        return fmt::format("{:.8f},{:.8f},0", degree * (longitude + east / across),
-                           degree * (latitude + north / along));
+        const GeographicPlace at = map.at(east, north);
+        return fmt::format("{:.8f},{:.8f},0", at.longitude, at.latitude);
     };
     const Columns& columns = campaign.of.front().columns;
     const std::size_t east = *columns.of("landing_east_m"), north = *columns.of("landing_north_m");

@@ -14,7 +14,7 @@ report() {  # reads lines of findings
 }
 
 modules=()
-for module in lib rom fullsim compare study; do
+for module in lib rom fullsim compare study python; do
     [ ! -d "$module" ] || modules+=("$module")
 done
 if [ "${#modules[@]}" -eq 0 ] || [ ! -f main.cpp ]; then
@@ -31,8 +31,8 @@ while IFS= read -r -d '' file; do sources+=("$file"); done < <(
 report < <(awk '
     BEGIN {
         rank["lib/math"] = 1; rank["lib/record"] = 2; rank["lib/models"] = 3; rank["lib/scene"] = 4
-        rank["lib/solve"] = 5; rank["lib/cli"] = 6; rank["rom"] = 7; rank["fullsim"] = 7
-        rank["compare"] = 8; rank["study"] = 9; rank["main.cpp"] = 10
+        rank["lib/solve"] = 5; rank["lib/cli"] = 6; rank["lib/exchange"] = 7; rank["rom"] = 7; rank["fullsim"] = 7
+        rank["compare"] = 8; rank["study"] = 9; rank["main.cpp"] = 10; rank["python"] = 10
     }
     function module_of(path,   part) {
         split(path, part, "/")

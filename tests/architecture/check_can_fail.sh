@@ -8,7 +8,7 @@ failures=0
 
 good_tree() {
     rm -rf "$work"
-    mkdir -p "$work"/lib/{math,record,models,scene,solve,cli} "$work"/{rom,fullsim,compare,study,build}
+    mkdir -p "$work"/lib/{math,record,models,scene,solve,cli} "$work"/{rom,fullsim,compare,study,python,build}
     cd "$work"
     echo '#include <vector>' >lib/math/vec.hpp
     echo '#include "lib/math/vec.hpp"' >lib/record/record.hpp
@@ -20,6 +20,7 @@ good_tree() {
     echo '#include "fullsim/mesh.hpp"' >fullsim/full.cpp
     echo '#include "lib/scene/scene.hpp"' >compare/compare.cpp
     echo '#include "compare/compare.hpp"' >study/study.cpp
+    echo '#include "study/study.hpp"' >python/module.cpp
     printf '#include "rom/rom.hpp"\n#include "compare/compare.hpp"\nint main() { return 0; }\n' >main.cpp
     echo 'project(x)' >CMakeLists.txt
     echo 'set(x -march=native)' >build/CMakeLists.txt # built files are not looked at
@@ -54,6 +55,9 @@ breach compare/compare.cpp 2 '#include "rom/rom.hpp"'
 breach compare/compare.cpp 2 '#include "fullsim/full.hpp"'
 breach compare/compare.cpp 2 '#include "study/study.hpp"'
 breach study/study.cpp 2 '#include "rom/rom.hpp"'
+breach study/study.cpp 2 '#include "python/module.hpp"'
+breach main.cpp 4 '#include "python/module.hpp"'
+breach python/module.cpp 2 '    std::exit(1);'
 breach rom/rom.cpp 2 '#include "rom.hpp"'
 breach rom/rom.cpp 2 '#include "other/rom.hpp"'
 breach rom/rom.cpp 2 '#include "lib/other/rom.hpp"'

@@ -22,7 +22,7 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
     for (const std::string command :
-         {"compare", "rom", "full", "report", "ladder", "stability", "mesh", "plan", "list"}) {
+         {"compare", "rom", "full", "report", "ladder", "stability", "import", "export", "mesh", "plan", "list"}) {
         const Ended help = run({command, "-h"});
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("example: twinchute " + command), std::string::npos) << help.out;
@@ -44,6 +44,51 @@ TEST_F(SystemCli, RomWritesWhereItIsTold) {
     EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/summary.json",
                                                             "there/history.csv", "there/events.csv"}));
     EXPECT_EQ(read("there/summary.json")["fidelity"], "rom");
+}
+
+/// The tables are what they are with units, less the second line; whoever reads the record back gets its
+/// units.
+TEST_F(SystemCli, PlainCsvLeavesOutTheLineOfUnitsAndIsReadBack) {
+    const auto lines = [&](const std::string& file) {
+        const std::string all = text(file);
+        const std::size_t first = all.find('\n') + 1, second = all.find('\n', first) + 1;
+        return std::pair(all, all.substr(0, first) + all.substr(second));
+    };
+    EXPECT_EQ(run({"rom", c9_inflation, "--quiet", "--out", "units"}).code, 0);
+    EXPECT_EQ(run({"rom", c9_inflation, "--quiet", "--out", "plain", "--plain-csv"}).code, 0);
+    for (const std::string file : {"history.csv", "events.csv"})
+        EXPECT_EQ(text("plain/" + file), lines("units/" + file).second) << file;
+    EXPECT_EQ(read("plain/summary.json")["history_units"]["force"], "N");
+    EXPECT_FALSE(read("units/summary.json").contains("history_units"));
+
+    EXPECT_EQ(run_quick({"compare", c9_inflation, "--quiet", "--out", "both", "--plain-csv"}).err, "");
+    EXPECT_NE(text("both/full/history.csv").find("\n0,"), std::string::npos);
+    const std::string gap = text("both/gap.json"), page = text("both/report.html");
+    const Ended again = run({"report", "both", "--quiet"});
+    EXPECT_EQ(again.err, "");
+    EXPECT_EQ(text("both/gap.json"), gap);
+    EXPECT_EQ(text("both/report.html"), page);
+    // A table that lost its units by other hands is refused.
+    here_.write("units/history.csv", lines("units/history.csv").second);
+    const Ended broken = run({"report", "units"});
+    EXPECT_EQ(broken.code, 2);
+    EXPECT_NE(broken.err.find("history.csv"), std::string::npos) << broken.err;
+    EXPECT_EQ(run({"rom", c9_inflation, "--plain-csv"}).code, 2);  // no record, no table
+    EXPECT_EQ(run({"rom", c9_inflation, "--plain-csv", "--sensitivity"}).code, 2);
+}
+
+TEST_F(SystemCli, ARecordNamesTheSceneFileWithoutItsDirectories) {
+    const std::string directory = here_.path().string();
+    here_.write("deep/scene.toml", content_of(c9_inflation));
+    const std::string scene = directory + "/deep/scene.toml";
+    EXPECT_EQ(run_quick({"compare", scene, "--quiet", "--out", "out"}).err, "");
+    for (const std::string file : {"out/rom/summary.json", "out/full/summary.json", "out/gap.json",
+                                   "out/report.html", "out/report.md"}) {
+        EXPECT_EQ(text(file).find(directory), std::string::npos) << file;
+        EXPECT_NE(text(file).find("scene.toml"), std::string::npos) << file;
+    }
+    for (const std::string command : {"plan", "mesh"})
+        EXPECT_EQ(json::parse(run({command, scene, "--json"}).out)["scene"]["file"], "scene.toml");
 }
 
 TEST_F(SystemCli, JsonIsAllThatStandsOnStandardOutput) {

@@ -71,8 +71,35 @@ TEST_F(SystemPaths, StandardInputAndProcessSubstitutionAreRead) {
         EXPECT_EQ(ended.code, 0) << line << ": " << ended.err;
         EXPECT_NE(ended.out.find("peak force"), std::string::npos) << line;
     }
-    const Ended dash = shell("$T rom - < scene.toml");
-    expect_refused(dash, "standard input is /dev/stdin");
+}
+
+/// The same scene gives the same record, whichever way it comes: only where it is from differs.
+TEST_F(SystemPaths, ADashIsASceneFromStandardInput) {
+    here_.write("here/wind.csv", "altitude,speed,from\nm,m/s,deg\n0,5,270\n1000,5,270\n");
+    here_.write("here/windy.toml",
+                "base = \"../scene.toml\"\nname = \"windy\"\n"
+                "environment.wind = { table = \"wind.csv\" }\n");
+    const json of_file = json::parse(shell("cd here; $T rom windy.toml --json").out),
+               of_pipe = json::parse(shell("cd here; cat windy.toml | $T rom - --json").out);
+    EXPECT_EQ(of_pipe["scene"]["file"], "<stdin>");
+    EXPECT_EQ(of_pipe["scene"]["sha256"], of_file["scene"]["sha256"]);
+    EXPECT_EQ(of_pipe["inputs"], of_file["inputs"]);
+    EXPECT_EQ(of_pipe["metrics"], of_file["metrics"]);
+    for (const char* line : {"$T rom - --sensitivity --quiet < scene.toml", "$T plan - --quiet < scene.toml",
+                             "$T full - --quiet < scene.toml", "$T compare - --quiet --out both < scene.toml",
+                             "printf 'base = \"sizing/rocket-main.toml\"' | $T size - --check --quiet",
+                             "$T ladder - --check < scene.toml", "$T mesh - --quiet < scene.toml"})
+        EXPECT_EQ(shell(line).err, "") << line;
+    for (const char* file : {"scene.out/summary.json", "both/gap.json"})
+        EXPECT_TRUE(std::filesystem::exists(here_ / file)) << file;
+    const Ended wrong = shell("printf 'schema = 1\nmas = 3\n' | $T rom -");
+    expect_refused(wrong, "<stdin>:2:1: mas: unknown key");
+    expect_refused(shell("$T rom - < /dev/null"), "<stdin>");
+    expect_refused(shell("$T rom - <&-"), "<stdin>: cannot be read");
+    expect_refused(shell("$T rom - < ."), "<stdin>: cannot be read");
+    expect_refused(shell("yes '# no end' | $T rom -"), "<stdin>: is too large");
+    expect_refused(shell("$T calibrate - --to x.csv < scene.toml"), "save it as a file");
+    expect_refused(shell("$T campaign - < scene.toml"), "here standard input is /dev/stdin");
 }
 
 TEST_F(SystemPaths, ADataDirectoryThatIsNotThereIsAnError) {

@@ -1,0 +1,23 @@
+# What the Python module needs: a Python with its headers and numpy, and pybind11. Debian's modules belong to
+# /usr/bin/python3, whatever other Python comes first in the path.
+if(TWINCHUTE_PYTHON AND NOT Python_EXECUTABLE)
+  foreach(modules "numpy, pytest" numpy)
+    foreach(candidate python3 /usr/bin/python3)
+      execute_process(COMMAND ${candidate} -c "import ${modules}, sys; print(sys.executable)"
+        RESULT_VARIABLE code OUTPUT_VARIABLE found ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+      if(code EQUAL 0 AND NOT Python_EXECUTABLE)
+        set(Python_EXECUTABLE ${found})
+      endif()
+    endforeach()
+  endforeach()
+endif()
+if(TWINCHUTE_PYTHON)
+  if(Python_EXECUTABLE)
+    find_package(Python QUIET COMPONENTS Interpreter Development.Module)
+    find_package(pybind11 2.10 CONFIG QUIET)
+  endif()
+  if(NOT Python_FOUND OR NOT pybind11_FOUND)
+    set(TWINCHUTE_PYTHON OFF)
+    message(STATUS "No `import twinchute`: it needs Python's headers, numpy and pybind11 (Debian: python3-dev python3-numpy pybind11-dev)")
+  endif()
+endif()
