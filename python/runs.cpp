@@ -66,7 +66,8 @@ private:
 };
 
 RecordObject run_rom(const SceneObject& scene) {
-    const Scene& one = scene.scene();
+    const std::shared_ptr<const Scene> kept = scene.shared();
+    const Scene& one = *kept;
     require_physics(one, rom::rom_fidelity(), fidelities());
     RecordObject object;
     {
@@ -110,7 +111,8 @@ void require_place_for_fields(const Scene& scene) {
 
 RecordObject run_full(const SceneObject& scene, const py::object& progress, const py::object& threads,
                       const std::optional<fs::path>& out) {
-    const Scene one = scene.scene();  // of its own: another thread may set() meanwhile
+    const std::shared_ptr<const Scene> kept = scene.shared();
+    const Scene& one = *kept;
     require_physics(one, fullsim::full_fidelity(), fidelities());
     if (out)
         check_output_dir(*out);
@@ -168,7 +170,8 @@ struct ComparisonObject {
 
 ComparisonObject run_compare(const SceneObject& scene, const py::object& progress, const py::object& threads,
                              bool why, int seeds) {
-    const Scene one = scene.scene();
+    const std::shared_ptr<const Scene> kept = scene.shared();
+    const Scene& one = *kept;
     const Fidelity &full = *fidelities()[0], &rom = *fidelities()[1];
     for (const Fidelity* fidelity : fidelities())
         require_physics(one, *fidelity, fidelities());
@@ -187,7 +190,7 @@ ComparisonObject run_compare(const SceneObject& scene, const py::object& progres
         made->candidate = record_by(rom, made->candidate_frames);
         made->reference = record_by(full, made->reference_frames);
         made->gap = compare::measure_gap(made->reference, made->candidate, one.tolerances,
-                                compare::command_line_tolerances(made->reference));
+                                         compare::command_line_tolerances(made->reference));
         if (why)
             made->attribution =
                 attribute(*made, one, full, rom, {seeds, most, watched.stop, watched.progress});

@@ -15,40 +15,44 @@
 namespace twinchute::python {
 
 SceneObject::SceneObject(SceneSource source, std::vector<std::string> overrides)
-    : source_(std::make_shared<const SceneSource>(std::move(source))),
-      overrides_(std::move(overrides)),
-      scenes_(read_scenes_text(source_->text, source_->name, source_->directory, overrides_)) {
+    : source_(std::make_shared<const SceneSource>(std::move(source))), overrides_(std::move(overrides)) {
+    read();
     if (!is_series()) chosen_ = 0;
 }
 
-const Scene& SceneObject::scene() const {
+void SceneObject::read() {
+    scenes_ = std::make_shared<const std::vector<Scene>>(
+        read_scenes_text(source_->text, source_->name, source_->directory, overrides_));
+}
+
+std::shared_ptr<const Scene> SceneObject::shared() const {
     if (!chosen_)
         throw UsageError(
             fmt::format("{}: a series of {} cases where one scene is wanted, choose one of them, e.g. "
                         "scene.case('{}')",
-                        source_->name, scenes_.size(), scenes_.front().case_name));
-    return scenes_[*chosen_];
+                        source_->name, all().size(), all().front().case_name));
+    return {scenes_, &all()[*chosen_]};
 }
 
 SceneObject SceneObject::of_case(const std::string& name) const {
-    const auto found = std::ranges::find(scenes_, name, &Scene::case_name);
-    if (!is_series() || found == scenes_.end()) {
+    const auto found = std::ranges::find(all(), name, &Scene::case_name);
+    if (!is_series() || found == all().end()) {
         std::vector<std::string_view> known;
-        for (const Scene& scene : scenes_)
+        for (const Scene& scene : all())
             if (is_series()) known.push_back(scene.case_name);
         throw UsageError(fmt::format(
             "{}: there is no case '{}'{}", source_->name, name,
             is_series() ? ", " + suggest(name, known) : " (the scene is no series), use it as it is"));
     }
     SceneObject one = *this;
-    one.chosen_ = static_cast<std::size_t>(found - scenes_.begin());
+    one.chosen_ = static_cast<std::size_t>(found - all().begin());
     return one;
 }
 
 SceneObject SceneObject::with(const std::vector<std::string>& more) const {
     SceneObject other = *this;
     other.overrides_.insert(other.overrides_.end(), more.begin(), more.end());
-    other.scenes_ = read_scenes_text(source_->text, source_->name, source_->directory, other.overrides_);
+    other.read();
     return other;
 }
 

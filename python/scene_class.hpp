@@ -29,9 +29,11 @@ public:
     SceneObject(SceneSource source, std::vector<std::string> overrides);
 
     /// Of a series the case that was chosen. Throws UsageError where none was.
-    const Scene& scene() const;
-    const std::vector<Scene>& all() const { return scenes_; }
-    bool is_series() const { return !scenes_.front().case_name.empty(); }
+    const Scene& scene() const { return *shared(); }
+    /// For a run without the interpreter's lock, in which another thread may give this object other values.
+    std::shared_ptr<const Scene> shared() const;
+    const std::vector<Scene>& all() const { return *scenes_; }
+    bool is_series() const { return !all().front().case_name.empty(); }
     bool is_chosen() const { return chosen_.has_value(); }
     const SceneSource& source() const { return *source_; }
     const std::vector<std::string>& overrides() const { return overrides_; }
@@ -44,9 +46,11 @@ public:
     study::SceneWith reader() const;
 
 private:
+    void read();
+
     std::shared_ptr<const SceneSource> source_;
     std::vector<std::string> overrides_;
-    std::vector<Scene> scenes_;
+    std::shared_ptr<const std::vector<Scene>> scenes_;
     std::optional<std::size_t> chosen_;
 };
 

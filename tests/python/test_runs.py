@@ -219,22 +219,26 @@ def test_full_lets_other_threads_go_on(c9):
     assert len(inside) > 100 * (end - start)
 
 
-def test_ctrl_c_ends_a_full_run(c9):
+@pytest.mark.parametrize("progress", ["None", "lambda p: seen.append(p)"])
+def test_ctrl_c_ends_a_full_run(c9, progress):
     """A KeyboardInterrupt, promptly, and Python goes on."""
     text = f"""
-import sys, time, twinchute
+import twinchute
+seen = []
 scene = twinchute.Scene.load({str(c9)!r}, {LONG!r})
+print("begins", flush=True)
 try:
-    twinchute.full(scene, progress=lambda p: print(p.time, flush=True))
+    twinchute.full(scene, progress={progress})
 except KeyboardInterrupt:
     print("interrupted", twinchute.rom(scene.with_values({{"stop": {{"time": 1}}}})).status, flush=True)
 """
     with subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, text=True) as process:
         try:
-            process.stdout.readline()  # it runs
+            process.stdout.readline()
+            time.sleep(1.0)  # it runs
             start = time.monotonic()
             process.send_signal(signal.SIGINT)
-            out, _ = process.communicate(timeout=60)
+            out, _ = process.communicate(timeout=30)
         finally:
             process.kill()
     assert out.splitlines()[-1] == "interrupted completed"
