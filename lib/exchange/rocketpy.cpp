@@ -103,22 +103,25 @@ private:
 
     void parse(std::string_view text) {
         const std::string clean = without_python_numbers(text);
+        std::size_t end = 0;
+        std::string why = "not JSON";
         try {
             top_ = Json::parse(clean);
             return;
         } catch (const Json::parse_error& error) {
-            // Monte Carlo inputs: a document a line.
-            const std::size_t feed = std::min(clean.find('\n'), clean.size());
-            top_ = Json::parse(clean.substr(0, feed), nullptr, false);
-            const bool more = clean.find_first_not_of(" \r\n", feed) != std::string::npos;
-            if (!top_.is_object() || !more) {
-                const std::size_t end = std::min(error.byte, clean.size());
-                const auto line =
-                    std::count(clean.begin(), clean.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-                throw SceneError({file_, static_cast<int>(line) + 1, 0}, "", "is no file of RocketPy",
-                                 "not JSON",
-                                 "name a flight that RocketPy saved (.rpy), or parachutes as JSON");
-            }
+            end = std::min(error.byte, clean.size());
+        } catch (const Json::exception&) {
+            why = "a number in it is too large";
+        }
+        // Monte Carlo inputs: a document a line.
+        const std::size_t feed = std::min(clean.find('\n'), clean.size());
+        top_ = Json::parse(clean.substr(0, feed), nullptr, false);
+        const bool more = clean.find_first_not_of(" \r\n", feed) != std::string::npos;
+        if (!top_.is_object() || !more) {
+            const auto line =
+                std::count(clean.begin(), clean.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+            throw SceneError({file_, static_cast<int>(line) + 1, 0}, "", "is no file of RocketPy", why,
+                             "name a flight that RocketPy saved (.rpy), or parachutes as JSON");
         }
         scene_.taken = "First line of the file";
         scene_.left_out.push_back("all lines after the first, each another run");
