@@ -447,7 +447,9 @@ private:
         table.add("drag_area", chute.drag_area, "m^2", "cd_s");
         table.add("nominal_diameter", std::sqrt(4.0 * nominal_area(chute) / pi), "m",
                   "assumed: of a flat circular canopy with C_D0 = 0.75; it sets the filling time");
-        table.add("mass", mass_of(chute), "kg", "assumed: 60 g per m2 of nominal area, taken off the rocket");
+        table.add("mass", mass_of(chute), "kg",
+                  at(*rocket_, "mass") ? "assumed: 60 g per m2 of nominal area, taken off the rocket"
+                                       : "assumed: 60 g per m2 of nominal area, beside payload.mass");
         const std::string lag =
             chute.lag > 0.0 ? fmt::format(", delay = {}", toml_quantity(chute.lag, "s")) : "";
         const std::string comment = chute.lag > 0.0 ? "trigger and lag" : "trigger";
