@@ -41,7 +41,7 @@ void add_opening(ImportedScene& scene, ImportedTable& parachute, const SmallOpen
 double airspeed_after(const ImportedScene& scene, double horizontal, double upward,
                       std::optional<double> heading, double delay);
 
-/// What holds for the scenes of all such programs.
+/// Adds assumptions that all such scenes share.
 void add_common_assumptions(ImportedScene& scene, std::string_view program);
 
 }  // namespace twinchute::exchange

@@ -66,7 +66,7 @@ std::string parachute_name(std::string_view foreign, const std::vector<std::stri
 /// have yet makes the table. Throws UsageError.
 void set_keys(ImportedScene& scene, const std::vector<std::string>& assignments);
 
-/// What still has to be given: "payload.mass (why)". Empty: nothing.
+/// Keys that still have to be given, each as "payload.mass (why)".
 std::vector<std::string> missing_values(const ImportedScene& scene);
 
 /// The scene file. `file`: what it was made from; `wind_table`: name of the file beside it, where there is

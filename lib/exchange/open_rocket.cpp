@@ -384,7 +384,7 @@ private:
         if (device.node.child("packedlength")) packed_sizes_ = true;
     }
 
-    /// What concerns recovery and has no place in a scene.
+    /// Lists the rest of what concerns recovery: it has no place in a scene.
     void say_rest() {
         auto& out = scene_.left_out;
         out.insert(out.end(), design_.cords.begin(), design_.cords.end());

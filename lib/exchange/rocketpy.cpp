@@ -103,22 +103,25 @@ private:
 
     void parse(std::string_view text) {
         const std::string clean = without_python_numbers(text);
+        std::size_t end = 0;
+        std::string why = "not JSON";
         try {
             top_ = Json::parse(clean);
             return;
         } catch (const Json::parse_error& error) {
-            // Monte Carlo inputs: a document a line.
-            const std::size_t feed = std::min(clean.find('\n'), clean.size());
-            top_ = Json::parse(clean.substr(0, feed), nullptr, false);
-            const bool more = clean.find_first_not_of(" \r\n", feed) != std::string::npos;
-            if (!top_.is_object() || !more) {
-                const std::size_t end = std::min(error.byte, clean.size());
-                const auto line =
-                    std::count(clean.begin(), clean.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-                throw SceneError({file_, static_cast<int>(line) + 1, 0}, "", "is no file of RocketPy",
-                                 "not JSON",
-                                 "name a flight that RocketPy saved (.rpy), or parachutes as JSON");
-            }
+            end = std::min(error.byte, clean.size());
+        } catch (const Json::exception&) {
+            why = "a number in it is too large";
+        }
+        // Monte Carlo inputs: a document a line.
+        const std::size_t feed = std::min(clean.find('\n'), clean.size());
+        top_ = Json::parse(clean.substr(0, feed), nullptr, false);
+        const bool more = clean.find_first_not_of(" \r\n", feed) != std::string::npos;
+        if (!top_.is_object() || !more) {
+            const auto line =
+                std::count(clean.begin(), clean.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+            throw SceneError({file_, static_cast<int>(line) + 1, 0}, "", "is no file of RocketPy", why,
+                             "name a flight that RocketPy saved (.rpy), or parachutes as JSON");
         }
         scene_.taken = "First line of the file";
         scene_.left_out.push_back("all lines after the first, each another run");
@@ -444,7 +447,9 @@ private:
         table.add("drag_area", chute.drag_area, "m^2", "cd_s");
         table.add("nominal_diameter", std::sqrt(4.0 * nominal_area(chute) / pi), "m",
                   "assumed: of a flat circular canopy with C_D0 = 0.75; it sets the filling time");
-        table.add("mass", mass_of(chute), "kg", "assumed: 60 g per m2 of nominal area, taken off the rocket");
+        table.add("mass", mass_of(chute), "kg",
+                  at(*rocket_, "mass") ? "assumed: 60 g per m2 of nominal area, taken off the rocket"
+                                       : "assumed: 60 g per m2 of nominal area, beside payload.mass");
         const std::string lag =
             chute.lag > 0.0 ? fmt::format(", delay = {}", toml_quantity(chute.lag, "s")) : "";
         const std::string comment = chute.lag > 0.0 ? "trigger and lag" : "trigger";

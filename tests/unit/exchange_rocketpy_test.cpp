@@ -81,6 +81,7 @@ TEST(RocketPy, ParametersAloneNeedMassAndHeight) {
 TEST(RocketPy, RefusesWhatItCannotRead) {
     for (const auto& [json, message] :
          {std::pair<std::string, std::string>{"{", "not JSON"},
+          {"[1e999]", "too large"},
           {"{}", "has no parachutes"},
           {"[]", "has no parachutes"},
           {R"([{"cd_s": "x", "trigger": 1}])", "parachutes[0].cd_s: '\"x\"' is not taken"},
