@@ -8,6 +8,7 @@
 #include "compare/validate/validate_command.hpp"
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_command.hpp"
+#include "fullsim/pattern_command.hpp"
 #include "lib/cli/fidelity_command.hpp"
 #include "lib/cli/list_command.hpp"
 #include "lib/cli/plan_command.hpp"
@@ -40,6 +41,7 @@ int main(int argc, char** argv) {
         exchange::import_command(rom),
         exchange::export_command(rom),
         fullsim::mesh_command(),
+        fullsim::pattern_command(),
         plan_command({&rom, &full}),
         list_command(),
     };

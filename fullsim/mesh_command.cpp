@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
 #include "fullsim/run/fields.hpp"
+#include "lib/cli/output_dir.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/file_batch.hpp"
@@ -81,22 +81,6 @@ std::string vtu_of(const Mesh& mesh) {
 std::string text_of(const View& view, const Scene& scene, GmshVersion version) {
     return view.file.extension() == gmsh_file ? gmsh_text(view.mesh, version, printable(scene.name))
                                               : vtu_of(view.mesh);
-}
-
-/// Nobody else's file is overwritten: a mesh of ours says so in its note.
-void check_target(const fs::path& file) {
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) return;
-    std::string head(512, '\0');
-    if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
-        std::ifstream stream(file, std::ios::binary);
-        stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-        for (const char* note : {"<!-- twinchute", "$Comments\ntwinchute"})
-            if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
-    }
-    throw UsageError(fmt::format(
-        "'{}' is no mesh of twinchute (nothing else is overwritten), name another file with --out",
-        file.string()));
 }
 
 std::optional<fs::path> wanted_file(const Arguments& arguments) {
@@ -241,7 +225,7 @@ ExitCode run_mesh(const Arguments& arguments) {
         const std::vector<View> views = views_of(scene, out);
         for (const View& view : views) {
             if (view.file.empty()) continue;
-            check_target(view.file);
+            check_output_file(view.file, {"<!-- twinchute", "$Comments\ntwinchute"}, "mesh");
             batch.add(view.file, text_of(view, scene, version));
         }
         texts.push_back(arguments.has("json") ? summary_json_of(scene, views)

@@ -146,4 +146,20 @@ void check_output_dir(const fs::path& given) {
     }
 }
 
+void check_output_file(const fs::path& file, std::initializer_list<const char*> notes,
+                       std::string_view what) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return;
+    std::string head(512, '\0');
+    if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
+        std::ifstream stream(file, std::ios::binary);
+        stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+        for (const char* note : notes)
+            if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
+    }
+    throw UsageError(
+        fmt::format("'{}' is no {} of twinchute (nothing else is overwritten), name another file with --out",
+                    file.string(), what));
+}
+
 }  // namespace twinchute

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 namespace twinchute {
 
@@ -17,5 +19,10 @@ bool is_our_output(const std::filesystem::path& directory);
 /// is not ours (what killed runs left unfinished does not count), and
 /// WriteError where nothing can be written (something in the way, no permission).
 void check_output_dir(const std::filesystem::path& directory);
+
+/// Nobody else's file is overwritten: one of ours has one of these `notes` in its first lines. `what` it is,
+/// e.g. "mesh". Throws UsageError.
+void check_output_file(const std::filesystem::path& file, std::initializer_list<const char*> notes,
+                       std::string_view what);
 
 }  // namespace twinchute

@@ -336,6 +336,27 @@ TEST(RecordRead, ATableThatIsCutOffAnywhereIsRefusedOrShorterByWholeLines) {
     }
 }
 
+TEST(RecordRead, TablesWithoutALineOfUnitsTakeThemFromTheSummary) {
+    const RunRecord record = record_to_read();
+    const std::string history = history_csv(record, CsvHead::names),
+                      events = events_csv(record, CsvHead::names),
+                      summary = summary_json(record, {}, CsvHead::names);
+    EXPECT_EQ(record_difference(as_written(record), read_record_text(summary, history, events)), "");
+    // Units that one of the two lacks, or both have.
+    EXPECT_TRUE(has(complaint(summary, history_csv(record), events), "history.csv:2:1: 's' is not a number"))
+        << complaint(summary, history_csv(record), events);
+    EXPECT_TRUE(has(complaint(summary, history, events_csv(record)), "events.csv:2:3: 's' is not a number"))
+        << complaint(summary, history, events_csv(record));
+    ordered_json json = ordered_json::parse(summary);
+    json["history_units"].erase("force");
+    EXPECT_TRUE(
+        has(complaint(json.dump(), history, events), "history.csv:1:1: the column 'force' has no unit"))
+        << complaint(json.dump(), history, events);
+    EXPECT_TRUE(
+        has(complaint(summary_json(record), history_csv(record), events), "events.csv:2:1: name is in"))
+        << complaint(summary_json(record), history_csv(record), events);
+}
+
 TEST(RecordRead, AFileThatIsNotTheOneTheSummaryVouchesForIsRefused) {
     const ScratchDir scratch;
     ShapeFrames frames{3, 0, {{0, 1, 2}}, {}, {}};
