@@ -116,6 +116,9 @@ void require_pattern(const Scene& scene, const Parachute& chute) {
     if (const auto slots = smeared_slots(chute))
         refuse("a canopy with slots is not cut in whole gores", slots->what + ": " + slots->why,
                "take its ribbons from its own drawings");
+    if (const auto gaps = open_gaps(chute))
+        refuse("a canopy with gaps is not cut in whole gores", gaps->why,
+               "take its disk and bands from its own drawings");
 }
 
 std::vector<Part> parts_of(const Parachute& chute, const MeshSummary& mesh) {

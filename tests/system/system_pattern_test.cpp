@@ -134,6 +134,9 @@ TEST_F(SystemPattern, WhatWouldBeAnotherCanopysPatternIsRefused) {
         EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
     };
     refused({c9_inflation, "--set", "parachute.type='cross'"}, "parachute.type");
+    refused({c9_inflation, "--set", "parachute.type='ringslot'", "--set", "parachute.geometric_porosity=0.2"},
+            "a canopy with slots");
+    refused({c9_inflation, "--set", "parachute.type='disk-gap-band'"}, "a canopy with gaps");
     refused({shipped_scene("c9-window")}, "parachute.mesh");
     refused({shipped_scene("rocket-dual-deploy")}, "--parachute");
     refused({c9_inflation, "--parachute", "drogue"}, "there is no parachute 'drogue'");
