@@ -4,6 +4,7 @@
 #include <minizip/unzip.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "lib/scene/data_files.hpp"

@@ -72,8 +72,8 @@ MUTATIONS = [
              "inflation_.initial_time : 0.0)).value",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "rom", "rom/rigid_composite.hpp",
-             "return canopies->drag_area(t);",
-             "return canopies->drag_area(t + (canopies->all().front().phase == Phase::filling ? "
+             ": canopies->drag_area(t);",
+             ": canopies->drag_area(t + (canopies->all().front().phase == Phase::filling ? "
              "canopies->all().front().inflation.initial_time : 0.0));",
              scene=DEMO, piece="initial-phase"),
     Mutation(PHASE, "lib", "lib/models/inflation.cpp",
