@@ -1,5 +1,6 @@
 #include "fullsim/forces/inflow.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,5 +1,6 @@
 #include "fullsim/run/observer.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <span>

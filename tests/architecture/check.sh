@@ -70,6 +70,15 @@ report < <(awk '
         printf "%s:%d: a library does not end the program\n", FILENAME, FNR
     }' "${sources[@]}")
 
+# Eigen declares cross products in its core and defines them in Geometry, which in a batch another source may bring.
+report < <(awk '
+    FNR == 1 { has_geometry = 0 }
+    /^#include <Eigen\/(Geometry|Dense)>/ { has_geometry = 1 }
+    { line = $0; sub(/\/\/.*/, "", line) }
+    FILENAME ~ /\.cpp$/ && FILENAME !~ /^tests\// && !has_geometry && line ~ /\.cross\(/ {
+        printf "%s:%d: a cross product needs <Eigen/Geometry>\n", FILENAME, FNR
+    }' "${sources[@]}")
+
 report < <(awk 'END { if (NR >= 60) printf "main.cpp:%d: main.cpp stays under 60 lines\n", NR }' main.cpp)
 
 # The installed program runs on any machine of its architecture. TWINCHUTE_ARCH is for measurements.

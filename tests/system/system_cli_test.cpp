@@ -21,8 +21,8 @@ TEST_F(SystemCli, HelpAndVersionSucceedForEveryCommand) {
     for (const char* word : {"twinchute ", "commit ", "compiler "}) {
         EXPECT_NE(version.out.find(word), std::string::npos) << word;
     }
-    for (const std::string command :
-         {"compare", "rom", "full", "report", "ladder", "stability", "import", "export", "mesh", "plan", "list"}) {
+    for (const std::string command : {"compare", "rom", "full", "report", "ladder", "stability", "import",
+                                      "export", "mesh", "plan", "list"}) {
         const Ended help = run({command, "-h"});
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("example: twinchute " + command), std::string::npos) << help.out;
