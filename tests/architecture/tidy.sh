@@ -99,8 +99,8 @@ fi
 end=$(($(date +%s) + ${TIDY_SECONDS:-86400}))
 log=$(mktemp -d)
 trap 'rm -rf "$log"' EXIT
-# What only GCC schedules by, clang would take for a mistake.
-sed 's/ -fschedule-insns -fsched-pressure//g' "$build/compile_commands.json" >"$log/compile_commands.json"
+# What GCC alone schedules and searches by, clang would take for a mistake.
+sed 's/ -fschedule-insns -fsched-pressure//g; s/ --param=[a-z-]*=[0-9]*//g' "$build/compile_commands.json" >"$log/compile_commands.json"
 export tidy log end
 count=$(wc -l <<<"$list")
 cores=$(nproc 2>/dev/null || echo 2)
