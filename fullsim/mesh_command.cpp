@@ -232,12 +232,7 @@ ExitCode run_mesh(const Arguments& arguments) {
                                               : summary_text_of(scene, views));
     }
     batch.commit();
-    if (arguments.has("json")) {
-        print(joined_json(scenes, texts));
-    } else if (!arguments.has("quiet")) {
-        for (const std::string& text : texts)
-            print((&text == &texts.front() ? "" : "\n") + text);
-    }
+    print_each(arguments, scenes, texts);
     return ExitCode::done;
 }
 

@@ -238,12 +238,7 @@ ExitCode run_pattern(const Arguments& arguments) {
                                               : text_of(cuts[i], file.string()));
     }
     batch.commit();
-    if (arguments.has("json")) {
-        print(joined_json(scenes, texts));
-    } else if (!arguments.has("quiet")) {
-        for (const std::string& text : texts)
-            print((&text == &texts.front() ? "" : "\n") + text);
-    }
+    print_each(arguments, scenes, texts);
     return ExitCode::done;
 }
 

@@ -22,7 +22,7 @@ std::string toml_text_of(const py::dict& dict);
 /// Overrides of a scene, as --set takes them: those of `overrides` (a dict, or None), then those of `set`.
 std::vector<std::string> overrides_of(const py::object& overrides, const std::vector<std::string>& set);
 
-/// What json.loads makes of a text.
+/// Python objects of a JSON text, as json.loads makes them.
 py::object from_json(const std::string& text);
 
 /// None where there is no value.

@@ -28,7 +28,7 @@ public:
     /// Throws SceneError.
     SceneObject(SceneSource source, std::vector<std::string> overrides);
 
-    /// Of a series the case that was chosen. Throws UsageError where none was.
+    /// The scene, or the case that was chosen of a series. Throws UsageError where none was.
     const Scene& scene() const { return *shared(); }
     /// For a run without the interpreter's lock, in which another thread may give this object other values.
     std::shared_ptr<const Scene> shared() const;

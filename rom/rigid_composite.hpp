@@ -11,6 +11,7 @@
 
 namespace twinchute::rom {
 
+/// Payload and all canopies that are out, moving as one body, with the air that moves along.
 template <int dimensions>
 struct RigidComposite {
     Atmosphere atmosphere;

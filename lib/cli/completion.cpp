@@ -13,7 +13,7 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-/// What an argument may be, for a shell.
+/// Kind of an argument, by which a shell proposes some.
 enum class Completes {
     nothing,
     words,

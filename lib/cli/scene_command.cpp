@@ -97,6 +97,16 @@ std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std:
     return all + "]\n";
 }
 
+void print_each(const Arguments& arguments, const std::vector<Scene>& scenes,
+                const std::vector<std::string>& texts) {
+    if (arguments.has("json")) {
+        print(joined_json(scenes, texts));
+    } else if (!arguments.has("quiet")) {
+        for (const std::string& text : texts)
+            print((&text == &texts.front() ? "" : "\n") + text);
+    }
+}
+
 ExitCode gravest(ExitCode one, ExitCode other) {
     return std::max(one, other);
 }

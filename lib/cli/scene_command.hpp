@@ -44,6 +44,9 @@ std::filesystem::path directory_of(const Scene& scene, const std::filesystem::pa
 
 /// One JSON text for standard output: that of the one scene, or an array over the cases.
 std::string joined_json(const std::vector<Scene>& scenes, const std::vector<std::string>& texts);
+/// Prints one text a scene: as JSON, apart by an empty line, or with --quiet not at all.
+void print_each(const Arguments& arguments, const std::vector<Scene>& scenes,
+                const std::vector<std::string>& texts);
 
 /// The exit code of a series: the gravest of its cases.
 ExitCode gravest(ExitCode one, ExitCode other);

@@ -66,12 +66,12 @@ public:
     std::size_t body_of(std::size_t stage) const;
     /// Linear between the rows of the stored flight; `time` [s] in it.
     FlightRow state_at(double time) const;
-    // Of a device in the flown configuration: word of its deploy event, delay [s], altitude above the launch
+    // A device in the flown configuration: word of its deploy event, delay [s], altitude above the launch
     // site [m].
     std::string event_of(const RecoveryDevice& device) const;
     double delay_of(const RecoveryDevice& device) const;
     double altitude_of(const RecoveryDevice& device) const;
-    // Of one instance: mass [kg], area [m^2] that its drag coefficient is of. "auto" is OpenRocket's own
+    // One instance of it: mass [kg], area [m^2] that its drag coefficient is of. "auto" is OpenRocket's own
     // estimate.
     double mass_of(const RecoveryDevice& device) const;
     double area_of(const RecoveryDevice& device) const;

@@ -50,7 +50,7 @@ std::string read_record_file(const std::filesystem::path& file, std::size_t larg
 /// Units by column.
 using ColumnUnits = std::map<std::string, std::string>;
 
-/// What summary.json says of the files beside it.
+/// Facts in summary.json about the files beside it.
 struct FilesBeside {
     FileChecksums checksums;                   ///< by plain names
     std::optional<ColumnUnits> history_units;  ///< where the tables have no line of units

@@ -39,7 +39,7 @@ protected:
         return names;
     }
 
-    /// What bash proposes for the last of these words.
+    /// Words that bash proposes for the last of these.
     std::set<std::string> proposals(const Words& words) {
         std::string line = "source completion.bash; complete -p twinchute >/dev/null || exit 9; COMP_WORDS=(";
         for (const std::string& word : words)

@@ -73,7 +73,7 @@ TEST_F(SystemPaths, StandardInputAndProcessSubstitutionAreRead) {
     }
 }
 
-/// The same scene gives the same record, whichever way it comes: only where it is from differs.
+/// A scene gives one record, whichever way it comes: only where it is from differs.
 TEST_F(SystemPaths, ADashIsASceneFromStandardInput) {
     here_.write("here/wind.csv", "altitude,speed,from\nm,m/s,deg\n0,5,270\n1000,5,270\n");
     here_.write("here/windy.toml",

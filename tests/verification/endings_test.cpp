@@ -106,7 +106,7 @@ const Trouble troubles[] = {
      }},
 };
 
-/// Those that take a broken integrator: asked for, in place of brought about.
+/// Endings that take a broken integrator: asked for, in place of brought about.
 std::vector<RunStatus> endings_of_rom() {
     const Scene scene = c9_scene();
     Run run;
