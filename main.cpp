@@ -8,7 +8,7 @@
 #include "compare/validate/validate_command.hpp"
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh_command.hpp"
-#include "fullsim/pattern_command.hpp"
+#include "fullsim/pattern/pattern_command.hpp"
 #include "lib/cli/fidelity_command.hpp"
 #include "lib/cli/list_command.hpp"
 #include "lib/cli/plan_command.hpp"

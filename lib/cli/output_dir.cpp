@@ -154,6 +154,11 @@ void check_output_file(const fs::path& file, std::initializer_list<const char*> 
     if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
         std::ifstream stream(file, std::ios::binary);
         stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+        if (head.starts_with("%PDF-")) {  // which lists its pages before it says who made it
+            stream.seekg(0);
+            head.resize(std::size_t{1} << 20);
+            stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+        }
         for (const char* note : notes)
             if (fs::is_empty(file, ignored) || head.find(note) != std::string::npos) return;
     }

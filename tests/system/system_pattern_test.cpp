@@ -1,7 +1,11 @@
 // `twinchute pattern`: gores as they are cut. The cut of a gore that is straight across the axis is exact, so
 // that its area is that of the mesh, whose triangles are cut from it.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <regex>
+#include <set>
+#include <tuple>
 
 #include "tests/support/program_test.hpp"
 
@@ -127,6 +131,105 @@ TEST_F(SystemPattern, ADxfFileIsWhatReadersOfDxfTakeAndHasTheSameOutline) {
     EXPECT_EQ(texts, 1);
 }
 
+/// Panels as pieces: nothing of the fabric is lost, and a gap has none.
+TEST_F(SystemPattern, PanelsAsPiecesHaveTheFabricOfTheMesh) {
+    for (const auto& [type, count] :
+         std::vector<std::pair<std::string, std::size_t>>{{"triconical", 3}, {"disk-gap-band", 2}}) {
+        const Words words{"--set", "parachute.type='" + type + "'"};
+        const json pattern = of("pattern", words + Words{"--pieces", "panels", "--allowance", "15 mm",
+                                                         "--out", type + ".svg"}),
+                   mesh = of("mesh", words);
+        ASSERT_EQ(pattern["pieces"].size(), count) << type;
+        double area = 0.0;
+        double lowest = 0.0;  // [mm] down the drawing
+        for (std::size_t i = 0; i < count; ++i) {
+            const json& piece = pattern["pieces"][i];
+            const std::string number = "-" + std::to_string(i + 1);
+            const std::vector<Point> sew = polygon(type + ".svg", "sew" + number),
+                                     cut = polygon(type + ".svg", "cut" + number);
+            EXPECT_EQ(piece["piece"], "panel " + std::to_string(i + 1));
+            // Four digits behind the point of a mm.
+            EXPECT_NEAR(area_of(sew) / 1e6, piece["area_m2"].get<double>(), 1e-6);
+            EXPECT_NEAR(area_of(cut) / 1e6, piece["cut_area_m2"].get<double>(), 1e-6);
+            const auto [high, low] = std::ranges::minmax(cut, {}, &Point::y);
+            EXPECT_GE(high.y, lowest + (i > 0 ? 19.9 : 0.0));  // [mm] apart
+            lowest = low.y;
+            area += piece["area_m2"].get<double>();
+        }
+        EXPECT_NEAR(area, pattern["gore_area_m2"].get<double>(), 1e-12 * area);
+        EXPECT_NEAR(pattern["gores"].get<double>() * area / mesh["fabric_area_m2"].get<double>(), 1.0, 1e-6);
+    }
+}
+
+/// Numbers of each sheet before an operator of PDF, whose streams are not compressed.
+std::vector<std::vector<std::vector<double>>> sheets_of(const std::string& pdf,
+                                                        const std::string& operation) {
+    std::vector<std::vector<std::vector<double>>> sheets;
+    for (std::size_t at = pdf.find("\nstream"); at != std::string::npos; at = pdf.find("\nstream", at + 1)) {
+        std::istringstream words(pdf.substr(at + 8, pdf.find("endstream", at) - at - 8));
+        sheets.emplace_back();
+        std::vector<double> numbers;
+        for (std::string word; words >> word;) {
+            char* end = nullptr;
+            const double number = std::strtod(word.c_str(), &end);
+            if (*end == '\0') {
+                numbers.push_back(number);
+                continue;
+            }
+            if (word == operation) sheets.back().push_back(numbers);
+            numbers.clear();
+        }
+    }
+    return sheets;
+}
+
+/// The square to measure is 100 mm wide, and tiles that are laid as their names and frames say have the
+/// corners of the outline where the drawing has them. A point of PDF is 1/72 inch.
+TEST_F(SystemPattern, TilesOnPaperAreTrueToScale) {
+    constexpr double mm = 72.0 / 25.4;
+    for (const auto& [name, width, height] : std::vector<std::tuple<std::string, double, double>>{
+             {"a4", 210.0, 297.0}, {"letter", 215.9, 279.4}}) {
+        const json pattern = of("pattern", {"--out", "gore.pdf", "--allowance", "15 mm", "--paper", name});
+        const std::string pdf = text("gore.pdf");
+        std::smatch box;
+        ASSERT_TRUE(std::regex_search(pdf, box, std::regex("/MediaBox \\[ 0 0 ([0-9.]+) ([0-9.]+) \\]")));
+        EXPECT_NEAR(std::stod(box[1]), width * mm, 1e-3);
+        EXPECT_NEAR(std::stod(box[2]), height * mm, 1e-3);
+        const auto boxes = sheets_of(pdf, "re");
+        ASSERT_GT(boxes.size(), 10u);
+        EXPECT_NEAR(boxes[0][0][2], 100.0 * mm, 1e-3);
+        EXPECT_NEAR(boxes[0][0][3], 100.0 * mm, 1e-3);
+
+        // Where the frame of each tile lies in the drawing: its name says so, in steps of a frame less 10 mm.
+        std::set<std::size_t> corners;
+        std::vector<std::string> names;
+        const std::regex label("\\(([A-Z]+)([0-9]+)   ");
+        for (std::sregex_iterator i(pdf.begin(), pdf.end(), label), end; i != end; ++i)
+            names.push_back((*i)[1].str() + " " + (*i)[2].str());
+        ASSERT_EQ(names.size() + 1, boxes.size());
+        const auto begins = sheets_of(pdf, "m"), ends = sheets_of(pdf, "l");
+        const std::vector<Point> cut = [&] {
+            of("pattern", {"--out", "gore.svg", "--allowance", "15 mm"});
+            return polygon("gore.svg", "cut");
+        }();
+        for (std::size_t sheet = 1; sheet < boxes.size(); ++sheet) {
+            EXPECT_NEAR(boxes[sheet][0][2], (width - 20.0) * mm, 1e-3);
+            EXPECT_NEAR(boxes[sheet][0][3], (height - 20.0) * mm, 1e-3);
+            const std::string& tile = names[sheet - 1];
+            const double left = (tile[0] - 'A') * (width - 30.0),
+                         top = (std::stod(tile.substr(2)) - 1.0) * (height - 30.0);
+            for (const auto* points : {&begins[sheet], &ends[sheet]})
+                for (const std::vector<double>& p : *points) {
+                    const Point at{p[0] / mm - 10.0 + left, height - p[1] / mm - 10.0 + top};
+                    for (std::size_t i = 0; i < cut.size(); ++i)
+                        if (std::hypot(at.x - cut[i].x, at.y - cut[i].y) < 0.01) corners.insert(i);
+                }
+        }
+        EXPECT_EQ(corners.size(), cut.size())
+            << "corners of the outline, 0.01 mm from where the tiles have them";
+    }
+}
+
 TEST_F(SystemPattern, WhatWouldBeAnotherCanopysPatternIsRefused) {
     const auto refused = [&](const Words& words, const std::string& what) {
         const Ended ended = run(Words{"pattern"} + words);
@@ -136,18 +239,22 @@ TEST_F(SystemPattern, WhatWouldBeAnotherCanopysPatternIsRefused) {
     refused({c9_inflation, "--set", "parachute.type='cross'"}, "parachute.type");
     refused({c9_inflation, "--set", "parachute.type='ringslot'", "--set", "parachute.geometric_porosity=0.2"},
             "a canopy with slots");
-    refused({c9_inflation, "--set", "parachute.type='disk-gap-band'"}, "a canopy with gaps");
+    refused({c9_inflation, "--set", "parachute.type='disk-gap-band'"}, "--pieces panels");
     refused({shipped_scene("c9-window")}, "parachute.mesh");
     refused({shipped_scene("rocket-dual-deploy")}, "--parachute");
     refused({c9_inflation, "--parachute", "drogue"}, "there is no parachute 'drogue'");
     refused({c9_inflation, "--allowance", "15"}, "--allowance");
     refused({c9_inflation, "--allowance", "-1 mm"}, "--allowance");
-    refused({c9_inflation, "--out", "gore.pdf"}, ".svg or .dxf");
+    refused({c9_inflation, "--out", "gore.ps"}, ".svg, .dxf or .pdf");
+    refused({c9_inflation, "--pieces", "pannels"}, "did you mean 'panels'?");
+    refused({c9_inflation, "--out", "gore.pdf", "--paper", "a3"}, "a4 or letter");
+    here_.write("mine.pdf", "%PDF-1.3\n");
+    refused({c9_inflation, "--out", "mine.pdf"}, "is no pattern of twinchute");
     here_.write("mine.svg", "<svg/>");
     refused({c9_inflation, "--out", "mine.svg"}, "is no pattern of twinchute");
     EXPECT_EQ(text("mine.svg"), "<svg/>");
-    EXPECT_EQ(run({"pattern", c9_inflation, "--out", "own.svg", "--quiet"}).code, 0);
-    EXPECT_EQ(run({"pattern", c9_inflation, "--out", "own.svg", "--quiet"}).code, 0);
+    for (const char* own : {"own.svg", "own.dxf", "own.pdf", "own.svg", "own.dxf", "own.pdf"})
+        EXPECT_EQ(run({"pattern", c9_inflation, "--out", own, "--quiet"}).code, 0) << own;
 }
 
 }  // namespace
