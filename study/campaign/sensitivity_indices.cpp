@@ -42,7 +42,7 @@ void IndexEstimator::add(std::uint64_t run, std::span<const double> values, doub
     if (!std::isfinite(metric)) return;
     const std::size_t group = group_of(run);
     for (std::size_t i = 0; i < inputs_; ++i) {
-        if (!spec_.inputs[i].distribution || spec_.inputs[i].gusts) continue;
+        if (!spec_.inputs[i].is_ordered()) continue;
         const double share = spec_.inputs[i].distribution->below(values[i]);
         const auto bin = std::min(bins_ - 1, static_cast<std::size_t>(share * static_cast<double>(bins_)));
         cells_[(group * inputs_ + i) * bins_ + bin].add(metric);
@@ -117,7 +117,7 @@ std::vector<Index> IndexEstimator::indices() const {
             all[i] = by_points(i);
             continue;
         }
-        if (!spec_.inputs[i].distribution || spec_.inputs[i].gusts) continue;
+        if (!spec_.inputs[i].is_ordered()) continue;
         std::vector<double> without;
         for (std::size_t g = 0; g < groups; ++g)
             without.push_back(binned(i, g));

@@ -29,6 +29,9 @@ struct CampaignInput {
     std::vector<Wind> winds = {};                   ///< of "wind.table": those of the distribution's words
     std::optional<GustProcess> gusts = {};          ///< of "wind.gusts", whose values name realisations
     std::string source, grade;
+
+    /// Whether runs can be put in the order of its values: a value of gusts names a realisation, no amount.
+    bool is_ordered() const { return distribution && !gusts; }
 };
 
 /// Where the runs lie in the space of the inputs.
