@@ -17,14 +17,11 @@
 #endif
 
 // Where a processor has AVX-512, its gains over AVX-512 with later additions are none here. Under sanitizers
-// a set takes minutes to compile: two have all lines between them.
+// a set takes minutes to compile: the one that everything is compiled for (TWINCHUTE_ARCH) has all lines.
 #ifdef TWINCHUTE_SANITIZED
-#define TWINCHUTE_SPARED (HWY_AVX3 | HWY_SSE4)
-#else
-#define TWINCHUTE_SPARED 0
+#define HWY_COMPILE_ONLY_STATIC
 #endif
-#define HWY_DISABLED_TARGETS \
-    (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | TWINCHUTE_SPARED)
+#define HWY_DISABLED_TARGETS (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 
 #include <hwy/detect_targets.h>
 
