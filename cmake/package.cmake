@@ -72,34 +72,52 @@ function(twinchute_bill component name target)
   endif()
 endfunction()
 
-set(about "A parachute's opening at two fidelities: as a rigid trajectory with filling time and drag-area law, and as explicit finite elements of fabric and lines.")
+set(about "A parachute's opening at two fidelities: as a rigid trajectory with
+filling time and drag-area law, and as explicit finite elements of fabric and
+lines.")
 set(CPACK_COMPONENTS_ALL "")
 twinchute_debian(program twinchute SECTION science
   SUMMARY "parachute openings at two fidelities, and the gap between them"
   SUGGESTS "twinchute-doc, twinchute-openturns (= ${version}), python3-twinchute (= ${version})"
-  TEXT "${about} One scene file runs both ways; the report says how far apart the answers are, and why.\n\nThis package has the program with its manual pages and completions, scenes, canopies, materials and reference numbers.")
+  TEXT "${about} One scene file runs both ways; the report says how far apart the
+answers are, and why.
+
+This package has the program with its manual pages and completions, scenes,
+canopies, materials and reference numbers.")
 twinchute_bill(program twinchute twinchute)
 twinchute_debian(development libtwinchute-dev SECTION libdevel
   SUMMARY "parachute openings at two fidelities (static libraries and headers)"
-  DEPENDS "twinchute (= ${version}), libboost-program-options-dev, libeigen3-dev, libfmt-dev, libgsl-dev, libhdf5-dev, libminizip-dev, libpugixml-dev, libsundials-dev, libtomlplusplus-dev, libudunits2-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev"
-  TEXT "${about}\n\nThis package has static libraries, headers and the package that find_package(twinchute) finds.")
+  DEPENDS "twinchute (= ${version}), libboost-program-options-dev, libeigen3-dev, libfmt-dev, libgsl-dev, libhdf5-dev, libhwy-dev, libminizip-dev, libpugixml-dev, libsundials-dev, libtomlplusplus-dev, libudunits2-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev"
+  TEXT "${about}
+
+This package has static libraries, headers and what CMake's
+find_package(twinchute) finds.")
 twinchute_debian(documentation twinchute-doc ALL SECTION doc
   SUMMARY "parachute openings at two fidelities (documentation)"
-  TEXT "${about}\n\nThis package has guides, theory, verification and validation.")
+  TEXT "${about}
+
+This package has guides, theory, verification and validation.")
 if(TWINCHUTE_PYTHON)
   math(EXPR next "${Python_VERSION_MINOR} + 1")
   twinchute_debian(python python3-twinchute SECTION python
     SUMMARY "parachute openings at two fidelities (Python 3)"
     DEPENDS "twinchute (= ${version}), python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy"
     SUGGESTS "python3-pandas"
-    TEXT "${about}\n\nThis package has the Python module, whose results are numpy arrays.")
+    TEXT "${about}
+
+This package has the Python module, whose results are numpy arrays.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/python/postinst
+    ${PROJECT_SOURCE_DIR}/cmake/debian/python/prerm)
   twinchute_bill(python python3-twinchute twinchute_python)
 endif()
 if(TARGET twinchute_openturns)
   twinchute_debian(rare twinchute-openturns SECTION science
     SUMMARY "parachute openings at two fidelities (rare events)"
     DEPENDS "twinchute (= ${version})"
-    TEXT "${about}\n\nThis package has what campaigns need for probabilities too small to count: subset simulation by OpenTURNS.")
+    TEXT "${about}
+
+This package has what campaigns need for probabilities too small to count:
+subset simulation by OpenTURNS.")
   twinchute_bill(rare twinchute-openturns twinchute_openturns)
 endif()
 include(CPack)
