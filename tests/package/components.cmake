@@ -1,4 +1,5 @@
 # Every installed file is in one component, and so in one package (`notices`: in none, which have these files their own way).
+cmake_minimum_required(VERSION 3.25)
 set(components program development documentation python rare notices)
 function(installed out)
   file(REMOVE_RECURSE "${WORK}")

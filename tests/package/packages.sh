@@ -47,22 +47,22 @@ apt-get install -qq -y --no-install-recommends /tmp/packages/twinchute_*.deb
 echo "twinchute and all that it needs: $((($(size) - empty) / 1024)) MiB on a minimal Debian"
 twinchute compare /usr/share/twinchute/scenes/c9-inflation.toml --out /tmp/out
 test -s /tmp/out/report.html
-test -s /usr/share/man/man1/twinchute.1.gz || ! grep -qs man1 /etc/dpkg/dpkg.cfg.d/*
+test -s /usr/share/man/man1/twinchute.1.gz
 apt-get install -qq -y --no-install-recommends /tmp/packages/*.deb
-test -s /usr/share/doc/twinchute/README.md || grep -qs doc /etc/dpkg/dpkg.cfg.d/*
+test -s /usr/share/doc/twinchute/docs/glossary.md
 python3 - <<'PY'
 import twinchute
-scene = twinchute.read_scene("/usr/share/twinchute/scenes/c9-inflation.toml")
-print("peak force", twinchute.rom(scene).metrics["peak_force_N"])
+scene = twinchute.Scene.load("/usr/share/twinchute/scenes/c9-inflation.toml")
+print("peak force by Python:", twinchute.rom(scene).metrics["peak_force"])
 PY
 apt-get purge -qq -y twinchute python3-twinchute twinchute-doc
 apt-get autoremove -qq -y --purge
 names >after
 diff before after && echo "purged: nothing is left"
 TXT
-mmdebstrap --mode=root --variant=minbase --aptopt="$work/apt.conf" \
+mmdebstrap --format=null --mode=root --variant=minbase --aptopt="$work/apt.conf" \
     --customize-hook="cp -r '$work/packages' '$work/use' \"\$1/tmp/\"" --customize-hook='chroot "$1" bash /tmp/use' \
-    "$(. /etc/os-release && echo "${VERSION_CODENAME:-stable}")" "$work/root" "$work/sources.list" >"$work/root.log" 2>&1 ||
+    "$(. /etc/os-release && echo "${VERSION_CODENAME:-stable}")" /dev/null "$work/sources.list" >"$work/root.log" 2>&1 ||
     { tail -n 60 "$work/root.log" && exit 1; }
 grep -E 'MiB on a minimal|purged:|peak force|within' "$work/root.log" || true
-rm -rf --one-file-system "$work/root" "$work/one" "$work/another"
+rm -rf "$work/one" "$work/another"
