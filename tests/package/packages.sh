@@ -9,12 +9,14 @@ for tool in git ninja lintian mmdebstrap dpkg-shlibdeps; do
     command -v "$tool" >/dev/null || { echo "$tool is missing (Debian: git ninja-build lintian mmdebstrap dpkg-dev)" && exit 77; }
 done
 [ "$(id -u)" -eq 0 ] || { echo "making a root needs root" && exit 77; }
+commit=$(git -C "$source" rev-parse HEAD)
 rm -rf "$work"
 mkdir -p "$work"
 
 build() {  # DIRECTORY
     git clone -q "$source" "$1"
     cd "$1"
+    git checkout -q --detach "$commit"
     CCACHE_DISABLE=1 cmake --preset package
     CCACHE_DISABLE=1 cmake --build --preset package
     cpack --preset package
