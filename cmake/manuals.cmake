@@ -7,8 +7,11 @@ endif()
 set(manuals ${PROJECT_BINARY_DIR}/manuals)
 find_program(GZIP gzip)
 mark_as_advanced(GZIP)
+if(TWINCHUTE_SOURCE_DATE)
+  set(date SOURCE_DATE_EPOCH=${TWINCHUTE_SOURCE_DATE})
+endif()
 add_custom_command(OUTPUT ${manuals}/written
-  COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:twinchute> -DDIRECTORY=${manuals} -DGZIP=${GZIP}
+  COMMAND ${CMAKE_COMMAND} -E env ${date} ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:twinchute> -DDIRECTORY=${manuals} -DGZIP=${GZIP}
     -P ${PROJECT_SOURCE_DIR}/cmake/write_manuals.cmake
   DEPENDS twinchute ${PROJECT_SOURCE_DIR}/cmake/write_manuals.cmake
   COMMENT "Writing manual pages and completions"

@@ -42,7 +42,7 @@ std::string notes_sections(
 /// The shape's frames in three dimensions as they are looked at from the side: an SVG of a few moments.
 std::string canopy_still(const ShapeFrames& shape, const RunRecord& record, double clock_zero);
 
-/// Data that the page's scripts draw, as JSON that may stand in a <script>.
+/// Data that the page's scripts draw, as JSON that may stand in a `<script>`.
 std::string page_data(const Comparison& comparison);
 /// The frames that a page has room for.
 ShapeFrames page_frames(const ShapeFrames& shape);

@@ -71,7 +71,8 @@ HWY_INLINE auto green_strain(const DeformationGradient<T3>& f) {
 
 /// Stress resultants [N/m] of the relaxed energy. With E_1 >= E_2: taut where E_2 + nu E_1 > 0, slack where
 /// E_1 <= 0, wrinkled between, and all three are
-///   N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
+///
+///     N_2 = E t/(1 - nu^2) <E_2 + nu E_1>,   N_1 = E t <E_1> + nu N_2,   <a> = max(a, 0).
 template <class T>
 HWY_INLINE Principals<T> relaxed_stress(const MembraneLaw& law, const PrincipalStrain<T>& p) {
     const T zero = p.mean - p.mean;

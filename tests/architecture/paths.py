@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that the pages send their readers to the right places.
 
-    paths.py TREE           every path in backticks in PAGES exists, every link of PAGES and of docs/ has its file and its heading, and
+    paths.py TREE           every path in backticks in PAGES exists, every link of a page (*.md) has its file and its heading, and
                             the rows of docs/adding.md hold: a file with rows has rows, a name stands in a file of its row, no row
                             stands twice
     paths.py TREE can-fail  breaks each of these, and finds the breach
@@ -70,8 +70,8 @@ def bad_paths(tree, name, text):
 
 def pages(tree):
     """Names of the pages whose links are checked."""
-    below = (os.path.join(at, file) for at, _, files in os.walk(os.path.join(tree, "docs")) for file in files if file.endswith(".md"))
-    return sorted({*PAGES, *(os.path.relpath(path, tree) for path in below)})
+    below = (path for at in ("*.md", "docs/**/*.md", "data/**/*.md") for path in glob.glob(os.path.join(tree, at), recursive=True))
+    return sorted(os.path.relpath(path, tree) for path in below)
 
 
 def bad_places(tree, name, text):
