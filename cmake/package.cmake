@@ -87,7 +87,7 @@ canopies, materials and reference numbers.")
 twinchute_bill(program twinchute twinchute)
 twinchute_debian(development libtwinchute-dev SECTION libdevel
   SUMMARY "parachute openings at two fidelities (static libraries and headers)"
-  DEPENDS "twinchute (= ${version}), libboost-program-options-dev, libeigen3-dev, libfmt-dev, libgsl-dev, libhdf5-dev, libhwy-dev, libminizip-dev, libpugixml-dev, libsundials-dev, libtomlplusplus-dev, libudunits2-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev"
+  DEPENDS "twinchute (= ${version}), libboost-program-options-dev, libeigen3-dev, libfmt-dev, libgsl-dev, libhdf5-dev, libhpdf-dev, libhwy-dev, libminizip-dev, libpugixml-dev, libsundials-dev, libtomlplusplus-dev, libudunits2-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev"
   TEXT "${about}
 
 This package has static libraries, headers and what CMake's
