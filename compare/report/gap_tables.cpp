@@ -146,7 +146,7 @@ Table phases_table(const FidelityGap& gap) {
         for (const PhaseScore& phase : history.phases)
             table.rows.push_back({history.row->title, phase_name(phase.phase),
                                   fmt::format("{:.2f} to {:.2f}", phase.from, phase.to),
-                                  share_text(phase.maximum, true), share_text(phase.l2, false),
+                                  share_text(-phase.maximum, true), share_text(phase.l2, false),
                                   share_text(phase.infinity, false),
                                   phase.phase == HistoryPhase::deployment ? "-" : tolerance,
                                   verdict_cell(phase_verdict(history, phase))});
@@ -227,9 +227,11 @@ Table events_table(const Comparison& comparison) {
         };
         both(&Event::time, 3);
         const auto& [candidate, reference] = pair.event;
-        cells.push_back(candidate && reference
-                            ? fixed((candidate->time - clock.zero[0]) - (reference->time - clock.zero[1]), 3)
-                            : "-");
+        cells.push_back(
+            candidate && reference
+                ? signed_text((reference->time - clock.zero[1]) - (candidate->time - clock.zero[0]),
+                              std::max(std::abs(reference->time), std::abs(candidate->time)))
+                : "-");
         both(&Event::altitude, 1);
         both(&Event::speed, 2);
         table.rows.push_back(std::move(cells));
@@ -247,8 +249,8 @@ Table calibration_table(const Comparison& comparison) {
     for (const CalibrationGap& one : calibration_gaps(comparison))
         table.rows.push_back({std::string(one.row->title), readable(one.before, 4), readable(one.after, 4),
                               readable(one.reference, 4), std::string(one.row->unit),
-                              fmt::format("{:+.2f}", 100.0 * one.gap_before),
-                              fmt::format("{:+.2f}", 100.0 * one.gap_after)});
+                              signed_text(-100.0 * one.gap_before, 100.0),
+                              signed_text(-100.0 * one.gap_after, 100.0)});
     return table;
 }
 

@@ -491,7 +491,7 @@ TEST(RomSequence, AReefedStageFallsAtItsOwnTerminalVelocity) {
 
 TEST(RomSequence, AReefedStageThatIsCutEarlySaysThatItIsNotSteady) {
     // The mean over the time since it was full: the altitude lost over that time, by the record's own events.
-    const RunRecord record = reefed_for("2 s");
+    const RunRecord record = reefed_for("2 s", {"release.speed=60 m/s"});
     const Event *full = record.find_event("reefed-open"), *cut = record.find_event("disreef");
     ASSERT_TRUE(full && cut);
     const Metric* rate = record.find_metric("stage_1_descent_rate_m_s");
