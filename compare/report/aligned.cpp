@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compare/histories.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -166,6 +167,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     std::vector<std::array<Curve, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;
     std::vector<double> peaks, jumps;
+    std::vector<std::string_view> units;  // SI
     for (const MetricRow& row : history_rows()) {
         std::array<Curve, 2> both;
         AlignedChannel channel{row.key, row.title, {}, {}, {}, {}};
@@ -173,7 +175,10 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
             both[s] = rows_of(*sides[s].record, row.key, clock.zero[s]);
             if (both[s].time.empty()) continue;
             channel.there[s] = true;
-            channel.unit = sides[s].record->find_channel(row.key)->unit;
+            const std::string& unit = sides[s].record->find_channel(row.key)->unit;
+            channel.unit = shown_unit(unit);
+            for (double& value : both[s].value)
+                value *= shown_factor(unit);
             first = std::min(first, both[s].time.front());
             last = std::max(last, both[s].time.back());
             const auto at = std::ranges::max_element(both[s].value) - both[s].value.begin();
@@ -183,6 +188,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
         if (!channel.there[0] && !channel.there[1]) continue;
         aligned.channels.push_back(std::move(channel));
         rows.push_back(std::move(both));
+        units.push_back(row.unit);
     }
     if (aligned.channels.empty()) return aligned;
     const double end = opening_end(comparison, clock);
@@ -198,6 +204,8 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     for (std::size_t c = 0; comparison.test && c < rows.size(); ++c)
         if (const Curve* curve = comparison.test->find(aligned.channels[c].channel)) {
             measured[c] = measured_rows(*curve, clock.zero[1]);
+            for (double& value : measured[c].value)
+                value *= shown_factor(units[c]);
             std::ranges::copy_if(measured[c].time, std::back_inserter(aligned.clock),
                                  [&](double t) { return t >= first && t <= last; });
         }

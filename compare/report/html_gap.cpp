@@ -10,6 +10,7 @@
 #include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -57,9 +58,10 @@ Table way_table(const MetricAttribution& metric, const Comparison& comparison, c
     return table;
 }
 
-std::string way(const MetricAttribution& metric, const Comparison& comparison) {
+std::string way(const MetricAttribution& found, const Comparison& comparison) {
+    const MetricAttribution metric = shown_metric(found);
     const MetricRow* known = find_metric_row(metric.metric);
-    const std::string unit = known == nullptr || known->unit.empty() ? "" : " " + std::string(known->unit);
+    const std::string unit = known == nullptr ? std::string() : spaced_unit(known->unit);
     const auto sides = page_sides(comparison);
     double largest = 0.0;
     for (const AttributionTerm& term : metric.terms)

@@ -10,6 +10,7 @@
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -43,7 +44,7 @@ std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
         xml_text(difference_words(metric, comparison)), html_cell(verdict_cell(metric.verdict)),
         metric.tolerance->value == 0
             ? "0: any difference counts"
-            : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)),
+            : "\u00b1" + xml_text(shown_tolerance(*metric.tolerance, metric.row->unit)),
         origin_text(metric.origin));
     return text;
 }
@@ -164,6 +165,7 @@ std::string summary_section(const Comparison& comparison) {
         side_name(sides[1]), xml_text(comparison.reference_title));
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty())
         text += fmt::format(" Both were told the {}.", xml_text(fill));
+    if (!units_remark().empty()) text += fmt::format(" Here: {}.", units_remark());
     text += "</p></header>\n<section id=\"summary\" tabindex=\"-1\"><h2>Verdict</h2>\n";
     return text + verdict_banner(comparison) + status_lines(comparison) + key_figures(comparison) +
            unjudged_gaps(comparison) + metric_tables(comparison) + "</section>\n";

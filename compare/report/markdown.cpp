@@ -10,6 +10,7 @@
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -122,6 +123,7 @@ std::string report_markdown(const Comparison& comparison) {
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
+    if (!units_remark().empty()) text += fmt::format("- units: {}\n", units_remark());
     text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text +=

@@ -81,6 +81,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
     for (const MetricGap* metric : largest_unjudged(comparison.gap))
         text += fmt::format("unjudged  {}: {}\n", metric->row->title,
                             printable(difference_words(*metric, comparison)));
+    text += units_text();
     text += fmt::format("cost      {}\n", cost_line(comparison));
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
         text += side_notes(*side, style);

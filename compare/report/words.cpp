@@ -8,12 +8,13 @@
 
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
 
 std::string with_unit(double value, std::string_view unit) {
-    return fmt::format("{}{}{}", readable(value), unit.empty() ? "" : " ", unit);
+    return readable(shown(value, unit).value) + spaced_unit(unit);
 }
 
 constexpr double rounding = 1e-9;  // [-] of what it comes from: nothing but for rounding
@@ -48,8 +49,9 @@ std::string signed_text(double value, double size) {
 std::string difference_text(const MetricGap& metric) {
     if (!metric.difference) return "-";
     const double larger = std::max(std::abs(metric.reference->value), std::abs(metric.candidate->value));
-    std::string text = signed_text(-*metric.difference, larger);
-    if (!metric.row->unit.empty()) text += fmt::format(" {}", metric.row->unit);
+    const double factor = shown_factor(metric.row->unit);
+    std::string text =
+        signed_text(-*metric.difference * factor, larger * factor) + spaced_unit(metric.row->unit);
     if (metric.relative) text += fmt::format(" ({})", share_text(-*metric.relative, true));
     return text;
 }
@@ -62,8 +64,10 @@ std::string difference_words(const MetricGap& metric, const Comparison& comparis
     const double larger = std::max(std::abs(metric.reference->value), std::abs(metric.candidate->value));
     if (std::abs(*metric.difference) <= rounding * larger)
         return fmt::format("{} and {} say the same", candidate, reference);
-    std::string text = fmt::format("{} is {}", reference, signed_text(-*metric.difference, larger).substr(1));
-    if (!metric.row->unit.empty()) text += fmt::format(" {}", metric.row->unit);
+    const double factor = shown_factor(metric.row->unit);
+    std::string text = fmt::format("{} is {}{}", reference,
+                                   signed_text(-*metric.difference * factor, larger * factor).substr(1),
+                                   spaced_unit(metric.row->unit));
     if (metric.relative) text += fmt::format(" ({})", share_text(std::abs(*metric.relative), false));
     return text + (*metric.difference < 0 ? " above " : " below ") + candidate;
 }
@@ -112,8 +116,13 @@ std::vector<std::string> judged_words(const Comparison& comparison) {
     if (words.empty() && closest != nullptr)
         words.push_back(fmt::format(
             "{}: {}, tolerance {} ({})", closest->row->title, difference_words(*closest, comparison),
-            tolerance_text(*closest->tolerance, closest->row->unit), origin_text(closest->origin)));
+            shown_tolerance(*closest->tolerance, closest->row->unit), origin_text(closest->origin)));
     return words;
+}
+
+std::string shown_tolerance(const Tolerance& tolerance, std::string_view unit) {
+    if (tolerance.relative) return tolerance_text(tolerance, unit);
+    return tolerance_text({shown(tolerance.value, unit).value, false}, shown_unit(unit));
 }
 
 std::string_view origin_text(ToleranceOrigin origin) {
@@ -134,7 +143,7 @@ std::string standing_text(const std::optional<SideValue>& side) {
 
 std::string failure_text(const MetricGap& metric, const Comparison& comparison) {
     const std::string tolerance =
-        metric.tolerance ? fmt::format("{} ({})", tolerance_text(*metric.tolerance, metric.row->unit),
+        metric.tolerance ? fmt::format("{} ({})", shown_tolerance(*metric.tolerance, metric.row->unit),
                                        origin_text(metric.origin))
                          : "none";
     if (metric.verdict == Verdict::missing) {

@@ -35,6 +35,9 @@ std::vector<const MetricGap*> largest_unjudged(const FidelityGap& gap, std::size
 /// each. Empty where nothing is judged.
 std::vector<std::string> judged_words(const Comparison& comparison);
 
+/// As tolerance_text, in the units chosen.
+std::string shown_tolerance(const Tolerance& tolerance, std::string_view unit);
+
 /// "of the scene", "from the command line", "by default".
 std::string_view origin_text(ToleranceOrigin origin);
 

@@ -114,7 +114,7 @@ TEST(CompareHtml, SaysTheVerdictInWords) {
     EXPECT_NE(outside.find("<strong>Outside tolerance</strong>"), outside.npos);
     EXPECT_NE(outside.find("1 exceeded (peak_force)"), outside.npos);
     EXPECT_NE(outside.find("Peak opening force: full 5000 N, rom 4800 N: full is 200 N (4.0 %) above rom, "
-                           "tolerance 150 N (from the command line)"),
+                           "tolerance 150 N (of the scene)"),
               outside.npos);
     Comparison broken = synthetic_comparison();
     broken.reference.status = {StatusCode::not_finite, "node 7"};

@@ -193,7 +193,7 @@
             bar.className = "ramp";
             bar.style.background = "linear-gradient(90deg," + ramp.map((c) => "rgb(" + c.map((x) => Math.round(255 * x)) + ")") + ")";
             ends.className = "ends";
-            for (const end of ["0", report.readable(Number(most.toPrecision(2)), "N/m")]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
+            for (const end of ["0", report.readable(Number((most * report.data.stress.factor).toPrecision(2)), report.data.stress.unit)]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
             legend.append("first principal stress resultant", bar, ends);
         } else {
             foldNames.forEach((name, i) => {
