@@ -58,6 +58,11 @@ std::optional<double> value_of(const Answer& answer, const MetricRow& row) {
     if (!answer.own_shape && row.name == "filling_time") return prescribed_filling_time(*answer.record);
     std::optional<double> value = answer.record->metric(row.key);
     if (!value || !std::isfinite(*value)) return {};
+    if (row.name == "drift") {
+        const double east = answer.record->metric("landing_east_m").value_or(0.0),
+                     north = answer.record->metric("landing_north_m").value_or(0.0);
+        return std::hypot(east + answer.before.way.x(), north + answer.before.way.y());
+    }
     const auto counts = std::ranges::find(from_release, row.name, &FromRelease::metric);
     return counts == from_release.end() ? *value : *value + counts->before(answer.before);
 }

@@ -287,6 +287,7 @@ ExitCode run_compare(const Fidelity& reference, const Fidelity& candidate, const
     std::vector<std::string> overrides = tolerance_overrides(arguments);
     for (const Fidelity* fidelity : both)
         std::ranges::copy(fields_overrides(arguments, *fidelity), std::back_inserter(overrides));
+    choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments, overrides);
     const Why why = why_of(arguments);
     for (const Scene& scene : scenes)
@@ -324,6 +325,7 @@ Command compare_command(const Fidelity& reference, const Fidelity& candidate) {
     own.insert(own.end(), of_baseline.begin(), of_baseline.end());
     command.options.insert(command.options.begin() + 1, own.begin(), own.end());
     command.options.insert(command.options.begin() + 2, plain_csv_option());
+    command.options.insert(command.options.begin() + 3, units_option());
     if (reference.gives_fields || candidate.gives_fields)
         command.options.insert(command.options.begin() + 2, fields_option());
     if (reference.keeps_checkpoints || candidate.keeps_checkpoints)

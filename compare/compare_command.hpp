@@ -6,8 +6,8 @@
 
 namespace twinchute::compare {
 
-/// Differences are candidate minus reference, tolerances a share of the reference. The rows must
-/// outlive the command.
+/// Differences in gap.json are candidate minus reference, those that people read reference minus candidate;
+/// tolerances are a share of the reference. The rows must outlive the command.
 Command compare_command(const Fidelity& reference, const Fidelity& candidate);
 
 }  // namespace twinchute::compare

@@ -161,8 +161,9 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                             *of_candidate = missing_in(candidate, row.key);
         // A default tolerance on what the physics of neither side knows is no request; one that somebody
         // wrote down is.
-        const bool wanted = row.show == Show::always &&
-                            (metric.reference || metric.candidate || of_reference || of_candidate);
+        const bool known_to_lack = row.tolerance && (of_reference || of_candidate);
+        const bool wanted =
+            row.show == Show::always && (metric.reference || metric.candidate || known_to_lack);
         if (!wanted && asked == tolerances.end()) continue;
         metric.tolerance = asked == tolerances.end() ? row.tolerance : asked->second;
         if (asked != tolerances.end()) metric.origin = origin_of(row.name, of_command_line);

@@ -152,6 +152,7 @@ void add_table(FileBatch& batch, const std::vector<RecordRow>& rows, const fs::p
 }
 
 ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const Arguments& arguments) {
+    choose_units(arguments);
     const std::map<std::string, Tolerance> asked = read_tolerances(tolerance_overrides(arguments));
     const std::optional<DropTestHistories> test = test_of(arguments);
     const std::optional<std::string> out = arguments.value("out");
@@ -202,6 +203,7 @@ Command report_command(const Fidelity& reference, const Fidelity& candidate) {
     command.options.insert(command.options.begin(), tolerance_option(reference.name));
     for (Option& option : std::vector<Option>{
              {"out", "DIR", "write only a table of all records there, as Markdown, CSV and JSON"},
+             units_option(),
              {"json", "", "print the gap as JSON and nothing else"},
              {"quiet", "", "print nothing but errors"}})
         command.options.push_back(std::move(option));

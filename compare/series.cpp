@@ -43,8 +43,9 @@ SeriesSide side_of(const RunRecord& record) {
     return side;
 }
 
-std::string per_cent(const std::optional<double>& share) {
-    return share ? fmt::format("{:+.1f} %", 100.0 * *share) : "-";
+/// Reference less candidate, as everywhere for reading; the CSV file has it the other way round, as gap.json.
+std::string gap_text(const std::optional<double>& share) {
+    return share ? fmt::format("{:+.1f} %", -100.0 * *share) : "-";
 }
 
 /// Numbers of both fidelities for reading.
@@ -68,7 +69,7 @@ Table brief_table(const CaseSeries& series) {
                a.row.status == b.row.status ? a.row.status : a.row.status + " / " + b.row.status};
         for (const MetricRow* column : columns)
             row.emplace_back(both(a.value_of(*column), b.value_of(*column)));
-        row.emplace_back(per_cent(one.gap));
+        row.emplace_back(gap_text(one.gap));
         row.emplace_back(b.energy_residual ? fmt::format("{:.1e}", *b.energy_residual) : "-");
         row.emplace_back(both(a.row.wall_s, b.row.wall_s));
     }

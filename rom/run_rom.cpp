@@ -96,6 +96,8 @@ void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openi
             observer.impulse_between(result.snatch_time, result.snatch_time + *result.filling_time);
     result.max_deceleration = observer.largest_deceleration();
     result.end_position = place_of(last, scene, dimensions);
+    result.end_speed = last.speed;
+    result.end_climb = last.vertical_speed;
 }
 
 /// Source of the filling time, in words.
@@ -210,6 +212,7 @@ RunRecord run_in(const Scene& scene, Run& run, bool with_bracket) {
         record, scene, result,
         scene.parachutes.front().filling.is_predicted() ? MetricKind::result : MetricKind::input);
     add_reefed_drag_areas(record, scene, result);
+    add_stage_descent_rates(record, scene, result);
     add_validity(record, scene, result);
     record.left_out = left_out_of(parts_of(scene));
     add_scene_warnings(record, scene);
@@ -237,13 +240,15 @@ RunStatus metrics_in(const Scene& scene, Run& run, std::span<const std::string> 
     note_squids(record, sequence, end_of_flight(scene, context.observer.rows().back()));
     add_opening_metrics(record, scene, result, {}, {});
     note_never_opened(record, scene, never_opened(sequence), reached_by(scene, context, sequence));
-    const auto of_drag_area = [](const std::string& key) {
-        return key.ends_with("_percent_drag_area_s") || key.ends_with("_drag_area_m2");
+    const auto of_history = [](const std::string& key) {
+        return key.ends_with("_percent_drag_area_s") || key.ends_with("_drag_area_m2") ||
+               key.ends_with("_descent_rate_m_s");
     };
-    if (std::ranges::any_of(keys, of_drag_area)) {
+    if (std::ranges::any_of(keys, of_history)) {
         add_channels(record, context.observer.rows(), scene, dimensions);
         add_drag_area_times(record, scene, result, MetricKind::result);
         add_reefed_drag_areas(record, scene, result);
+        add_stage_descent_rates(record, scene, result);
     }
     const Parachute& chute = scene.parachutes.front();
     if (chute.filling.is_predicted() && scene.parachutes.size() == 1)

@@ -27,10 +27,10 @@ struct AlignedHistories {
     std::vector<AlignedChannel> channels;  ///< those that at least one side has
 };
 
-/// The channels of history_rows(), linear between the rows of a record, on either side of a jump by itself:
-/// two rows of one time are one. The clock is fine until opening_end
-/// and coarse after it, and has the instant at which each channel of each side is largest, so that no peak is
-/// cut.
+/// The channels of history_rows(), smooth between the rows of a record (modified Akima, H. Akima, J. ACM
+/// 17, 1970), on either side of a jump by itself: two rows of one time are one. The clock has the rows of
+/// both sides where a page can hold them, and is fine until opening_end and coarse after it where not; it has
+/// the instant at which each channel of each side is largest, so that no peak is cut.
 AlignedHistories aligned_histories(const Comparison& comparison);
 
 }  // namespace twinchute::compare

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/record/display_units.hpp"
+
 namespace twinchute::compare {
 namespace {
 
@@ -17,7 +19,7 @@ constexpr double worth_naming = 0.2;
 
 std::string unit_of(const MetricAttribution& metric) {
     const MetricRow* row = find_metric_row(metric.metric);
-    return row == nullptr || row->unit.empty() ? "" : " " + std::string(row->unit);
+    return row == nullptr ? std::string() : spaced_unit(row->unit);
 }
 
 std::string title_of(const MetricAttribution& metric) {
@@ -74,7 +76,19 @@ std::vector<AttributionTerm> rows_of(const Attribution& attribution) {
 
 }  // namespace
 
-std::string attribution_sentence(const MetricAttribution& metric, const Comparison& comparison) {
+MetricAttribution shown_metric(MetricAttribution metric) {
+    const MetricRow* row = find_metric_row(metric.metric);
+    const double factor = row == nullptr ? 1.0 : shown_factor(row->unit);
+    for (double* value : {&metric.reference, &metric.candidate, &metric.interaction})
+        *value *= factor;
+    for (AttributionTerm& term : metric.terms)
+        term.effect *= factor;
+    if (metric.scatter) *metric.scatter *= factor;
+    return metric;
+}
+
+std::string attribution_sentence(const MetricAttribution& found, const Comparison& comparison) {
+    const MetricAttribution metric = shown_metric(found);
     const double gap = metric.reference - metric.candidate;
     const std::string reference = comparison.reference.fidelity, candidate = comparison.candidate.fidelity;
     std::string text = title_of(metric) + ": ";
@@ -114,9 +128,10 @@ Table attribution_table(const Comparison& comparison) {
         attribution.metrics, [](const MetricAttribution& metric) { return metric.scatter.has_value(); });
     std::vector<Cell> first{comparison.candidate.fidelity}, last{comparison.reference.fidelity},
         together{"+ Interaction"}, scatter{"scatter of " + comparison.reference.fidelity};
-    for (const MetricAttribution& metric : attribution.metrics) {
+    for (const MetricAttribution& found : attribution.metrics) {
+        const MetricAttribution metric = shown_metric(found);
         const MetricRow* row = find_metric_row(metric.metric);
-        table.add_numbers({title_of(metric)}, row == nullptr ? "" : row->unit);
+        table.add_numbers({title_of(metric)}, row == nullptr ? "" : shown_unit(row->unit));
         first.emplace_back(fmt::format("{:.{}f}", metric.candidate, places(metric)));
         last.emplace_back(fmt::format("{:.{}f}", metric.reference, places(metric)));
         together.emplace_back(signed_number(metric.interaction, places(metric)));
@@ -126,7 +141,8 @@ Table attribution_table(const Comparison& comparison) {
     for (const AttributionTerm& row : rows_of(attribution)) {
         std::vector<Cell>& cells = table.rows.emplace_back();
         cells.emplace_back("+ " + row.title);
-        for (const MetricAttribution& metric : attribution.metrics) {
+        for (const MetricAttribution& found : attribution.metrics) {
+            const MetricAttribution metric = shown_metric(found);
             const auto term = std::ranges::find(metric.terms, row.name, &AttributionTerm::name);
             cells.emplace_back(term == metric.terms.end() ? "-"
                                                           : signed_number(term->effect, places(metric)));

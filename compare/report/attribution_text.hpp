@@ -9,6 +9,9 @@
 
 namespace twinchute::compare {
 
+/// The metric in the units chosen.
+MetricAttribution shown_metric(MetricAttribution metric);
+
 /// A sentence or two: how large the gap of a metric is, what makes most of it, and whether its terms may be
 /// read at all. Not escaped.
 std::string attribution_sentence(const MetricAttribution& metric, const Comparison& comparison);

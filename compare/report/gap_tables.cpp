@@ -9,6 +9,7 @@
 #include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -83,8 +84,8 @@ Table metrics_table(const Comparison& comparison) {
              value_text(metric.candidate, unit),
              value_text(metric.reference, unit),
              difference_text(metric),
-             tolerance_cell(metric.tolerance, metric.tolerance ? tolerance_text(*metric.tolerance, unit) : "",
-                            metric.origin),
+             tolerance_cell(metric.tolerance,
+                            metric.tolerance ? shown_tolerance(*metric.tolerance, unit) : "", metric.origin),
              verdict_cell(metric.verdict),
              standing_text(metric.candidate),
              standing_text(metric.reference)});
@@ -146,7 +147,7 @@ Table phases_table(const FidelityGap& gap) {
         for (const PhaseScore& phase : history.phases)
             table.rows.push_back({history.row->title, phase_name(phase.phase),
                                   fmt::format("{:.2f} to {:.2f}", phase.from, phase.to),
-                                  share_text(phase.maximum, true), share_text(phase.l2, false),
+                                  share_text(-phase.maximum, true), share_text(phase.l2, false),
                                   share_text(phase.infinity, false),
                                   phase.phase == HistoryPhase::deployment ? "-" : tolerance,
                                   verdict_cell(phase_verdict(history, phase))});
@@ -164,7 +165,8 @@ Table test_table(const Comparison& comparison) {
     table.add_numbers({"largest", sides[0]->fidelity, sides[1]->fidelity});
     for (const TestScore& score : test_scores(*comparison.test, sides)) {
         std::vector<Cell>& cells = table.rows.emplace_back();
-        cells = {score.row->title, fmt::format("{} {}", readable(score.largest), score.row->unit)};
+        cells = {score.row->title,
+                 readable(shown(score.largest, score.row->unit).value) + spaced_unit(score.row->unit)};
         for (const std::optional<double>& l2 : score.l2)
             cells.emplace_back(l2 ? share_text(*l2, false) : "-");
     }
@@ -180,7 +182,7 @@ Table energy_table(const Comparison& comparison) {
             if (const double term = term_of(*side, line); std::isfinite(term))
                 largest = std::max(largest, std::abs(term));
     Table table;
-    table.add_words({"energy"}, "kJ");
+    table.add_words({"energy"}, shown_unit("kJ"));
     table.add_numbers({sides[0]->fidelity, sides[1]->fidelity});
     table.columns.push_back({.title = "share", .drawn = true});
     for (const LedgerLine& line : ledger_lines) {
@@ -190,7 +192,7 @@ Table energy_table(const Comparison& comparison) {
         for (const RunRecord* side : sides) {
             const double value = term_of(*side, line);
             any = any || value != 0.0;  // exactly zero: nothing behind it
-            cells.emplace_back(value != 0.0 ? readable(1e-3 * value) : "-");
+            cells.emplace_back(value != 0.0 ? readable(shown(1e-3 * value, "kJ").value) : "-");
             if (value == 0.0 || !std::isfinite(value)) continue;
             const double width =
                 50.0 * std::abs(value / largest);  // from the middle, to the right if positive
@@ -217,21 +219,23 @@ Table events_table(const Comparison& comparison) {
     Table table;
     table.add_words({"event"});
     table.add_numbers({candidate_name + " time", reference_name + " time", "difference"}, "s");
-    table.add_numbers({candidate_name + " altitude", reference_name + " altitude"}, "m");
-    table.add_numbers({candidate_name + " speed", reference_name + " speed"}, "m/s");
+    table.add_numbers({candidate_name + " altitude", reference_name + " altitude"}, shown_unit("m"));
+    table.add_numbers({candidate_name + " speed", reference_name + " speed"}, shown_unit("m/s"));
     for (const EventPair& pair : event_pairs(comparison)) {
         std::vector<Cell> cells{pair.name};
-        const auto both = [&](double Event::*value, int decimals) {
+        const auto both = [&](double Event::*value, int decimals, std::string_view unit) {
             for (const Event* event : pair.event)
-                cells.push_back(event ? fixed(event->*value, decimals) : "-");
+                cells.push_back(event ? fixed(shown(event->*value, unit).value, decimals) : "-");
         };
-        both(&Event::time, 3);
+        both(&Event::time, 3, "s");
         const auto& [candidate, reference] = pair.event;
-        cells.push_back(candidate && reference
-                            ? fixed((candidate->time - clock.zero[0]) - (reference->time - clock.zero[1]), 3)
-                            : "-");
-        both(&Event::altitude, 1);
-        both(&Event::speed, 2);
+        cells.push_back(
+            candidate && reference
+                ? signed_text((reference->time - clock.zero[1]) - (candidate->time - clock.zero[0]),
+                              std::max(std::abs(reference->time), std::abs(candidate->time)))
+                : "-");
+        both(&Event::altitude, 1, "m");
+        both(&Event::speed, 2, "m/s");
         table.rows.push_back(std::move(cells));
     }
     return table;
@@ -244,11 +248,13 @@ Table calibration_table(const Comparison& comparison) {
                       "");
     table.add_words({"unit"});
     table.add_numbers({"gap before", "after"}, "%");
-    for (const CalibrationGap& one : calibration_gaps(comparison))
-        table.rows.push_back({std::string(one.row->title), readable(one.before, 4), readable(one.after, 4),
-                              readable(one.reference, 4), std::string(one.row->unit),
-                              fmt::format("{:+.2f}", 100.0 * one.gap_before),
-                              fmt::format("{:+.2f}", 100.0 * one.gap_after)});
+    for (const CalibrationGap& one : calibration_gaps(comparison)) {
+        const auto number = [&](double value) { return readable(shown(value, one.row->unit).value, 4); };
+        table.rows.push_back({std::string(one.row->title), number(one.before), number(one.after),
+                              number(one.reference), std::string(shown_unit(one.row->unit)),
+                              signed_text(-100.0 * one.gap_before, 100.0),
+                              signed_text(-100.0 * one.gap_after, 100.0)});
+    }
     return table;
 }
 
@@ -258,10 +264,10 @@ Table filling_table(const Comparison& comparison) {
     table.add_numbers({"initial mouth"}, "");
     table.add_numbers({"filling time"}, "s");
     table.add_numbers({"fill constant"}, "");
-    table.add_numbers({"peak force"}, "N");
+    table.add_numbers({"peak force"}, shown_unit("N"));
     table.add_words({"end"});
-    const auto number = [](const std::optional<double>& value) {
-        return value ? readable(*value, 4) : std::string("-");
+    const auto number = [](const std::optional<double>& value, std::string_view unit = {}) {
+        return value ? readable(shown(*value, unit).value, 4) : std::string("-");
     };
     for (const PageSide& side : page_sides(comparison)) {
         const RunRecord& record = *side.record;
@@ -272,7 +278,7 @@ Table filling_table(const Comparison& comparison) {
                                   readable(at.initial_mouth, 4),
                                   number(at.filling_time),
                                   number(at.fill_constant),
-                                  number(at.peak_force),
+                                  number(at.peak_force, "N"),
                                   at.status});
         };
         add("as given",

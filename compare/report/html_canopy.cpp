@@ -19,7 +19,8 @@ constexpr std::string_view stage = R"html(<div class="stage" id="stage" hidden>
 <button type="button" id="home">Reset view</button>
 </div>
 <div class="scene"><canvas id="canopy" tabindex="0" role="img" aria-label="The canopy in three dimensions. Drag or use the arrow keys to turn it, plus and minus to come closer."></canvas>
-<div class="legend" id="legend"></div></div>
+</div>
+<div class="legend" id="legend"></div>
 </div>
 )html";
 
@@ -43,12 +44,15 @@ std::string canopy_section(const Comparison& comparison) {
             "plays here in "
             "three dimensions.</p>\n";
         text += stage;
-        text += "<figure>\n" + canopy_still(shape, *sides[s].record, clock.zero[s]);
-        return text +
-               fmt::format(
-                   "<figcaption>The opening at a few moments, to one scale, from the side; {}.</figcaption>"
-                   "</figure></section>\n",
-                   clock.from_snatch ? "time counts from snatch" : "time counts from release");
+        text +=
+            "<figure>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Moments of the "
+            "opening\">\n" +
+            canopy_still(shape, *sides[s].record, clock.zero[s]);
+        return text + fmt::format(
+                          "</div>\n<figcaption>The opening at a few moments, to one scale, from the side; "
+                          "{}.</figcaption>"
+                          "</figure></section>\n",
+                          clock.from_snatch ? "time counts from snatch" : "time counts from release");
     }
     return {};
 }

@@ -155,7 +155,9 @@ std::string events_section_html(const Comparison& comparison) {
     const SharedClock clock = shared_clock(comparison);
     const std::vector<EventPair> all = event_pairs(comparison);
     if (all.empty()) return {};
-    return "<section id=\"events\"><h2>Events</h2>\n" + drawing(all, comparison, clock) +
+    return "<section id=\"events\"><h2>Events</h2>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+           "aria-label=\"Events along time\">\n" +
+           drawing(all, comparison, clock) + "</div>\n" +
            html_table(
                events_table(comparison),
                "Times since release; the difference is that of the drawing's clock. Altitude and speed "

@@ -6,22 +6,26 @@
 #include <cmath>
 
 #include "compare/render/escape.hpp"
+#include "compare/report/attribution_text.hpp"
 #include "compare/report/html_parts.hpp"
+#include "compare/report/words.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
 
-/// As many digits after the point as four of the metric itself have.
+/// Below this share of the reference an effect draws no bar.
+constexpr double negligible = 1e-4;
+
 std::string effect_text(double effect, const MetricAttribution& metric, const std::string& unit) {
-    const double larger = std::max(std::abs(metric.candidate), std::abs(metric.reference));
-    const int before =
-        larger > 0 && std::isfinite(larger) ? static_cast<int>(std::floor(std::log10(larger))) + 1 : 1;
-    return fmt::format("{:.{}f}{}", std::abs(effect), std::clamp(4 - before, 0, 12), unit);
+    return signed_text(effect, std::max(std::abs(metric.candidate), std::abs(metric.reference))) + unit;
 }
 
 Table way_table(const MetricAttribution& metric, const Comparison& comparison, const std::string& unit) {
-    std::vector<AttributionTerm> steps = metric.terms;
+    std::vector<AttributionTerm> steps;
+    for (const AttributionTerm& term : metric.terms)
+        if (std::abs(term.effect) > negligible * std::abs(metric.reference)) steps.push_back(term);
     if (metric.interaction != 0)
         steps.push_back({"", "Interaction", metric.interaction, "what the effects do only together"});
     double low = std::min(metric.candidate, metric.reference),
@@ -46,8 +50,7 @@ Table way_table(const MetricAttribution& metric, const Comparison& comparison, c
         const bool down = step.effect < 0;
         const double next = value + step.effect;
         const double from = at(std::min(value, next)), width = at(std::max(value, next)) - from;
-        table.rows.push_back({{step.title, Tone::plain, step.detail},
-                              (down ? "\u2212" : "+") + effect_text(step.effect, metric, unit),
+        table.rows.push_back({step.title, effect_text(step.effect, metric, unit),
                               Cell(std::vector{Bar{down ? "step down" : "step up", from, width}})});
         value = next;
     }
@@ -55,31 +58,36 @@ Table way_table(const MetricAttribution& metric, const Comparison& comparison, c
     return table;
 }
 
-std::string way(const MetricAttribution& metric, const Comparison& comparison) {
+std::string way(const MetricAttribution& found, const Comparison& comparison) {
+    const MetricAttribution metric = shown_metric(found);
     const MetricRow* known = find_metric_row(metric.metric);
-    const std::string unit = known == nullptr || known->unit.empty() ? "" : " " + std::string(known->unit);
+    const std::string unit = known == nullptr ? std::string() : spaced_unit(known->unit);
     const auto sides = page_sides(comparison);
-    std::string text =
-        html_table(way_table(metric, comparison, unit),
-                   fmt::format("<strong>{}</strong>, from {} to {}",
-                               xml_text(known == nullptr ? std::string_view(metric.metric) : known->title),
-                               side_name(sides[0]), side_name(sides[1])),
-                   "bars way");
     double largest = 0.0;
     for (const AttributionTerm& term : metric.terms)
         largest = std::max(largest, std::abs(term.effect));
-    if (std::abs(metric.interaction) > largest)
-        text +=
-            "<p class=\"alert\">The interaction is larger than any single effect: the effects cannot be read "
-            "on their "
-            "own.</p>\n";
+    std::string remark;
+    if (std::abs(metric.interaction) > largest) remark = "interaction larger than any effect";
     if (metric.scatter)
-        text += fmt::format("<p class=\"quiet\">Scatter over seeds: {}{}.{}</p>\n",
-                            effect_text(*metric.scatter, metric, ""), xml_text(unit),
-                            std::abs(metric.candidate - metric.reference) <= *metric.scatter
-                                ? " The gap is no larger than that: chance alone makes as much."
-                                : "");
-    return text;
+        remark += fmt::format(
+            "{}scatter over seeds {}{}{}", remark.empty() ? "" : ", ", readable(*metric.scatter, 3), unit,
+            std::abs(metric.candidate - metric.reference) <= *metric.scatter ? ", no less than the gap" : "");
+    return html_table(way_table(metric, comparison, unit),
+                      fmt::format("<strong>{}</strong>, from {} to {}{}",
+                                  xml_text(known == nullptr ? std::string_view(metric.metric) : known->title),
+                                  side_name(sides[0]), side_name(sides[1]),
+                                  remark.empty() ? "" : fmt::format(" ({})", xml_text(remark))),
+                      "bars way");
+}
+
+/// The metric whose gap is the largest share of the reference.
+const MetricAttribution& headline(const std::vector<MetricAttribution>& metrics) {
+    const auto share = [](const MetricAttribution& metric) {
+        return metric.reference != 0.0
+                   ? std::abs(metric.reference - metric.candidate) / std::abs(metric.reference)
+                   : 0.0;
+    };
+    return *std::ranges::max_element(metrics, {}, share);
 }
 
 }  // namespace
@@ -87,20 +95,21 @@ std::string way(const MetricAttribution& metric, const Comparison& comparison) {
 std::string attribution_section(const Comparison& comparison) {
     if (!comparison.attribution || comparison.attribution->metrics.empty()) return {};
     const auto sides = page_sides(comparison);
+    const Attribution& attribution = *comparison.attribution;
     std::string text = fmt::format(
-        "<section id=\"why\"><h2>Why they differ</h2>\n<p>Each bar is what one physics effect does to the "
-        "metric when it "
-        "alone is brought from {} to {}; purple raises it, green lowers it.</p>\n<div class=\"ways\">\n",
-        side_name(sides[0]), side_name(sides[1]));
-    for (const MetricAttribution& metric : comparison.attribution->metrics)
+        "<section id=\"why\"><h2>Why they differ</h2>\n<p>{} Each bar is what one physics effect adds to the "
+        "metric when it alone is brought from {} to {}.</p>\n<div class=\"ways\">\n",
+        xml_text(attribution_sentence(headline(attribution.metrics), comparison)), side_name(sides[0]),
+        side_name(sides[1]));
+    for (const MetricAttribution& metric : attribution.metrics)
         text += "<div>" + way(metric, comparison) + "</div>\n";
-    text += "</div>\n";
-    if (!comparison.attribution->notes.empty()) {
-        text += "<ul class=\"plain\">\n";
-        for (const std::string& note : comparison.attribution->notes)
-            text += fmt::format("<li>{}</li>\n", xml_text(note));
-        text += "</ul>\n";
-    }
+    text += fmt::format(
+        "</div>\n<details><summary>How effects are switched</summary>\n<p>{}</p>\n<ul class=\"plain\">\n",
+        xml_text(attribution_legend(comparison)));
+    for (const std::vector<std::string>& list : {attribution_details(attribution), attribution.notes})
+        for (const std::string& line : list)
+            text += fmt::format("<li>{}</li>\n", xml_text(line));
+    text += "</ul></details>\n";
     return text + "</section>\n";
 }
 

@@ -43,7 +43,7 @@ std::string histories_section(const Comparison& comparison) {
     const auto sides = page_sides(comparison);
     std::string text = fmt::format(
         "<section id=\"histories\"><h2>Histories</h2>\n<p>{0} dashed, {1} in full; below each pair their "
-        "difference, {0} minus {1}. "
+        "difference, {1} minus {0}. "
         "{2}</p>\n",
         side_name(sides[0]), side_name(sides[1]),
         shared_clock(comparison).from_snatch
@@ -63,9 +63,12 @@ std::string histories_section(const Comparison& comparison) {
         "<label class=\"cursor\">Time cursor <input type=\"range\" id=\"cursor\" min=\"0\" max=\"1\" "
         "step=\"1\" "
         "value=\"0\"></label> <output id=\"cursor-time\" for=\"cursor\"></output>\n"
+        "<button type=\"button\" id=\"full-range\" aria-pressed=\"false\" hidden>Whole spikes</button>\n"
         "<p class=\"quiet hint\">Point at a curve, or move the cursor with the arrow keys. Drag to zoom, "
         "double click to "
-        "go back. Dotted lines are events, named below.</p></div>\n<div class=\"histories\">\n";
+        "go back. Dotted lines are events, named below.<span id=\"cut-off\" hidden> A spike much higher than "
+        "all else is cut off at the top of its plot, which says how high it is.</span></p></div>\n<div "
+        "class=\"histories\">\n";
     for (const AlignedChannel& channel : aligned.channels)
         text += figure(channel, comparison);
     return text + "</div></section>\n";

@@ -10,22 +10,10 @@
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
-
-/// "rom says 4.9 % more than full": what a difference means.
-std::string difference_words(const MetricGap& metric, const Comparison& comparison) {
-    const std::string& candidate = comparison.candidate.fidelity;
-    const std::string& reference = comparison.reference.fidelity;
-    if (!metric.difference) return metric.note;
-    if (*metric.difference == 0) return fmt::format("{} and {} say the same", candidate, reference);
-    const std::string_view more = *metric.difference > 0 ? "more" : "less";
-    if (!metric.relative && metric.reference->value != 0) return metric.note;
-    if (!metric.relative) return fmt::format("{} says {} than {}", candidate, more, reference);
-    return fmt::format("{} says {:.1f} % {} than {}", candidate, 100 * std::abs(*metric.relative), more,
-                       reference);
-}
 
 /// Where the difference lies between the ends of the tolerance, which take the middle half of the track.
 std::string gauge(const MetricGap& metric) {
@@ -34,7 +22,7 @@ std::string gauge(const MetricGap& metric) {
                                ? metric.tolerance->value * std::abs(metric.reference->value)
                                : metric.tolerance->value;
     if (!(allowed > 0) || !std::isfinite(*metric.difference)) return {};
-    const double at = std::clamp(50 + 25 * *metric.difference / allowed, 1.0, 99.0);
+    const double at = std::clamp(50 - 25 * *metric.difference / allowed, 1.0, 99.0);
     return fmt::format(
         "<div class=\"gauge\" aria-hidden=\"true\"><span class=\"band\"></span><span class=\"zero\"></span>"
         "<span class=\"needle {}\" style=\"left:{:.2f}%\"></span></div>",
@@ -56,7 +44,7 @@ std::string key_figure(const MetricGap& metric, const Comparison& comparison) {
         xml_text(difference_words(metric, comparison)), html_cell(verdict_cell(metric.verdict)),
         metric.tolerance->value == 0
             ? "0: any difference counts"
-            : "\u00b1" + xml_text(tolerance_text(*metric.tolerance, metric.row->unit)),
+            : "\u00b1" + xml_text(shown_tolerance(*metric.tolerance, metric.row->unit)),
         origin_text(metric.origin));
     return text;
 }
@@ -83,11 +71,9 @@ std::string key_figures(const Comparison& comparison) {
 std::string metric_tables(const Comparison& comparison) {
     const std::string text = html_table(
         metrics_table(comparison),
-        fmt::format(
-            "<strong>All metrics.</strong> Differences are {0} minus {1}, relative ones shares of {1}. "
-            "An <em>input</em> repeats what the scene says; a <em>result</em> comes out of the model: "
-            "only results compare models.",
-            xml_text(comparison.candidate.fidelity), xml_text(comparison.reference.fidelity)),
+        fmt::format("<strong>All metrics.</strong> {} An <em>input</em> repeats what the scene says; a "
+                    "<em>result</em> comes out of the model: only results compare models.",
+                    xml_text(difference_legend(comparison))),
         "metrics", "metrics");
     const Table notes = metric_notes_table(comparison);
     if (notes.rows.empty()) return text;
@@ -96,24 +82,33 @@ std::string metric_tables(const Comparison& comparison) {
            "</details>\n";
 }
 
-/// Where the judged metrics are furthest apart, in words.
-std::string largest_gap(const Comparison& comparison) {
-    const MetricGap* largest = nullptr;
-    for (const MetricGap& metric : comparison.gap.metrics) {
-        if (!metric.tolerance || !metric.relative) continue;
-        if (largest == nullptr || std::abs(*metric.relative) > std::abs(*largest->relative))
-            largest = &metric;
+/// Verdict of all, then metric by metric what makes it.
+std::string verdict_words(const Comparison& comparison, Verdict verdict) {
+    std::string text;
+    if (verdict == Verdict::within && exit_code(comparison) == ExitCode::done) {
+        const auto judged =
+            std::ranges::count(comparison.gap.metrics, Verdict::within, &MetricGap::verdict) +
+            std::ranges::count(comparison.gap.histories, Verdict::within, &HistoryGap::verdict);
+        text = fmt::format("<span>{0} of {0} judged metrics. Closest to its tolerance:</span>", judged);
+    } else {
+        text = fmt::format("<span>{}</span>", xml_text(verdict_line(comparison)));
     }
-    if (largest == nullptr) return {};
-    return fmt::format("The largest gap among them: {}, where {}.", largest->row->title,
-                       difference_words(*largest, comparison));
+    if (is_judged(comparison.reference) && is_judged(comparison.candidate))
+        for (const std::string& words : judged_words(comparison))
+            text += fmt::format("<span>{}</span>", xml_text(words));
+    return text;
 }
 
-std::string verdict_words(const Comparison& comparison, Verdict verdict) {
-    if (verdict != Verdict::within || exit_code(comparison) != ExitCode::done)
-        return verdict_line(comparison);
-    const auto judged = std::ranges::count(comparison.gap.metrics, Verdict::within, &MetricGap::verdict);
-    return fmt::format("{0} of {0} judged metrics. {1}", judged, largest_gap(comparison));
+/// Large gaps that no tolerance judges.
+std::string unjudged_gaps(const Comparison& comparison) {
+    const std::vector<const MetricGap*> largest = largest_unjudged(comparison.gap);
+    if (largest.empty()) return {};
+    std::string text =
+        "<div class=\"unjudged-gaps\"><h3>Largest gaps that no tolerance judges</h3>\n<ul class=\"plain\">\n";
+    for (const MetricGap* metric : largest)
+        text += fmt::format("<li><strong>{}</strong>: {}</li>\n", xml_text(metric->row->title),
+                            xml_text(difference_words(*metric, comparison)));
+    return text + "</ul></div>\n";
 }
 
 bool is_unopened(const Comparison& comparison) {
@@ -135,8 +130,8 @@ std::string verdict_banner(const Comparison& comparison) {
         style = "unjudged", sign = "\u2013", word = "Nothing judged";
     return fmt::format(
         "<div class=\"verdict {}\"><span class=\"sign\" aria-hidden=\"true\">{}</span>"
-        "<p><strong>{}</strong><span>{}</span></p></div>\n",
-        style, sign, word, xml_text(verdict_words(comparison, verdict)));
+        "<p><strong>{}</strong>{}</p></div>\n",
+        style, sign, word, verdict_words(comparison, verdict));
 }
 
 std::string status_lines(const Comparison& comparison) {
@@ -164,16 +159,16 @@ std::string summary_section(const Comparison& comparison) {
     const auto sides = page_sides(comparison);
     std::string text = fmt::format(
         "<header><p class=\"brand\">twinchute <span>one parachute scene at two fidelities</span></p>\n"
-        "<h1>{}</h1>\n<p class=\"lead\">{} is the {}, quick; {} is the {}, slow, and the one that counts. "
-        "Both flew "
-        "the same scene.",
+        "<h1>{}</h1>\n<p class=\"lead\">{} is the {}, quick; {} is the {}, slow. Both flew the same scene, "
+        "on the same empirical aerodynamics.",
         xml_text(comparison.reference.scene.name), side_name(sides[0]), xml_text(comparison.candidate_title),
         side_name(sides[1]), xml_text(comparison.reference_title));
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty())
         text += fmt::format(" Both were told the {}.", xml_text(fill));
+    if (!units_remark().empty()) text += fmt::format(" Here: {}.", units_remark());
     text += "</p></header>\n<section id=\"summary\" tabindex=\"-1\"><h2>Verdict</h2>\n";
     return text + verdict_banner(comparison) + status_lines(comparison) + key_figures(comparison) +
-           metric_tables(comparison) + "</section>\n";
+           unjudged_gaps(comparison) + metric_tables(comparison) + "</section>\n";
 }
 
 }  // namespace twinchute::compare

@@ -10,6 +10,7 @@
 #include "compare/report/words.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -22,11 +23,7 @@ std::string section(std::string_view title, const Table& table) {
 
 std::string metrics_section(const Comparison& comparison) {
     const std::string text =
-        section("Metrics", metrics_table(comparison)) +
-        fmt::format("Differences are {} minus {}; relative ones and relative tolerances are shares of {}.\n",
-                    markdown_text(comparison.candidate.fidelity),
-                    markdown_text(comparison.reference.fidelity),
-                    markdown_text(comparison.reference.fidelity)) +
+        section("Metrics", metrics_table(comparison)) + markdown_text(difference_legend(comparison)) + "\n" +
         "An *input* only repeats what the scene says; a *result* comes out of the model.\n";
     const std::string notes = markdown_table(metric_notes_table(comparison));
     return notes.empty() ? text : text + "\n" + notes;
@@ -107,6 +104,13 @@ std::string report_markdown(const Comparison& comparison) {
     const Sides sides{&comparison.candidate, &comparison.reference};
     std::string text = fmt::format("# {}\n\n", markdown_text(comparison.reference.scene.name));
     text += fmt::format("**{}**\n\n", markdown_text(verdict_line(comparison)));
+    if (is_judged(comparison.reference) && is_judged(comparison.candidate))
+        for (const std::string& words : judged_words(comparison))
+            text += fmt::format("- {}\n", markdown_text(words));
+    for (const MetricGap* metric : largest_unjudged(comparison.gap))
+        text += fmt::format("- without a tolerance: {}: {}\n", markdown_text(metric->row->title),
+                            markdown_text(difference_words(*metric, comparison)));
+    text += "\n";
     text +=
         fmt::format("{} is the {}, {} the {}.\n\n", markdown_text(comparison.candidate.fidelity),
                     markdown_text(comparison.candidate_title), markdown_text(comparison.reference.fidelity),
@@ -119,6 +123,7 @@ std::string report_markdown(const Comparison& comparison) {
     if (const std::string fill = fill_constant_text(comparison.reference); !fill.empty()) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
+    if (!units_remark().empty()) text += fmt::format("- units: {}\n", units_remark());
     text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text +=

@@ -6,6 +6,7 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/report/aligned.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -66,12 +67,13 @@ std::string page_data(const Comparison& comparison) {
     const auto sides = page_sides(comparison);
     const std::size_t shaped = sides[1].frames->empty() ? 0 : 1;
     std::string text = fmt::format(
-        "{{\"sides\":[{},{}],\"clockLabel\":{},\"openingEnd\":{:.8g},\"frameZero\":{:.8g},\n\"clock\":{},"
+        "{{\"stress\":{{\"factor\":{:.8g},\"unit\":{}}},\"sides\":[{},{}],\"clockLabel\":{},\"openingEnd\":{:"
+        ".8g},\"frameZero\":{:.8g},\n\"clock\":{},"
         "\n\"events\":{},\n"
         "\"channels\":[",
-        word(sides[0].record->fidelity), word(sides[1].record->fidelity), word(clock.label()),
-        aligned.opening_end, clock.zero[shaped], clock_numbers(aligned.clock),
-        events_json(comparison, clock));
+        shown_factor("N/m"), word(shown_unit("N/m")), word(sides[0].record->fidelity),
+        word(sides[1].record->fidelity), word(clock.label()), aligned.opening_end, clock.zero[shaped],
+        clock_numbers(aligned.clock), events_json(comparison, clock));
     for (const AlignedChannel& channel : aligned.channels) {
         text += fmt::format("\n{{\"id\":{},\"title\":{},\"unit\":{},\"values\":[", word(channel.channel),
                             word(channel.title), word(unit_for_reading(channel.unit)));

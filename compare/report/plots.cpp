@@ -9,6 +9,7 @@
 
 #include "compare/render/plot.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -56,8 +57,21 @@ Plot channel_plot(const Comparison& comparison, std::string_view channel,
     return plot;
 }
 
-/// Changes the unit from N to kN where forces are that large.
+/// Brings all curves of an SI unit into the one that is shown.
+void show_in_units(Plot& plot, std::string_view si_unit) {
+    const double factor = shown_factor(si_unit);
+    for (PlotSeries& series : plot.series)
+        for (double& y : series.y)
+            y *= factor;
+}
+
+/// Changes the unit from N to kN where forces are that large, or to that of the units chosen.
 void scale_force(Plot& plot) {
+    if (shown_unit("N") != "N") {
+        show_in_units(plot, "N");
+        plot.y.label = fmt::format("opening force [{}]", shown_unit("N"));
+        return;
+    }
     double largest = 0.0;
     for (const PlotSeries& series : plot.series)
         for (const double y : series.y)
@@ -82,7 +96,7 @@ std::string force_svg(const Comparison& comparison) {
         const double at = snatch_of(record) + delay.value_or(0);
         if (delay) last = std::max(last, at);
         if (const Event* open = opening(record)) last = std::max(last, open->time);
-        if (peak) peaks[s] = fmt::format(": peak {} N", readable(*peak));
+        if (peak) peaks[s] = fmt::format(": peak {}{}", readable(shown(*peak, "N").value), spaced_unit("N"));
         if (peak && delay) peaks[s] += fmt::format(" at {:.2f} s", at);
     }
     Plot plot = channel_plot(comparison, "force", peaks);
@@ -104,7 +118,8 @@ std::string history_svg(const Comparison& comparison, std::string_view channel) 
             if (const Event* happened = record->find_event(event)) last = std::max(last, happened->time);
     }
     if (last > 0) plot.x.end = 2 * last;
-    plot.y.label = fmt::format("{} [{}]", name, unit);
+    show_in_units(plot, unit);
+    plot.y.label = fmt::format("{} [{}]", name, shown_unit(unit));
     name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
     plot.title = name;
     return svg_plot(plot);
@@ -114,10 +129,12 @@ std::string speed_svg(const Comparison& comparison) {
     std::array<std::string, 2> rates;
     for (std::size_t s = 0; s < 2; ++s)
         if (const auto rate = sides(comparison)[s]->metric("descent_rate_m_s"))
-            rates[s] = fmt::format(": descends at {} m/s", readable(*rate, 3));
+            rates[s] =
+                fmt::format(": descends at {}{}", readable(shown(*rate, "m/s").value, 3), spaced_unit("m/s"));
     Plot plot = channel_plot(comparison, "speed", rates);
     plot.title = "Speed of the payload";
-    plot.y.label = "speed over ground [m/s]";
+    show_in_units(plot, "m/s");
+    plot.y.label = fmt::format("speed over ground [{}]", shown_unit("m/s"));
     return svg_plot(plot);
 }
 

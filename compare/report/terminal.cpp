@@ -67,7 +67,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
         text += printable(fill) + "\n";
     }
     text += "\n";
-    text += terminal_table(metrics_table(comparison), style) + "\n";
+    text += with_legend(metrics_table(comparison), style, printable(difference_legend(comparison)));
     text += with_legend(histories_table(comparison.gap), style,
                         fmt::format("L2 norm of the difference over that of {}; both clocks begin at snatch",
                                     comparison.reference.fidelity));
@@ -75,6 +75,13 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
     text += test_text(comparison, style);
     text += attribution_part(comparison, style);
     text += fmt::format("verdict   {}\n", style.paint(printable(verdict_line(comparison)), colour));
+    if (is_judged(comparison.reference) && is_judged(comparison.candidate))
+        for (const std::string& words : judged_words(comparison))
+            text += fmt::format("          {}\n", printable(words));
+    for (const MetricGap* metric : largest_unjudged(comparison.gap))
+        text += fmt::format("unjudged  {}: {}\n", metric->row->title,
+                            printable(difference_words(*metric, comparison)));
+    text += units_text();
     text += fmt::format("cost      {}\n", cost_line(comparison));
     for (const RunRecord* side : {&comparison.candidate, &comparison.reference})
         text += side_notes(*side, style);

@@ -12,6 +12,7 @@
 #include "compare/render/escape.hpp"
 #include "compare/report/gap_tables.hpp"
 #include "compare/report/words.hpp"
+#include "lib/record/display_units.hpp"
 #include "lib/record/metrics.hpp"
 
 namespace twinchute::compare {
@@ -30,7 +31,7 @@ std::string value_or_dash(const std::optional<double>& value, std::string_view u
 std::string change_text(const MetricChange& change, std::string_view unit) {
     if (!change.difference) return change.now ? "new" : "gone";
     if (change.relative) return fmt::format("{:+.2g} %", 100 * *change.relative);
-    return fmt::format("{:+.2g}{}{}", *change.difference, unit.empty() ? "" : " ", unit);
+    return fmt::format("{:+.2g}{}", shown(*change.difference, unit).value, spaced_unit(unit));
 }
 
 Table table_of(std::span<const MetricChange> changes) {
@@ -42,7 +43,7 @@ Table table_of(std::span<const MetricChange> changes) {
         const auto [name, unit] = split_metric_key(change.key);
         table.rows.push_back({name, change.fidelity, value_or_dash(change.before, unit),
                               value_or_dash(change.now, unit), change_text(change, unit),
-                              change.tolerance ? tolerance_text(*change.tolerance, unit) : "-",
+                              change.tolerance ? shown_tolerance(*change.tolerance, unit) : "-",
                               verdict_cell(change.verdict)});
     }
     return table;
@@ -82,7 +83,7 @@ Json metric_json(const MetricChange& change) {
 
 std::string failure_text(const MetricChange& change) {
     const auto [name, unit] = split_metric_key(change.key);
-    const std::string tolerance = change.tolerance ? tolerance_text(*change.tolerance, unit) : "none";
+    const std::string tolerance = change.tolerance ? shown_tolerance(*change.tolerance, unit) : "none";
     const std::string text = fmt::format("{} of {}: baseline {}, now {}", name, change.fidelity,
                                          value_or_dash(change.before, unit), value_or_dash(change.now, unit));
     if (change.verdict == Verdict::missing)

@@ -4,22 +4,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
 namespace {
 
 std::string with_unit(double value, std::string_view unit) {
-    return fmt::format("{}{}{}", readable(value), unit.empty() ? "" : " ", unit);
+    return readable(shown(value, unit).value) + spaced_unit(unit);
 }
 
-/// A difference deserves as many digits after the point as the larger of the values it comes from.
-std::string signed_difference(double difference, double larger) {
-    const int before = larger == 0 ? 1 : static_cast<int>(std::floor(std::log10(larger))) + 1;
-    const std::string text = fmt::format("{:+.{}f}", difference, std::clamp(4 - before, 0, 12));
-    return text.find_first_not_of("+-0.") == std::string::npos ? text.substr(1) : text;
+constexpr double rounding = 1e-9;  // [-] of what it comes from: nothing but for rounding
+
+/// Number of digits after the point with which a value has `significant` ones.
+int places_for(double value, int significant) {
+    const std::string rounded = fmt::format("{:.{}e}", std::abs(value), significant - 1);  // 0.0998 is 0.10
+    return significant - 1 - std::stoi(rounded.substr(rounded.find('e') + 1));
+}
+
+/// How much of its tolerance a gap uses; 0 of none.
+double used(const MetricGap& metric) {
+    if (!metric.difference || !metric.tolerance) return 0.0;
+    const double allowed =
+        metric.tolerance->value * (metric.tolerance->relative ? std::abs(metric.reference->value) : 1.0);
+    return allowed > 0.0 ? std::abs(*metric.difference) / allowed : 0.0;
 }
 
 }  // namespace
@@ -28,13 +39,90 @@ std::string value_text(const std::optional<SideValue>& side, std::string_view un
     return side ? with_unit(side->value, unit) : "-";
 }
 
+std::string signed_text(double value, double size) {
+    if (!std::isfinite(value)) return readable(value);
+    if (value == 0.0 || std::abs(value) <= rounding * std::abs(size)) return "0";
+    const int decimals = std::max(size == 0.0 ? 0 : places_for(size, 4), places_for(value, 2));
+    return fmt::format("{:+.{}f}", value, std::clamp(decimals, 0, 15));
+}
+
 std::string difference_text(const MetricGap& metric) {
     if (!metric.difference) return "-";
     const double larger = std::max(std::abs(metric.reference->value), std::abs(metric.candidate->value));
-    std::string text = signed_difference(*metric.difference, larger);
-    if (!metric.row->unit.empty()) text += fmt::format(" {}", metric.row->unit);
-    if (metric.relative) text += fmt::format(" ({:+.1f} %)", 100 * *metric.relative);
+    const double factor = shown_factor(metric.row->unit);
+    std::string text =
+        signed_text(-*metric.difference * factor, larger * factor) + spaced_unit(metric.row->unit);
+    if (metric.relative) text += fmt::format(" ({})", share_text(-*metric.relative, true));
     return text;
+}
+
+std::string difference_words(const MetricGap& metric, const Comparison& comparison) {
+    const std::string& candidate = comparison.candidate.fidelity;
+    const std::string& reference = comparison.reference.fidelity;
+    if (!metric.difference) return metric.note;
+    if (!metric.relative && metric.reference->value != 0) return metric.note;
+    const double larger = std::max(std::abs(metric.reference->value), std::abs(metric.candidate->value));
+    if (std::abs(*metric.difference) <= rounding * larger)
+        return fmt::format("{} and {} say the same", candidate, reference);
+    const double factor = shown_factor(metric.row->unit);
+    std::string text = fmt::format("{} is {}{}", reference,
+                                   signed_text(-*metric.difference * factor, larger * factor).substr(1),
+                                   spaced_unit(metric.row->unit));
+    if (metric.relative) text += fmt::format(" ({})", share_text(std::abs(*metric.relative), false));
+    return text + (*metric.difference < 0 ? " above " : " below ") + candidate;
+}
+
+std::string difference_legend(const Comparison& comparison) {
+    return fmt::format("Differences are {0} minus {1}; per cents are shares of {0}.",
+                       comparison.reference.fidelity, comparison.candidate.fidelity);
+}
+
+std::vector<const MetricGap*> largest_unjudged(const FidelityGap& gap, std::size_t most) {
+    constexpr double worth_saying = 0.01;
+    std::vector<const MetricGap*> list;
+    for (const MetricGap& metric : gap.metrics) {
+        const bool of_inputs = metric.reference && metric.candidate &&
+                               metric.reference->kind == MetricKind::input &&
+                               metric.candidate->kind == MetricKind::input;
+        if (!metric.relative || metric.tolerance || of_inputs ||
+            !(std::abs(*metric.relative) >= worth_saying))
+            continue;
+        // A force over a weight, say: one gap, told once.
+        const auto repeats = [&](const MetricGap& other) {
+            return &other != &metric && other.relative &&
+                   std::abs(*other.relative - *metric.relative) <= rounding &&
+                   (other.tolerance || &other < &metric);
+        };
+        if (std::ranges::none_of(gap.metrics, repeats)) list.push_back(&metric);
+    }
+    std::ranges::stable_sort(list, std::greater<>(),
+                             [](const MetricGap* metric) { return std::abs(*metric->relative); });
+    if (list.size() > most) list.resize(most);
+    return list;
+}
+
+std::vector<std::string> judged_words(const Comparison& comparison) {
+    std::vector<std::string> words;
+    const MetricGap* closest = nullptr;
+    for (const MetricGap& metric : comparison.gap.metrics) {
+        if (metric.verdict == Verdict::exceeded || metric.verdict == Verdict::missing)
+            words.push_back(failure_text(metric, comparison));
+        if (metric.verdict == Verdict::within && (closest == nullptr || used(metric) > used(*closest)))
+            closest = &metric;
+    }
+    for (const HistoryGap& history : comparison.gap.histories)
+        if (history.verdict == Verdict::exceeded || history.verdict == Verdict::missing)
+            words.push_back(failure_text(history));
+    if (words.empty() && closest != nullptr)
+        words.push_back(fmt::format(
+            "{}: {}, tolerance {} ({})", closest->row->title, difference_words(*closest, comparison),
+            shown_tolerance(*closest->tolerance, closest->row->unit), origin_text(closest->origin)));
+    return words;
+}
+
+std::string shown_tolerance(const Tolerance& tolerance, std::string_view unit) {
+    if (tolerance.relative) return tolerance_text(tolerance, unit);
+    return tolerance_text({shown(tolerance.value, unit).value, false}, shown_unit(unit));
 }
 
 std::string_view origin_text(ToleranceOrigin origin) {
@@ -55,17 +143,17 @@ std::string standing_text(const std::optional<SideValue>& side) {
 
 std::string failure_text(const MetricGap& metric, const Comparison& comparison) {
     const std::string tolerance =
-        metric.tolerance ? fmt::format("{} ({})", tolerance_text(*metric.tolerance, metric.row->unit),
+        metric.tolerance ? fmt::format("{} ({})", shown_tolerance(*metric.tolerance, metric.row->unit),
                                        origin_text(metric.origin))
                          : "none";
     if (metric.verdict == Verdict::missing) {
         return fmt::format("{}: {}, so that the tolerance of {} cannot be judged", metric.row->title,
                            metric.note, tolerance);
     }
-    return fmt::format("{}: {} {}, {} {}, difference {}, tolerance {}", metric.row->title,
-                       comparison.reference.fidelity, value_text(metric.reference, metric.row->unit),
-                       comparison.candidate.fidelity, value_text(metric.candidate, metric.row->unit),
-                       difference_text(metric), tolerance);
+    return fmt::format("{}: {} {}, {} {}: {}, tolerance {}", metric.row->title, comparison.reference.fidelity,
+                       value_text(metric.reference, metric.row->unit), comparison.candidate.fidelity,
+                       value_text(metric.candidate, metric.row->unit), difference_words(metric, comparison),
+                       tolerance);
 }
 
 std::string failure_text(const HistoryGap& history) {
@@ -81,9 +169,13 @@ std::string failure_text(const HistoryGap& history) {
 }
 
 std::string share_text(double share, bool with_sign) {
-    const std::string text = fmt::format("{:.{}f}", 100 * std::abs(share), std::abs(share) < 10 ? 1 : 0);
-    const bool zero = text.find_first_not_of("0.") == std::string::npos;
-    return fmt::format("{}{} %", !with_sign || zero ? "" : share < 0 ? "-" : "+", text);
+    const double size = 100 * std::abs(share);
+    if (size <= 100 * rounding) return "0 %";
+    const std::string text = fmt::format("{:.{}f}", size,
+                                         size >= 1000  ? 0
+                                         : size >= 0.1 ? 1
+                                                       : std::min(places_for(size, 2), 12));
+    return fmt::format("{}{} %", !with_sign ? "" : share < 0 ? "-" : "+", text);
 }
 
 std::vector<TestScore> scores_of_test(const Comparison& comparison) {

@@ -78,6 +78,8 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
     result.descent_altitude = found.descent_altitude;
     result.landing_time = found.landing_time;
     result.end_position = last.position;
+    result.end_speed = last.velocity.norm();
+    result.end_climb = last.velocity.z();
     return result;
 }
 
@@ -186,6 +188,7 @@ void fill_results(const RunView& run, RunRecord& record) {
     add_drag_area_times(record, run.scene, result,
                         choice.is_predicted() ? MetricKind::result : MetricKind::input);
     add_reefed_drag_areas(record, run.scene, result);
+    add_stage_descent_rates(record, run.scene, result);
     add_validity(record, run.scene, result);
     add_warnings(run, steady_area, record);
     const Reached reached = reached_by(run, result.filling_time.has_value());

@@ -11,6 +11,7 @@
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
+#include "lib/record/display_units.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/record/write_record.hpp"
@@ -77,11 +78,12 @@ Table series_table(const std::vector<std::pair<std::string, RunRecord>>& cases) 
         if (std::ranges::none_of(cases, [&](const auto& one) { return one.second.metric(key).has_value(); }))
             continue;
         const auto unit = split_metric_key(key).unit;
-        table.header.push_back(metric_words(key) + (unit.empty() ? "" : fmt::format(" [{}]", unit)));
+        table.header.push_back(metric_words(key) +
+                               (unit.empty() ? "" : fmt::format(" [{}]", shown_unit(unit))));
         table.right.push_back(true);
         for (std::size_t i = 0; i < cases.size(); ++i) {
             const std::optional<double> value = cases[i].second.metric(key);
-            table.rows[i].push_back(value ? readable(*value) : "-");
+            table.rows[i].push_back(value ? readable(shown(*value, unit).value) : "-");
         }
     }
     return table;
@@ -89,6 +91,7 @@ Table series_table(const std::vector<std::pair<std::string, RunRecord>>& cases) 
 
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
                     const std::vector<const Fidelity*>& others, const Arguments& arguments) {
+    choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
     const int threads = threads_of(arguments);
     for (const Scene& scene : scenes)
@@ -149,6 +152,7 @@ Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultO
         scene_options(output == DefaultOutput::none ? "also write the record there"
                                                     : "write the record there instead of ./<scene file>.out");
     command.options.insert(command.options.begin() + 1, plain_csv_option());
+    command.options.insert(command.options.begin() + 2, units_option());
     if (fidelity.gives_fields) command.options.insert(command.options.begin() + 1, fields_option());
     if (fidelity.keeps_checkpoints) command.options.insert(command.options.begin() + 1, resume_option());
     if (fidelity.has_threads) command.options.insert(command.options.begin() + 1, threads_option());

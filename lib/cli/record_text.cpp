@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/record/display_units.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -19,8 +20,8 @@ std::string metrics_text(const std::vector<Metric>& metrics) {
     Table table;
     table.right = {false, true};
     for (const Metric& metric : metrics) {
-        table.rows.push_back({metric_words(metric.key), readable(metric.value),
-                              std::string(split_metric_key(metric.key).unit),
+        const Shown number = shown(metric.value, split_metric_key(metric.key).unit);
+        table.rows.push_back({metric_words(metric.key), readable(number.value), std::string(number.unit),
                               std::string(metric_kind_name(metric.kind)), printable(metric.note)});
     }
     return aligned(table, {}, 2);
@@ -32,7 +33,8 @@ std::string events_text(const std::vector<Event>& events) {
     for (const Event& event : events) {
         const double altitude = std::abs(event.altitude) < 0.05 ? 0.0 : event.altitude;  // no -0.0
         table.rows.push_back({printable(event.name), fmt::format("{:.3f} s", event.time),
-                              fmt::format("{:.1f} m", altitude), fmt::format("{:.2f} m/s", event.speed)});
+                              fmt::format("{:.1f}{}", shown(altitude, "m").value, spaced_unit("m")),
+                              fmt::format("{:.2f}{}", shown(event.speed, "m/s").value, spaced_unit("m/s"))});
     }
     return aligned(table, {}, 2);
 }
@@ -74,13 +76,21 @@ std::string filling_text(const PredictedFilling& filling, std::string_view whose
     std::string text = fmt::format(
         "filling   {}{}, initial mouth {:g}, entrance loss {:g}; {}\n", whose, printable(filling.model),
         filling.initial_mouth, filling.entrance_loss,
-        filling.critical_speed ? fmt::format("squids above {} m/s", readable(*filling.critical_speed, 3))
-                               : std::string("squids at no subsonic speed"));
+        filling.critical_speed
+            ? fmt::format("squids above {}{}", readable(shown(*filling.critical_speed, "m/s").value, 3),
+                          spaced_unit("m/s"))
+            : std::string("squids at no subsonic speed"));
     for (const PredictedFilling::At& at : filling.bracket)
-        text += fmt::format("bracket   {}initial mouth {:g}: t_f = {} s, n = {}, peak force {} N ({})\n",
-                            whose, at.initial_mouth, value(at.filling_time), value(at.fill_constant),
-                            value(at.peak_force), printable(at.status));
+        text +=
+            fmt::format("bracket   {}initial mouth {:g}: t_f = {} s, n = {}, peak force {}{} ({})\n", whose,
+                        at.initial_mouth, value(at.filling_time), value(at.fill_constant),
+                        value(at.peak_force ? std::optional(shown(*at.peak_force, "N").value) : std::nullopt),
+                        spaced_unit("N"), printable(at.status));
     return text;
+}
+
+std::string units_text() {
+    return units_remark().empty() ? std::string() : fmt::format("units     {}\n", units_remark());
 }
 
 std::string calibration_text(const RunRecord& record, std::string_view whose) {
@@ -98,8 +108,9 @@ std::string uncalibrated_text(const RunRecord& record) {
     for (const char* key : {"peak_force_N", "time_to_peak_force_s", "descent_rate_m_s"})
         if (const auto metric = std::ranges::find(record.uncalibrated->metrics, key, &Metric::key);
             metric != record.uncalibrated->metrics.end())
-            text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", metric_words(key),
-                                readable(metric->value, 4), split_metric_key(key).unit);
+            text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", metric_words(key),
+                                readable(shown(metric->value, split_metric_key(key).unit).value, 4),
+                                spaced_unit(split_metric_key(key).unit));
     return text.empty() ? text : fmt::format("without   {}\n", text);
 }
 
@@ -141,9 +152,9 @@ std::string estimates_text(const RunRecord& record, const Style& style) {
     table.right = {false, true, false, true};
     for (const Estimate& estimate : record.estimates) {
         const auto run = record.metric(estimate.metric);
+        const Shown number = shown(estimate.value, split_metric_key(estimate.metric).unit);
         table.rows.push_back(
-            {printable(estimate.title), readable(estimate.value),
-             std::string(split_metric_key(estimate.metric).unit),
+            {printable(estimate.title), readable(number.value), std::string(number.unit),
              run && *run != 0 ? fmt::format("{:.0f} % of the run's", 100 * estimate.value / *run) : "",
              estimate.outside.empty() ? "holds here" : "does not hold: " + printable(estimate.outside)});
     }
@@ -178,6 +189,7 @@ std::string record_text(const RunRecord& record, std::string_view title, const S
     }
     if (record.filling) text += filling_text(*record.filling);
     text += calibration_text(record) + uncalibrated_text(record);
+    text += units_text();
     text += fmt::format("cost      {}\n", cost_text(record.cost));
     for (const LeftOut& row : record.left_out) {
         text += fmt::format("left out  {}{}\n", printable(row.what),

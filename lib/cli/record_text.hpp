@@ -26,6 +26,9 @@ std::string fill_constant_text(const RunRecord& record);
 /// A predicted filling with its bracket, a line each. `whose`: in front of what each says, e.g. "rom: ".
 std::string filling_text(const PredictedFilling& filling, std::string_view whose = {});
 
+/// A line on what is not in the units chosen; empty in SI.
+std::string units_text();
+
 /// Factors on inputs by a calibration; empty where there is none. `whose`: as above.
 std::string calibration_text(const RunRecord& record, std::string_view whose = {});
 /// Answers of the run without them; empty where there is none.

@@ -11,6 +11,7 @@
 #include "lib/cli/progress.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_id.hpp"
@@ -31,6 +32,23 @@ std::vector<Option> scene_options(std::string out_meaning) {
 Option plain_csv_option() {
     return {"plain-csv", "",
             "write history.csv and events.csv without the line of units, which summary.json then holds"};
+}
+
+Option units_option() {
+    return {
+        "units",
+        "SYSTEM",
+        "units of the terminal and of report pages, si or us (lbf, ft, ft/s, psf, ...); JSON and CSV stay SI",
+        false,
+        {"si", "us"}};
+}
+
+void choose_units(const Arguments& arguments) {
+    const std::string system = arguments.value("units").value_or("si");
+    if (system != "si" && system != "us")
+        throw UsageError(
+            fmt::format("'--units {}' is not understood (si or us is wanted), e.g. --units us", system));
+    choose_display_units(system == "us" ? DisplayUnits::us : DisplayUnits::si);
 }
 
 CsvHead csv_head(const Arguments& arguments) {

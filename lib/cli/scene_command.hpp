@@ -19,6 +19,11 @@ std::vector<Option> scene_options(std::string out_meaning);
 
 /// --plain-csv, for commands that write records, and the head of the tables that it asks for.
 Option plain_csv_option();
+
+/// "--units us": what is shown on the terminal and on report pages; JSON and CSV stay SI.
+Option units_option();
+/// Throws UsageError on a word that is none.
+void choose_units(const Arguments& arguments);
 CsvHead csv_head(const Arguments& arguments);
 
 /// --fields, for commands that run a fidelity which gives fields.

@@ -14,8 +14,8 @@ struct Suffix {
 
 // Longer ones first: "_N_s" also ends in "_s".
 constexpr std::array suffixes{
-    Suffix{"_m_s", "m/s"}, Suffix{"_N_s", "N s"}, Suffix{"_N_m", "N/m"}, Suffix{"_N", "N"},
-    Suffix{"_s", "s"},     Suffix{"_m", "m"},     Suffix{"_g", "g"},     Suffix{"_m2", "m^2"},
+    Suffix{"_m_s", "m/s"}, Suffix{"_N_s", "N s"}, Suffix{"_N_m", "N/m"}, Suffix{"_N", "N"}, Suffix{"_s", "s"},
+    Suffix{"_m", "m"},     Suffix{"_g", "g"},     Suffix{"_m2", "m^2"},  Suffix{"_J", "J"},
 };
 
 constexpr MetricKey split(std::string_view key) {
@@ -58,6 +58,9 @@ constexpr std::array rows{
     number("stage_1_drag_area_m2", "Drag area, reefed stage 1"),
     number("stage_2_drag_area_m2", "Drag area, reefed stage 2"),
     number("stage_3_drag_area_m2", "Drag area, reefed stage 3"),
+    number("stage_1_descent_rate_m_s", "Descent rate, reefed stage 1"),
+    number("stage_2_descent_rate_m_s", "Descent rate, reefed stage 2"),
+    number("stage_3_descent_rate_m_s", "Descent rate, reefed stage 3"),
     number("time_to_peak_force_s", "Time to peak force"),
     number("peak_force_ratio", "Peak force ratio X_p"),
     number("opening_shock_coefficient", "Opening shock coefficient"),
@@ -73,11 +76,14 @@ constexpr std::array rows{
     number("froude_number", "Froude number"),
     number("operational_froude_number", "Operational Froude number", none, Show::when_judged),
     number("peak_force_raw_N", "Peak opening force, unfiltered", none, Show::when_judged),
-    number("max_force_N", "Maximum force", none, Show::when_judged),
+    number("max_force_N", "Maximum force"),
     number("max_canopy_force_N", "Maximum force of one canopy", none, Show::when_judged),
     number("unopened_parachutes", "Parachutes that never opened"),
     number("descent_altitude_m", "Altitude of steady descent", none, Show::when_judged),
     number("flight_time_s", "Flight time"),
+    number("landing_vertical_speed_m_s", "Vertical landing speed"),
+    number("landing_energy_J", "Landing energy of the payload"),
+    number("drift_m", "Drift"),
     number("landing_east_m", "Landing point, east"),
     number("landing_north_m", "Landing point, north"),
     number("seam_diameter_ratio", "Seam diameter ratio", none, Show::when_judged),

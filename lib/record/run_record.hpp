@@ -79,7 +79,7 @@ struct Metric {
     std::string note;  ///< which part is input and which is result, for MetricKind::mixed and input
 };
 
-/// A metric that a run of its scene is judged by and does not have.
+/// A metric that a run of its scene is judged by, or that a landing would give, and that it does not have.
 struct MissingMetric {
     std::string metric;        ///< key of a record, e.g. "descent_rate_m_s"
     std::string why;           ///< e.g. "the run stopped before the descent was steady"

@@ -79,21 +79,29 @@ void join_metrics(RunRecord& first, const Scene& scene, const RunRecord& rest) {
     HandOver& made = *first.handed_over;
     std::vector<Taken> taken{{"flight_time_s", made.time},
                              {"landing_east_m", last(first, "east")},
-                             {"landing_north_m", last(first, "north")}};
+                             {"landing_north_m", last(first, "north")},
+                             {"landing_vertical_speed_m_s", 0.0},
+                             {"landing_energy_J", 0.0}};
     if (!first.find_metric("descent_rate_m_s"))
         taken.insert(taken.end(), {{"descent_rate_m_s", 0.0},
                                    {"descent_rate_amplitude", 0.0},
                                    {"descent_rate_remaining_change", 0.0},
                                    {"descent_altitude_m", 0.0},
                                    {"altitude_loss_m", scene.release.altitude - last(first, "altitude")}});
+    const std::string from =
+        fmt::format("by {} from t = {:.4g} s on, where its time begins; ", rest.fidelity, made.time);
     for (const auto& [key, more] : taken) {
         const Metric* metric = rest.find_metric(key);
         if (metric == nullptr) continue;
-        std::string note =
-            fmt::format("by {} from t = {:.4g} s on, where its time begins", rest.fidelity, made.time);
-        if (!metric->note.empty()) note += "; " + metric->note;
-        first.add_metric(key, metric->value + more, metric->kind, std::move(note));
+        first.add_metric(key, metric->value + more, metric->kind,
+                         metric->note.empty() ? from.substr(0, from.size() - 2) : from + metric->note);
         made.metrics.emplace_back(key);
+    }
+    if (const Metric* drift = rest.find_metric("drift_m")) {
+        const auto part = [&](const char* key) { return first.metric(key).value_or(0.0); };
+        first.add_metric("drift_m", std::hypot(part("landing_east_m"), part("landing_north_m")), drift->kind,
+                         from + drift->note);
+        made.metrics.emplace_back("drift_m");
     }
     // Metrics that the first part did not reach come from the rest.
     if (first.find_metric("descent_rate_m_s"))

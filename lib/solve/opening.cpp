@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "lib/record/metrics.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -236,6 +238,12 @@ void add_opening_metrics(const MetricSink& sink, const Scene& scene, const Openi
         const auto part = [&](double along) { return std::abs(along) > rounding ? along : 0.0; };
         add("landing_east_m", part(r.end_position.x()));
         add("landing_north_m", part(r.end_position.y()));
+        add("landing_vertical_speed_m_s", -r.end_climb, MetricKind::result,
+            "of the payload over ground, downward");
+        add("landing_energy_J", 0.5 * scene.payload.mass * r.end_speed * r.end_speed, MetricKind::result,
+            "1/2 m v^2 of the payload alone, v its whole velocity over ground, wind drift included");
+        add("drift_m", std::hypot(part(r.end_position.x()), part(r.end_position.y())), MetricKind::result,
+            "horizontal distance from release to landing");
     }
 }
 
@@ -266,6 +274,114 @@ void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningRes
                   (at - time->values[i - 1]);
         record.add_metric(fmt::format("time_to_{}_percent_drag_area_s", percent), at - r.snatch_time, kind,
                           kind == MetricKind::input ? "by fill_time and the law of growth" : "from snatch");
+    }
+}
+
+namespace {
+
+/// Altitude [m] and rate [m/s] upward of the payload, between rows of a record: cubic Hermite.
+class Descent {
+public:
+    explicit Descent(const RunRecord& record)
+        : time_(record.find_channel("time")),
+          altitude_(record.find_channel("altitude")),
+          climb_(record.find_channel("vertical_speed")) {}
+
+    bool is_there() const { return time_ && altitude_ && climb_ && time_->values.size() > 1; }
+    /// The row at or just before a time inside the record.
+    std::size_t row_before(double t) const {
+        const auto after = std::ranges::lower_bound(time_->values, t);
+        const auto i = static_cast<std::size_t>(after - time_->values.begin());
+        return std::clamp<std::size_t>(i, 1, time_->values.size() - 1) - 1;
+    }
+    double sink_at(double t) const {
+        const std::size_t i = row_before(t);
+        const double h = time_->values[i + 1] - time_->values[i];
+        const double x = h > 0.0 ? (t - time_->values[i]) / h : 1.0;
+        return -((1.0 - x) * climb_->values[i] + x * climb_->values[i + 1]);
+    }
+    double altitude_at(double t) const {
+        const std::size_t i = row_before(t);
+        const double h = time_->values[i + 1] - time_->values[i];
+        if (!(h > 0.0)) return altitude_->values[i + 1];
+        const double x = (t - time_->values[i]) / h, y = 1.0 - x;
+        return y * y * (1.0 + 2.0 * x) * altitude_->values[i] +
+               x * x * (1.0 + 2.0 * y) * altitude_->values[i + 1] +
+               h * x * y * (y * climb_->values[i] - x * climb_->values[i + 1]);
+    }
+
+private:
+    const Channel *time_, *altitude_, *climb_;
+};
+
+/// Time [s] of the first event after `full` that ends the stage of a parachute: another of its stages, its
+/// cut, or another parachute's line stretch or snatch.
+std::optional<double> end_of_stage(const RunRecord& record, double full) {
+    for (const Event& event : record.events) {
+        const std::string_view what = std::string_view(event.name).substr(event.name.rfind('.') + 1);
+        const bool ends = what == "disreef" || what == "cut" || what == "line-stretch" || what == "snatch";
+        if (ends && event.time >= full) return event.time;
+    }
+    return {};
+}
+
+/// What the rate of a stage is: over [from, end], whose halves it compares.
+void add_stage_rate(RunRecord& record, const Descent& descent, double gravity, const std::string& key,
+                    double full, double end) {
+    const double length = std::min(std::abs(descent.sink_at(end)) / gravity, end - full);
+    const double from = end - length, middle = end - 0.5 * length;
+    const double top = descent.altitude_at(from), half = descent.altitude_at(middle),
+                 bottom = descent.altitude_at(end);
+    const double rate = (top - bottom) / length;
+    const double change = ((half - bottom) - (top - half)) / (0.5 * length) / rate;
+    record.add_metric(
+        key, rate, MetricKind::mixed,
+        fmt::format("mean over the last {:.3g} s of the stage, until t = {:.4g} s; {}", length, end,
+                    std::abs(change) < steady_descent_change
+                        ? std::string("steady")
+                        : fmt::format("not steady: {:+.2g} % from one half of that time to "
+                                      "the other",
+                                      100.0 * change)));
+}
+
+}  // namespace
+
+void add_stage_descent_rates(RunRecord& record, const Scene& scene, const OpeningResult& r) {
+    const Descent descent(record);
+    const bool several = scene.parachutes.size() > 1;
+    if (!descent.is_there()) return;
+    const bool landed = r.landing_time.has_value();
+    for (const ParachuteResult& p : r.parachutes) {
+        const Parachute& chute = scene.parachutes[p.index];
+        const bool is_last = p.index == r.parachutes.back().index;
+        const std::string head = metric_head(several ? chute.name : "");
+        const std::size_t stages = chute.reefing.size() + 1;
+        for (std::size_t i = 0; i < stages; ++i) {
+            if (is_last && i + 1 == stages) break;  // descent_rate_m_s
+            const std::string key =
+                head + (stages > 1 ? fmt::format("stage_{}_", i + 1) : "") + "descent_rate_m_s";
+            const auto missing = [&](std::string why) {
+                record.missing.push_back({key, std::move(why), record.status.code == StatusCode::completed});
+            };
+            if (i >= p.stages.size()) {
+                missing(landed ? "the payload was on the ground before that stage began"
+                               : "the run stopped before that stage began");
+                continue;
+            }
+            const std::optional<double> full = p.stages[i].full;
+            if (!full) {
+                missing("the stage ended before its drag area was full");
+                continue;
+            }
+            const std::optional<double> end = end_of_stage(record, *full);
+            if (!end || !(*end > *full) || !(std::abs(descent.sink_at(*end)) > 0.0)) {
+                missing(end      ? "the stage ended as its drag area was full"
+                        : landed ? "the payload was on the ground before that stage ended"
+                                 : "the run stopped before that stage ended");
+                continue;
+            }
+            add_stage_rate(record, descent, scene.environment.gravity, key, *full, *end);
+        }
     }
 }
 

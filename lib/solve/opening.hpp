@@ -102,6 +102,7 @@ struct OpeningResult {
     std::optional<DescentWindow> last_window;  ///< that was judged
     std::optional<double> descent_altitude;    ///< [m] where the descent became steady
     std::optional<double> landing_time;
+    double end_speed = 0.0, end_climb = 0.0;  ///< [m/s] of the payload over ground at the end, upward
     Vec3 end_position = Vec3::Zero();         ///< [m] of the payload at the end of the run
     std::vector<ParachuteResult> parachutes;  ///< in the order of their snatches
 };
@@ -128,6 +129,12 @@ void add_opening_metrics(RunRecord& record, const Scene& scene, const OpeningRes
 /// steady one: a slow stage and a burst are two numbers. From the record's own history, between two of its
 /// rows by a straight line. `kind`: that of the filling time.
 void add_drag_area_times(RunRecord& record, const Scene& scene, const OpeningResult& result, MetricKind kind);
+/// Adds the descent rate of each stage that another one follows: of reefed stages, and of parachutes before
+/// the last. It is the mean vertical speed of the payload over ground in the last v/g of the stage, v being
+/// the vertical speed at its end, and no earlier than its drag area is full; two relaxation times of a fall
+/// near its steady speed without added mass. A stage ends with the first event of opening after it is full,
+/// of any parachute. What gives no such rate is among the missing. The last stage's is descent_rate_m_s.
+void add_stage_descent_rates(RunRecord& record, const Scene& scene, const OpeningResult& result);
 /// Adds the drag area that the only parachute, whose filling is predicted, has behind each reefing line.
 void add_reefed_drag_areas(RunRecord& record, const Scene& scene, const OpeningResult& result);
 /// Warns of a run that ended before its descent was steady, unless its stop condition is one of the opening.

@@ -76,6 +76,8 @@ void note_missing_metrics(RunRecord& record, const Scene& scene, const Reached& 
     note_missing("peak_force_N", before(reached.filling ? "the canopy was full" : "a canopy began to fill"),
                  in_time);
     note_missing("descent_rate_m_s", before("the descent was steady"), in_time);
+    for (const char* key : {"flight_time_s", "landing_vertical_speed_m_s", "landing_energy_J", "drift_m"})
+        note_missing(key, "the run stopped before the landing", own_stop);
 }
 
 }  // namespace twinchute

@@ -11,6 +11,7 @@
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/cli/text.hpp"
+#include "lib/record/display_units.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/scene_id.hpp"
@@ -42,7 +43,8 @@ std::string sensitivity_text(const Scene& scene, const Sensitivity& s, const Sty
     bool any_doubt = false;
     for (const InputSensitivity& input : s.inputs) {
         if (input.largest() < nothing) continue;
-        std::vector<std::string> cells{input.key, readable(input.value), input.unit};
+        const Shown input_value = shown(input.value, input.unit);
+        std::vector<std::string> cells{input.key, readable(input_value.value), std::string(input_value.unit)};
         for (const auto& e : input.of) {
             cells.push_back(cell(e));
             any_doubt = any_doubt || (e && e->doubt > doubtful);
@@ -84,6 +86,7 @@ ExitCode run_sensitivity(const Arguments& arguments, const Fidelity& full) {
     if (arguments.has("plain-csv"))
         throw UsageError(
             "--plain-csv is for the tables of a record (--sensitivity writes none), take one of them out");
+    choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments);
     for (const Scene& scene : scenes)
         require_physics(scene, rom_fidelity(), std::array{&full});

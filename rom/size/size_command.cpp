@@ -61,6 +61,7 @@ void write(const Scene& scene, const Candidate& best, const fs::path& out) {
 }
 
 ExitCode run_size(const Arguments& arguments) {
+    choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments);
     for (const Scene& scene : scenes)
         require_sizable(scene);
@@ -128,6 +129,7 @@ Command size_command() {
     command.operand = "SCENE";
     command.example = "twinchute size data/scenes/sizing/rocket-main.toml";
     command.options = scene_options("write the sized scene there");
+    command.options.insert(command.options.begin() + 1, units_option());
     command.options.front().value = "FILE";
     command.run = &run_size;
     return command;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/cli/record_text.hpp"
+#include "lib/record/display_units.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/scene_id.hpp"
@@ -30,7 +31,7 @@ std::vector<const char*> traded_of(const Sized& sized) {
 }
 
 std::string with_unit(std::string_view what, std::string_view unit) {
-    return unit.empty() ? std::string(what) : fmt::format("{} [{}]", what, unit);
+    return unit.empty() ? std::string(what) : fmt::format("{} [{}]", what, shown_unit(unit));
 }
 
 std::string type_cell(const Candidate& candidate) {
@@ -59,17 +60,18 @@ std::string trade_table(const Sized& sized, const Style& style) {
         column(with_unit(row->name, row->unit));
     for (const char* metric : traded)
         column(with_unit(metric_words(metric), split_metric_key(metric).unit));
-    column("mass, estimated [kg]");
+    column(with_unit("mass, estimated", "kg"));
     table.header.emplace_back("meets the limits");
     for (const Candidate& candidate : sized.candidates) {
         std::vector<std::string> cells{type_cell(candidate)};
         for (const VaryRow* row : sized.vary)
-            cells.push_back(candidate.found ? readable(row->get(candidate.found->scene)) : "-");
+            cells.push_back(
+                candidate.found ? readable(shown(row->get(candidate.found->scene), row->unit).value) : "-");
         for (const char* metric : traded) {
             const auto value = candidate.found ? candidate.found->judged.record.metric(metric) : std::nullopt;
-            cells.push_back(value ? readable(*value) : "-");
+            cells.push_back(value ? readable(shown(*value, split_metric_key(metric).unit).value) : "-");
         }
-        cells.push_back(candidate.found ? readable(candidate.mass(), 3) : "-");
+        cells.push_back(candidate.found ? readable(shown(candidate.mass(), "kg").value, 3) : "-");
         cells.push_back(verdict(candidate));
         table.rows.push_back(std::move(cells));
     }
@@ -82,9 +84,11 @@ std::string limits_table(const Judged& judged) {
     table.right = {false, true, false, true};
     for (const Met& met : judged.limits) {
         const double over = 100.0 * (met.share() - 1.0);
-        table.rows.push_back({std::string(met.row->title), readable(met.value), std::string(met.row->unit),
+        table.rows.push_back({std::string(met.row->title), readable(shown(met.value, met.row->unit).value),
+                              std::string(shown_unit(met.row->unit)),
                               fmt::format("{:.1f} %", 100.0 * met.share()),
-                              fmt::format("of {} {}{}", readable(met.limit), met.row->unit,
+                              fmt::format("of {}{}{}", readable(shown(met.limit, met.row->unit).value),
+                                          spaced_unit(met.row->unit),
                                           met.share() > 1.0 ? fmt::format(": {:.3g} % too much", over)
                                           : &met == judged.binding() ? ", binds"
                                                                      : "")});
@@ -174,7 +178,7 @@ std::string size_text(const Scene& scene, const Sized& sized, const Style& style
     if (!found.judged.record.estimates.empty())
         text += "\n" + style.paint("peak force by formula", Colour::bold) + "\n" +
                 estimates_text(found.judged.record, style);
-    return text + "\n" + notes_text(scene, sized, *best) +
+    return text + "\n" + units_text() + notes_text(scene, sized, *best) +
            warnings_text(found.judged.record.warnings, "", style);
 }
 

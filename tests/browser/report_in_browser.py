@@ -89,6 +89,57 @@ def canopy_plays(page):
     expect(page.ask("(report.canopy.draw(), report.canopy.canvas.toDataURL())") != before, "an arrow key turns the canopy")
 
 
+def playback_shows_the_opening(page):
+    expect(page.ask("report.time > report.canopy.snatch + 0.1"), "the page opens at the peak force")
+    page.ask("document.getElementById('pace').value = '0.1'; document.getElementById('play').click()")
+    page.ask("new Promise(done => setTimeout(done, 300))")
+    begun = page.ask("[report.time, report.canopy.snatch, report.canopy.opened, report.canopy.first]")
+    expect(begun[1] <= begun[0] < begun[1] + 0.3 * (begun[2] - begun[1]), f"it plays from the snatch on: {begun}")
+    expect(begun[3] < begun[1] - 0.5, f"not from the pack: {begun}")
+    page.ask("document.getElementById('pace').value = '1'; document.getElementById('pace').dispatchEvent(new Event('change'))")
+    page.ask("new Promise(done => setTimeout(done, 1000 * (report.canopy.opened - report.canopy.snatch) + 1500))")
+    ended = page.ask("[report.time, report.canopy.opened, document.getElementById('play').getAttribute('aria-pressed')]")
+    expect(ended[0] == ended[1] and ended[2] == "false", f"and stops where the canopy is open: {ended}")
+
+
+def spikes_do_not_flatten(page):
+    largest = page.ask("Math.max(...report.data.channels[0].values.flat().filter(v => v !== null))")
+    peak = page.ask("(() => { const e = report.data.events.find(e => e.name === 'peak-force' && e.side === 1); "
+                    "return report.data.channels[0].values[1][report.placeOf(report.data.clock, e.time)]; })()")
+    top = page.ask("report.graphs[0].yAxisRange()[1]")
+    expect(largest > 1.5 * peak, f"the snatch is a spike here: {largest} {peak}")
+    expect(peak < top < 1.5 * peak, f"the plot has room for the peak, not for the spike: {peak} {top} {largest}")
+    mark = page.ask("document.querySelector('[data-channel=force] .cut').textContent")
+    expect(page.ask(f"report.readable({largest}, 'N')") in mark, f"the plot says how high the spike is: {mark}")
+    page.ask("document.getElementById('full-range').click()")
+    expect(page.ask("report.graphs[0].yAxisRange()[1]") >= largest, "all of it is shown on request")
+    page.ask("document.getElementById('full-range').click()")
+    expect(page.ask("report.graphs[0].yAxisRange()[1]") == top, "and cut off again")
+
+
+def differences_are_full_minus_rom(page):
+    wrong = page.ask("""(() => { const c = report.data.channels[0], g = report.graphs[1]; let worst = 0;
+        for (let i = 0; i < g.numRows(); ++i) { const d = g.getValue(i, 1), a = c.values[0][i], b = c.values[1][i];
+          if (d !== null) worst = Math.max(worst, Math.abs(d - (b - a))); } return worst; })()""")
+    expect(wrong == 0, f"the curve below is full minus rom: {wrong}")
+
+
+def fits_a_telephone(page):
+    small = page.ask("""[...document.querySelectorAll('svg text')].filter(t => t.getClientRects().length && !t.closest('.still'))
+        .map(t => parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a).filter(size => size < 11)""")
+    expect(small == [], f"words in drawings are 11 px at least: {small[:5]}")
+    small = page.ask("""[...document.querySelectorAll('main *')].filter(e => e.getClientRects().length && !e.closest('svg') && e.textContent.trim())
+        .map(e => parseFloat(getComputedStyle(e).fontSize)).filter(size => size < 11)""")
+    expect(small == [], f"and so are all others: {small[:5]}")
+    plain = page.ask("""[...document.querySelectorAll('main .scroll')].filter(e => e.scrollWidth > e.clientWidth + 1)
+        .map(e => getComputedStyle(e).backgroundImage).filter(b => !b.includes('gradient')).length""")
+    wide = page.ask("[...document.querySelectorAll('main .scroll')].filter(e => e.scrollWidth > e.clientWidth + 1).length")
+    expect(wide > 1 and plain == 0, f"what scrolls shows it: {wide} {plain}")
+    over = page.ask("""(() => { const a = document.getElementById('legend').getBoundingClientRect(), b = document.getElementById('canopy').getBoundingClientRect();
+        return a.top < b.bottom && b.top < a.bottom; })()""")
+    expect(not over, "the legend does not lie on the canopy")
+
+
 def ladder_is_shown(page):
     expect(page.ask("document.querySelectorAll('#ladder tbody tr').length") > 20, "the ladder has its levels")
     centre(page, "#ladder svg")
@@ -132,7 +183,15 @@ def main():
     short = [scene, *coarse, "--set", "full.mesh.line_elements=4", "--set", "stop.time=1.7"]
     made(twinchute, work, "short", "ladder", *short, "--quick")
     with_ladder = made(twinchute, work, "short", "compare", *short)
-    with Chromium(240) as page:
+    packed = made(twinchute, work, "packed", "compare", str(pathlib.Path(scene).parent / "paper" / "crane-drop.toml"),
+                  "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=8")
+    with Chromium(300) as page:
+        page.open(packed, width=1000, height=800)
+        playback_shows_the_opening(page)
+        spikes_do_not_flatten(page)
+        differences_are_full_minus_rom(page)
+        page.open(packed, width=400, height=700, scheme="dark")
+        fits_a_telephone(page)
         page.open(url, width=1000, height=800)
         is_accessible(page)
         cursor_is_linked(page)
@@ -146,7 +205,7 @@ def main():
         is_accessible(page)
         ladder_is_shown(page)
         expect(page.log == [], f"the page logs no error and no warning: {page.log}")
-        expect(set(page.requests) == {url, with_ladder}, f"nothing is fetched: {page.requests}")
+        expect(set(page.requests) == {url, with_ladder, packed}, f"nothing is fetched: {page.requests}")
     return 1 if failures else 0
 
 

@@ -14,6 +14,7 @@
 #include "compare/report/markdown.hpp"
 #include "compare/report/plots.hpp"
 #include "compare/report/terminal.hpp"
+#include "compare/report/words.hpp"
 #include "compare/report/write_report.hpp"
 #include "tests/support/compare_records.hpp"
 #include "tests/support/scratch_dir.hpp"
@@ -254,10 +255,52 @@ TEST(CompareReport, TheTerminalTableSaysEverythingOfAMetric) {
     std::string words, word;
     while (line.peek() != '\n' && line >> word)
         words += word + ' ';
-    EXPECT_EQ(words, "Peak opening force 4800 N 5000 N -200 N (-4.0 %) 10 % within result result ");
+    EXPECT_EQ(words, "Peak opening force 4800 N 5000 N +200 N (+4.0 %) 10 % within result result ");
+    EXPECT_NE(text.find("Differences are full minus rom; per cents are shares of full."), std::string::npos);
     EXPECT_NE(text.find("fill constant n = 4 (given: an assumption)"), std::string::npos);
     EXPECT_NE(text.find("ratio 30000"), std::string::npos);
     EXPECT_NE(text.find("left out  full: payload drag"), std::string::npos);
+}
+
+TEST(CompareWords, SmallDifferencesKeepTwoDigits) {
+    // Four digits of 7.7 end after the third place; two of the difference may lie further on.
+    EXPECT_EQ(signed_text(-0.157, 1.6), "-0.157");
+    EXPECT_EQ(signed_text(-0.00032, 7.72), "-0.00032");
+    EXPECT_EQ(signed_text(0.000996, 7.72), "+0.0010");  // rounded up into the third place
+    EXPECT_EQ(signed_text(134.2, 5207.0), "+134");
+    EXPECT_EQ(signed_text(7e-9, 7.72), "0");  // rounding, 1e-9 of what it comes from
+    EXPECT_EQ(signed_text(0.0, 0.0), "0");
+    EXPECT_EQ(signed_text(1e-7, 0.0), "+0.00000010");  // beside nothing no difference is small
+    EXPECT_EQ(share_text(-0.0259, true), "-2.6 %");
+    EXPECT_EQ(share_text(0.000041, true), "+0.0041 %");
+    EXPECT_EQ(share_text(0.0000998, false), "0.010 %");
+    EXPECT_EQ(share_text(1e-10, true), "0 %");
+}
+
+TEST(CompareWords, LargestGapsWithoutAToleranceAreFoundOnce) {
+    Comparison c = synthetic_comparison();
+    const auto both = [&](const char* key, double candidate, double reference) {
+        c.candidate.add_metric(key, candidate);
+        c.reference.add_metric(key, reference);
+    };
+    both("snatch_force_N", 900.0, 1000.0);    // 10 %
+    both("max_deceleration_g", 3.9, 3.0);     // 30 %
+    both("peak_force_ratio", 0.96, 1.0);      // 4 % as the peak force, which is judged
+    both("max_line_tension_N", 99.5, 100.0);  // 0.5 %: not worth it
+    c.gap = measure_gap(c.reference, c.candidate, {});
+    std::vector<std::string_view> names;
+    for (const MetricGap* metric : largest_unjudged(c.gap, 2))
+        names.push_back(metric->row->name);
+    EXPECT_EQ(names, (std::vector<std::string_view>{"max_deceleration", "snatch_force"}));
+    for (const MetricGap* metric : largest_unjudged(c.gap, 100)) {
+        EXPECT_NE(metric->row->name, "peak_force_ratio");
+        EXPECT_NE(metric->row->name, "max_line_tension");
+    }
+    const std::string page = report_html(c), text = terminal_text(c, {});
+    EXPECT_NE(text.find("unjudged  Maximum deceleration: full is 0.900 g (30.0 %) below rom"), text.npos)
+        << text;
+    EXPECT_NE(page.find("<strong>Maximum deceleration</strong>: full is 0.900 g (30.0 %) below rom"),
+              page.npos);
 }
 
 TEST(CompareReport, WritesTheFilesOfTheContract) {

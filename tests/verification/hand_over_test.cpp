@@ -120,11 +120,15 @@ TEST(HandOver, MakesOneRecordThatSaysWhatIsWhose) {
     for (const std::string& key : record.handed_over->metrics) {
         EXPECT_EQ(record.find_metric(key)->note.find("by rom from t = "), 0u) << key;
     }
-    EXPECT_EQ(
-        record.handed_over->metrics,
-        (std::vector<std::string>{"flight_time_s", "landing_east_m", "landing_north_m", "descent_rate_m_s",
-                                  "descent_rate_amplitude", "descent_rate_remaining_change",
-                                  "descent_altitude_m", "altitude_loss_m"}));
+    EXPECT_EQ(record.handed_over->metrics,
+              (std::vector<std::string>{"flight_time_s", "landing_east_m", "landing_north_m",
+                                        "landing_vertical_speed_m_s", "landing_energy_J", "descent_rate_m_s",
+                                        "descent_rate_amplitude", "descent_rate_remaining_change",
+                                        "descent_altitude_m", "altitude_loss_m", "drift_m"}));
+    EXPECT_NEAR(
+        *record.metric("drift_m"),
+        std::hypot(record.find_channel("east")->values.back(), record.find_channel("north")->values.back()),
+        1e-9);
     EXPECT_NEAR(*record.metric("altitude_loss_m"), 100.0 - *record.metric("descent_altitude_m"), 1e-9);
     EXPECT_EQ(*record.metric("flight_time_s"), time.back());
 }

@@ -48,6 +48,10 @@ TEST(Reefing, BothFidelitiesPullAlikeInEachStage) {
     EXPECT_GE(*full.metric("stage_1_peak_force_N"), *rom.metric("stage_1_peak_force_N"));
     EXPECT_NEAR(*full.metric("stage_2_peak_force_N"), *rom.metric("stage_2_peak_force_N"),
                 0.05 * *rom.metric("stage_2_peak_force_N"));
+    // Both have slowed down to the stage's own speed by then, from the same drag area: to the 1 % of the
+    // force.
+    EXPECT_NEAR(*full.metric("stage_1_descent_rate_m_s"), *rom.metric("stage_1_descent_rate_m_s"),
+                0.01 * *rom.metric("stage_1_descent_rate_m_s"));
     EXPECT_EQ(full.find_event("disreef")->time, 4.0);  // exactly, by a step that ends there
     EXPECT_NEAR(*full.metric("stage_1_filling_time_s"), *rom.metric("stage_1_filling_time_s"), 1e-6);
     // The energy that the line held goes with it and is booked; an unreefed run has 1e-4 at most.

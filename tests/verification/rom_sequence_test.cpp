@@ -2,6 +2,7 @@
 // solutions of what happens in between.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -302,6 +303,12 @@ TEST(RomSequence, EverythingHappensAtItsTime) {
     // m g = 1/2 rho C_D S v^2 with the drogue's kilogram gone, to what a steady descent may still be off.
     const double steady = std::sqrt(2.0 * 104.0 * g / read_text(sequence).parachutes[1].drag_area);
     EXPECT_NEAR(metric_of_sequence(record, "descent_rate_m_s"), steady, steady_descent_remaining * steady);
+    // The drogue, with both parachutes' mass below it, fell from the apogee to 300 m: as fast as it ever
+    // will.
+    const double under_drogue = std::sqrt(2.0 * 105.0 * g / 2.0);
+    EXPECT_NEAR(metric_of_sequence(record, "drogue_descent_rate_m_s"), under_drogue, 1e-3 * under_drogue);
+    EXPECT_NE(record.find_metric("drogue_descent_rate_m_s")->note.find("; steady"), std::string::npos);
+    EXPECT_FALSE(record.metric("main_descent_rate_m_s"));  // that is descent_rate_m_s
     // The force is that on the payload: packs that are closed ride on it.
     EXPECT_NEAR(record.find_channel("force")->values.back(), 100.0 * g, 0.01 * 100.0 * g);
 }
@@ -437,11 +444,72 @@ TEST(RomSequence, MetricsThatTheStopComesBeforeAreNotReached) {
         return by_key;
     };
     using Missing = std::map<std::string, bool>;
-    const Missing all{{"filling_time_s", true}, {"peak_force_N", true}, {"descent_rate_m_s", true}};
+    const Missing landing{{"flight_time_s", true},
+                          {"landing_vertical_speed_m_s", true},
+                          {"landing_energy_J", true},
+                          {"drift_m", true}};
+    const auto and_landing = [&](Missing others) {
+        others.insert(landing.begin(), landing.end());
+        return others;
+    };
+    const Missing all =
+        and_landing({{"filling_time_s", true}, {"peak_force_N", true}, {"descent_rate_m_s", true}});
     EXPECT_EQ(missing("stop.time=0.5 s"), all);
     EXPECT_EQ(missing("stop.at=\"line-stretch\""), all);
-    EXPECT_EQ(missing("stop.at=\"full-open\""), (Missing{{"descent_rate_m_s", true}}));
-    EXPECT_EQ(missing("stop.at=\"steady-descent\""), Missing{});
+    EXPECT_EQ(missing("stop.at=\"full-open\""), and_landing({{"descent_rate_m_s", true}}));
+    EXPECT_EQ(missing("stop.at=\"steady-descent\""), landing);
+    EXPECT_EQ(missing("stop.at=\"ground\""), Missing{});
+}
+
+/// A reefed C-9 without added mass, whose line is cut after `delay`, in air of one density.
+RunRecord reefed_for(const char* delay, std::initializer_list<std::string> more = {}) {
+    std::vector<std::string> edits{
+        "parachute.reefing=[{ drag_area_ratio = 0.1, until = { at = \"line-stretch\", delay = \"" +
+            std::string(delay) + "\" } }]",
+        "environment.atmosphere={ density = 1.225 }", "rom.rtol=1e-10"};
+    edits.insert(edits.end(), more);
+    Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-reefed.toml", edits);
+    scene.aerodynamics.added_mass.reset();
+    return run_rom(scene);
+}
+
+const MissingMetric* find_missing(const RunRecord& record, const char* key) {
+    const auto found = std::ranges::find(record.missing, key, &MissingMetric::metric);
+    return found == record.missing.end() ? nullptr : &*found;
+}
+
+TEST(RomSequence, AReefedStageFallsAtItsOwnTerminalVelocity) {
+    // (C_D S)_r = 0.1 (C_D S)_0 carries the system at sqrt(2 m g/(rho (C_D S)_r)). Twenty seconds are nine
+    // v/g: exp(-18) of what it is off at first is left, and the integrator's own error.
+    const RunRecord record = reefed_for("20 s", {"release.height=2000 m", "environment.ground=0 m"});
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    const double area = 0.1 * 42.56, v = std::sqrt(2.0 * (152.4 + 5.19) * g / (1.225 * area));
+    EXPECT_NEAR(metric_of_sequence(record, "stage_1_descent_rate_m_s"), v, 1e-6 * v);
+    EXPECT_NE(record.find_metric("stage_1_descent_rate_m_s")->note.find("; steady"), std::string::npos);
+    EXPECT_FALSE(record.metric("stage_2_descent_rate_m_s"));  // that is descent_rate_m_s
+}
+
+TEST(RomSequence, AReefedStageThatIsCutEarlySaysThatItIsNotSteady) {
+    // The mean over the time since it was full: the altitude lost over that time, by the record's own events.
+    const RunRecord record = reefed_for("2 s", {"release.speed=60 m/s"});
+    const Event *full = record.find_event("reefed-open"), *cut = record.find_event("disreef");
+    ASSERT_TRUE(full && cut);
+    const Metric* rate = record.find_metric("stage_1_descent_rate_m_s");
+    ASSERT_NE(rate, nullptr);
+    EXPECT_NE(rate->note.find("not steady"), std::string::npos) << rate->note;
+    EXPECT_NEAR(rate->value, (full->altitude - cut->altitude) / (cut->time - full->time), 1e-9 * rate->value);
+}
+
+TEST(RomSequence, AStageWithoutARateSaysWhy) {
+    const RunRecord early = reefed_for("0.05 s");
+    const MissingMetric* row = find_missing(early, "stage_1_descent_rate_m_s");
+    ASSERT_NE(row, nullptr);
+    EXPECT_EQ(row->why, "the stage ended before its drag area was full");
+    const RunRecord stopped = reefed_for("4 s", {"stop={ time = 3 }"});
+    row = find_missing(stopped, "stage_1_descent_rate_m_s");
+    ASSERT_NE(row, nullptr);
+    EXPECT_EQ(row->why, "the run stopped before that stage ended");
+    EXPECT_TRUE(row->not_reached);
 }
 
 /// Stopped while the canopy fills, the largest force until there is no peak: at 1 s of 1.6 s it is a third of

@@ -157,26 +157,32 @@
     }
 
     const play = document.getElementById("play"), pace = document.getElementById("pace");
+    // It plays the opening: from the snatch (or line stretch), zero of the clock, until all of it is seen; then,
+    // or from wherever the reader has put the time, to the end.
+    const snatch = Math.min(last, Math.max(first, 0)), opened = Math.min(last, Math.max(snatch, report.data.openingEnd));
+    let chosen = false, until = opened;
     function setPlaying(wanted) {
         playing = wanted;
         play.textContent = playing ? "Pause" : "Play";
         play.setAttribute("aria-pressed", String(playing));
         if (!playing) return;
-        if (now >= last) now = first;
+        if (!chosen || now >= last) now = snatch;
+        chosen = true;
+        until = now < opened ? opened : last;
         begun = performance.now();
         from = now;
         requestAnimationFrame(step);
     }
     function step(time) {
         if (!playing) return;
-        const then = from + Math.max(0, time - begun) / 1000 * Number(pace.value);
+        const then = Math.min(until, from + Math.max(0, time - begun) / 1000 * Number(pace.value));
         setTime(then, "play");
-        if (then >= last) setPlaying(false); else requestAnimationFrame(step);
+        if (then >= until) setPlaying(false); else requestAnimationFrame(step);
     }
     play.addEventListener("click", () => setPlaying(!playing));
     pace.addEventListener("change", () => { begun = performance.now(); from = now; });
-    scrub.addEventListener("input", () => { setPlaying(false); setTime(first + (last - first) * scrub.value / 1000, "scrub"); });
-    report.onTime((time, source) => { if (source === "charts") { setPlaying(false); setTime(time, "charts"); } });
+    scrub.addEventListener("input", () => { setPlaying(false); chosen = true; setTime(first + (last - first) * scrub.value / 1000, "scrub"); });
+    report.onTime((time, source) => { if (source === "charts") { setPlaying(false); chosen = true; setTime(time, "charts"); } });
 
     const legend = document.getElementById("legend");
     function setColouring(wanted) {
@@ -187,7 +193,7 @@
             bar.className = "ramp";
             bar.style.background = "linear-gradient(90deg," + ramp.map((c) => "rgb(" + c.map((x) => Math.round(255 * x)) + ")") + ")";
             ends.className = "ends";
-            for (const end of ["0", report.readable(Number(most.toPrecision(2)), "N/m")]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
+            for (const end of ["0", report.readable(Number((most * report.data.stress.factor).toPrecision(2)), report.data.stress.unit)]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
             legend.append("first principal stress resultant", bar, ends);
         } else {
             foldNames.forEach((name, i) => {
@@ -256,5 +262,5 @@
     fit();
     home();
     setTime(report.time === undefined ? first : report.time, "charts");
-    report.canopy = {draw: draw, setTime: setTime, first: first, last: last, canvas: canvas};
+    report.canopy = {draw: draw, setTime: setTime, first: first, last: last, snatch: snatch, opened: opened, canvas: canvas};
 })();

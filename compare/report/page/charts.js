@@ -7,6 +7,54 @@
     const opening = [clock[0], data.openingEnd], whole = [clock[0], clock[clock.length - 1]];
     let shown = opening, drawing = false;
 
+    // A plot's range in a window of time, so that a spike of a few milliseconds does not flatten the rest: where
+    // the largest magnitude is more than 1.5 times that of all but 2 % of the time, what lies beyond 1.25 times
+    // the latter is cut off. A peak of the opening force never is. null: the range of all values.
+    function robustRange(lists, window, kept) {
+        const inside = [], weights = [];
+        let largest = 0, total = 0;
+        for (const list of lists)
+            for (let i = 0; i < clock.length; ++i) {
+                if (list[i] === null || clock[i] < window[0] || clock[i] > window[1]) continue;
+                const weight = (clock[Math.min(i + 1, clock.length - 1)] - clock[Math.max(i - 1, 0)]) / 2;
+                inside.push([Math.abs(list[i]), weight]);
+                total += weight;
+                largest = Math.max(largest, Math.abs(list[i]));
+            }
+        inside.sort((a, b) => b[0] - a[0]);
+        let rest = 0.02 * total, usual = 0;
+        for (const [size, weight] of inside) { rest -= weight; usual = size; if (rest <= 0) break; }
+        usual = Math.max(usual, kept);
+        if (!(usual > 0) || !(largest > 1.5 * usual)) return null;
+        const bound = 1.25 * usual;
+        let low = 0, high = 0, cut = 0;
+        for (const list of lists)
+            for (let i = 0; i < clock.length; ++i) {
+                if (list[i] === null || clock[i] < window[0] || clock[i] > window[1]) continue;
+                low = Math.min(low, Math.max(list[i], -bound));
+                high = Math.max(high, Math.min(list[i], bound));
+                if (Math.abs(list[i]) > Math.abs(cut)) cut = list[i];
+            }
+        return {range: [low < 0 ? 1.06 * low : 0, high > 0 ? 1.06 * high : 0], cut: cut};
+    }
+
+    // Ranges of all plots for the window shown; how high a cut-off spike is stands at the edge of its plot.
+    const ranged = [];
+    let fullRange = false;
+    function setRanges(window) {
+        let any = false;
+        for (const one of ranged) {
+            one.robust = robustRange(one.lists, window, one.kept);
+            any = any || one.robust !== null;
+            one.graph.updateOptions({valueRange: one.robust && !fullRange ? one.robust.range : null});
+            one.mark.hidden = !one.robust || fullRange;
+            one.mark.textContent = one.robust
+                ? "spike cut off: " + report.readable(one.robust.cut, one.unit) : "";
+        }
+        document.getElementById("full-range").hidden = !any;
+        document.getElementById("cut-off").hidden = !any;
+    }
+
     function tick(value, granularity, options, graph) {
         return String(Number(value.toPrecision(5))).replace("-", "\u2212");
     }
@@ -76,7 +124,7 @@
             for (const side of [0, 1]) if (values[side]) say("side " + style[side], data.sides[side], values[side][row]);
             if (channel.test && channel.test[row] !== null) say("", "test", channel.test[row]);
             if (!values[0] || !values[1]) continue;
-            const gap = values[0][row] === null || values[1][row] === null ? null : values[0][row] - values[1][row];
+            const gap = values[0][row] === null || values[1][row] === null ? null : values[1][row] - values[0][row];
             say("", "difference", gap);
         }
     }
@@ -90,6 +138,7 @@
         shown = window;
         drawing = true;
         for (const graph of graphs) graph.updateOptions({dateWindow: window.slice()});
+        setRanges(window);
         drawing = false;
         for (const button of document.querySelectorAll("[data-window]")) {
             const its = button.dataset.window === "all" ? whole : opening;
@@ -143,14 +192,22 @@
             xlabel: there.length === 1 ? data.clockLabel : "",
         });
         report.onScheme(() => paint(graph, order.map((side) => style[side]).concat(dots.map(() => "ink"))));
+        // The peaks of the opening force, as they are events: the spike before them is the snatch.
+        const peaks = channel.id !== "force" ? [] : data.events.filter((event) => event.name === "peak-force" && channel.values[event.side])
+            .map((event) => channel.values[event.side][report.placeOf(clock, event.time)] || 0);
+        const marked = (element) => element.parentNode.insertBefore(
+            Object.assign(document.createElement("p"), {className: "cut", hidden: true}), element);
+        const keep = (of, element, lists, kept) => ranged.push({graph: of, lists: lists, kept: kept, unit: channel.unit, mark: marked(element)});
+        keep(graph, figure.querySelector(".curve"), there.map((side) => channel.values[side]), Math.max(0, ...peaks));
         if (there.length < 2) continue;
-        const gaps = rows.map((row) => [row[0], row[1] === null || row[2] === null ? null : row[1] - row[2]]);
+        const gaps = rows.map((row) => [row[0], row[1] === null || row[2] === null ? null : row[2] - row[1]]);
         const below = draw(figure.querySelector(".difference"), gaps, {
             labels: ["time", "difference"], fillGraph: true, fillAlpha: 0.12, strokeWidth: 1.4, includeZero: true,
             xlabel: data.clockLabel, yRangePad: 2, axes: {
                 x: {axisLabelFormatter: tick, pixelsPerLabel: 60}, y: {ticker: aroundZero, axisLabelWidth: 52}},
         });
         report.onScheme(() => paint(below, ["dim"]));
+        keep(below, figure.querySelector(".difference"), [gaps.map((row) => row[1])], 0);
     }
 
     for (const button of document.querySelectorAll("[data-window]"))
@@ -160,6 +217,13 @@
     cursor.addEventListener("input", () => point(Number(cursor.value)));
     report.onTime((time, source) => { if (source !== "charts") select(report.placeOf(clock, time)); });
     report.graphs = graphs;
+    const wholeSpikes = document.getElementById("full-range");
+    wholeSpikes.addEventListener("click", () => {
+        fullRange = !fullRange;
+        wholeSpikes.setAttribute("aria-pressed", String(fullRange));
+        show(shown);
+    });
+    show(opening);
 
     // First at the reference's peak force: what everybody looks for.
     const peak = data.events.filter((event) => event.name === "peak-force").sort((a, b) => b.side - a.side)[0];
