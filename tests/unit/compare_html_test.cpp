@@ -252,8 +252,8 @@ TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
 
 TEST(CompareHtml, FewRowsOfASmoothHistoryMakeNoDifference) {
     // One solution, 1 + cos t, in rows 0.01 s and 0.25 s apart. Straight lines between the latter would be
-    // off by h^2/8, 0.0078; a smooth curve through them by less than a quarter of that, at the ends of the
-    // run too.
+    // off by h^2/8, 0.0078; a smooth curve through them by less than a third of that; its ends need
+    // it.
     Comparison comparison = synthetic_comparison();
     for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
         const double h = side == &comparison.reference ? 0.01 : 0.25;
