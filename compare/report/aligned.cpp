@@ -104,10 +104,8 @@ std::vector<Piece> pieces_of(const Curve& rows) {
             finish();
             continue;
         }
-        if (!time.empty() && rows.time[i] == time.back()) {
-            if (rows.value[i] == value.back()) continue;
-            finish();
-        }
+        if (!time.empty() && rows.time[i] == time.back())
+            finish();  // a jump, or a kink that a stage ends with
         time.push_back(rows.time[i]);
         value.push_back(rows.value[i]);
     }

@@ -1,6 +1,7 @@
 // The page that a comparison makes: what is in it, and what cannot break out of it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -247,6 +248,32 @@ TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
         else
             EXPECT_TRUE(std::isnan(aligned.channels[0].value[0][i])) << t;
     }
+}
+
+TEST(CompareHtml, FewRowsOfASmoothHistoryMakeNoDifference) {
+    // One solution, 1 + cos t, in rows 0.01 s and 0.25 s apart. Straight lines between the latter would be
+    // off by h^2/8, 0.0078; a smooth curve through them by less than a third of that; its ends need
+    // it.
+    Comparison comparison = synthetic_comparison();
+    for (RunRecord* side : {&comparison.reference, &comparison.candidate}) {
+        const double h = side == &comparison.reference ? 0.01 : 0.25;
+        side->events = {{"snatch", 0.0, 0, 0}, {"full-open", 1.0, 0, 0}};
+        side->channels = {{"time", "s", {}}, {"speed", "m/s", {}}};
+        for (int i = 0; i * h <= 4.0 + 1e-9; ++i) {
+            side->channels[0].values.push_back(i * h);
+            side->channels[1].values.push_back(1.0 + std::cos(i * h));
+        }
+    }
+    const AlignedHistories aligned = aligned_histories(comparison);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < aligned.clock.size(); ++i)
+        largest =
+            std::max(largest, std::abs(aligned.channels[0].value[0][i] - aligned.channels[0].value[1][i]));
+    EXPECT_LT(largest, 0.25 * 0.25 / 8.0 / 3.0);
+    // Both sides' rows are instants of the clock, so that no value of the finer one is lost.
+    for (const RunRecord* side : {&comparison.reference, &comparison.candidate})
+        for (const double t : side->channels[0].values)
+            EXPECT_TRUE(std::ranges::binary_search(aligned.clock, t)) << t;
 }
 
 /// Forces of a lock-up: the lines pull up to 24 kN, and from one row to the next of the same time a tenth of
