@@ -14,12 +14,8 @@ rm -rf "$work"
 mkdir -p "$work"
 
 build() {  # DIRECTORY
-    git clone -q "$source" "$1"
-    cd "$1"
-    git checkout -q --detach "$commit"
-    CCACHE_DISABLE=1 cmake --preset package
-    CCACHE_DISABLE=1 cmake --build --preset package
-    cpack --preset package
+    git clone -q "$source" "$1" && cd "$1" && git checkout -q --detach "$commit" && export CCACHE_DISABLE=1 &&
+        cmake --preset package && cmake --build --preset package && cpack --preset package
 }
 (build "$work/one" >"$work/one.log" 2>&1) || { tail -n 40 "$work/one.log" && exit 1; }
 (umask 077 && export TZ=Asia/Tokyo LC_ALL=C LANGUAGE=C && build "$work/another/with a longer name" >"$work/another.log" 2>&1) ||
