@@ -65,7 +65,7 @@ TEST(SeriesFiles, TheMarkdownShowsBothAndTheGap) {
     const std::string markdown = series_markdown(synthetic_series());
     EXPECT_NE(markdown.find("| case-0 | low | completed | 20.00 |"), std::string::npos) << markdown;
     EXPECT_NE(markdown.find("| 4800 / 5000 |"), std::string::npos) << markdown;
-    EXPECT_NE(markdown.find("| -4.0 % | 1.2e-03 |"), std::string::npos) << markdown;
+    EXPECT_NE(markdown.find("| +4.0 % | 1.2e-03 |"), std::string::npos) << markdown;
 }
 
 TEST(SeriesFiles, ThePictureHasAMarkForEveryRunAndASlotForATest) {
