@@ -26,7 +26,7 @@ endif()
 # twinchute_cold(TARGET): no run spends time in it (reading, writing, reports). A release then optimises it less, which
 # takes a third off its compilation; without contraction the bits stay the same.
 function(twinchute_cold target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> ${TWINCHUTE_COLD_FLAGS})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # twinchute_library(NAME [COLD] SOURCES ... [PUBLIC ...] [PRIVATE ...]): a static library, exported as twinchute::NAME.

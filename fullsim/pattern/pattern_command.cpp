@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
+#include <sstream>
 
 #include "fullsim/canopy/canopy_geometry.hpp"
 #include "fullsim/mesh/start.hpp"
@@ -207,8 +207,9 @@ Table parts_table(const Cut& cut) {
 PatternNotes notes_of(const Cut& cut, const Paper& paper) {
     PatternNotes notes{
         printable(cut.scene.name) + ", " + printable(cut.chute().name), cut.chute().gores, {}, &paper};
-    for (const auto row : std::views::split(aligned(parts_table(cut), Style(false), 0), '\n'))
-        notes.parts.emplace_back(row.begin(), row.end());
+    std::istringstream table(aligned(parts_table(cut), Style{}, 0));
+    for (std::string row; std::getline(table, row);)
+        notes.parts.push_back(row);
     return notes;
 }
 
