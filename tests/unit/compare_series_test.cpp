@@ -206,7 +206,7 @@ TEST_F(TrendSuite, RefusesWhatIsNoTrend) {
     EXPECT_NE(
         complaint("trend = \"rises\", y = \"impulses\", x = \"mass_ratio\"").find("'impulses' is no metric"),
         std::string::npos);
-    EXPECT_NE(complaint("trend = \"rises\", y = \"impulse\"").find("x"), std::string::npos);
+    EXPECT_NE(complaint("trend = \"rises\", y = \"impulse\"").find('x'), std::string::npos);
     EXPECT_NE(complaint("quantity = \"impulse\"").find("trend"), std::string::npos);
 }
 
