@@ -15,7 +15,7 @@ struct Paper {
 };
 inline constexpr Paper papers[] = {{"a4", "A4", 210.0, 297.0}, {"letter", "Letter", 215.9, 279.4}};
 
-/// What a drawing says beside its lines.
+/// Words of a drawing.
 struct PatternNotes {
     std::string title;
     int gores = 0;

@@ -31,7 +31,7 @@ struct Shown {
 };
 Shown shown(double value, std::string_view si_unit);
 
-/// What a number of that unit is multiplied by to be shown, and the unit it then has.
+/// Factor by which a number of that unit is multiplied to be shown, and the unit it then has.
 double shown_factor(std::string_view si_unit);
 std::string_view shown_unit(std::string_view si_unit);
 

@@ -325,7 +325,7 @@ std::optional<double> end_of_stage(const RunRecord& record, double full) {
     return {};
 }
 
-/// What the rate of a stage is: over [from, end], whose halves it compares.
+/// Adds the mean rate at the end of a stage, and how far the halves of that time differ.
 void add_stage_rate(RunRecord& record, const Descent& descent, double gravity, const std::string& key,
                     double full, double end) {
     const double length = std::min(std::abs(descent.sink_at(end)) / gravity, end - full);
