@@ -398,7 +398,11 @@ private:
         for (const Chute& chute : chutes_)
             parachutes += mass_of(chute);
         if (!at(*rocket_, "mass")) {
-            payload.add("mass", "", "the file keeps parachutes alone, not the mass of the rocket");
+            payload.add(
+                "mass", "",
+                fmt::format("the file keeps parachutes alone, not the mass of the rocket: its dry mass "
+                            "less the {:.4g} kg that the parachutes are assumed to weigh",
+                            parachutes));
         } else {
             const double dry = number(*rocket_, "mass", "rocket", 1e-6, 1e6);
             const Json* motor = at(*rocket_, "motor");

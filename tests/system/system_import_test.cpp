@@ -55,6 +55,8 @@ TEST_F(SystemImport, RefusesAndWritesNothing) {
     here_.write("s.txt", "   PRES   HGHT   TEMP   DWPT\n    hPa      m      C      C\n");
     for (const auto& [words, message] : {
              std::pair<Words, std::string>{{"p.json"}, "payload.mass (the file keeps parachutes alone"},
+             // 1 m2 over C_D0 = 0.75, 60 g a square metre
+             {{"p.json"}, "its dry mass less the 0.08 kg that the parachutes are assumed to weigh"},
              {{"p.json", "--set", "payload.mass=1 kg", "--set", "release.height=x"}, "release.height"},
              {{"p.json", "--set", "payload.mass=1 kg", "--set", "release.height=1 km", "--set",
                "payload.colour=3"},
