@@ -74,6 +74,7 @@ private:
         const auto is_outside = [&](double tick) { return tick < low || tick > high * (1 + 1e-9) + 1e-300; };
         if (axis.from_zero || std::ranges::count_if(at.values, std::not_fn(is_outside)) < 2)
             low = at.values.front(), high = at.values.back();
+        if (axis.end) high = std::min(high, std::max(*axis.end, low));
         std::erase_if(at.values, is_outside);
         for (const double tick : at.values)
             ticks.push_back(
@@ -355,7 +356,7 @@ void draw_line(SvgCanvas& canvas, const Plot& plot, const PlotSeries& series, co
         char command = 'M';
         for (const Point& point : thinned(run, static_cast<std::size_t>(f.right - f.left))) {
             fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", command, x.at(point.x),
-                           y.at(point.y));
+                           y.at(std::min(point.y, plot.y.end.value_or(point.y))));
             command = 'L';
         }
     }
@@ -369,7 +370,8 @@ void draw_points(SvgCanvas& canvas, const Plot& plot, const PlotSeries& series, 
     if (series.notes.empty()) {
         for (const auto& run : runs_of(plot, series))
             for (const Point& point : thinned(run, max_dots / 4))
-                draw_marker(canvas, x.at(point.x), y.at(point.y), series, "");
+                if (!(plot.y.end && point.y > *plot.y.end))
+                    draw_marker(canvas, x.at(point.x), y.at(point.y), series, "");
         return;
     }
     for (std::size_t i = 0; i < series.notes.size(); ++i) {
@@ -409,7 +411,7 @@ std::string svg_plot(const Plot& plot) {
         for (const auto& run : runs_of(plot, series))
             for (const Point& point : run) {
                 xs.take(point.x, plot.x.logarithmic);
-                ys.take(point.y, plot.y.logarithmic);
+                ys.take(std::min(point.y, plot.y.end.value_or(point.y)), plot.y.logarithmic);
             }
     const Frame frame(plot);
     SvgCanvas canvas;

@@ -39,11 +39,13 @@ struct GuideLine {
 };
 
 struct Axis {
-    std::string label;            ///< with unit, e.g. "time since release [s]"
-    bool logarithmic = false;     ///< zero is drawn at the lower end
-    bool from_zero = false;       ///< where size is the message
-    double margin = 0.0;          ///< beyond the outermost points: share of their range, or decades
-    std::optional<double> end{};  ///< the axis ends before the data do
+    std::string label;         ///< with unit, e.g. "time since release [s]"
+    bool logarithmic = false;  ///< zero is drawn at the lower end
+    bool from_zero = false;    ///< where size is the message
+    double margin = 0.0;       ///< beyond the outermost points: share of their range, or decades
+    /// The axis ends before the data do. Along x what lies beyond is left out, along y its lines run on the
+    /// edge.
+    std::optional<double> end{};
 };
 
 struct Plot {

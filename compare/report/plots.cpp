@@ -6,6 +6,9 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "compare/render/plot.hpp"
 #include "lib/cli/text.hpp"
@@ -54,12 +57,59 @@ Plot channel_plot(const PageSides& sides, const DropTestHistories* test, std::st
     return plot;
 }
 
-/// Brings all curves of an SI unit into the one that is shown.
-void show_in_units(Plot& plot, std::string_view si_unit) {
-    const double factor = shown_factor(si_unit);
+/// Largest value of the lines over time, and the one that is exceeded in 2 % of it.
+struct Heights {
+    double largest = 0.0, usual = 0.0;
+};
+Heights heights_of(const Plot& plot) {
+    Heights heights;
+    std::vector<std::pair<double, double>> values;  // with the time [s] that each stands for
+    double total = 0.0;
+    for (const PlotSeries& series : plot.series) {
+        const std::size_t count = series.line > 0.0 ? std::min(series.x.size(), series.y.size()) : 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!std::isfinite(series.y[i]) || (plot.x.end && !(series.x[i] <= *plot.x.end))) continue;
+            const double weight = 0.5 * (series.x[std::min(i + 1, count - 1)] - series.x[i > 0 ? i - 1 : 0]);
+            values.emplace_back(series.y[i], std::isfinite(weight) ? weight : 0.0);
+            total += values.back().second;
+        }
+    }
+    std::ranges::sort(values, std::greater<>{});
+    double rest = 0.02 * total;
+    for (const auto& [value, weight] : values) {
+        heights.largest = std::max(heights.largest, value);
+        heights.usual = std::max(value, 0.0);
+        if ((rest -= weight) <= 0.0) break;
+    }
+    return heights;
+}
+
+/// Ends the axis below a spike of a few milliseconds that would flatten all else, as the live plots of a page
+/// do; what is up to `kept` is never cut. Returns the height of the spike.
+std::optional<double> cut_spike(Plot& plot, double kept = 0.0) {
+    const Heights heights = heights_of(plot);
+    const double usual = std::max(heights.usual, kept);
+    if (!(usual > 0.0) || !(heights.largest > 1.5 * usual)) return {};
+    plot.y.end = 1.25 * usual;
+    return heights.largest;
+}
+
+void scale(Plot& plot, double factor) {
     for (PlotSeries& series : plot.series)
         for (double& y : series.y)
             y *= factor;
+    if (plot.y.end) *plot.y.end *= factor;
+}
+
+/// Brings all curves of an SI unit into the one that is shown.
+void show_in_units(Plot& plot, std::string_view si_unit) {
+    scale(plot, shown_factor(si_unit));
+}
+
+void say_spike(Plot& plot, const std::optional<double>& spike, std::string_view si_unit) {
+    if (spike)
+        plot.subtitle += fmt::format("; a spike of {}{} is cut off", readable(shown(*spike, si_unit).value),
+                                     spaced_unit(si_unit));
 }
 
 /// Changes the unit from N to kN where forces are that large, or to that of the units chosen.
@@ -74,17 +124,15 @@ void scale_force(Plot& plot) {
         for (const double y : series.y)
             if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
     plot.y.label = "opening force [N]";
-    if (largest < 1e4) return;
+    if (std::min(largest, plot.y.end.value_or(largest)) < 1e4) return;
     plot.y.label = "opening force [kN]";
-    for (PlotSeries& series : plot.series)
-        for (double& y : series.y)
-            y *= 1e-3;
+    scale(plot, 1e-3);
 }
 
 }  // namespace
 
 std::string force_svg(const PageSides& sides, const DropTestHistories* test) {
-    double last = 0;
+    double last = 0, highest = 0;
     std::array<std::string, 2> peaks;
     for (std::size_t s = 0; s < sides.size(); ++s) {
         const RunRecord& record = *sides[s].record;
@@ -92,6 +140,7 @@ std::string force_svg(const PageSides& sides, const DropTestHistories* test) {
         const auto delay = record.metric("time_to_peak_force_s");
         const double at = snatch_of(record) + delay.value_or(0);
         if (delay) last = std::max(last, at);
+        highest = std::max(highest, peak.value_or(0));
         if (const Event* open = opening(record)) last = std::max(last, open->time);
         if (peak) peaks[s] = fmt::format(": peak {}{}", readable(shown(*peak, "N").value), spaced_unit("N"));
         if (peak && delay) peaks[s] += fmt::format(" at {:.2f} s", at);
@@ -99,6 +148,7 @@ std::string force_svg(const PageSides& sides, const DropTestHistories* test) {
     Plot plot = channel_plot(sides, test, "force", peaks);
     plot.title = "Opening force";
     if (last > 0) plot.x.end = 2 * last;
+    say_spike(plot, cut_spike(plot, highest), "N");
     scale_force(plot);
     return svg_plot(plot);
 }
@@ -116,6 +166,7 @@ std::string history_svg(const PageSides& sides, const DropTestHistories* test, s
             if (const Event* happened = record->find_event(event)) last = std::max(last, happened->time);
     }
     if (last > 0) plot.x.end = 2 * last;
+    say_spike(plot, cut_spike(plot), unit);
     show_in_units(plot, unit);
     plot.y.label = fmt::format("{} [{}]", name, shown_unit(unit));
     name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
+
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -137,6 +140,33 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
         last_y = y;
     }
     EXPECT_EQ(drops, 1);
+}
+
+/// Heights [px] that the only line of a plot reaches, the smallest first: up is less.
+double highest_of(const std::string& svg) {
+    const std::size_t begin = svg.find("<path d=\"M") + 10, end = svg.find('"', begin);
+    std::istringstream path(svg.substr(begin, end - begin));
+    double x = 0.0, y = 0.0, highest = 1e9;
+    for (char letter; path >> x >> y; path >> letter)
+        highest = std::min(highest, y);
+    return highest;
+}
+
+TEST(CompareSvg, ASpikeDoesNotFlattenTheRest) {
+    // 5 ms of 20 kN before a peak of 5 kN: four times as high, in 0.1 % of the time.
+    Comparison comparison = synthetic_comparison();
+    const double plain = highest_of(force_svg(page_sides(comparison)));
+    for (RunRecord* record : {&comparison.reference, &comparison.candidate})
+        for (Channel& channel : record->channels)
+            if (channel.name == "force") std::fill_n(channel.values.begin() + 100, 5, 20e3);
+    const std::string svg = force_svg(page_sides(comparison));
+    EXPECT_NE(svg.find("; a spike of 20000 N is cut off"), std::string::npos);
+    EXPECT_EQ(svg.find("kN"), std::string::npos) << "what is not drawn does not choose the unit";
+    // The peak is never cut, and still takes most of the height: 1/1.25 of it.
+    EXPECT_EQ(svg.find(">20000<"), std::string::npos);
+    EXPECT_NEAR(highest_of(svg), 112.0, 2.0);  // the edge, of the spike
+    EXPECT_EQ(force_svg(page_sides(synthetic_comparison())).find("spike"), std::string::npos);
+    EXPECT_GT(plain, 112.0);
 }
 
 TEST(CompareSvg, WithoutDataItSaysSo) {
