@@ -25,7 +25,8 @@ function(twinchute_page target)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp)
   set(page ${PROJECT_SOURCE_DIR}/compare/report/page)
   file(GLOB own CONFIGURE_DEPENDS ${page}/*.css ${page}/*.js)
-  set(files ${own} ${PROJECT_SOURCE_DIR}/NOTICE ${DYGRAPHS_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
+  set(files ${own} ${PROJECT_SOURCE_DIR}/NOTICE ${PROJECT_SOURCE_DIR}/docs/glossary.md
+    ${DYGRAPHS_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} -D "FILES=${files}" -D OUTPUT=${output} -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
     DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake

@@ -275,7 +275,7 @@ Table calibration_table(const Comparison& comparison) {
 
 Table filling_table(const PageSides& sides) {
     Table table;
-    table.add_words({"of", ""});
+    table.add_words({"of", "case"});
     table.add_numbers({"initial mouth"}, "");
     table.add_numbers({"filling time"}, "s");
     table.add_numbers({"fill constant"}, "");

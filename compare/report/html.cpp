@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "compare/render/escape.hpp"
+#include "compare/report/glossary.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/page_files.hpp"
 
@@ -54,8 +55,9 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view html)
 }
 
 /// `name` as it is.
-std::string whole_page(std::string_view name, const std::string& body, const PageSides& sides,
+std::string whole_page(std::string_view name, const std::string& sections, const PageSides& sides,
                        const DropTestHistories* test) {
+    const std::string body = with_glossary(sections);
     const ShapeFrames* shape = nullptr;
     for (const PageSide& side : sides)
         if (!side.frames->empty()) shape = side.frames;

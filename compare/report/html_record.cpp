@@ -99,7 +99,7 @@ Table estimates_table(const RunRecord& record) {
     Table table;
     table.add_words({"formula"});
     table.add_numbers({"value", "of the run's"});
-    table.add_words({"", "source"});
+    table.add_words({"range", "source"});
     for (const Estimate& estimate : record.estimates) {
         const auto run = record.metric(estimate.metric);
         table.rows.push_back({{estimate.title, estimate.outside.empty() ? Tone::plain : Tone::quiet},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "compare/render/escape.hpp"
+#include "compare/report/glossary.hpp"
 #include "compare/report/page_files.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -31,7 +32,7 @@ std::string still_page(const std::string& title, const std::string& what, const 
                "<header><p class=\"brand\">twinchute <span>{}</span></p>\n<h1>{}</h1></header>\n",
                policy, xml_text(title), xml_text(what), page_file("report.css"), xml_text(what),
                xml_text(title)) +
-           sections +
+           with_glossary(sections) +
            fmt::format("<footer><p>twinchute {} ({})</p></footer>\n</main>\n</body>\n</html>\n",
                        xml_text(made.version), xml_text(made.commit));
 }

@@ -16,7 +16,7 @@ compare::Table parameters_table(const Calibration& calibration) {
     compare::Table table;
     table.add_words({"input"});
     table.add_numbers({"scene", "estimate", "95 % from", "to"});
-    table.add_words({"unit", ""});
+    table.add_words({"unit", "is"});
     const bool scatters =
         std::ranges::any_of(calibration.parameters, [](const Parameter& p) { return p.scatter.has_value(); });
     if (scatters) table.add_numbers({"test to test"});
@@ -44,7 +44,7 @@ compare::Table fits_table(const Calibration& calibration) {
     compare::Table table;
     table.add_words({"test", "measured"});
     table.add_numbers({"readings", "rms left", "of the largest", "noise"});
-    table.add_words({"", "unit"});
+    table.add_words({"its source", "unit"});
     for (const HistoryFit& fit : calibration.histories)
         table.rows.push_back({fit.test->name, fit.measured.kind->name,
                               fmt::format("{}", std::ranges::count(fit.used, true)), readable(fit.rms, 3),
@@ -76,7 +76,7 @@ compare::Table bands_table(const Calibration& calibration) {
 
 compare::Table correlation_table(const Calibration& calibration) {
     compare::Table table;
-    table.add_words({""});
+    table.add_words({"input"});
     for (const Parameter& p : calibration.parameters)
         if (!p.held) table.columns.push_back({p.label(), compare::Align::right});
     for (std::size_t i = 0; i < calibration.parameters.size(); ++i) {

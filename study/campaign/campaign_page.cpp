@@ -181,9 +181,11 @@ std::string metric_section(const Campaign& campaign, std::size_t m) {
     if (h.moments.count == 0) return {};
     std::string body = page_figure(histogram_plot(campaign, h)) + page_figure(exceedance_plot(campaign, h));
     const MetricIndices& indices = campaign.results.indices[m];
-    body += html_table(indices_table(campaign, indices),
-                       "Share of the variance that goes with each input, with its 95 % interval", "",
-                       fmt::format("indices-{}", m));
+    body += html_table(
+        indices_table(campaign, indices),
+        fmt::format("Share of the variance of the {} that goes with each input, with its 95 % interval",
+                    xml_text(metric_words(h.metric))),
+        "", fmt::format("indices-{}", m));
     for (std::size_t i = 0; i < campaign.spec.inputs.size(); ++i)
         body += page_figure(scatter_plot(campaign, h.metric, i));
     return page_section(fmt::format("metric-{}", m), xml_text(metric_words(h.metric)), body);

@@ -122,9 +122,9 @@ Table limits_table(const Judged& judged) {
     Table table;
     table.add_words({"limit"});
     table.add_numbers({"value"});
-    table.add_words({""});
+    table.add_words({"unit"});
     table.add_numbers({"used"});
-    table.add_words({""});
+    table.add_words({"allowed"});
     for (const Met& met : judged.limits) {
         const double over = 100.0 * (met.share() - 1.0);
         table.rows.push_back({met.row->title, readable(shown(met.value, met.row->unit).value),

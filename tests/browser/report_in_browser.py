@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A report as a reader meets it: opens the page of a comparison in headless Chromium and uses it.
 
-usage: report_in_browser.py TWINCHUTE SCENE WORK
-Exit code 77 where there is no Chromium.
+usage: report_in_browser.py TWINCHUTE SCENE WORK [AXE]
+AXE: axe.min.js of axe-core, which then looks at each page too. Exit code 77 where there is no Chromium.
 """
 
 import os
@@ -176,6 +176,20 @@ def a_run_alone_is_drawn(page, style):
     expect(page.ask("report.graphs[0].getColors()[0] === report.colour('%s')" % style), f"the colour is that of {style}")
 
 
+AXE = None  # source of axe-core, where it is there
+
+
+def axe_finds_nothing(page, where):
+    """No rule of WCAG 2.1 A and AA that axe-core knows is broken, light or dark."""
+    if not AXE:
+        return
+    # The page's own policy forbids nothing that comes by the debugger.
+    page.ask(AXE + "; 0")
+    found = page.ask("""axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']}).then(r => r.violations.map(v =>
+        [v.impact, v.id, v.nodes.length, v.nodes[0].html.slice(0, 140), v.nodes[0].failureSummary.slice(0, 200)]))""")
+    expect(found == [], f"axe-core finds nothing on {where}: {found}")
+
+
 def made(twinchute, work, name, command, *words, page="report.html"):
     """The address of the page that a command leaves, or brings its ladder to."""
     out = pathlib.Path(work) / name
@@ -185,7 +199,11 @@ def made(twinchute, work, name, command, *words, page="report.html"):
 
 
 def main():
-    twinchute, scene, work = sys.argv[1:]
+    global AXE
+    twinchute, scene, work = sys.argv[1:4]
+    AXE = pathlib.Path(sys.argv[4]).read_text() if len(sys.argv) > 4 else None
+    if not AXE:
+        print("axe-core is not there (npm install axe-core, cmake -D AXE_JS=.../axe.min.js): accessibility by this test's own checks alone")
     if not program():
         print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the HTML report")
         return 77
@@ -199,10 +217,18 @@ def main():
                   "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=8")
     rom = made(twinchute, work, "rom", "rom", scene, page="run.html")
     full = made(twinchute, work, "full", "full", *short, page="run.html")
+    scenes = pathlib.Path(scene).parent
+    series = made(twinchute, work, "series", "rom", str(scenes / "paper" / "altitude.toml"), page="series-rom.html")
+    sizing = pathlib.Path(work) / "sizing.html"
+    subprocess.run([twinchute, "size", str(scenes / "sizing" / "cargo-drop.toml"), "--quiet", "--report", str(sizing)], check=True)
+    sizing = sizing.resolve().as_uri()
+    drops = scenes.parent / "calibration"
+    calibration = made(twinchute, work, "calibration", "calibrate", str(drops / "c9-drop.toml"), "--to", str(drops / "c9-drop-a.toml"))
     with Chromium(300) as page:
         for url, style in ((rom, "candidate"), (full, "reference")):
             page.open(url, width=1000, height=800)
             is_accessible(page)
+            axe_finds_nothing(page, f"the page of a run, {style}")
             a_run_alone_is_drawn(page, style)
         canopy_plays(page)
         page.open(packed, width=1000, height=800)
@@ -211,8 +237,15 @@ def main():
         differences_are_full_minus_rom(page)
         page.open(packed, width=400, height=700, scheme="dark")
         fits_a_telephone(page)
+        page.open(series, width=1000, height=800)
+        axe_finds_nothing(page, "the page of a series")
+        page.open(sizing, width=1000, height=800)
+        axe_finds_nothing(page, "the page of a sizing")
+        page.open(calibration, width=1000, height=800, scheme="dark")
+        axe_finds_nothing(page, "the page of a calibration in the dark")
         page.open(whole, width=1000, height=800)
         is_accessible(page)
+        axe_finds_nothing(page, "a comparison")
         cursor_is_linked(page)
         curves_zoom_together(page)
         canopy_plays(page)
@@ -222,9 +255,10 @@ def main():
         expect(light != "rgb(255, 255, 255)", f"dark is dark: {light}")
         page.open(with_ladder, width=360, height=700, scheme="dark")
         is_accessible(page)
+        axe_finds_nothing(page, "a comparison in the dark, with a ladder")
         ladder_is_shown(page)
         expect(page.log == [], f"the page logs no error and no warning: {page.log}")
-        expect(set(page.requests) == {whole, with_ladder, packed, rom, full}, f"nothing is fetched: {page.requests}")
+        expect(set(page.requests) == {whole, with_ladder, packed, rom, full, series, sizing, calibration}, f"nothing is fetched: {page.requests}")
     return 1 if failures else 0
 
 

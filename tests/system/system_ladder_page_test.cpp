@@ -1,5 +1,6 @@
 // The ladder in the page of a comparison: found where both commands write by default, and only where it is of
 // the same scene.
+#include "tests/support/explanations.hpp"
 #include "tests/support/short_scene.hpp"
 
 namespace twinchute::test {

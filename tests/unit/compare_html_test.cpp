@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/report/aligned.hpp"
+#include "compare/report/glossary.hpp"
 #include "compare/report/html.hpp"
 #include "compare/report/html_parts.hpp"
 #include "compare/report/page_files.hpp"
 #include "tests/support/compare_records.hpp"
+#include "tests/support/explanations.hpp"
 
 namespace twinchute::compare {
 namespace {
@@ -43,7 +45,7 @@ Comparison whole_comparison() {
     return comparison;
 }
 
-/// The page without its scripts and style: what a reader sees.
+/// The page without its scripts, style and explanations of words: what a reader sees.
 std::string text_of(const std::string& page) {
     std::string text;
     std::size_t at = 0;
@@ -51,7 +53,7 @@ std::string text_of(const std::string& page) {
         const std::size_t script = page.find("<script", at), style = page.find("<style", at);
         const std::size_t begin = std::min(script, style);
         text += page.substr(at, begin - at);
-        if (begin == page.npos) return text;
+        if (begin == page.npos) return test::without_explanations(text);
         const char* end = begin == script ? "</script>" : "</style>";
         at = page.find(end, begin) + std::char_traits<char>::length(end);
     }
@@ -74,7 +76,7 @@ TEST(CompareHtml, HasAllPartsOnceEachInItsOrder) {
     const std::string text = text_of(report_html(whole_comparison()));
     std::size_t at = 0;
     for (const char* id : {"summary", "histories", "events", "why", "energy", "canopy-section", "left-out",
-                           "warnings", "provenance"}) {
+                           "warnings", "provenance", "words"}) {
         const std::string section = std::string("<section id=\"") + id + "\"";
         EXPECT_EQ(count(text, section), 1u) << id;
         EXPECT_EQ(count(text, std::string("href=\"#") + id + "\""),
@@ -84,13 +86,39 @@ TEST(CompareHtml, HasAllPartsOnceEachInItsOrder) {
         at = text.find(section);
     }
     EXPECT_EQ(count(text, "<h1>"), 1u);
-    EXPECT_EQ(count(text, "<h2>"), 9u);
+    EXPECT_EQ(count(text, "<h2>"), 10u);
     EXPECT_EQ(count(text, "<main>"), 1u);
     // Every table says what it is, and every heading of a table of what.
     EXPECT_EQ(count(text, "<table"), count(text, "<caption"));
     EXPECT_EQ(count(text, "<th"), count(text, "<th scope=") + count(text, "<thead"));
     EXPECT_EQ(count(text, "<section"), count(text, "</section>"));
     EXPECT_EQ(count(text, "<div"), count(text, "</div>"));
+}
+
+TEST(Glossary, ExplainsTheLongestTermOfAName) {
+    const std::string row = "<tr><th scope=\"row\">";
+    const auto made = [&row](const std::string& name) {
+        const std::string page = with_glossary(row + name + "</th></tr>");
+        return page.substr(row.size(), page.find("</th>") - row.size());
+    };
+    // The terms of docs/glossary.md: "opening force" and "peak force" are there, "peak opening force" is not.
+    const std::string force = made("Peak opening force");
+    EXPECT_TRUE(force.starts_with("Peak <abbr title=\"")) << force;
+    EXPECT_TRUE(force.ends_with("\">opening force</abbr>")) << force;
+    EXPECT_TRUE(made("full-open").ends_with("\">full-open</abbr>"));
+    EXPECT_EQ(made("A disguised canopyish thing"), "A disguised canopyish thing");  // whole words alone
+    EXPECT_NE(made("two canopies, one canopy").find("<abbr"), std::string::npos);
+    EXPECT_EQ(made("&lt;b&gt;"), "&lt;b&gt;");
+    EXPECT_EQ(made(""), "");
+    // "design" has a meaning in scenes and one in campaigns: which one, a name does not say.
+    EXPECT_EQ(made("Design"), "Design");
+    // Links and code in a meaning are words; the list has each term once.
+    const std::string page =
+        with_glossary(row + "Filling time</th></tr>" + row + "filling time</th></tr><h3>Attribution</h3>");
+    EXPECT_EQ(count(page, "<dt>filling time</dt>"), 1u) << page;
+    EXPECT_EQ(page.find("](") + 1, 0u) << page;
+    EXPECT_NE(page.find("<h3><abbr title=\"Split of a gap"), std::string::npos) << page;
+    EXPECT_EQ(with_glossary("<p>Filling time</p>"), "<p>Filling time</p>");  // names alone, no prose
 }
 
 TEST(CompareHtml, LeavesOutWhatIsNotThere) {
@@ -124,10 +152,11 @@ TEST(RecordHtml, HasThePartsOfARunAlone) {
     EXPECT_EQ(count(text, "<h1>"), 1u);
     EXPECT_EQ(count(text, "<table"), count(text, "<caption"));
     EXPECT_EQ(count(text, "<div"), count(text, "</div>"));
-    // Nothing of a comparison: no verdict, no difference, no other side.
+    // Nothing of a comparison: no verdict, no difference, no other side. (The glossary has all words.)
+    const std::string before = text.substr(0, text.find("<section id=\"words\""));
     for (const char* word :
          {"verdict-", "ifference", "both", "tolerance", "class=\"candidate", "side candidate"})
-        EXPECT_EQ(text.find(word), text.npos) << word << ": " << text.substr(text.find(word) - 80, 160);
+        EXPECT_EQ(before.find(word), text.npos) << word;
     EXPECT_NE(text.find("<h3>Peak opening force</h3>\n<p class=\"ratio\"><strong>5000 N</strong>"),
               text.npos);
     EXPECT_NE(text.find("1.500 s after snatch"), text.npos);
