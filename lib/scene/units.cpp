@@ -4,6 +4,7 @@
 #include <locale.h>
 #include <udunits2.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <charconv>
@@ -29,6 +30,42 @@ constexpr std::array<UnitAlias, 12> aliases{{
     {"nmi", "nautical_mile", "UDUNITS-2 reads nano-mile"},
     {"slug", "lbf s2/ft", "UDUNITS-2 has it to six digits only"},
     {"g0", "standard_free_fall", "UDUNITS-2 reads gram to the power 0, which is 1"},
+}};
+
+// Most scenes need no others, and the database takes longer to read than such a scene to run.
+constexpr std::array<CommonUnit, 32> common{{
+    {"deg", "rad", 0.017453292519943295},
+    {"%", "1", 0.01},
+    {"ms", "s", 0.001},
+    {"min", "s", 60.0},
+    {"s-1", "1/s", 1.0},
+    {"Hz", "1/s", 1.0},
+    {"mm", "m", 0.001},
+    {"cm", "m", 0.01},
+    {"km", "m", 1000.0},
+    {"in", "m", 2.54 * 0.01},  // as the database multiplies it
+    {"ft", "m", 0.3048},
+    {"m2", "m^2", 1.0},
+    {"cm^2", "m^2", 0.0001},
+    {"ft^2", "m^2", 0.09290304},
+    {"g", "kg", 0.001},
+    {"t", "kg", 1000.0},
+    {"oz", "kg", 0.028349523125},
+    {"lb", "kg", 0.45359237},
+    {"lbm", "kg", 0.45359237},
+    {"kN", "N", 1000.0},
+    {"lbf", "N", 4.4482216152605},
+    {"km/h", "m/s", 1000.0 / 3600.0},
+    {"ft/s", "m/s", 0.3048},
+    {"fps", "m/s", 0.3048},
+    {"mph", "m/s", 0.44704},
+    {"g0", "m/s^2", 9.80665},
+    {"m/s2", "m/s^2", 1.0},
+    {"kPa", "Pa", 1000.0},
+    {"MPa", "Pa", 1e6},
+    {"GPa", "Pa", 1e9},
+    {"kg/m3", "kg/m^3", 1.0},
+    {"g/m^2", "kg/m^2", 0.001},
 }};
 
 std::atomic<bool> loaded = false;
@@ -243,14 +280,23 @@ double to_si(std::string_view text, std::string_view si_unit) {
         throw UnitError(fmt::format("'{}' has no unit", text), "a number in quotes needs one",
                         example(number, si_unit));
     }
-    // Exact for SI itself, and no database for it.
-    const double value = rest == si_unit ? number : number * factor(rest, si_unit, number);
+    // Exact for SI itself, and no database for it nor for common units.
+    const auto is_it = [&](const CommonUnit& row) { return row.name == rest && row.si_unit == si_unit; };
+    const auto row = std::ranges::find_if(common, is_it);
+    const double scale = rest == si_unit       ? 1.0
+                         : row != common.end() ? row->factor
+                                               : factor(rest, si_unit, number);
+    const double value = number * scale;
     if (!std::isfinite(value)) refuse_not_finite(whole);
     return value;
 }
 
 std::span<const UnitAlias> unit_aliases() {
     return aliases;
+}
+
+std::span<const CommonUnit> common_units() {
+    return common;
 }
 
 bool is_space(char c) {

@@ -42,6 +42,14 @@ struct UnitAlias {
 
 std::span<const UnitAlias> unit_aliases();
 
+/// A unit that is converted without the database, to the bits of it.
+struct CommonUnit {
+    std::string_view name, si_unit;  ///< as in a scene, and of the table of keys
+    double factor;
+};
+
+std::span<const CommonUnit> common_units();
+
 /// A blank or a tab.
 bool is_space(char c);
 /// The text without blanks and tabs at its ends.

@@ -21,6 +21,20 @@ struct Case {
     double value;
 };
 
+/// Brackets mean nothing and are in no table: the database reads the same unit.
+TEST(Units, CommonOnesAreTheDatabasesToTheBit) {
+    for (const CommonUnit& row : common_units()) {
+        for (const char* number : {"1", "3", "0.1", "152.4", "-7.3e5"}) {
+            const std::string plain = std::string(number) + " " + std::string(row.name),
+                              bracketed = std::string(number) + " (" + std::string(row.name) + ")";
+            EXPECT_EQ(to_si(plain, row.si_unit), to_si(bracketed, row.si_unit)) << plain;
+        }
+        // Of another kind it is refused as any unit is, not taken for SI.
+        EXPECT_THROW(to_si("1 " + std::string(row.name), "K"), UnitError) << row.name;
+    }
+    EXPECT_TRUE(units_loaded());
+}
+
 TEST(Units, Convert) {
     const Case cases[] = {
         {"152.4 kg", "kg", 152.4},
@@ -206,13 +220,13 @@ TEST(Units, ThreadsDoNotDisturbEachOther) {
 
 // In a process of its own: here, other tests have already met a unit.
 void exit_with_loaded_state() {
-    const double plain = to_si("5 m", "m") + to_si("0.1", "1");
+    const double plain = to_si("5 m", "m") + to_si("10 %", "1");
     const bool before = units_loaded();
-    const double converted = to_si("5 ft", "m");
-    std::exit(plain == 5.1 && converted > 1.5 && !before && units_loaded() ? 7 : 1);
+    const double converted = to_si("5 yd", "m");
+    std::exit(plain == 5.1 && converted > 4.5 && !before && units_loaded() ? 7 : 1);
 }
 
-TEST(UnitsDeathTest, DatabaseIsLoadedOnlyWhenAUnitIsMet) {
+TEST(UnitsDeathTest, DatabaseIsLoadedOnlyForAnUncommonUnit) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(exit_with_loaded_state(), testing::ExitedWithCode(7), "");
 }
