@@ -115,18 +115,20 @@ std::string with_glossary(const std::string& body) {
     // Beginnings of elements whose text is a name.
     constexpr std::array<std::string_view, 3> openings{"<th scope=\"row\">", "<h3>", "<figcaption><strong>"};
     Found found;
+    const std::string_view all = body;
     std::string page;
-    std::size_t at = 0;
-    while (at < body.size()) {
-        std::size_t begin = body.size();
-        for (const std::string_view opening : openings)
-            if (const std::size_t here = body.find(opening, at); here < begin) begin = here;
-        const std::size_t text = begin < body.size() ? body.find('>', begin) + 1 : begin;
-        const std::size_t name = body.substr(text, 8) == "<strong>" ? text + 8 : text;
-        page += body.substr(at, name - at);
-        const std::size_t end = std::min(body.find('<', name), body.size());
-        if (name < body.size()) page += explained(std::string_view(body).substr(name, end - name), found);
-        at = end;
+    page.reserve(2 * body.size());
+    std::array<std::size_t, openings.size()> next{};  // place of each from `at` on
+    for (std::size_t i = 0; i < openings.size(); ++i)
+        next[i] = all.find(openings[i]);
+    for (std::size_t at = 0; at < all.size();) {
+        const auto first = std::ranges::min_element(next);
+        const std::string_view opening = openings[static_cast<std::size_t>(first - next.begin())];
+        const std::size_t name = *first == all.npos ? all.size() : *first + opening.size();
+        page += all.substr(at, name - at);
+        at = std::min(all.find('<', name), all.size());
+        if (name < all.size()) page += explained(all.substr(name, at - name), found);
+        *first = all.find(opening, at);
     }
     if (found.empty()) return page;
     page +=

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include "study/campaign/engine.hpp"
 #include "study/campaign/random.hpp"
@@ -103,15 +105,38 @@ std::optional<RareEvent> estimate_rare(const Engine& engine, const AnswerSpec& a
 
 #ifdef TWINCHUTE_OPENTURNS
 
+namespace {
+
+/// The library beside the program or the Python module that this is part of: in `study/` of a build, in its
+/// own folder of an installation. A run path would do, but the loader would look there for every library at
+/// every start. The name alone, which the loader looks for, where it is not there.
+std::filesystem::path openturns_library() {
+    namespace fs = std::filesystem;
+    std::error_code ignored;
+    Dl_info part{};
+    const bool known = dladdr(reinterpret_cast<void*>(&has_subset_simulation), &part) != 0;
+    for (fs::path start : {known ? fs::canonical(part.dli_fname, ignored) : fs::path(),
+                           fs::canonical("/proc/self/exe", ignored)})
+        for (int level = 0; level < 6 && start.has_relative_path(); ++level) {
+            start = start.parent_path();
+            for (const char* folder : {"study", TWINCHUTE_LIBDIR})
+                if (fs::path file = start / folder / TWINCHUTE_OPENTURNS; fs::exists(file, ignored))
+                    return file;
+        }
+    return TWINCHUTE_OPENTURNS;
+}
+
+}  // namespace
+
 bool has_subset_simulation() {
     return true;
 }
 
 SubsetEstimate simulate_subsets(const SubsetTask& task) {
     using Simulate = void (*)(const SubsetTask&, SubsetEstimate&);
-    // Found by the run path of the program; never unloaded, since the library has state of its own.
+    // Never unloaded, since the library has state of its own.
     static const Simulate simulate = [] {
-        void* const library = dlopen(TWINCHUTE_OPENTURNS, RTLD_NOW | RTLD_LOCAL);
+        void* const library = dlopen(openturns_library().c_str(), RTLD_NOW | RTLD_LOCAL);
         void* const symbol = library ? dlsym(library, "twinchute_simulate_subsets") : nullptr;
         if (!symbol)
             throw std::runtime_error(
