@@ -5,9 +5,9 @@
 
 namespace twinchute::compare {
 
-/// The body of a page with the glossary's words in it marked up: in headings of rows, of cards and of plots the
-/// longest term of docs/glossary.md becomes an <abbr> with its meaning, and a section at the end lists those that
-/// were found.
+/// The body of a page with the glossary's words in it marked up: in headings of rows, of cards and of plots
+/// the longest term of docs/glossary.md becomes an <abbr> with its meaning, and a section at the end lists
+/// those that were found.
 std::string with_glossary(const std::string& body);
 
 }  // namespace twinchute::compare
