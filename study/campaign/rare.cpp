@@ -1,14 +1,12 @@
 #include "study/campaign/rare.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <stdexcept>
-#include <system_error>
 
+#include "lib/cli/loaded_library.hpp"
 #include "study/campaign/engine.hpp"
 #include "study/campaign/random.hpp"
 
@@ -105,44 +103,20 @@ std::optional<RareEvent> estimate_rare(const Engine& engine, const AnswerSpec& a
 
 #ifdef TWINCHUTE_OPENTURNS
 
-namespace {
-
-/// The library beside the program or the Python module that this is part of: in `study/` of a build, in its
-/// own folder of an installation. A run path would do, but the loader would look there for every library at
-/// every start. The name alone, which the loader looks for, where it is not there.
-std::filesystem::path openturns_library() {
-    namespace fs = std::filesystem;
-    std::error_code ignored;
-    Dl_info part{};
-    const bool known = dladdr(reinterpret_cast<void*>(&has_subset_simulation), &part) != 0;
-    for (fs::path start : {known ? fs::canonical(part.dli_fname, ignored) : fs::path(),
-                           fs::canonical("/proc/self/exe", ignored)})
-        for (int level = 0; level < 6 && start.has_relative_path(); ++level) {
-            start = start.parent_path();
-            for (const char* folder : {"study", TWINCHUTE_LIBDIR})
-                if (fs::path file = start / folder / TWINCHUTE_OPENTURNS; fs::exists(file, ignored))
-                    return file;
-        }
-    return TWINCHUTE_OPENTURNS;
-}
-
-}  // namespace
-
 bool has_subset_simulation() {
     return true;
 }
 
 SubsetEstimate simulate_subsets(const SubsetTask& task) {
     using Simulate = void (*)(const SubsetTask&, SubsetEstimate&);
-    // Never unloaded, since the library has state of its own.
     static const Simulate simulate = [] {
-        void* const library = dlopen(openturns_library().c_str(), RTLD_NOW | RTLD_LOCAL);
-        void* const symbol = library ? dlsym(library, "twinchute_simulate_subsets") : nullptr;
-        if (!symbol)
+        const LoadedFunction loaded =
+            load_function(TWINCHUTE_OPENTURNS, "study", "twinchute_simulate_subsets");
+        if (!loaded.function)
             throw std::runtime_error(
                 fmt::format("{} cannot be loaded ({}), install Debian's libopenturns0.21 or build again",
-                            TWINCHUTE_OPENTURNS, dlerror()));
-        return reinterpret_cast<Simulate>(symbol);
+                            TWINCHUTE_OPENTURNS, loaded.complaint));
+        return reinterpret_cast<Simulate>(loaded.function);
     }();
     SubsetEstimate found;
     simulate(task, found);
