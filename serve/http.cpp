@@ -1,0 +1,68 @@
+#include "serve/http.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "lib/cli/command.hpp"
+
+namespace twinchute::serve {
+namespace {
+
+std::optional<std::string> only(const std::multimap<std::string, std::string>& all, std::string_view name) {
+    const auto [first, last] = all.equal_range(std::string(name));
+    if (first == last || std::next(first) != last) return std::nullopt;
+    return first->second;
+}
+
+}  // namespace
+
+std::optional<std::string> HttpRequest::header(std::string_view name) const {
+    return only(headers, name);
+}
+
+std::optional<std::string> HttpRequest::parameter(std::string_view name) const {
+    return only(query, name);
+}
+
+#ifdef TWINCHUTE_HTTP
+
+bool has_http() {
+    return true;
+}
+
+void serve_http(const HttpService& service) {
+    using Serve = void (*)(const HttpService&, std::string&);
+    // Found by the run path of the program; never unloaded, since its threads have state of their own.
+    static const Serve serve = [] {
+        void* const library = dlopen(TWINCHUTE_HTTP, RTLD_NOW | RTLD_LOCAL);
+        void* const symbol = library ? dlsym(library, "twinchute_serve_http") : nullptr;
+        if (!symbol)
+            throw UsageError(
+                fmt::format("{} cannot be loaded ({}), install Debian's libcpp-httplib0.11 or build again",
+                            TWINCHUTE_HTTP, dlerror()));
+        return reinterpret_cast<Serve>(symbol);
+    }();
+    std::string complaint;
+    serve(service, complaint);
+    if (!complaint.empty())
+        throw UsageError(fmt::format(
+            "port {} cannot be had ({}), give another one, or none: --port 0 takes any that is free",
+            service.port, complaint));
+}
+
+#else
+
+bool has_http() {
+    return false;
+}
+
+void serve_http(const HttpService&) {
+    throw UsageError(
+        "`twinchute serve` is not in this build (cpp-httplib was not found), install Debian's "
+        "libcpp-httplib-dev and "
+        "build again");
+}
+
+#endif
+
+}  // namespace twinchute::serve
