@@ -4,6 +4,7 @@
 #include "compare/compare_command.hpp"
 #include "compare/ladder_command.hpp"
 #include "compare/report_command.hpp"
+#include "compare/run_reports.hpp"
 #include "compare/stability_command.hpp"
 #include "compare/validate/validate_command.hpp"
 #include "fullsim/fidelity.hpp"
@@ -17,11 +18,11 @@
 #include "lib/exchange/import_command.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/rom_command.hpp"
-#include "rom/size/size_command.hpp"
 #include "serve/serve_command.hpp"
 #include "study/calibrate/calibrate_command.hpp"
 #include "study/calibrate/calibrated_case.hpp"
 #include "study/campaign/campaign_command.hpp"
+#include "study/size/size_command.hpp"
 
 int main(int argc, char** argv) {
     using namespace twinchute;
@@ -30,9 +31,10 @@ int main(int argc, char** argv) {
 
     const std::array commands{
         compare::compare_command(full, rom),
-        rom::rom_command(full),
-        fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom}),
-        rom::size_command(),
+        rom::rom_command(full, compare::run_reports(rom, false)),
+        fidelity_command(full, "full aeroelastic run", DefaultOutput::directory, {&rom},
+                         compare::run_reports(full, true)),
+        study::size_command(),
         study::calibrate_command(rom),
         study::campaign_command(rom, full),
         compare::report_command(full, rom),

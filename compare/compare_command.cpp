@@ -234,6 +234,7 @@ private:
 
         CaseOutcome outcome;
         outcome.row = series_case(scenes_[i], comparison);
+        outcome.row->page = scenes_[i].case_name + "/report.html";
         if (arguments_.has("json")) outcome.gap = with_trend(gap_json(comparison), trend, baseline_);
         outcome.text = terminal_text(comparison, output_style());
         if (trend) outcome.text += trend_terminal(*trend, baseline_.directory(), output_style());
@@ -249,24 +250,21 @@ private:
 
     /// Table and plot of a series whose every case has been run.
     void add_whole_series(const std::vector<CaseOutcome>& outcomes, double seconds) const {
-        const Scene& first = scenes_.front();
-        if (first.case_name.empty()) return;
-        CaseSeries series;
-        series.title = first.name.substr(0, first.name.rfind(", " + first.case_name));
+        if (scenes_.front().case_name.empty()) return;
+        CaseSeries series = series_of(scenes_.front());
         series.reference_title = reference_.title;
         series.candidate_title = candidate_.title;
-        series.spec = first.series.value_or(SeriesSpec{"froude_number", "peak_force_ratio", "", "", {}, {}});
         series.wall_s = seconds;
         for (const CaseOutcome& outcome : outcomes) {
             if (!outcome.row) return;
             series.cases.push_back(*outcome.row);
         }
         FileBatch batch;
-        add_series(batch, series, directory_);
+        const std::filesystem::path page = add_series(batch, series, directory_);
         batch.commit();
         if (!quiet_ && !arguments_.has("json"))
             print(fmt::format("\n{}\nseries    {}\n", series_terminal(series, output_style()),
-                              printable((directory_ / "series.md").string())));
+                              printable(page.string())));
     }
 
     const Fidelity &reference_, &candidate_;

@@ -14,6 +14,7 @@
 #include "compare/record_table.hpp"
 #include "compare/records.hpp"
 #include "compare/report/gap_json.hpp"
+#include "compare/report/html.hpp"
 #include "compare/report/terminal.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
@@ -166,6 +167,14 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
     for (const Place& place : places) {
         if (!place.comparison) {
             const RunRecord record = read_record(place.directory);
+            if (!out) {
+                const bool is_reference = record.fidelity == reference.name;
+                batch.add(place.directory / "run.html",
+                          record_html(record, read_frames(place.directory),
+                                      is_reference ? reference.title : candidate.title, is_reference));
+                summary.verdicts +=
+                    fmt::format("report    {}\n", printable((place.directory / "run.html").string()));
+            }
             summary.rows.push_back(record_row(record, place.directory.string()));
             summary.code = gravest(summary.code, twinchute::exit_code(record.status.code));
             summary.json.push_back(summary_json(record));
@@ -196,7 +205,7 @@ ExitCode run_report(const Fidelity& reference, const Fidelity& candidate, const 
 Command report_command(const Fidelity& reference, const Fidelity& candidate) {
     Command command;
     command.name = "report";
-    command.summary = "make the reports of comparisons again, from their records; of many, a table";
+    command.summary = "make the reports of comparisons and runs again, from their records; of many, a table";
     command.operand = "DIR...";
     command.example = "twinchute report c9-inflation.out";
     command.options = drop_test_options();

@@ -15,7 +15,8 @@ namespace {
 constexpr const char* shape =
     "columns 'time' and 'force', or one column a metric (`twinchute list metrics`) with one line of values";
 
-constexpr std::array<CsvColumn, 2> history{{{"time", "s", {-36000.0, 36000.0}}, {"force", "N", {-1e7, 1e7}}}};
+constexpr std::array<CsvColumn, 2> history_columns{
+    {{"time", "s", {-36000.0, 36000.0}}, {"force", "N", {-1e7, 1e7}}}};
 
 std::vector<std::string_view> split(std::string_view text, char at) {
     std::vector<std::string_view> parts;
@@ -73,7 +74,7 @@ TestReference read_test_reference(std::string_view text, const std::string& file
     if (lines.back().empty()) lines.pop_back();
     if (lines.empty()) refuse(file, 1, "the file is empty", "");
     if (split(lines.front(), ',').front() != "time") return of_metrics(lines, file);
-    const CsvTable table = read_csv_table(text, file, history);
+    const CsvTable table = read_csv_table(text, file, history_columns);
     if (!table.has("force")) refuse(file, 1, "the column 'force' is missing", "a history is one of force");
     return {file, {{find_metric_row("peak_force"), std::ranges::max(table.at("force"))}}};
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "compare/report/html.hpp"
 #include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
@@ -103,10 +104,20 @@ py::object frame_of(const RecordObject& self) {
     return frame;
 }
 
+std::string_view title_of(const RunRecord& record) {
+    return record.fidelity == "rom" ? "reduced-order model" : "full aeroelastic model";
+}
+
 void write(const RecordObject& self, const std::filesystem::path& directory) {
     const py::gil_scoped_release released;
     check_output_dir(directory);
-    write_record(*self.record, directory, self.frames ? *self.frames : ShapeFrames{});
+    const RunRecord& record = *self.record;
+    const ShapeFrames frames = self.frames ? *self.frames : ShapeFrames{};
+    FileBatch batch;
+    batch.add(directory / "run.html",
+              compare::record_html(record, frames, title_of(record), record.fidelity == "full"));
+    add_record(batch, record, directory, frames);
+    batch.commit();
     remove_abandoned(directory);
 }
 
@@ -200,10 +211,7 @@ void bind_record(py::module_& module) {
              "directory\n"
              "that holds anything else.")
         .def("__str__",
-             [](const RecordObject& self) {
-                 const bool rom = self.record->fidelity == "rom";
-                 return record_text(*self.record, rom ? "reduced-order model" : "full aeroelastic model", {});
-             })
+             [](const RecordObject& self) { return record_text(*self.record, title_of(*self.record), {}); })
         .def("__repr__", [](const RecordObject& self) {
             return fmt::format("<twinchute.Record of '{}' by {}: {}>", self.record->scene.name,
                                self.record->fidelity, status_name(self.record->status.code));

@@ -25,13 +25,13 @@
 #include "python/scene_class.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/size/size.hpp"
-#include "rom/size/size_command.hpp"
-#include "rom/size/size_text.hpp"
 #include "study/calibrate/calibrate_command.hpp"
 #include "study/calibrate/calibration.hpp"
 #include "study/calibrate/calibration_files.hpp"
 #include "study/campaign/campaign_command.hpp"
 #include "study/many_runs.hpp"
+#include "study/size/size_command.hpp"
+#include "study/size/size_text.hpp"
 
 namespace twinchute::python {
 namespace {
@@ -60,14 +60,14 @@ struct SizingObject {
     bool meets() const { return sized.best() != nullptr && sized.best()->meets(); }
     py::object sized_scene() const {
         if (!meets()) return py::none();
-        return py::cast(
-            SceneObject({sized_scene_text(scene, *sized.best()), "<sized>", scene.file.parent_path()}, {}));
+        return py::cast(SceneObject(
+            {study::sized_scene_text(scene, *sized.best()), "<sized>", scene.file.parent_path()}, {}));
     }
 };
 
 std::shared_ptr<SizingObject> run_size(const SceneObject& scene) {
     const auto made = std::make_shared<SizingObject>(SizingObject{scene.scene(), {}});
-    rom::require_sizable(made->scene);
+    study::require_sizable(made->scene);
     watch(py::none(), [&](const Watched& watched) {
         try {
             made->sized = rom::size_scene(made->scene, watched.stop);
@@ -87,10 +87,11 @@ void bind_size(py::module_& module) {
         .def_property_readonly(
             "summary",
             [](const SizingObject& self) {
-                return from_json(json_text(rom::size_json(self.scene, self.sized)));
+                return from_json(json_text(study::size_json(self.scene, self.sized)));
             },
             "What `twinchute size --json` prints, as a dict.")
-        .def("__str__", [](const SizingObject& self) { return rom::size_text(self.scene, self.sized, {}); });
+        .def("__str__",
+             [](const SizingObject& self) { return study::size_text(self.scene, self.sized, {}); });
     module.def(
         "size", &run_size, py::arg("scene"),
         "Finds the diameter, release speed or reefing that meets the limits in the scene's table `size`.\n\n"

@@ -134,6 +134,7 @@ std::string html_cell(const Cell& cell) {
     else if (cell.tone == Tone::candidate || cell.tone == Tone::reference)
         text = fmt::format(R"(<span class="side {}">{}</span>)",
                            cell.tone == Tone::candidate ? "candidate" : "reference", text);
+    if (!cell.link.empty()) text = fmt::format("<a href=\"{}\">{}</a>", xml_text(cell.link), text);
     if (!cell.note.empty()) text += "<span class=\"note\">" + xml_text(cell.note) + "</span>";
     return text;
 }

@@ -30,6 +30,7 @@ struct Cell {
     Tone tone = Tone::plain;
     std::string note = {};       ///< small print: in brackets in Markdown, none on a terminal and in CSV
     std::vector<Bar> bars = {};  ///< HTML alone
+    std::string link = {};       ///< a path from the page; HTML alone
 
     Cell() = default;
     template <std::convertible_to<std::string_view> Text>

@@ -34,10 +34,9 @@ Curve rows_of(const RunRecord& record, std::string_view channel, double zero) {
     return rows;
 }
 
-double opening_end(const Comparison& comparison, const SharedClock& clock) {
+double opening_end(const PageSides& sides, const SharedClock& clock) {
     double last = 0.0;
-    const auto sides = page_sides(comparison);
-    for (std::size_t s = 0; s < 2; ++s)
+    for (std::size_t s = 0; s < sides.size(); ++s)
         for (const char* name : {"full-open", "canopy-filled", "peak-force"})
             if (const Event* event = sides[s].record->find_event(name); event && std::isfinite(event->time))
                 last = std::max(last, event->time - clock.zero[s]);
@@ -158,10 +157,9 @@ std::vector<double> placed(const Curve& rows, const std::vector<double>& clock) 
 
 }  // namespace
 
-AlignedHistories aligned_histories(const Comparison& comparison) {
+AlignedHistories aligned_histories(const PageSides& sides, const DropTestHistories* test) {
     AlignedHistories aligned;
-    const SharedClock clock = shared_clock(comparison);
-    const auto sides = page_sides(comparison);
+    const SharedClock clock = shared_clock(sides);
     std::vector<std::array<Curve, 2>> rows;
     double first = std::numeric_limits<double>::infinity(), last = -first;
     std::vector<double> peaks, jumps;
@@ -169,7 +167,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     for (const MetricRow& row : history_rows()) {
         std::array<Curve, 2> both;
         AlignedChannel channel{row.key, row.title, {}, {}, {}, {}};
-        for (std::size_t s = 0; s < 2; ++s) {
+        for (std::size_t s = 0; s < sides.size(); ++s) {
             both[s] = rows_of(*sides[s].record, row.key, clock.zero[s]);
             if (both[s].time.empty()) continue;
             channel.there[s] = true;
@@ -189,7 +187,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
         units.push_back(row.unit);
     }
     if (aligned.channels.empty()) return aligned;
-    const double end = opening_end(comparison, clock);
+    const double end = opening_end(sides, clock);
     aligned.opening_end = end > first && end < last ? end : last;
     aligned.clock = std::move(peaks);
     std::vector<double> own;
@@ -199,9 +197,9 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     if (aligned.opening_end < last)
         add_instants(aligned.clock, own, aligned.opening_end, last, coarse_points);
     std::vector<Curve> measured(rows.size());
-    for (std::size_t c = 0; comparison.test && c < rows.size(); ++c)
-        if (const Curve* curve = comparison.test->find(aligned.channels[c].channel)) {
-            measured[c] = measured_rows(*curve, clock.zero[1]);
+    for (std::size_t c = 0; test && c < rows.size(); ++c)
+        if (const Curve* curve = test->find(aligned.channels[c].channel)) {
+            measured[c] = measured_rows(*curve, clock.zero[sides.size() - 1]);
             for (double& value : measured[c].value)
                 value *= shown_factor(units[c]);
             std::ranges::copy_if(measured[c].time, std::back_inserter(aligned.clock),
@@ -215,7 +213,7 @@ AlignedHistories aligned_histories(const Comparison& comparison) {
     aligned.clock.insert(aligned.clock.end(), jumps.begin(), jumps.end());
     std::ranges::sort(aligned.clock);
     for (std::size_t c = 0; c < rows.size(); ++c) {
-        for (std::size_t s = 0; s < 2; ++s)
+        for (std::size_t s = 0; s < sides.size(); ++s)
             if (aligned.channels[c].there[s])
                 aligned.channels[c].value[s] = resampled(rows[c][s], aligned.clock);
         if (!measured[c].time.empty()) aligned.channels[c].test = placed(measured[c], aligned.clock);

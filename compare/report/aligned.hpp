@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/report/gap_tables.hpp"
-#include "compare/report/html_parts.hpp"
+#include "compare/report/sides.hpp"
 
 namespace twinchute::compare {
 
@@ -23,14 +22,14 @@ struct AlignedHistories {
     /// [s] as SharedClock says; it does not fall. An instant at which a history jumps stands there twice:
     /// what was before it, and what follows.
     std::vector<double> clock;
-    double opening_end = 0.0;              ///< [s] on it: by then the opening is over on both sides
+    double opening_end = 0.0;              ///< [s] on it: by then the opening is over on all sides
     std::vector<AlignedChannel> channels;  ///< those that at least one side has
 };
 
 /// The channels of history_rows(), smooth between the rows of a record (modified Akima, H. Akima, J. ACM
 /// 17, 1970), on either side of a jump by itself: two rows of one time are one. The clock has the rows of
-/// both sides where a page can hold them, and is fine until opening_end and coarse after it where not; it has
+/// all sides where a page can hold them, and is fine until opening_end and coarse after it where not; it has
 /// the instant at which each channel of each side is largest, so that no peak is cut.
-AlignedHistories aligned_histories(const Comparison& comparison);
+AlignedHistories aligned_histories(const PageSides& sides, const DropTestHistories* test = nullptr);
 
 }  // namespace twinchute::compare

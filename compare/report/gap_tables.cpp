@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
-#include "compare/report/html_parts.hpp"
 #include "compare/report/words.hpp"
 #include "lib/cli/text.hpp"
 #include "lib/record/display_units.hpp"
@@ -40,6 +39,15 @@ double term_of(const RunRecord& record, const LedgerLine& line) {
 
 Cell fixed(double value, int decimals) {
     return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+/// Whose a row is says nothing where there is one side.
+Table named_by_side(Table table, const PageSides& sides) {
+    if (sides.size() > 1) return table;
+    table.columns.erase(table.columns.begin());
+    for (std::vector<Cell>& row : table.rows)
+        row.erase(row.begin());
+    return table;
 }
 
 Cell tolerance_cell(const std::optional<Tolerance>& tolerance, const std::string& text,
@@ -173,69 +181,76 @@ Table test_table(const Comparison& comparison) {
     return table;
 }
 
-Table energy_table(const Comparison& comparison) {
-    const Sides sides = sides_of(comparison);
-    if (!sides[0]->energy && !sides[1]->energy) return {};
+Table energy_table(const PageSides& sides) {
+    if (std::ranges::none_of(sides, [](const PageSide& side) { return side.record->energy.has_value(); }))
+        return {};
     double largest = 0.0;
     for (const LedgerLine& line : ledger_lines)
-        for (const RunRecord* side : sides)
-            if (const double term = term_of(*side, line); std::isfinite(term))
+        for (const PageSide& side : sides)
+            if (const double term = term_of(*side.record, line); std::isfinite(term))
                 largest = std::max(largest, std::abs(term));
     Table table;
     table.add_words({"energy"}, shown_unit("kJ"));
-    table.add_numbers({sides[0]->fidelity, sides[1]->fidelity});
+    for (const PageSide& side : sides)
+        table.add_numbers({side.record->fidelity});
     table.columns.push_back({.title = "share", .drawn = true});
     for (const LedgerLine& line : ledger_lines) {
         std::vector<Cell> cells{line.name};
         std::vector<Bar> bars;
         bool any = false;
-        for (const RunRecord* side : sides) {
-            const double value = term_of(*side, line);
+        for (const PageSide& side : sides) {
+            const double value = term_of(*side.record, line);
             any = any || value != 0.0;  // exactly zero: nothing behind it
             cells.emplace_back(value != 0.0 ? readable(shown(1e-3 * value, "kJ").value) : "-");
             if (value == 0.0 || !std::isfinite(value)) continue;
             const double width =
                 50.0 * std::abs(value / largest);  // from the middle, to the right if positive
-            bars.push_back({side == sides[0] ? "bar candidate" : "bar reference",
+            bars.push_back({side.tone == Tone::candidate ? "bar candidate" : "bar reference",
                             value < 0.0 ? 50.0 - width : 50.0, width});
         }
         cells.emplace_back(std::move(bars));
         if (any) table.rows.push_back(std::move(cells));
     }
     std::vector<Cell> residual{"Not accounted for, of the work of drag"};
-    for (const RunRecord* side : sides)
-        residual.emplace_back(side->energy && std::isfinite(side->energy->residual_fraction)
-                                  ? fmt::format("{:.2g} %", 100 * side->energy->residual_fraction)
+    for (const PageSide& side : sides)
+        residual.emplace_back(side.record->energy && std::isfinite(side.record->energy->residual_fraction)
+                                  ? fmt::format("{:.2g} %", 100 * side.record->energy->residual_fraction)
                                   : "-");
     residual.emplace_back();
     table.rows.push_back(std::move(residual));
     return table;
 }
 
-Table events_table(const Comparison& comparison) {
-    const SharedClock clock = shared_clock(comparison);
-    const std::string& candidate_name = comparison.candidate.fidelity;
-    const std::string& reference_name = comparison.reference.fidelity;
+Table events_table(const PageSides& sides) {
+    const SharedClock clock = shared_clock(sides);
+    const bool compares = sides.size() > 1;
     Table table;
     table.add_words({"event"});
-    table.add_numbers({candidate_name + " time", reference_name + " time", "difference"}, "s");
-    table.add_numbers({candidate_name + " altitude", reference_name + " altitude"}, shown_unit("m"));
-    table.add_numbers({candidate_name + " speed", reference_name + " speed"}, shown_unit("m/s"));
-    for (const EventPair& pair : event_pairs(comparison)) {
+    const auto columns = [&](std::string_view what, std::string_view unit) {
+        for (const PageSide& side : sides)
+            table.add_numbers({(compares ? side.record->fidelity + " " : "") + std::string(what)}, unit);
+    };
+    columns("time", "s");
+    if (compares) table.add_numbers({"difference"}, "s");
+    columns("altitude", shown_unit("m"));
+    columns("speed", shown_unit("m/s"));
+    for (const EventPair& pair : event_pairs(sides)) {
         std::vector<Cell> cells{pair.name};
-        const auto both = [&](double Event::*value, int decimals, std::string_view unit) {
-            for (const Event* event : pair.event)
-                cells.push_back(event ? fixed(shown(event->*value, unit).value, decimals) : "-");
+        const auto of_all = [&](double Event::*value, int decimals, std::string_view unit) {
+            for (std::size_t s = 0; s < sides.size(); ++s)
+                cells.push_back(pair.event[s] ? fixed(shown(pair.event[s]->*value, unit).value, decimals)
+                                              : "-");
         };
-        both(&Event::time, 3, "s");
+        of_all(&Event::time, 3, "s");
         const auto& [candidate, reference] = pair.event;
-        cells.push_back(
-            candidate && reference
-                ? signed_text((reference->time - clock.zero[1]) - (candidate->time - clock.zero[0]),
-                              std::max(std::abs(reference->time), std::abs(candidate->time)))
-                : "-");
-        both(&Event::altitude, 1, "m");
-        both(&Event::speed, 2, "m/s");
+        if (compares)
+            cells.push_back(
+                candidate && reference
+                    ? signed_text((reference->time - clock.zero[1]) - (candidate->time - clock.zero[0]),
+                                  std::max(std::abs(reference->time), std::abs(candidate->time)))
+                    : "-");
+        of_all(&Event::altitude, 1, "m");
+        of_all(&Event::speed, 2, "m/s");
         table.rows.push_back(std::move(cells));
     }
     return table;
@@ -258,7 +273,7 @@ Table calibration_table(const Comparison& comparison) {
     return table;
 }
 
-Table filling_table(const Comparison& comparison) {
+Table filling_table(const PageSides& sides) {
     Table table;
     table.add_words({"of", ""});
     table.add_numbers({"initial mouth"}, "");
@@ -269,7 +284,7 @@ Table filling_table(const Comparison& comparison) {
     const auto number = [](const std::optional<double>& value, std::string_view unit = {}) {
         return value ? readable(shown(*value, unit).value, 4) : std::string("-");
     };
-    for (const PageSide& side : page_sides(comparison)) {
+    for (const PageSide& side : sides) {
         const RunRecord& record = *side.record;
         if (!record.filling) continue;
         const auto add = [&](const char* what, const PredictedFilling::At& at) {
@@ -287,25 +302,25 @@ Table filling_table(const Comparison& comparison) {
         for (const PredictedFilling::At& at : record.filling->bracket)
             add("bracket", at);
     }
-    return table;
+    return named_by_side(std::move(table), sides);
 }
 
-Table left_out_table(const Comparison& comparison) {
+Table left_out_table(const PageSides& sides) {
     Table table;
     table.add_words({"by", "left out", "why"});
-    for (const PageSide& side : page_sides(comparison))
+    for (const PageSide& side : sides)
         for (const LeftOut& row : side.record->left_out)
             table.rows.push_back({{side.record->fidelity, side.tone}, row.what, row.why});
-    return table;
+    return named_by_side(std::move(table), sides);
 }
 
-Table warnings_table(const Comparison& comparison) {
+Table warnings_table(const PageSides& sides) {
     Table table;
     table.add_words({"of", "warning", "why", "what helps"});
-    for (const PageSide& side : page_sides(comparison))
+    for (const PageSide& side : sides)
         for (const Warning& row : side.record->warnings)
             table.rows.push_back({{side.record->fidelity, side.tone}, row.what, row.why, row.suggestion});
-    return table;
+    return named_by_side(std::move(table), sides);
 }
 
 Table inputs_table(const RunRecord& record) {
@@ -322,33 +337,6 @@ Table inputs_table(const RunRecord& record) {
                               input.source});
     }
     return table;
-}
-
-SharedClock shared_clock(const Comparison& comparison) {
-    for (const char* name : {"snatch", "line-stretch"}) {
-        const Event* candidate = comparison.candidate.find_event(name);
-        const Event* reference = comparison.reference.find_event(name);
-        if (candidate != nullptr && reference != nullptr) return {{candidate->time, reference->time}, true};
-    }
-    return {};
-}
-
-std::vector<EventPair> event_pairs(const Comparison& comparison) {
-    const SharedClock clock = shared_clock(comparison);
-    const Sides sides = sides_of(comparison);
-    std::vector<EventPair> pairs;
-    for (std::size_t s = 0; s < 2; ++s) {
-        for (const Event& event : sides[s]->events) {
-            auto found = std::ranges::find(pairs, event.name, &EventPair::name);
-            if (found == pairs.end())
-                found = pairs.insert(pairs.end(), {event.name, {}, std::numeric_limits<double>::infinity()});
-            if (found->event[s] != nullptr) continue;
-            found->event[s] = &event;
-            if (std::isfinite(event.time)) found->first = std::min(found->first, event.time - clock.zero[s]);
-        }
-    }
-    std::ranges::stable_sort(pairs, {}, &EventPair::first);
-    return pairs;
 }
 
 }  // namespace twinchute::compare

@@ -53,18 +53,12 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view html)
     return parts;
 }
 
-}  // namespace
-
-std::string report_html(const Comparison& comparison, const LadderBeside& beside) {
+/// `name` as it is.
+std::string whole_page(std::string_view name, const std::string& body, const PageSides& sides,
+                       const DropTestHistories* test) {
     const ShapeFrames* shape = nullptr;
-    for (const PageSide& side : page_sides(comparison))
+    for (const PageSide& side : sides)
         if (!side.frames->empty()) shape = side.frames;
-
-    std::string body = summary_section(comparison) + histories_section(comparison) +
-                       events_section_html(comparison) + attribution_section(comparison) +
-                       energy_section_html(comparison) + canopy_section(comparison) + ladder_section(beside) +
-                       notes_sections(comparison);
-    const std::string name = xml_text(comparison.reference.scene.name);
     std::string page =
         "<!DOCTYPE html>\n<html lang=\"en\" class=\"no-script\">\n<head>\n<meta charset=\"utf-8\">\n";
     page += fmt::format("<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n", policy);
@@ -72,13 +66,14 @@ std::string report_html(const Comparison& comparison, const LadderBeside& beside
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n<meta name=\"generator\" "
         "content=\"twinchute\">\n";
-    page +=
-        fmt::format("<title>{} - twinchute</title>\n<style>\n{}</style>\n", name, page_file("report.css"));
+    page += fmt::format("<title>{} - twinchute</title>\n<style>\n{}</style>\n", xml_text(name),
+                        page_file("report.css"));
     page += "<script>document.documentElement.className = \"script\";</script>\n</head>\n<body>\n";
-    page += "<a class=\"skip\" href=\"#summary\">To the verdict</a>\n";
+    page += fmt::format("<a class=\"skip\" href=\"#summary\">To the {}</a>\n",
+                        sides.size() > 1 ? "verdict" : "key figures");
     page += navigation(parts_of(body)) + "<main>\n" + body + "</main>\n";
     page += fmt::format("<script type=\"application/json\" id=\"report-data\">{}</script>\n",
-                        page_data(comparison));
+                        page_data(sides, test));
     if (shape != nullptr)
         page += fmt::format("<script type=\"text/plain\" id=\"report-frames\">{}</script>\n",
                             base64(frames_bytes(page_frames(*shape))));
@@ -87,6 +82,29 @@ std::string report_html(const Comparison& comparison, const LadderBeside& beside
     page += script("clock.js") + script("charts.js");
     if (shape != nullptr) page += script("frames.js") + script("canopy.js");
     return page + "</body>\n</html>\n";
+}
+
+}  // namespace
+
+std::string report_html(const Comparison& comparison, const LadderBeside& beside) {
+    const PageSides sides = page_sides(comparison);
+    const DropTestHistories* test = comparison.test ? &*comparison.test : nullptr;
+    return whole_page(comparison.reference.scene.name,
+                      summary_section(comparison) + histories_section(sides, test) +
+                          events_section_html(sides) + attribution_section(comparison) +
+                          energy_section_html(sides) + canopy_section(sides) + ladder_section(beside) +
+                          calibration_section(comparison) + notes_sections(sides),
+                      sides, test);
+}
+
+std::string record_html(const RunRecord& record, const ShapeFrames& frames, std::string_view title,
+                        bool is_reference) {
+    const PageSides sides = page_sides(record, frames, title, is_reference);
+    return whole_page(record.scene.name,
+                      record_summary(sides.front()) + histories_section(sides, nullptr) +
+                          events_section_html(sides) + energy_section_html(sides) + canopy_section(sides) +
+                          notes_sections(sides),
+                      sides, nullptr);
 }
 
 }  // namespace twinchute::compare

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "compare/render/escape.hpp"
-#include "compare/report/gap_tables.hpp"
 #include "compare/report/html_parts.hpp"
 
 namespace twinchute::compare {
@@ -26,9 +25,8 @@ constexpr std::string_view stage = R"html(<div class="stage" id="stage" hidden>
 
 }  // namespace
 
-std::string canopy_section(const Comparison& comparison) {
-    const auto sides = page_sides(comparison);
-    const SharedClock clock = shared_clock(comparison);
+std::string canopy_section(const PageSides& sides) {
+    const SharedClock clock = shared_clock(sides);
     for (std::size_t s = sides.size(); s-- > 0;) {
         const ShapeFrames& shape = *sides[s].frames;
         if (shape.empty()) continue;
@@ -38,7 +36,9 @@ std::string canopy_section(const Comparison& comparison) {
             "{} of "
             "{} frames in this page.{}</p>\n",
             side_name(sides[s]), shape.triangles.size(), shown, shape.frames.size(),
-            sides[1 - s].frames->empty() ? fmt::format(" {} has no shape.", side_name(sides[1 - s])) : "");
+            sides.size() > 1 && sides[1 - s].frames->empty()
+                ? fmt::format(" {} has no shape.", side_name(sides[1 - s]))
+                : "");
         text +=
             "<p class=\"quiet\" id=\"no-canopy\">Where the browser offers WebGL and scripts run, the opening "
             "plays here in "

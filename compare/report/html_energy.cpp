@@ -6,15 +6,15 @@
 
 namespace twinchute::compare {
 
-std::string energy_section_html(const Comparison& comparison) {
-    const Table ledger = energy_table(comparison);
+std::string energy_section_html(const PageSides& sides) {
+    const Table ledger = energy_table(sides);
     if (ledger.rows.empty()) return {};
     std::string text = "<section id=\"energy\"><h2>Energy</h2>\n" +
                        html_table(ledger,
                                   "Energy ledger from the start of each run to its end; negative is what "
                                   "leaves the system. Bars: share of the largest.",
                                   "bars");
-    for (const PageSide& side : page_sides(comparison))
+    for (const PageSide& side : sides)
         if (!side.record->energy)
             text += fmt::format("<p class=\"quiet\">{} keeps no ledger.</p>\n", side_name(side));
     return text + "</section>\n";

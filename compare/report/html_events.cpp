@@ -43,7 +43,7 @@ struct TimeAxis {
 TimeAxis axis_of(const std::vector<EventPair>& all, const SharedClock& clock) {
     TimeAxis axis{0.0, 0.0, 0.0};
     for (const EventPair& pair : all) {
-        for (std::size_t s = 0; s < 2; ++s) {
+        for (std::size_t s = 0; s < pair.event.size(); ++s) {
             if (pair.event[s] == nullptr || !std::isfinite(pair.event[s]->time)) continue;
             const double t = pair.event[s]->time - clock.zero[s];
             axis.first = std::min(axis.first, t);
@@ -95,9 +95,7 @@ void draw_axis(std::string& svg, const TimeAxis& axis, const SharedClock& clock,
             0.5 * (opening_right + 30 + right), y + 18);
 }
 
-std::string drawing(const std::vector<EventPair>& all, const Comparison& comparison,
-                    const SharedClock& clock) {
-    const auto sides = page_sides(comparison);
+std::string drawing(const std::vector<EventPair>& all, const PageSides& sides, const SharedClock& clock) {
     const TimeAxis axis = axis_of(all, clock);
     std::vector<Label> labels;
     for (const EventPair& pair : all)
@@ -106,11 +104,10 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
                 {words_of(pair.name, timeline_width - axis.at(pair.first) - 10), axis.at(pair.first)});
     const double top = row_height * (stack_labels(labels) + 1) + 12;
     const std::array<double, 2> lane{top + 14, top + 52};
-    const double axis_y = top + 76, height = axis_y + 44;
+    const double axis_y = lane[sides.size() - 1] + 24, height = axis_y + 44;
     std::string svg = fmt::format(
-        "<svg class=\"timeline\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Events of both "
-        "sides along time; the "
-        "table below has the numbers\">\n",
+        "<svg class=\"timeline\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Events along "
+        "time; the table below has the numbers\">\n",
         timeline_width, height);
     for (const Label& label : labels) {
         const double y = top - row_height * label.level - 6;
@@ -120,7 +117,7 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
         svg +=
             fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", label.x + 5, y, xml_text(label.text));
     }
-    for (std::size_t s = 0; s < 2; ++s) {
+    for (std::size_t s = 0; s < sides.size(); ++s) {
         svg += fmt::format("<line class=\"lane\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>",
                            left, axis.last > axis.opening ? right : opening_right, lane[s], lane[s]);
         svg += fmt::format("<text class=\"{}\" text-anchor=\"end\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
@@ -129,7 +126,7 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
     }
     for (const EventPair& pair : all) {
         std::array<double, 2> x{};
-        for (std::size_t s = 0; s < 2; ++s)
+        for (std::size_t s = 0; s < sides.size(); ++s)
             if (pair.event[s] && std::isfinite(pair.event[s]->time))
                 x[s] = axis.at(pair.event[s]->time - clock.zero[s]);
         if (x[0] > 0 && x[1] > 0)
@@ -140,7 +137,7 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
             svg += fmt::format(
                 "<line class=\"leader\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>", x[1],
                 lane[0], lane[1]);
-        for (std::size_t s = 0; s < 2; ++s)
+        for (std::size_t s = 0; s < sides.size(); ++s)
             if (x[s] > 0)
                 svg += fmt::format("<circle class=\"dot {}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>\n",
                                    sides[s].style, x[s], lane[s]);
@@ -151,18 +148,17 @@ std::string drawing(const std::vector<EventPair>& all, const Comparison& compari
 
 }  // namespace
 
-std::string events_section_html(const Comparison& comparison) {
-    const SharedClock clock = shared_clock(comparison);
-    const std::vector<EventPair> all = event_pairs(comparison);
+std::string events_section_html(const PageSides& sides) {
+    const SharedClock clock = shared_clock(sides);
+    const std::vector<EventPair> all = event_pairs(sides);
     if (all.empty()) return {};
     return "<section id=\"events\"><h2>Events</h2>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
            "aria-label=\"Events along time\">\n" +
-           drawing(all, comparison, clock) + "</div>\n" +
-           html_table(
-               events_table(comparison),
-               "Times since release; the difference is that of the drawing's clock. Altitude and speed "
-               "are the payload's.",
-               "events", "events") +
+           drawing(all, sides, clock) + "</div>\n" +
+           html_table(events_table(sides),
+                      fmt::format("Times since release{}. Altitude and speed are the payload's.",
+                                  sides.size() > 1 ? "; the difference is that of the drawing's clock" : ""),
+                      "events", "events") +
            "</section>\n";
 }
 

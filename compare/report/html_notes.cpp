@@ -24,8 +24,8 @@ std::string inputs(const RunRecord& record) {
         html_table(inputs_table(record), "Effective inputs in SI, with where each is from.", {}, "inputs"));
 }
 
-std::string provenance(const Comparison& comparison) {
-    const RunRecord& record = comparison.reference;
+std::string provenance(const PageSides& sides) {
+    const RunRecord& record = *sides.back().record;
     const Provenance& made = record.provenance;
     std::string text = "<dl class=\"facts\">\n";
     const auto fact = [&](std::string_view name, const std::string& value) {
@@ -37,7 +37,7 @@ std::string provenance(const Comparison& comparison) {
     fact("Made", made.date);
     fact("Compiler", fmt::format("{}, {}", made.compiler, made.flags));
     fact("Machine", fmt::format("{}, {}", made.host_cpu, made.instruction_set));
-    for (const PageSide& side : page_sides(comparison)) {
+    for (const PageSide& side : sides) {
         const Cost& cost = side.record->cost;
         std::string blocks;
         for (const BlockCost& block : cost.blocks)
@@ -52,18 +52,28 @@ std::string provenance(const Comparison& comparison) {
 
 }  // namespace
 
-std::string notes_sections(const Comparison& comparison) {
-    std::string text = section("calibration", "Before and after calibration", calibration_table(comparison),
-                               "What the calibration of the candidate does to the gap, in metrics that have "
-                               "a tolerance.") +
-                       section("filling", "Predicted filling", filling_table(comparison),
-                               "Initial mouth, entrance loss and fabric are shared inputs; shape, volume and "
-                               "mouth are each model's own.") +
-                       section("left-out", "Left out", left_out_table(comparison),
-                               "Physics that the scene does not ask for, or a model does not have.") +
-                       section("warnings", "Warnings", warnings_table(comparison), "Warnings of both runs.");
-    text += "<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance(comparison) +
-            inputs(comparison.reference);
+std::string calibration_section(const Comparison& comparison) {
+    return section(
+        "calibration", "Before and after calibration", calibration_table(comparison),
+        "What the calibration of the candidate does to the gap, in metrics that have a tolerance.");
+}
+
+std::string notes_sections(const PageSides& sides) {
+    const bool compares = sides.size() > 1;
+    std::string text =
+        section(
+            "filling", "Predicted filling", filling_table(sides),
+            compares
+                ? "Initial mouth, entrance loss and fabric are shared inputs; shape, volume and mouth are "
+                  "each model's own."
+                : "How far the filling hangs on the initial mouth.") +
+        section("left-out", "Left out", left_out_table(sides),
+                compares ? "Physics that the scene does not ask for, or a model does not have."
+                         : "Physics that the scene does not ask for, or the model does not have.") +
+        section("warnings", "Warnings", warnings_table(sides),
+                compares ? "Warnings of both runs." : "Warnings of the run.");
+    text +=
+        "<section id=\"provenance\"><h2>Provenance</h2>\n" + provenance(sides) + inputs(*sides.back().record);
     text += fmt::format(
         "<details><summary>Licences of what draws in this page</summary>\n<pre>{}</pre></details>\n",
         "\n" + std::string(page_file("NOTICE")));

@@ -2,11 +2,6 @@
 
 namespace twinchute::compare {
 
-std::array<PageSide, 2> page_sides(const Comparison& comparison) {
-    return {{{&comparison.candidate, &comparison.candidate_frames, "candidate", Tone::candidate},
-             {&comparison.reference, &comparison.reference_frames, "reference", Tone::reference}}};
-}
-
 std::string unit_for_reading(std::string_view unit) {
     std::string text(unit);
     if (const std::size_t at = text.find("^2"); at != text.npos) text.replace(at, 2, "\u00b2");

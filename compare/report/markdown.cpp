@@ -102,6 +102,7 @@ std::string provenance_section(const RunRecord& record) {
 
 std::string report_markdown(const Comparison& comparison) {
     const Sides sides{&comparison.candidate, &comparison.reference};
+    const PageSides both = page_sides(comparison);
     std::string text = fmt::format("# {}\n\n", markdown_text(comparison.reference.scene.name));
     text += fmt::format("**{}**\n\n", markdown_text(verdict_line(comparison)));
     if (is_judged(comparison.reference) && is_judged(comparison.candidate))
@@ -128,11 +129,10 @@ std::string report_markdown(const Comparison& comparison) {
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text +=
         histories_section(comparison.gap) + test_section(comparison) + cost_section(comparison, sides) + "\n";
-    text += section("Events", events_table(comparison)) + section("Energy", energy_table(comparison));
+    text += section("Events", events_table(both)) + section("Energy", energy_table(both));
     text += section("Before and after calibration", calibration_table(comparison));
-    text += section("Predicted filling", filling_table(comparison));
-    text += section("Left out", left_out_table(comparison)) +
-            section("Warnings", warnings_table(comparison)) +
+    text += section("Predicted filling", filling_table(both));
+    text += section("Left out", left_out_table(both)) + section("Warnings", warnings_table(both)) +
             section("Inputs", inputs_table(comparison.reference));
     return text + provenance_section(comparison.reference);
 }

@@ -6,6 +6,7 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/report/aligned.hpp"
+#include "compare/report/html_parts.hpp"
 #include "lib/record/display_units.hpp"
 
 namespace twinchute::compare {
@@ -43,10 +44,9 @@ std::string clock_numbers(const std::vector<double>& clock) {
     return text + "]";
 }
 
-std::string events_json(const Comparison& comparison, const SharedClock& clock) {
+std::string events_json(const PageSides& sides, const SharedClock& clock) {
     std::string text = "[";
-    const auto sides = page_sides(comparison);
-    for (std::size_t s = 0; s < 2; ++s)
+    for (std::size_t s = 0; s < sides.size(); ++s)
         for (const Event& event : sides[s].record->events)
             if (std::isfinite(event.time))
                 text += fmt::format("{{\"side\":{},\"name\":{},\"time\":{:.8g}}},", s, word(event.name),
@@ -61,23 +61,25 @@ ShapeFrames page_frames(const ShapeFrames& shape) {
     return thinned(shape, most_frame_bytes);
 }
 
-std::string page_data(const Comparison& comparison) {
-    const AlignedHistories aligned = aligned_histories(comparison);
-    const SharedClock clock = shared_clock(comparison);
-    const auto sides = page_sides(comparison);
-    const std::size_t shaped = sides[1].frames->empty() ? 0 : 1;
+std::string page_data(const PageSides& sides, const DropTestHistories* test) {
+    const AlignedHistories aligned = aligned_histories(sides, test);
+    const SharedClock clock = shared_clock(sides);
+    const std::size_t shaped = sides.back().frames->empty() ? 0 : sides.size() - 1;
+    std::vector<std::string> names, styles;
+    for (const PageSide& side : sides) {
+        names.push_back(word(side.record->fidelity));
+        styles.push_back(word(side.style));
+    }
     std::string text = fmt::format(
-        "{{\"stress\":{{\"factor\":{:.8g},\"unit\":{}}},\"sides\":[{},{}],\"clockLabel\":{},\"openingEnd\":{:"
-        ".8g},\"frameZero\":{:.8g},\n\"clock\":{},"
-        "\n\"events\":{},\n"
-        "\"channels\":[",
-        shown_factor("N/m"), word(shown_unit("N/m")), word(sides[0].record->fidelity),
-        word(sides[1].record->fidelity), word(clock.label()), aligned.opening_end, clock.zero[shaped],
-        clock_numbers(aligned.clock), events_json(comparison, clock));
+        "{{\"stress\":{{\"factor\":{:.8g},\"unit\":{}}},\"sides\":[{}],\"styles\":[{}],\"clockLabel\":{},"
+        "\"openingEnd\":{:.8g},\"frameZero\":{:.8g},\n\"clock\":{},\n\"events\":{},\n\"channels\":[",
+        shown_factor("N/m"), word(shown_unit("N/m")), fmt::join(names, ","), fmt::join(styles, ","),
+        word(clock.label()), aligned.opening_end, clock.zero[shaped], clock_numbers(aligned.clock),
+        events_json(sides, clock));
     for (const AlignedChannel& channel : aligned.channels) {
         text += fmt::format("\n{{\"id\":{},\"title\":{},\"unit\":{},\"values\":[", word(channel.channel),
                             word(channel.title), word(unit_for_reading(channel.unit)));
-        for (std::size_t s = 0; s < 2; ++s)
+        for (std::size_t s = 0; s < sides.size(); ++s)
             text += (s == 0 ? "" : ",") + (channel.there[s] ? numbers(channel.value[s]) : "null");
         text += "]" + (channel.test.empty() ? "" : ",\"test\":" + numbers(channel.test)) + "},";
     }

@@ -14,11 +14,6 @@
 namespace twinchute::compare {
 namespace {
 
-/// Reference first: the dashed line of the candidate is drawn on top, and both are seen where they agree.
-std::array<const RunRecord*, 2> sides(const Comparison& comparison) {
-    return {&comparison.reference, &comparison.candidate};
-}
-
 /// When the canopy is open: as measured where the model has a shape, else as prescribed.
 const Event* opening(const RunRecord& record) {
     const Event* filled = record.find_event("canopy-filled");
@@ -26,16 +21,18 @@ const Event* opening(const RunRecord& record) {
 }
 
 /// A curve of each side that has the channel, with `more` behind its name, a marker where its canopy is open,
-/// and dots where a test measured.
-Plot channel_plot(const Comparison& comparison, std::string_view channel,
+/// and dots where a test measured. Reference first: the dashed line of the candidate is drawn on top, and
+/// both are seen where they agree.
+Plot channel_plot(const PageSides& sides, const DropTestHistories* test, std::string_view channel,
                   const std::array<std::string, 2>& more = {}) {
     Plot plot;
-    plot.subtitle = comparison.reference.scene.name;
+    plot.subtitle = sides.back().record->scene.name;
     plot.x.label = "time since release [s]";
     plot.y.from_zero = true;
-    for (std::size_t s = 0; s < 2; ++s) {
-        const RunRecord& record = *sides(comparison)[s];
-        const char* colour = s == 0 ? blue : vermillion;
+    for (std::size_t s = sides.size(); s-- > 0;) {
+        const RunRecord& record = *sides[s].record;
+        const bool is_reference = sides[s].tone == Tone::reference;
+        const char* colour = is_reference ? blue : vermillion;
         const Channel* time = record.find_channel("time");
         const Channel* values = record.find_channel(channel);
         if (time != nullptr && values != nullptr)
@@ -43,12 +40,12 @@ Plot channel_plot(const Comparison& comparison, std::string_view channel,
                                    .colour = colour,
                                    .x = time->values,
                                    .y = values->values,
-                                   .dash = s == 0 ? "" : "8 4"});
+                                   .dash = is_reference || sides.size() == 1 ? "" : "8 4"});
         if (const Event* open = opening(record))
             plot.markers.push_back({"full open, " + record.fidelity, colour, open->time});
     }
-    if (const Curve* measured = comparison.test ? comparison.test->find(channel) : nullptr)
-        plot.series.push_back({.label = "test: " + comparison.test->file,
+    if (const Curve* measured = test ? test->find(channel) : nullptr)
+        plot.series.push_back({.label = "test: " + test->file,
                                .x = measured->time,
                                .y = measured->value,
                                .line = 0.0,
@@ -86,11 +83,11 @@ void scale_force(Plot& plot) {
 
 }  // namespace
 
-std::string force_svg(const Comparison& comparison) {
+std::string force_svg(const PageSides& sides, const DropTestHistories* test) {
     double last = 0;
     std::array<std::string, 2> peaks;
-    for (std::size_t s = 0; s < 2; ++s) {
-        const RunRecord& record = *sides(comparison)[s];
+    for (std::size_t s = 0; s < sides.size(); ++s) {
+        const RunRecord& record = *sides[s].record;
         const auto peak = record.metric("peak_force_N");
         const auto delay = record.metric("time_to_peak_force_s");
         const double at = snatch_of(record) + delay.value_or(0);
@@ -99,20 +96,21 @@ std::string force_svg(const Comparison& comparison) {
         if (peak) peaks[s] = fmt::format(": peak {}{}", readable(shown(*peak, "N").value), spaced_unit("N"));
         if (peak && delay) peaks[s] += fmt::format(" at {:.2f} s", at);
     }
-    Plot plot = channel_plot(comparison, "force", peaks);
+    Plot plot = channel_plot(sides, test, "force", peaks);
     plot.title = "Opening force";
     if (last > 0) plot.x.end = 2 * last;
     scale_force(plot);
     return svg_plot(plot);
 }
 
-std::string history_svg(const Comparison& comparison, std::string_view channel) {
-    if (channel == "force") return force_svg(comparison);
-    Plot plot = channel_plot(comparison, channel);
+std::string history_svg(const PageSides& sides, const DropTestHistories* test, std::string_view channel) {
+    if (channel == "force") return force_svg(sides, test);
+    Plot plot = channel_plot(sides, test, channel);
     std::string name(channel), unit;
     std::ranges::replace(name, '_', ' ');
     double last = 0;
-    for (const RunRecord* record : sides(comparison)) {
+    for (const PageSide& side : sides) {
+        const RunRecord* record = side.record;
         if (const Channel* values = record->find_channel(channel)) unit = values->unit;
         for (const char* event : {"canopy-filled", "full-open", "peak-force"})
             if (const Event* happened = record->find_event(event)) last = std::max(last, happened->time);
@@ -125,13 +123,13 @@ std::string history_svg(const Comparison& comparison, std::string_view channel) 
     return svg_plot(plot);
 }
 
-std::string speed_svg(const Comparison& comparison) {
+std::string speed_svg(const PageSides& sides, const DropTestHistories* test) {
     std::array<std::string, 2> rates;
-    for (std::size_t s = 0; s < 2; ++s)
-        if (const auto rate = sides(comparison)[s]->metric("descent_rate_m_s"))
+    for (std::size_t s = 0; s < sides.size(); ++s)
+        if (const auto rate = sides[s].record->metric("descent_rate_m_s"))
             rates[s] =
                 fmt::format(": descends at {}{}", readable(shown(*rate, "m/s").value, 3), spaced_unit("m/s"));
-    Plot plot = channel_plot(comparison, "speed", rates);
+    Plot plot = channel_plot(sides, test, "speed", rates);
     plot.title = "Speed of the payload";
     show_in_units(plot, "m/s");
     plot.y.label = fmt::format("speed over ground [{}]", shown_unit("m/s"));

@@ -12,8 +12,10 @@ namespace twinchute::compare {
 
 void add_gap_files(FileBatch& batch, const Comparison& comparison, const std::filesystem::path& directory,
                    const LadderBeside& beside, const Trend* trend) {
-    batch.add(directory / "force.svg", force_svg(comparison));
-    batch.add(directory / "speed.svg", speed_svg(comparison));
+    const PageSides sides = page_sides(comparison);
+    const DropTestHistories* test = comparison.test ? &*comparison.test : nullptr;
+    batch.add(directory / "force.svg", force_svg(sides, test));
+    batch.add(directory / "speed.svg", speed_svg(sides, test));
     batch.add(directory / "report.md", report_markdown(comparison));
     batch.add(directory / "report.html", report_html(comparison, beside));
     batch.add(directory / "junit.xml", junit_xml(comparison, trend));

@@ -11,8 +11,6 @@
 #include "lib/cli/output_dir.hpp"
 #include "lib/cli/record_text.hpp"
 #include "lib/cli/scene_command.hpp"
-#include "lib/record/display_units.hpp"
-#include "lib/record/metrics.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/record/write_record.hpp"
 
@@ -45,7 +43,8 @@ struct CaseReport {
 };
 
 CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>& others, Case& one,
-                    const Interrupt& interrupt, int threads, const Arguments& arguments) {
+                    const Interrupt& interrupt, int threads, const Arguments& arguments,
+                    const RunReports& reports) {
     std::vector<const Fidelity*> all = others;
     all.push_back(&fidelity);
     FileBatch batch;
@@ -58,6 +57,7 @@ CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>
                                   std::move(checkpoints), all),
                       ""};
     if (one.long_run && report.record.status.code != StatusCode::refused) {
+        batch.add(one.place / "run.html", reports.page(report.record, frames));
         add_record(batch, report.record, one.place, frames, csv_head(arguments));
         batch.commit();
     }
@@ -66,31 +66,17 @@ CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>
     return report;
 }
 
-/// The cases of a series below each other, in what most of them have.
-Table series_table(const std::vector<std::pair<std::string, RunRecord>>& cases) {
-    Table table;
-    table.header = {"case", "status"};
-    table.right = {false, false};
-    for (const auto& [name, record] : cases)
-        table.rows.push_back({printable(name), std::string(status_name(record.status.code))});
-    for (const char* key : {"snatch_speed_m_s", "filling_time_s", "peak_force_N", "load_factor",
-                            "descent_rate_m_s", "flight_time_s"}) {
-        if (std::ranges::none_of(cases, [&](const auto& one) { return one.second.metric(key).has_value(); }))
-            continue;
-        const auto unit = split_metric_key(key).unit;
-        table.header.push_back(metric_words(key) +
-                               (unit.empty() ? "" : fmt::format(" [{}]", shown_unit(unit))));
-        table.right.push_back(true);
-        for (std::size_t i = 0; i < cases.size(); ++i) {
-            const std::optional<double> value = cases[i].second.metric(key);
-            table.rows[i].push_back(value ? readable(shown(*value, unit).value) : "-");
-        }
-    }
-    return table;
+/// What a report of a series shows over time: histories of a hundred cases would fill the memory.
+CaseRun case_run(const Scene& scene, RunRecord record) {
+    std::erase_if(record.channels, [](const Channel& channel) {
+        return channel.name != "time" && channel.name != "force" && channel.name != "speed";
+    });
+    return {&scene, std::move(record)};
 }
 
 ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
-                    const std::vector<const Fidelity*>& others, const Arguments& arguments) {
+                    const std::vector<const Fidelity*>& others, const RunReports& reports,
+                    const Arguments& arguments) {
     choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments, fields_overrides(arguments, fidelity));
     const int threads = threads_of(arguments);
@@ -112,37 +98,45 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
     const Interrupt interrupt;  // until the records are safe
     ExitCode code = ExitCode::done;
     std::vector<std::string> summaries;
-    std::vector<std::pair<std::string, RunRecord>> series;  // without their histories
+    std::vector<CaseRun> series;
     for (Case& one : cases) {
         const CaseReport report =
             one.finished ? CaseReport{*one.finished, "kept      it had ended before; nothing was run\n"}
-                         : run_case(fidelity, others, one, interrupt, threads, arguments);
+                         : run_case(fidelity, others, one, interrupt, threads, arguments, reports);
         if (arguments.has("json")) {
             summaries.push_back(summary_json(report.record));
         } else if (!arguments.has("quiet")) {
             print((&one == &cases.front() ? "" : "\n") +
                   record_text(report.record, fidelity.title, output_style()));
             print(resumed_text(report.record));
-            if (directory)
-                print(fmt::format("record    {}\n", printable((one.place / "summary.json").string())));
+            if (directory && report.record.status.code != StatusCode::refused)
+                print(fmt::format("record    {}\nreport    {}\n",
+                                  printable((one.place / "summary.json").string()),
+                                  printable((one.place / "run.html").string())));
             print(report.more);
-            if (!one.scene.case_name.empty()) {
-                series.emplace_back(one.scene.case_name, report.record);
-                series.back().second.channels.clear();
-            }
         }
+        if (!one.scene.case_name.empty()) series.push_back(case_run(one.scene, report.record));
         code = gravest(code, exit_code(report.record.status.code));
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, summaries));
-    if (!series.empty()) print("\n" + aligned(series_table(series), output_style()));
+    if (series.empty() || code == ExitCode::interrupted) return code;
+    std::filesystem::path made;
+    if (directory) {
+        FileBatch batch;
+        made = reports.add_series(batch, series, *directory);
+        batch.commit();
+    }
+    if (arguments.has("json") || arguments.has("quiet")) return code;
+    print("\n" + reports.series_text(series, output_style()));
+    if (directory) print(fmt::format("\nseries    {}\n", printable(made.string())));
     return code;
 }
 
 }  // namespace
 
 Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultOutput output,
-                         std::vector<const Fidelity*> others) {
+                         std::vector<const Fidelity*> others, RunReports reports) {
     Command command;
     command.name = fidelity.name;
     command.summary = std::move(summary);
@@ -156,8 +150,9 @@ Command fidelity_command(const Fidelity& fidelity, std::string summary, DefaultO
     if (fidelity.gives_fields) command.options.insert(command.options.begin() + 1, fields_option());
     if (fidelity.keeps_checkpoints) command.options.insert(command.options.begin() + 1, resume_option());
     if (fidelity.has_threads) command.options.insert(command.options.begin() + 1, threads_option());
-    command.run = [&fidelity, output, others = std::move(others)](const Arguments& arguments) {
-        return run_single(fidelity, output, others, arguments);
+    command.run = [&fidelity, output, others = std::move(others),
+                   reports = std::move(reports)](const Arguments& arguments) {
+        return run_single(fidelity, output, others, reports, arguments);
     };
     return command;
 }

@@ -45,9 +45,18 @@ constexpr int deepest = 2;
 
 /// Names that the files of results have, beside a marker.
 bool is_content(const std::string& name) {
-    constexpr std::array names{"history.csv", "events.csv", "frames.bin",  "fields.pvd", "force.svg",
-                               "speed.svg",   "report.md",  "report.html", "junit.xml",  "calibrated.toml"};
+    constexpr std::array names{"history.csv", "events.csv", "frames.bin",     "fields.pvd",
+                               "force.svg",   "speed.svg",  "report.md",      "report.html",
+                               "run.html",    "junit.xml",  "calibrated.toml"};
     return std::ranges::count(names, name) > 0 || (name.starts_with("frame-") && name.ends_with(".vtu"));
+}
+
+/// Files about all cases of a series: series.csv, of one fidelity series-rom.csv.
+bool is_about_cases(const fs::path& file) {
+    constexpr std::array types{".md", ".csv", ".svg", ".html"};
+    const std::string stem = file.stem().string();
+    return (stem == "series" || stem.starts_with("series-")) &&
+           std::ranges::count(types, file.extension()) > 0;
 }
 
 /// Nothing but directories and what killed runs of this program left unfinished in them. One that was killed
@@ -76,7 +85,6 @@ bool is_abandoned_only(const fs::path& directory) {
 /// folder with work of somebody's in it, results below make no output directory.
 bool is_ours(const fs::path& directory, int depth) {
     if (holds_our_file(directory)) return true;
-    constexpr std::array beside_cases{"series.md", "series.csv", "series.svg"};
     bool results = false, contents = false, leftovers = false;
     std::error_code error, ignored;
     if (depth == 0) return false;
@@ -92,7 +100,7 @@ bool is_ours(const fs::path& directory, int depth) {
             leftovers = true;
         } else if (is_content(path.filename().string())) {
             contents = true;  // of a run that was killed before its marker, which it left under another name
-        } else if (std::ranges::count(beside_cases, path.filename()) == 0) {
+        } else if (!is_about_cases(path)) {
             return false;
         }
     }

@@ -113,9 +113,9 @@ ExitCode run_sensitivity(const Arguments& arguments, const Fidelity& full) {
 
 }  // namespace
 
-Command rom_command(const Fidelity& full) {
+Command rom_command(const Fidelity& full, RunReports reports) {
     Command command = fidelity_command(rom_fidelity(), "quick run of the reduced-order model",
-                                       DefaultOutput::none, {&full});
+                                       DefaultOutput::none, {&full}, std::move(reports));
     command.options.push_back(
         {"sensitivity", "", "print how much the answers hang on each input, % per %, instead of the record"});
     command.run = [&full, run = std::move(command.run)](const Arguments& arguments) {

@@ -6,15 +6,18 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/render/plot.hpp"
+#include "compare/report/still_page.hpp"
 #include "study/calibrate/calibration_files.hpp"
 #include "study/calibrate/calibration_tables.hpp"
-#include "study/page.hpp"
 
 namespace twinchute::study {
 namespace {
 
+using compare::page_figure;
+using compare::page_section;
 using compare::Plot;
 using compare::PlotSeries;
+using compare::still_page;
 using compare::xml_text;
 
 std::string history_title(const HistoryFit& fit) {
@@ -102,8 +105,7 @@ Plot band_plot(const Band& band) {
     return plot;
 }
 
-std::string summary_of(const Calibration& calibration, const Scene& scene,
-                       const std::vector<DropTest>& tests) {
+std::string summary_of(const Calibration& calibration, const std::vector<DropTest>& tests) {
     std::string body = fmt::format(
         "<p>{} to {} {}, by {} runs of the model.</p>\n",
         calibration.is_consistent() ? "Calibrated" : "Calibrated, but <strong>inconsistent</strong>",
@@ -124,7 +126,7 @@ std::string summary_of(const Calibration& calibration, const Scene& scene,
     for (const std::string& remark : remarks_of(calibration))
         remarks += "<li>" + xml_text(remark) + "</li>\n";
     if (!remarks.empty()) body += "<ul>\n" + remarks + "</ul>\n";
-    return page_section("summary", xml_text(scene.name), body);
+    return page_section("summary", "Result", body);
 }
 
 }  // namespace
@@ -142,10 +144,10 @@ std::string calibration_page(const Calibration& calibration, const Scene& scene,
     for (const Band& band : calibration.predictive)
         if (band.draws.size() > 1) bands += page_figure(band_plot(band));
     std::string page;
-    page += summary_of(calibration, scene, tests) + page_section("fit", "Fit and residuals", fits) +
+    page += summary_of(calibration, tests) + page_section("fit", "Fit and residuals", fits) +
             page_section("marginals", "Inputs", marginals);
     if (!calibration.predictive.empty()) page += page_section("next", "The next drop", bands);
-    return whole_page(scene.name + ", calibrated", page);
+    return still_page(scene.name, "calibration", page);
 }
 
 }  // namespace twinchute::study

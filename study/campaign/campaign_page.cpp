@@ -6,14 +6,17 @@
 
 #include "compare/render/escape.hpp"
 #include "compare/render/plot.hpp"
+#include "compare/report/still_page.hpp"
 #include "study/campaign/campaign_files.hpp"
-#include "study/page.hpp"
 
 namespace twinchute::study {
 namespace {
 
+using compare::page_figure;
+using compare::page_section;
 using compare::Plot;
 using compare::PlotSeries;
+using compare::still_page;
 using compare::xml_text;
 
 std::string label_of(std::string_view metric) {
@@ -170,7 +173,7 @@ std::string summary_of(const Campaign& campaign) {
     for (const std::string& note : answer_notes(campaign))
         body += fmt::format("<p>{}</p>\n", xml_text(note));
     body += html_table(inputs_table(campaign), "What varies", "", "inputs");
-    return page_section("summary", xml_text(campaign.spec.name), body);
+    return page_section("summary", "Answers", body);
 }
 
 std::string metric_section(const Campaign& campaign, std::size_t m) {
@@ -204,7 +207,7 @@ std::string campaign_page(const Campaign& campaign) {
             "failures", "Runs that did not end as they should",
             html_table(failures_table(campaign),
                        "Indices count from 0; <code>--rerun INDEX</code> runs one in full", "", "failed"));
-    return whole_page(campaign.spec.name + ", campaign", page);
+    return still_page(campaign.spec.name, "campaign", page);
 }
 
 }  // namespace twinchute::study

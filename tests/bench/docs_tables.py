@@ -181,7 +181,7 @@ def why(scene):
             said = tools.run(words + (COARSE[1:] + ["--seeds", "2"] if tools.short else []), (0, 1)).splitlines()
         begin = next(k for k, line in enumerate(said) if line.startswith("from rom to full"))
         end = max(k for k, line in enumerate(said) if line.startswith("why "))
-        return tools.made(f"twinchute compare {scene} --why") + "```\n" + "\n".join(said[begin:end + 1]) + "\n```\n"
+        return tools.made(f"twinchute compare {scene} --why") + "```text\n" + "\n".join(said[begin:end + 1]) + "\n```\n"
     return block
 
 

@@ -164,12 +164,24 @@ def is_accessible(page):
     expect("skip" in (page.ask("document.activeElement.className") or ""), "the first stop of the keyboard skips the navigation")
 
 
-def made(twinchute, work, name, command, *words):
+def a_run_alone_is_drawn(page, style):
+    expect(page.ask("report.data.sides.length") == 1, "one side")
+    expect(page.ask("report.graphs.length") == page.ask("report.data.channels.length"), "a plot a history, and none of differences")
+    before = readouts(page)
+    x, y = centre(page, "[data-channel=force] .curve")
+    page.move_mouse(x - 60, y)
+    after = readouts(page)
+    expect(len(before) >= 3 and all(a != b for a, b in zip(before, after)), f"pointing at one curve moves every read-out: {before} {after}")
+    expect(all("difference" not in words for words in after), f"a run alone differs from nothing: {after}")
+    expect(page.ask("report.graphs[0].getColors()[0] === report.colour('%s')" % style), f"the colour is that of {style}")
+
+
+def made(twinchute, work, name, command, *words, page="report.html"):
     """The address of the page that a command leaves, or brings its ladder to."""
     out = pathlib.Path(work) / name
     done = subprocess.run([twinchute, command, *words, "--quiet", "--out", str(out)], check=False)
     expect(done.returncode in (0, 1), f"{command} ended with {done.returncode}")
-    return (out / "report.html").resolve().as_uri()
+    return (out / page).resolve().as_uri()
 
 
 def main():
@@ -178,26 +190,33 @@ def main():
         print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the HTML report")
         return 77
     coarse = ["--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=6"]
-    url = made(twinchute, work, "whole", "compare", scene, *coarse)
+    whole = made(twinchute, work, "whole", "compare", scene, *coarse)
     # A quarter of a second: a ladder of the whole opening takes longer than all else here.
     short = [scene, *coarse, "--set", "full.mesh.line_elements=4", "--set", "stop.time=1.7"]
     made(twinchute, work, "short", "ladder", *short, "--quick")
     with_ladder = made(twinchute, work, "short", "compare", *short)
     packed = made(twinchute, work, "packed", "compare", str(pathlib.Path(scene).parent / "paper" / "crane-drop.toml"),
                   "--set", "full.mesh.gore_columns=1", "--set", "full.mesh.gore_rows=8")
+    rom = made(twinchute, work, "rom", "rom", scene, page="run.html")
+    full = made(twinchute, work, "full", "full", *short, page="run.html")
     with Chromium(300) as page:
+        for url, style in ((rom, "candidate"), (full, "reference")):
+            page.open(url, width=1000, height=800)
+            is_accessible(page)
+            a_run_alone_is_drawn(page, style)
+        canopy_plays(page)
         page.open(packed, width=1000, height=800)
         playback_shows_the_opening(page)
         spikes_do_not_flatten(page)
         differences_are_full_minus_rom(page)
         page.open(packed, width=400, height=700, scheme="dark")
         fits_a_telephone(page)
-        page.open(url, width=1000, height=800)
+        page.open(whole, width=1000, height=800)
         is_accessible(page)
         cursor_is_linked(page)
         curves_zoom_together(page)
         canopy_plays(page)
-        page.open(url, width=360, height=700, scheme="dark")
+        page.open(whole, width=360, height=700, scheme="dark")
         expect(page.ask("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out of a telephone")
         light = page.ask("getComputedStyle(document.body).backgroundColor")
         expect(light != "rgb(255, 255, 255)", f"dark is dark: {light}")
@@ -205,7 +224,7 @@ def main():
         is_accessible(page)
         ladder_is_shown(page)
         expect(page.log == [], f"the page logs no error and no warning: {page.log}")
-        expect(set(page.requests) == {url, with_ladder, packed}, f"nothing is fetched: {page.requests}")
+        expect(set(page.requests) == {whole, with_ladder, packed, rom, full}, f"nothing is fetched: {page.requests}")
     return 1 if failures else 0
 
 

@@ -77,8 +77,8 @@ void report(const RunRecord& record, std::string_view foreign_gap, const ShapeFr
     constexpr std::size_t largest_page = 4 << 20;
     fuzz::require(compare::report_html(comparison).size() < largest_page, "a page is of the size of a page");
     constexpr std::size_t largest_plot = 1 << 20;
-    fuzz::require(compare::force_svg(comparison).size() < largest_plot &&
-                      compare::speed_svg(comparison).size() < largest_plot,
+    fuzz::require(compare::force_svg(compare::page_sides(comparison)).size() < largest_plot &&
+                      compare::speed_svg(compare::page_sides(comparison)).size() < largest_plot,
                   "a plot is of the size of a plot");
 }
 

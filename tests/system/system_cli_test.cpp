@@ -41,8 +41,9 @@ TEST_F(SystemCli, RomPrintsAndWritesNothing) {
 
 TEST_F(SystemCli, RomWritesWhereItIsTold) {
     EXPECT_EQ(run({"rom", c9_inflation, "--out", "there", "--quiet"}).out, "");
-    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/summary.json",
-                                                            "there/history.csv", "there/events.csv"}));
+    EXPECT_EQ(tree_of(here_.path()),
+              (std::set<std::string>{"there", "there/summary.json", "there/history.csv", "there/events.csv",
+                                     "there/run.html"}));
     EXPECT_EQ(read("there/summary.json")["fidelity"], "rom");
 }
 

@@ -162,10 +162,10 @@ TEST_F(SystemFields, ArraysHaveTheirNamesUnitsAndRanges) {
 
 TEST_F(SystemFields, TheRunItselfIsTheSameWithThem) {
     ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "plain"} + half_a_second).code, 0);
-    EXPECT_EQ(names("plain"), (Names{"summary.json", "history.csv", "events.csv", "frames.bin"}));
+    EXPECT_EQ(names("plain"), (Names{"summary.json", "history.csv", "events.csv", "run.html", "frames.bin"}));
     ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "seen", "--fields", "50"} + half_a_second).code, 0);
     EXPECT_EQ(content_of(here_ / "plain/history.csv"), content_of(here_ / "seen/history.csv"));
-    EXPECT_EQ(names("seen").size(), 4u + 2u + 26u);
+    EXPECT_EQ(names("seen").size(), 5u + 2u + 26u);
 
     const std::string first = content_of(here_ / "seen/fields/frame-000007.vtu");
     ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "seen", "--fields", "50"} + half_a_second).code, 0);
@@ -175,11 +175,11 @@ TEST_F(SystemFields, TheRunItselfIsTheSameWithThem) {
 TEST_F(SystemFields, ThoseOfAnEarlierRunDoNotSurvive) {
     ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "50"} + half_a_second).code, 0);
     ASSERT_EQ(run(Words{"full", c9_inflation, "--out", "o", "--fields", "4"} + half_a_second).code, 0);
-    EXPECT_EQ(names("o"),
-              (Names{"summary.json", "history.csv", "events.csv", "frames.bin", "fields.pvd", "fields",
-                     "fields/frame-000000.vtu", "fields/frame-000001.vtu", "fields/frame-000002.vtu"}));
+    EXPECT_EQ(names("o"), (Names{"summary.json", "history.csv", "events.csv", "run.html", "frames.bin",
+                                 "fields.pvd", "fields", "fields/frame-000000.vtu", "fields/frame-000001.vtu",
+                                 "fields/frame-000002.vtu"}));
     ASSERT_EQ(run({"rom", c9_inflation, "--out", "o", "--quiet"}).code, 0);
-    EXPECT_EQ(names("o"), (Names{"summary.json", "history.csv", "events.csv"}));
+    EXPECT_EQ(names("o"), (Names{"summary.json", "history.csv", "events.csv", "run.html"}));
 }
 
 TEST_F(SystemFields, ASceneMayAskForThemAndTheOptionHasTheLastWord) {

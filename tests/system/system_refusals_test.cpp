@@ -66,7 +66,7 @@ protected:
         }
         ASSERT_EQ(run(rom("100", disk_ / "out")).code, 0);
         before_ = everything_in(disk_ / "out");
-        ASSERT_EQ(before_.size(), 3u);
+        ASSERT_EQ(before_.size(), 4u);
     }
     void expect_refused(const Ended& ended, const std::string& reason = no_space) {
         EXPECT_EQ(ended.code, 4) << ended.err;
@@ -81,13 +81,13 @@ protected:
 
 TEST_F(FullDisk, HoweverMuchRoomIsLeftTheRecordIsTheOldOneOrTheNewOne) {
     int refused = 0, written = 0;
-    for (std::size_t room = 0; room <= 128u << 10; room += 4u << 10) {
+    for (std::size_t room = 0; room <= 512u << 10; room += 12u << 10) {
         disk_.leave(room);
         const Ended ended = run(rom("200", disk_ / "out"));
         const auto after = everything_in(disk_ / "out");
         if (ended.code == 0) {
             ++written;
-            EXPECT_EQ(after.size(), 3u) << "room " << room;
+            EXPECT_EQ(after.size(), 4u) << "room " << room;
             EXPECT_EQ(json::parse(after.at("summary.json"))["inputs"]["payload.mass"]["value"], 200);
             EXPECT_NE(after.at("history.csv"), before_.at("history.csv"));
             break;
@@ -303,7 +303,7 @@ TEST_P(Interrupted, AFullRunLeavesTheRecordSoFar) {
     EXPECT_EQ(summary["status"]["code"], "interrupted");
     EXPECT_GT(summary["cost"]["steps"], 0);
     EXPECT_EQ(tree_of(here_ / "out"), (std::set<std::string>{"summary.json", "history.csv", "events.csv",
-                                                             "frames.bin", "checkpoint.bin"}));
+                                                             "run.html", "frames.bin", "checkpoint.bin"}));
     EXPECT_GT(content_of(here_ / "out/history.csv").size(), 200u);
     EXPECT_TRUE(is_our_output(here_ / "out"));
 }

@@ -68,7 +68,17 @@ TEST_F(SystemSeries, EndsWithATableOfItsCases) {
         const std::string rows = out.substr(table);
         for (const char* name : {"\nlight  completed ", "\nheavy  completed "})
             EXPECT_NE(rows.find(name), std::string::npos) << rows;
-        EXPECT_NE(rows.find("peak force [N]"), std::string::npos) << rows;
+        EXPECT_NE(rows.find("Peak opening force [N]"), std::string::npos) << rows;
+        // Its files, beside the cases' own.
+        const std::set<std::string> tree = tree_of(here_ / command);
+        for (const std::string name : {"csv", "svg", "md", "html"})
+            EXPECT_TRUE(tree.contains("series-" + command + "." + name)) << name;
+        for (const std::string name : {"light", "heavy"}) {
+            EXPECT_TRUE(tree.contains(name + "/run.html")) << name;
+            EXPECT_NE(text(command + "/series-" + command + ".html").find("href=\"" + name + "/run.html\""),
+                      std::string::npos);
+        }
+        EXPECT_EQ(run({command, "series.toml", "--out", command, "--quiet"}).code, 0);  // its own, once more
         // As each case says it.
         for (const std::string name : {"light", "heavy"}) {
             const double force = read(command + "/" + name + "/summary.json")["metrics"]["peak_force_N"];
@@ -80,7 +90,7 @@ TEST_F(SystemSeries, EndsWithATableOfItsCases) {
     ASSERT_NE(table, std::string::npos) << out;
     const std::string rows = out.substr(table);
     EXPECT_NE(rows.find("verdict"), std::string::npos) << rows;
-    for (const char* name : {"\nlight ", "\nheavy ", "\nseries    c/series.md"})
+    for (const char* name : {"\nlight ", "\nheavy ", "\nseries    c/series.html"})
         EXPECT_NE(rows.find(name), std::string::npos) << rows;
     // A single scene has no such table, and nobody who wants JSON or silence gets one.
     here_.write("one.toml", "base = \"c9-inflation.toml\"\n");

@@ -39,6 +39,30 @@ TEST_F(SystemSize, WritesASceneThatMeetsItsLimits) {
     EXPECT_EQ(run({"size", "there/sized.toml", "--out", "there/sized.toml"}).code, 0);  // its own, once more
 }
 
+TEST_F(SystemSize, WritesAPage) {
+    const Ended ended = run({"size", rocket, "--report", "there/sized.html"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_TRUE(says(ended.out, "report    there/sized.html"));
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/sized.html"}));
+    const std::string page = text("there/sized.html");
+    for (const char* words :
+         {"Meets the limits", "<h1>rocket main</h1>", "Limits against the nominal diameter D0",
+          ">flat-circular</th>", "found: 2.286 m", "Opening force"})
+        EXPECT_TRUE(says(page, words)) << words;
+    // A page says as well that there is nothing to find, and then there is no scene.
+    const Ended missed = run({"size", rocket, "--set", "size.max_force=300 N", "--report", "there/sized.html",
+                              "--out", "there/sized.toml"});
+    EXPECT_EQ(missed.code, 1);
+    EXPECT_TRUE(says(text("there/sized.html"), "No value meets the limits"));
+    EXPECT_EQ(tree_of(here_.path()), (std::set<std::string>{"there", "there/sized.html"}));
+    here_.write("mine.html", "<p>mine</p>");
+    const Ended refused = run({"size", rocket, "--report", "mine.html", "--out", "sized.toml"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(says(refused.err, "name another file with --report")) << refused.err;
+    EXPECT_EQ(text("mine.html"), "<p>mine</p>");
+    EXPECT_FALSE(tree_of(here_.path()).contains("sized.toml"));
+}
+
 TEST_F(SystemSize, ASizedCanopyWithAStructureIsReadyToCompare) {
     EXPECT_EQ(run({"size", personnel, "--quiet", "--out", "sized.toml"}).code, 0);
     const Ended ended = run({"compare", "sized.toml", "--check"});

@@ -90,10 +90,12 @@ TEST(DropTestHistories, RunsAreAsFarAwayAsTheirDifferenceIsLarge) {
 
 TEST(DropTestHistories, AreDotsAndNumbersOfEveryReport) {
     Comparison comparison = synthetic_comparison();
-    EXPECT_EQ(force_svg(comparison).find("<circle"), std::string::npos);
+    EXPECT_EQ(
+        force_svg(page_sides(comparison), comparison.test ? &*comparison.test : nullptr).find("<circle"),
+        std::string::npos);
     EXPECT_FALSE(nlohmann::json::parse(gap_json(comparison)).contains("test"));
     comparison.test = DropTestHistories{"a&b.csv", {{"force", {{0.25, 1.0, 2.75}, {100.0, 4321.0, 50.0}}}}};
-    const std::string svg = force_svg(comparison);
+    const std::string svg = force_svg(page_sides(comparison), comparison.test ? &*comparison.test : nullptr);
     EXPECT_NE(svg.find("<circle"), std::string::npos);
     EXPECT_NE(svg.find("a&amp;b.csv"), std::string::npos);
     const auto json = nlohmann::json::parse(gap_json(comparison))["test"];
@@ -111,7 +113,8 @@ TEST(DropTestHistories, LieOnTheClockOfThePageAsTheReferenceDoes) {
     comparison.reference.events[0].time = 0.5;
     comparison.test =
         DropTestHistories{"drop.csv", {{"speed", {{-3.0, 1.25, 2.5, 99.0}, {20.0, 17.0, 12.0, 7.0}}}}};
-    const AlignedHistories aligned = aligned_histories(comparison);
+    const AlignedHistories aligned =
+        aligned_histories(page_sides(comparison), comparison.test ? &*comparison.test : nullptr);
     ASSERT_TRUE(aligned.channels[0].test.empty());
     const AlignedChannel& speed = aligned.channels[1];
     ASSERT_EQ(speed.channel, "speed");

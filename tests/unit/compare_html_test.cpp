@@ -7,6 +7,7 @@
 
 #include "compare/report/aligned.hpp"
 #include "compare/report/html.hpp"
+#include "compare/report/html_parts.hpp"
 #include "compare/report/page_files.hpp"
 #include "tests/support/compare_records.hpp"
 
@@ -102,6 +103,61 @@ TEST(CompareHtml, LeavesOutWhatIsNotThere) {
         EXPECT_EQ(page.find(std::string("id=\"") + id + "\""), page.npos) << id;
     EXPECT_EQ(page.find(page_file("three.min.js").substr(0, 200)), page.npos);  // no shape, no weight
     EXPECT_NE(page.find(page_file("dygraph.min.js").substr(0, 200)), page.npos);
+}
+
+TEST(RecordHtml, HasThePartsOfARunAlone) {
+    RunRecord record = synthetic_record("full", 5000, 1.50, 12.0);
+    record.warnings = {{"the mesh weighs 5.4 kg", "why", "check"}};
+    record.left_out = {{"payload drag", "no payload.drag_area in the scene"}};
+    record.estimates = {{"pflanz", "Pflanz", "peak_force_N", 2500, "a source", "too slow"}};
+    record.missing = {{"drift_m", "the run stopped before the landing", true}};
+    const std::string page = record_html(record, small_shape(), "full aeroelastic model", true);
+    const std::string text = text_of(page);
+    std::size_t at = 0;
+    for (const char* id : {"summary", "histories", "events", "energy", "canopy-section", "left-out",
+                           "warnings", "provenance"}) {
+        const std::string section = std::string("<section id=\"") + id + "\"";
+        EXPECT_EQ(count(text, section), 1u) << id;
+        EXPECT_GT(text.find(section), at) << id;
+        at = text.find(section);
+    }
+    EXPECT_EQ(count(text, "<h1>"), 1u);
+    EXPECT_EQ(count(text, "<table"), count(text, "<caption"));
+    EXPECT_EQ(count(text, "<div"), count(text, "</div>"));
+    // Nothing of a comparison: no verdict, no difference, no other side.
+    for (const char* word :
+         {"verdict-", "ifference", "both", "tolerance", "class=\"candidate", "side candidate"})
+        EXPECT_EQ(text.find(word), text.npos) << word << ": " << text.substr(text.find(word) - 80, 160);
+    EXPECT_NE(text.find("<h3>Peak opening force</h3>\n<p class=\"ratio\"><strong>5000 N</strong>"),
+              text.npos);
+    EXPECT_NE(text.find("1.500 s after snatch"), text.npos);
+    EXPECT_NE(text.find(">50 %<"), text.npos);  // Pflanz: 2500 N of 5000 N
+    EXPECT_NE(text.find("does not hold: too slow"), text.npos);
+    EXPECT_NE(text.find("the run stopped before the landing"), text.npos);
+    const json data = data_of(page);
+    EXPECT_EQ(data["sides"], json({"full"}));
+    EXPECT_EQ(data["styles"], json({"reference"}));
+    for (const json& channel : data["channels"]) {
+        ASSERT_EQ(channel["values"].size(), 1u);
+        EXPECT_EQ(channel["values"][0].size(), data["clock"].size());
+    }
+    // The other model has the other colour.
+    EXPECT_EQ(data_of(record_html(record, {}, "reduced-order model", false))["styles"], json({"candidate"}));
+}
+
+TEST(RecordHtml, SaysHowARunEnded) {
+    RunRecord record = synthetic_record("rom", 5000, 1.50, 12.0);
+    const auto banner = [&record](StatusCode code, const std::string& detail) {
+        record.status = {code, detail};
+        const std::string text = text_of(record_html(record, {}, "reduced-order model", false));
+        const std::size_t at = text.find("<div class=\"verdict ");
+        return text.substr(at, text.find("</div>", at) - at);
+    };
+    EXPECT_NE(banner(StatusCode::completed, "steady").find("verdict within"), std::string::npos);
+    const std::string broken = banner(StatusCode::not_finite, "node <7> is lost");
+    EXPECT_NE(broken.find("verdict broken"), std::string::npos) << broken;
+    EXPECT_NE(broken.find("node &lt;7&gt; is lost"), std::string::npos) << broken;
+    EXPECT_NE(banner(StatusCode::squids, "").find("verdict exceeded"), std::string::npos);
 }
 
 TEST(CompareHtml, SaysTheVerdictInWords) {
@@ -232,7 +288,7 @@ TEST(CompareHtml, HistoriesLieAboveEachOtherFromSnatchOn) {
     }
     comparison.candidate.channels[0].values.resize(301);  // ends at 3 s
     comparison.candidate.channels[1].values.resize(301);
-    const AlignedHistories aligned = aligned_histories(comparison);
+    const AlignedHistories aligned = aligned_histories(page_sides(comparison));
     ASSERT_EQ(aligned.channels.size(), 1u);
     EXPECT_NEAR(aligned.opening_end, 2.0, 1e-12);  // twice the time of full open
     EXPECT_NEAR(aligned.clock.front(), 0, 1e-12);
@@ -264,7 +320,7 @@ TEST(CompareHtml, FewRowsOfASmoothHistoryMakeNoDifference) {
             side->channels[1].values.push_back(1.0 + std::cos(i * h));
         }
     }
-    const AlignedHistories aligned = aligned_histories(comparison);
+    const AlignedHistories aligned = aligned_histories(page_sides(comparison));
     double largest = 0.0;
     for (std::size_t i = 0; i < aligned.clock.size(); ++i)
         largest =
@@ -300,7 +356,7 @@ Comparison with_a_jump() {
 }
 
 TEST(CompareHtml, AJumpIsAStepUpright) {
-    const AlignedHistories aligned = aligned_histories(with_a_jump());
+    const AlignedHistories aligned = aligned_histories(page_sides(with_a_jump()));
     const auto& clock = aligned.clock;
     const auto at = std::ranges::find(clock, 0.0) - clock.begin();
     ASSERT_LT(at + 1, std::ssize(clock));

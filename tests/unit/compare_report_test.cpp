@@ -207,7 +207,8 @@ TEST(CompareReport, JunitTellsWhatWasNotReachedAndWhatNeverOpened) {
 
 TEST(CompareReport, HostileNamesBreakNothing) {
     const Comparison comparison = hostile_comparison();
-    for (const std::string& xml : {junit_xml(comparison), force_svg(comparison), speed_svg(comparison)}) {
+    for (const std::string& xml :
+         {junit_xml(comparison), force_svg(page_sides(comparison)), speed_svg(page_sides(comparison))}) {
         EXPECT_TRUE(well_formed(xml)) << xml;
     }
     EXPECT_NO_THROW(json::parse(gap_json(comparison)));

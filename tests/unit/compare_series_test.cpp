@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/validate/run_suite.hpp"
@@ -63,14 +64,14 @@ TEST(SeriesFiles, TheTableHasALineForEachCaseAndBothFidelities) {
 
 TEST(SeriesFiles, TheMarkdownShowsBothAndTheGap) {
     const std::string markdown = series_markdown(synthetic_series());
-    EXPECT_NE(markdown.find("| case-0 | low | completed | 20.00 |"), std::string::npos) << markdown;
+    EXPECT_NE(markdown.find("| case-0 | low | within | completed | 20.00 |"), std::string::npos) << markdown;
     EXPECT_NE(markdown.find("| 4800 / 5000 |"), std::string::npos) << markdown;
     EXPECT_NE(markdown.find("| +4.0 % | 1.2e-03 |"), std::string::npos) << markdown;
 }
 
 TEST(SeriesFiles, ThePictureHasAMarkForEveryRunAndASlotForATest) {
     CaseSeries series = synthetic_series();
-    std::string svg = series_svg(series);
+    std::string svg = svg_plot(series_plot(series));
     constexpr std::string_view cross = "m0 -9l-9 9";
     // Two marks a case, two in the legend.
     EXPECT_EQ(count_of(svg, "<circle"), 8u);
@@ -82,13 +83,50 @@ TEST(SeriesFiles, ThePictureHasAMarkForEveryRunAndASlotForATest) {
     series.spec.test = "drops.csv";
     series.spec.test_x = {20.5, 21.5};
     series.spec.test_y = {5100.0, 7000.0};
-    svg = series_svg(series);
+    svg = svg_plot(series_plot(series));
     EXPECT_EQ(svg.find("test: none"), std::string::npos);
     EXPECT_NE(svg.find("drops.csv"), std::string::npos);
     EXPECT_EQ(count_of(svg, cross), 3u);
     series.cases.clear();
     series.spec.test_x.clear(), series.spec.test_y.clear();
-    EXPECT_NE(series_svg(series).find("no case has both metrics"), std::string::npos);
+    EXPECT_NE(svg_plot(series_plot(series)).find("no case has both metrics"), std::string::npos);
+}
+
+TEST(SeriesFiles, OfOneFidelityHaveNothingOfAnother) {
+    CaseSeries series;
+    series.title = "A series of two";
+    series.reference_title = "reduced-order model";
+    series.spec = {"snatch_speed", "peak_force", "", "", {}, {}};
+    for (const double peak : {5000.0, 6000.0}) {
+        Scene scene;
+        scene.case_name = peak > 5500 ? "heavy" : "light";
+        series.cases.push_back(series_case(scene, synthetic_record("rom", peak, 1.5, 1e-3)));
+        series.cases.back().page = scene.case_name + "/run.html";
+    }
+    const std::string csv = series_csv(series);
+    EXPECT_EQ(csv.find("case,group,rom.status,rom.snatch_speed,rom.peak_force,"), 0u) << csv;
+    EXPECT_EQ(csv.find("gap"), std::string::npos) << csv;
+    EXPECT_NE(csv.find("\nheavy,,completed,21,6000,"), std::string::npos) << csv;
+    const std::string table = series_terminal(series, {});
+    for (const char* word : {"gap", "verdict", "group", " / "})
+        EXPECT_EQ(table.find(word), std::string::npos) << word << " in " << table;
+    const std::string page = series_html(series);
+    EXPECT_NE(page.find("<a href=\"heavy/run.html\">heavy</a>"), std::string::npos);
+    EXPECT_EQ(page.find("Where two numbers stand"), std::string::npos);
+    // One metric against another, force, speed: a line for each case in the last two.
+    EXPECT_EQ(count_of(page, "<svg"), 3u);
+    const std::vector<Plot> openings = opening_plots(series);
+    ASSERT_EQ(openings.size(), 2u);
+    for (const Plot& plot : openings)
+        EXPECT_EQ(plot.series.size(), 2u);
+    EXPECT_EQ(openings[0].series[1].label, "heavy");
+    EXPECT_NE(openings[0].series[0].colour, openings[0].series[1].colour);
+    EXPECT_EQ(openings[0].x.end, 2.0 * 1.6);  // full open at 1.5 s + 0.1 s in the synthetic record
+    for (std::size_t i = 0; i < 2; ++i) {     // nothing of a history is lost, least of all its peak
+        const RunRecord record = synthetic_record("rom", i == 0 ? 5000.0 : 6000.0, 1.5, 1e-3);
+        EXPECT_EQ(openings[0].series[i].y, record.find_channel("force")->values);
+        EXPECT_EQ(openings[1].series[i].y, record.find_channel("speed")->values);
+    }
 }
 
 TEST(SeriesKeys, AreReadWithTheirTestData) {

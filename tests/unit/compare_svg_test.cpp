@@ -85,7 +85,7 @@ TEST(CompareThinning, LeavesShortSeriesAlone) {
 }
 
 TEST(CompareSvg, DrawsBothSidesWithLegendAndMarkers) {
-    const std::string svg = force_svg(synthetic_comparison());
+    const std::string svg = force_svg(page_sides(synthetic_comparison()));
     EXPECT_EQ(test::count_of(svg, "<path "), 2u);
     EXPECT_NE(svg.find("full: peak 5000 N at 1.50 s"), std::string::npos);
     EXPECT_NE(svg.find("rom: peak 4800 N at 1.45 s"), std::string::npos);
@@ -99,7 +99,7 @@ TEST(CompareSvg, LargeForcesAreInKilonewtons) {
     Comparison comparison = synthetic_comparison();
     for (double& force : comparison.reference.channels[1].values)
         force *= 10;
-    EXPECT_NE(force_svg(comparison).find("opening force [kN]"), std::string::npos);
+    EXPECT_NE(force_svg(page_sides(comparison)).find("opening force [kN]"), std::string::npos);
 }
 
 TEST(CompareSvg, AGapInTheDataIsAGapInTheLine) {
@@ -142,9 +142,10 @@ TEST(CompareSvg, AJumpIsDrawnUpright) {
 TEST(CompareSvg, WithoutDataItSaysSo) {
     Comparison comparison = synthetic_comparison();
     comparison.reference.channels.clear();
-    EXPECT_EQ(test::count_of(force_svg(comparison), "<path "), 1u);  // one side is enough for a picture
+    EXPECT_EQ(test::count_of(force_svg(page_sides(comparison)), "<path "),
+              1u);  // one side is enough for a picture
     comparison.candidate.channels.clear();
-    EXPECT_NE(force_svg(comparison).find("no data"), std::string::npos);
+    EXPECT_NE(force_svg(page_sides(comparison)).find("no data"), std::string::npos);
 }
 
 TEST(CompareSvg, WordsOfMarkersDoNotCoverEachOther) {
@@ -181,7 +182,7 @@ TEST(CompareSvg, WordsOfMarkersDoNotCoverEachOther) {
 TEST(CompareSvg, EscapesWhatItIsGiven) {
     Comparison comparison = synthetic_comparison();
     comparison.reference.scene.name = "<script>&\"";
-    EXPECT_EQ(speed_svg(comparison).find("<script>"), std::string::npos);
+    EXPECT_EQ(speed_svg(page_sides(comparison)).find("<script>"), std::string::npos);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-// Curves of both models over one clock, the difference below, a cursor through all of them.
+// Curves of one run or of both models over one clock, the difference below, a cursor through all of them.
 "use strict";
 (function () {
-    const data = report.data, clock = data.clock, style = ["candidate", "reference"];
+    const data = report.data, clock = data.clock, style = data.styles;
     if (!clock.length) return;
     const graphs = [];
     const opening = [clock[0], data.openingEnd], whole = [clock[0], clock[clock.length - 1]];
@@ -181,7 +181,7 @@
         const series = {};
         // The dashed one is drawn last: it lies on the other where they agree, and both are seen.
         const order = there.slice().reverse();
-        for (const side of there) series[data.sides[side]] = side === 0 ? {strokePattern: [7, 4]} : {};
+        for (const side of there) series[data.sides[side]] = side === 0 && data.sides.length > 1 ? {strokePattern: [7, 4]} : {};
         const dots = channel.test ? [channel.test] : [];
         if (channel.test) series.test = {strokeWidth: 0, drawPoints: true, pointSize: 2.2, highlightCircleSize: 2.2};
         const ordered = clock.map((t, row) => [t].concat(

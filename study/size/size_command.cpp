@@ -1,4 +1,4 @@
-#include "rom/size/size_command.hpp"
+#include "study/size/size_command.hpp"
 
 #include <fmt/format.h>
 
@@ -15,57 +15,74 @@
 #include "lib/scene/write_scene.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/size/size.hpp"
-#include "rom/size/size_text.hpp"
+#include "study/size/size_page.hpp"
+#include "study/size/size_text.hpp"
 
-namespace twinchute::rom {
+namespace twinchute::study {
 namespace {
 
 namespace fs = std::filesystem;
+using rom::Candidate;
+using rom::find_vary;
+using rom::Interrupted;
+using rom::size_scene;
+using rom::Sized;
 
-constexpr std::string_view mark = "# Sized by twinchute";
+/// Words by which a file of ours is known.
+struct Mark {
+    std::string_view words;
+    std::size_t latest;  ///< place in the file: at its beginning or in its head
+};
+constexpr Mark scene_mark{"# Sized by twinchute", 0},
+    page_mark{R"(name="generator" content="twinchute")", 900};
 
-/// Nobody else's file is overwritten: a scene of ours says so in its first line.
-void check_target(const fs::path& file) {
+/// Nobody else's file is overwritten.
+void check_target(const fs::path& file, const Mark& mark, std::string_view option) {
     std::error_code ignored;
     if (!fs::exists(file, ignored)) return;
-    std::string head(mark.size(), '\0');
+    std::string head;
     if (fs::is_regular_file(file, ignored)) {  // a pipe would be waited for
         if (fs::is_empty(file, ignored)) return;
         std::ifstream stream(file, std::ios::binary);
+        head.resize(1024);
         stream.read(head.data(), static_cast<std::streamsize>(head.size()));
     }
-    if (head != mark)
+    if (head.find(mark.words) > mark.latest)
         throw UsageError(
             fmt::format("'{}' was not written by `twinchute size` (nothing else is overwritten), name "
-                        "another file with --out",
-                        file.string()));
+                        "another file with --{}",
+                        file.string(), option));
 }
 
-std::optional<fs::path> wanted_file(const Arguments& arguments, const std::vector<Scene>& scenes) {
-    const auto text = arguments.value("out");
-    if (!text) return {};
-    fs::path file = *text;
-    if (file.extension() != ".toml" || file.stem().empty())
-        throw UsageError(fmt::format(
-            "'--out {}' is not understood (the name of a .toml file is wanted), e.g. --out sized.toml",
-            *text));
-    for (const Scene& scene : scenes)
-        check_target(directory_of(scene, file.parent_path()) / file.filename());
-    return file;
-}
+/// The file of an option for each scene; one a case of a series, in the directory of its name.
+struct Target {
+    std::optional<fs::path> file;
 
-void write(const Scene& scene, const Candidate& best, const fs::path& out) {
-    FileBatch batch;
-    batch.add(directory_of(scene, out.parent_path()) / out.filename(), sized_scene_text(scene, best));
-    batch.commit();
-}
+    Target(const Arguments& arguments, const std::vector<Scene>& scenes, std::string_view option,
+           std::string_view extension, const Mark& mark) {
+        const auto text = arguments.value(std::string(option));
+        if (!text) return;
+        file = *text;
+        if (file->extension() != extension || file->stem().empty())
+            throw UsageError(fmt::format(
+                "'--{0} {1}' is not understood (the name of a {2} file is wanted), e.g. --{0} sized{2}",
+                option, *text, extension));
+        for (const Scene& scene : scenes)
+            check_target(of(scene), mark, option);
+    }
+
+    fs::path of(const Scene& scene) const {
+        return directory_of(scene, file->parent_path()) / file->filename();
+    }
+};
 
 ExitCode run_size(const Arguments& arguments) {
     choose_units(arguments);
     const std::vector<Scene> scenes = scenes_of(arguments);
     for (const Scene& scene : scenes)
         require_sizable(scene);
-    const std::optional<fs::path> out = wanted_file(arguments, scenes);
+    const Target out(arguments, scenes, "out", ".toml", scene_mark),
+        report(arguments, scenes, "report", ".html", page_mark);
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;
@@ -76,24 +93,25 @@ ExitCode run_size(const Arguments& arguments) {
     std::vector<std::string> texts;
     for (const Scene& scene : scenes) {
         std::optional<Sized> sized;
+        FileBatch batch;
         try {
             sized = size_scene(scene, stop);
+            if (report.file) batch.add(report.of(scene), size_page(scene, *sized, stop));
         } catch (const Interrupted&) {
             return ExitCode::interrupted;  // half a search says nothing
         }
         const Candidate* best = sized->best();
         const bool meets = best != nullptr && best->meets();
         if (!meets) code = gravest(code, ExitCode::verdict);
-        if (out && meets) write(scene, *best, *out);
+        if (out.file && meets) batch.add(out.of(scene), sized_scene_text(scene, *best));
+        batch.commit();
         if (arguments.has("json")) {
             texts.push_back(json_text(size_json(scene, *sized)));
         } else if (!arguments.has("quiet")) {
             print((&scene == &scenes.front() ? "" : "\n") + size_text(scene, *sized, output_style()));
-            if (out)
-                print(meets ? fmt::format(
-                                  "scene     {}\n",
-                                  printable(
-                                      (directory_of(scene, out->parent_path()) / out->filename()).string()))
+            if (report.file) print(fmt::format("report    {}\n", printable(report.of(scene).string())));
+            if (out.file)
+                print(meets ? fmt::format("scene     {}\n", printable(out.of(scene).string()))
                             : "scene     none was written: the limits are not met\n");
         }
     }
@@ -104,7 +122,7 @@ ExitCode run_size(const Arguments& arguments) {
 }  // namespace
 
 void require_sizable(const Scene& scene) {
-    require_physics(scene, rom_fidelity(), {});
+    require_physics(scene, rom::rom_fidelity(), {});
     if (!scene.size)
         throw UsageError(
             fmt::format("{}: there is no [size] (it holds the limits), add e.g. [size] with "
@@ -119,7 +137,8 @@ void require_sizable(const Scene& scene) {
 std::string sized_scene_text(const Scene& scene, const Candidate& best) {
     Scene sized = best.found->scene;
     sized.name += ", sized";
-    return fmt::format("{} from the scene '{}'.\n", mark, printable(scene.name)) + write_scene(sized);
+    return fmt::format("{} from the scene '{}'.\n", scene_mark.words, printable(scene.name)) +
+           write_scene(sized);
 }
 
 Command size_command() {
@@ -131,8 +150,10 @@ Command size_command() {
     command.options = scene_options("write the sized scene there");
     command.options.insert(command.options.begin() + 1, units_option());
     command.options.front().value = "FILE";
+    command.options.insert(command.options.begin() + 1,
+                           {"report", "FILE", "write a page about the sizing there"});
     command.run = &run_size;
     return command;
 }
 
-}  // namespace twinchute::rom
+}  // namespace twinchute::study

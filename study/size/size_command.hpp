@@ -6,7 +6,7 @@
 #include "lib/cli/command.hpp"
 #include "rom/size/size.hpp"
 
-namespace twinchute::rom {
+namespace twinchute::study {
 
 /// Exit code 0 where the limits are met and 1 where they cannot be.
 Command size_command();
@@ -15,6 +15,6 @@ Command size_command();
 void require_sizable(const Scene& scene);
 
 /// The sized scene as a file, for other commands to run.
-std::string sized_scene_text(const Scene& scene, const Candidate& best);
+std::string sized_scene_text(const Scene& scene, const rom::Candidate& best);
 
-}  // namespace twinchute::rom
+}  // namespace twinchute::study
