@@ -11,7 +11,7 @@ serve.curves = (function () {
     ];
     const shown = {};  // line: {label, history}
     const graphs = [], box = document.getElementById("histories"), cursor = document.getElementById("cursor");
-    let times = [], at = -1, zoomed = false, drawing = false;
+    let times = [], at = -1;
 
     // All times of all lines, each once.
     function union() {
@@ -78,11 +78,8 @@ serve.curves = (function () {
     }
 
     function zoom(range) {
-        zoomed = range !== null;
-        drawing = true;
         for (const [graph] of graphs) graph.updateOptions({dateWindow: range});
-        drawing = false;
-        document.getElementById("whole").hidden = !zoomed;
+        document.getElementById("whole").hidden = range === null;
         if (at >= 0) select(at);
     }
 
@@ -98,11 +95,7 @@ serve.curves = (function () {
             axisLabelFontSize: 12, highlightCircleSize: 3.5, connectSeparatedPoints: true, animatedZooms: false,
             includeZero: channel !== "altitude", xlabel: "time since release, s", series: styles(),
             highlightCallback: (event, x, points, row) => select(row),
-            drawCallback: (drawn, first) => {
-                if (first || drawing) return;
-                const range = drawn.xAxisRange();
-                zoom([Math.max(range[0], times[0]), Math.min(range[1], times[times.length - 1])]);
-            },
+            zoomCallback: (from, to) => zoom([Math.max(from, times[0]), Math.min(to, times[times.length - 1])]),
             axes: {x: {axisLabelFormatter: tick, pixelsPerLabel: 60}, y: {axisLabelFormatter: tick, axisLabelWidth: 52, pixelsPerLabel: 34}},
         }, colours()));
         graph.resetZoom = () => zoom(null);
@@ -127,9 +120,7 @@ serve.curves = (function () {
     cursor.addEventListener("input", () => select(Number(cursor.value)));
     document.getElementById("whole").addEventListener("click", () => zoom(null));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-        drawing = true;
         for (const [graph] of graphs) graph.updateOptions(colours());
-        drawing = false;
     });
 
     let described = "";
@@ -142,14 +133,13 @@ serve.curves = (function () {
             else delete shown[id];
         },
         draw() {
-            const time = at >= 0 ? times[at] : 0;
+            // First at the largest force: what everybody looks for.
+            const first = shown.rom && shown.rom.history, time = at >= 0 ? times[at] : first ? first.time[first.force.indexOf(Math.max(...first.force))] : 0;
             times = union();
             const words = JSON.stringify(lines.map((line) => shown[line.id] && shown[line.id].label));
             const restyled = words !== described;
-            drawing = true;
             for (const [graph, , channel] of graphs)
                 graph.updateOptions(Object.assign({file: times.length ? rowsOf(channel) : [[0, null, null, null, null]]}, restyled ? {series: styles()} : {}));
-            drawing = false;
             if (restyled) legend();
             described = words;
             cursor.max = Math.max(0, times.length - 1);

@@ -98,9 +98,14 @@ serve.knobs = (function () {
         const share = slide.even ? (value - slide.low) / (slide.high - slide.low) : Math.log(value / slide.low) / Math.log(slide.high / slide.low);
         return Math.round(steps * Math.min(1, Math.max(0, share)));
     }
+    // The shortest number within half a step of the slider.
     function wordsAt(slide, value) {
         const number = value / slide.factor;
-        return (slide.whole ? String(Math.round(number)) : String(Number(number.toPrecision(slide.even ? 3 : 4)))) + slide.tail;
+        if (slide.whole) return String(Math.round(number)) + slide.tail;
+        const half = 0.5 / steps * (slide.even ? (slide.high - slide.low) / slide.factor : Math.abs(number * Math.log(slide.high / slide.low)));
+        let digits = 1;
+        while (digits < 12 && Math.abs(Number(number.toPrecision(digits)) - number) > half) ++digits;
+        return String(Number(number.toPrecision(digits))) + slide.tail;
     }
 
     const groupOf = (path) => {
@@ -258,8 +263,10 @@ serve.knobs = (function () {
         // Values of the scene's own text, and those of the last run.
         setOwn(found) { own = found; for (const knob of knobs.values()) knob.slide = null; },
         setInputs(found) { inputs = found; },
-        own: () => own,
         inputs: () => inputs,
+        names: names,
+        written: (path, input) => written(path, input, rowOf(path)),
+        isListOfTables: (path) => rowOf(path).range === "a list of tables",
         show(force) {
             const wanted = [...new Set([
                 ...Object.keys(own).filter((path) => own[path].origin === "given"), ...Object.keys(serve.state.set), ...added,

@@ -104,13 +104,12 @@ serve.results = (function () {
             serve.element("th", {scope: "col", className: "number"}, "against rom"), serve.element("th", {scope: "col"}, "holds here?"))), body);
     }
 
-    function showAlerts(summary, cases) {
+    function showAlerts(summary) {
         const list = [];
         if (summary.status && summary.status.code !== "completed")
             list.push(summary.status.code.replaceAll("_", " ") + (summary.status.detail ? ": " + summary.status.detail : ""));
         for (const warning of summary.warnings || [])
             list.push(warning.what + (warning.why ? " (" + warning.why + ")" : "") + (warning.suggestion ? ", " + warning.suggestion : ""));
-        if (cases && cases.length > 1) list.push("A series: the case \u201c" + cases[0] + "\u201d is shown, of " + cases.join(", "));
         document.getElementById("alerts").replaceChildren(...list.map((words) => serve.element("p", {className: "alert"}, words)));
     }
 

@@ -65,7 +65,7 @@ serve.runs = (function () {
         if (good && !run.links.children.length) {
             const summary = serve.element("button", {type: "button", className: "link"}, "summary.json");
             summary.addEventListener("click", () => download(run));
-            run.links.append(reportLink(run, "Report"), " ", summary);
+            run.links.append(...(kind === "compare" ? [reportLink(run, "Report"), " "] : []), summary);
         }
     }
 
@@ -127,6 +127,7 @@ serve.runs = (function () {
         async start(kind) {
             const asked = serve.request(), button = document.getElementById("run-" + kind);
             button.disabled = true;
+            serve.refused(null);
             const answer = await serve.ask("POST", kind, asked);
             button.disabled = false;
             if (answer.status === 202) follow(kind, answer.data.id, asked);

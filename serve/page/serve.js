@@ -4,13 +4,11 @@
     const get = (id) => document.getElementById(id);
     const most_undone = 200;
     let file = "", undone = [], past = [], gesture = null, waiting = false, asking = false, changed = 0;
-    let result = null, before = null, kept = null, opened = "";
+    let result = null, before = null, kept = null, opened = "", chosen = "";
 
     serve.state = {text: "", set: {}};
-    serve.request = () => ({
-        text: serve.state.text,
-        set: Object.entries(serve.state.set).map(([path, words]) => path + "=" + serve.knobs.toml(path, words)),
-    });
+    const request = (set) => Object.assign({text: serve.state.text, set: set}, chosen ? {case: chosen} : {});
+    serve.request = () => request(Object.entries(serve.state.set).map(([path, words]) => path + "=" + serve.knobs.toml(path, words)));
 
     // Announced once what changes comes to rest: nobody wants each position of a slider read out.
     let saying;
@@ -23,7 +21,7 @@
     const memory = "twinchute " + serve.token;
     serve.remember = () => {
         try {
-            sessionStorage.setItem(memory, JSON.stringify({state: serve.state, added: [...serve.knobs.added], asked: serve.runs.asked(), kept: kept}));
+            sessionStorage.setItem(memory, JSON.stringify({state: serve.state, added: [...serve.knobs.added], asked: serve.runs.asked(), kept: kept, chosen: chosen}));
         } catch (full) { /* no memory: a reload begins anew */ }
     };
     function remembered() {
@@ -84,6 +82,7 @@
     let text_known = null;
     function ask() {
         changed = performance.now();
+        serve.refused(null);
         if (waiting) return;
         waiting = true;
         requestAnimationFrame(() => { waiting = false; send(); });
@@ -96,14 +95,21 @@
         const asked = serve.request(), started = performance.now();
         const answer = await serve.ask("POST", "rom", asked);
         asking = false;
+        if (answer.status === 400 && chosen) {  // the text has lost this case
+            chosen = "";
+            ask();
+            return;
+        }
         if (changed !== since && !waiting) ask_again();
         take(answer, performance.now() - started, since);
     }
     const ask_again = () => { waiting = true; requestAnimationFrame(() => { waiting = false; send(); }); };
 
+    serve.idle = () => !waiting && !asking && result !== null;
+
     // The values of the text alone: what fields go back to.
     async function readScene() {
-        const text = serve.state.text, answer = await serve.ask("POST", "rom", {text: text, set: []});
+        const text = serve.state.text, answer = await serve.ask("POST", "rom", request([]));
         text_known = text;
         if (answer.status === 200) serve.knobs.setOwn(answer.data.summary.inputs);
     }
@@ -113,23 +119,25 @@
         serve.knobs.clearErrors();
         const above = get("scene-error");
         above.hidden = true;
-        document.body.classList.toggle("stale", Boolean(last_error && result));
+        get("stale").hidden = !(last_error && result);
+        document.body.classList.toggle("stale", !get("stale").hidden);
         if (!last_error) return;
         const error = last_error.data && last_error.data.error, words = serve.words(last_error);
         if (!get("values").hidden && error && error.key && serve.knobs.showError(error.key, words)) return;
         above.textContent = words;
         above.hidden = false;
     }
+    // A run that was not started; the words stand until something changes.
     serve.refused = (answer) => {
-        if (answer.status === 422) { last_error = answer; showError(); }
-        serve.say(serve.words(answer));
+        get("run-error").textContent = answer ? serve.words(answer) : "";
+        get("run-error").hidden = !answer;
     };
 
     function take(answer, took, since) {
         if (answer.status !== 200) {
             last_error = answer;
             showError();
-            serve.say(result ? "not run: curves and figures are those of the last values that ran" : "not run");
+            serve.say("not run");
             return;
         }
         last_error = null;
@@ -140,11 +148,28 @@
         serve.knobs.setInputs(summary.inputs);
         serve.knobs.show();
         showError();
+        showCases(result.cases || []);
         draw();
         const cost = summary.cost && serve.isNumber(summary.cost.wall_s) ? "run in " + serve.number(1000 * summary.cost.wall_s, 2) + " ms, " : "";
         serve.say("reduced-order model: " + summary.status.code.replaceAll("_", " ") + ", " + cost + "answered in " + serve.number(took, 2) + " ms");
         document.dispatchEvent(new CustomEvent("redrawn", {detail: {since: since, took: performance.now() - since}}));
     }
+
+    // A series has one case shown at a time; the text may lose the chosen one.
+    function showCases(cases) {
+        const select = get("case"), known = [...select.options].map((option) => option.value);
+        get("series").hidden = cases.length < 2;
+        if (JSON.stringify(known) === JSON.stringify(cases)) return;
+        select.replaceChildren(...cases.map((name) => serve.element("option", {}, name)));
+        select.value = chosen || cases[0] || "";
+    }
+    get("case").addEventListener("change", () => {
+        serve.commit();
+        before = null;
+        chosen = get("case").value;
+        text_known = null;
+        ask();
+    });
 
     // The full model's values are those shown where its request was the same, or its record says so.
     const values = (summary) => JSON.stringify(Object.entries(summary.inputs).map(([key, input]) => [key, input.value]).sort());
@@ -169,7 +194,7 @@
         }, "SI units. rom: the reduced-order model" + (differs ? "; before: ahead of the last change" : "") + ".");
         serve.results.showLimits(result.summary.inputs, result.summary, full && full.same ? full.summary : null);
         serve.results.showFormulas(result.summary);
-        serve.results.showAlerts(result.summary, result.cases);
+        serve.results.showAlerts(result.summary);
         get("keep").disabled = false;
     }
     serve.showRuns = () => {
@@ -202,45 +227,39 @@
 
     // -- saving: the text as it stands, or a scene based on the opened file with the changed values
     function nested(paths) {
-        const inputs = serve.knobs.inputs(), tables = new Map(), parachutes = [];
-        const named = [];  // in the order of the scene
-        for (const path of Object.keys(inputs)) {
-            const match = /^parachute\.([^.]+)\.name$/.exec(path);
-            if (match) named.push(match[1]);
-        }
-        const put = (to, path, words) => to.set(path, serve.knobs.toml(path, words));
-        const lists = new Set();
+        const inputs = serve.knobs.inputs(), names = serve.knobs.names(), lists = new Set();
+        const tables = [], parachutes = [];
+        // Place of the parachute that a key belongs to, and what follows its name.
+        const split = (path) => {
+            const parts = path.split("."), place = names.indexOf(parts[1]);
+            return place < 0 ? [0, parts.slice(1)] : [place, parts.slice(2)];
+        };
+        const entry = (place, line) => {
+            while (parachutes.length <= place) parachutes.push([]);
+            parachutes[place].push(line);
+        };
         for (const path of paths) {
-            const parts = path.split("."), at = parts.findIndex((part, i) => /^\d+$/.test(part) && i > 1);
-            const index = parts[0] === "parachute" && named.includes(parts[1]) ? named.indexOf(parts[1]) : parts[0] === "parachute" && /^\d+$/.test(parts[1]) ? Number(parts[1]) - 1 : 0;
-            if (at > 0) { lists.add(JSON.stringify([index, parts.slice(0, at).join(".")])); continue; }
-            if (parts[0] === "parachute") {
-                while (parachutes.length <= index) parachutes.push([]);
-                const below = named.includes(parts[1]) || /^\d+$/.test(parts[1]) ? parts.slice(2) : parts.slice(1);
-                parachutes[index].push(below.join(".") + " = " + serve.knobs.toml(path, serve.state.set[path]));
-            } else if (parts.length === 1) {
-                put(tables, path, serve.state.set[path]);
-            } else {
-                put(tables, path, serve.state.set[path]);
-            }
+            const value = serve.knobs.toml(path, serve.state.set[path]);
+            if (!path.startsWith("parachute.")) { tables.push(path + " = " + value); continue; }
+            const [place, below] = split(path), member = below.findIndex((part) => /^\d+$/.test(part));
+            if (member < 0) entry(place, below.join(".") + " = " + value);
+            else lists.add(path.split(".").slice(0, path.split(".").length - below.length + member).join("."));
         }
-        // A list is written whole: its members are not laid over those of the base.
-        for (const json of lists) {
-            const [index, head] = JSON.parse(json), members = new Map();
+        // A list is written whole, as the run had it: one of a scene replaces that of its base.
+        for (const head of lists) {
+            const members = new Map();
             for (const [path, input] of Object.entries(inputs)) {
-                if (!path.startsWith(head + ".") || (input.origin !== "given" && serve.state.set[path] === undefined)) continue;
-                const [number, ...below] = path.slice(head.length + 1).split("."), row = serve.knobs.rowOf(path);
-                const si = typeof input.value === "number" ? String(input.value) + (row.unit && row.unit !== "1" ? " " + row.unit : "") : String(input.value);
+                if (!path.startsWith(head + ".") || input.origin !== "given") continue;
+                const [number, ...below] = path.slice(head.length + 1).split("."), mine = serve.state.set[path];
+                const words = mine !== undefined ? mine : serve.knobs.written(path, input);
                 if (!members.has(number)) members.set(number, []);
-                members.get(number).push((below.length ? below.join(".") + " = " : "") + serve.knobs.toml(path, serve.state.set[path] || si));
+                members.get(number).push((below.length ? below.join(".") + " = " : "") + serve.knobs.toml(path, words));
             }
-            const parts = head.split("."), below = parts.slice(named.includes(parts[1]) ? 2 : 1).join(".");
-            while (parachutes.length <= index) parachutes.push([]);
-            parachutes[index].push(below + " = [" + [...members.values()].map((one) => (one.length > 1 || one[0].includes(" = ") ? "{ " + one.join(", ") + " }" : one[0])).join(", ") + "]");
+            const [place, below] = split(head), of_tables = serve.knobs.isListOfTables(head);
+            entry(place, below.join(".") + " = [" + [...members.values()].map((one) => (of_tables ? "{ " + one.join(", ") + " }" : one[0])).join(", ") + "]");
         }
-        let text = [...tables].map(([path, value]) => path + " = " + value + "\n").join("");
-        for (const keys of parachutes) text += "\n[[parachute]]\n" + keys.map((line) => line + "\n").join("");
-        return text;
+        return tables.map((line) => line + "\n").join("") +
+            parachutes.map((lines) => "\n[[parachute]]\n" + lines.map((line) => line + "\n").join("")).join("");
     }
     function sceneOnTop(base) {
         const name = get("scene-name").textContent;
@@ -249,29 +268,48 @@
     }
     async function write(name, text) {
         const answer = await serve.ask("POST", "save", Object.assign({name: name, text: text}, get("overwrite").checked && !get("save-over").hidden ? {overwrite: true} : {}));
-        if (answer.status >= 200 && answer.status < 300) return null;
         return answer;
     }
+    const folder = (path) => path.slice(0, path.lastIndexOf("/") + 1);
     get("save").addEventListener("submit", async (event) => {
         event.preventDefault();
         const wanted = get("save-name").value.trim(), name = wanted.endsWith(".toml") ? wanted : wanted + ".toml";
         const message = get("save-message"), edited = serve.state.text !== opened, changes = Object.keys(serve.state.set).length;
         const say = (words, bad) => { message.textContent = words; message.classList.toggle("good", !bad); };
         if (last_error) { say("Not saved: these values do not run", true); return; }
-        const stem = name.replace(/\.toml$/, ""), texts = [];
-        if (changes && edited) texts.push([stem + "-text.toml", serve.state.text], [name, sceneOnTop(stem + "-text.toml")]);
-        else if (changes) texts.push([name, sceneOnTop(file)]);
-        else texts.push([name, serve.state.text]);
-        for (const [to, text] of texts) {
-            const refused = await write(to, text);
-            if (!refused) continue;
-            get("save-over").hidden = !(refused.status === 409 && to === file && !changes);
-            say(serve.words(refused), true);
+        const stem = name.replace(/\.toml$/, ""), saved = [];
+        let elsewhere = false;
+        const put = async (to, text) => {
+            const answer = await write(to, text);
+            if (answer.status === 200) {
+                saved.push(to);
+                elsewhere = folder(answer.data.file) !== folder(file);
+                return answer.data.file;
+            }
+            get("save-over").hidden = !(answer.status === 409 && to === file.split("/").pop() && !changes);
+            say(serve.words(answer), true);
+            return null;
+        };
+        if (changes && result.cases && result.cases.length > 1) {
+            say("Not saved: values of a series differ by case, change them in its text", true);
             return;
+        }
+        // The opened file is the base where it lies beside what is saved; otherwise its text is saved too.
+        if (!changes) {
+            if (await put(name, serve.state.text) === null) return;
+            if (!elsewhere && name === file.split("/").pop()) opened = serve.state.text;
+        } else {
+            const beside = edited ? null : await put(name, sceneOnTop(file.split("/").pop()));
+            if (!edited && beside === null) return;
+            if (beside === null || elsewhere || !file.endsWith(".toml")) {
+                saved.length = 0;
+                const base = stem + "-text.toml";
+                if (await put(base, serve.state.text) === null || await put(name, sceneOnTop(base)) === null) return;
+            }
         }
         get("save-over").hidden = true;
         get("overwrite").checked = false;
-        say("Saved: " + texts.map(([to]) => to).join(" and "), false);
+        say("Saved: " + saved.join(" and ") + (elsewhere ? ". Files that the text names are looked for there too." : ""), false);
     });
 
     // -- tabs
@@ -326,10 +364,11 @@
         const memory = remembered();
         serve.state = memory.state || {text: opened, set: {}};
         kept = memory.kept || null;
+        chosen = memory.chosen || "";
         for (const path of memory.added || []) serve.knobs.added.add(path);
         get("scene-text").value = serve.state.text;
         get("file-name").textContent = file;
-        get("save-name").value = file.replace(/\.toml$/, "") + "-changed.toml";
+        get("save-name").value = file.split("/").pop().replace(/\.toml$/, "").replace(/^\W+$/, "scene") + "-changed.toml";
         past = [{text: opened, set: {}}];
         serve.commit();
         await readScene();
