@@ -18,23 +18,16 @@ serve.knobs = (function () {
     };
     const rows = new Map(), knobs = new Map(), added = new Set();
     const box = document.getElementById("knobs"), search = document.getElementById("search");
-    let inputs = {}, own = {}, count = 0;
+    let inputs = {}, ran = {}, own = {}, count = 0;
 
-    function names() {
-        const found = new Set();
-        for (const path of Object.keys(own)) {
-            const part = path.split(".")[1];
-            if (path.startsWith("parachute.") && !takesPlainly(path)) found.add(part);
-        }
-        return [...found];
-    }
-    const withoutNumbers = (path) => path.split(".").filter((part) => !/^\d+$/.test(part)).join(".");
-    const takesPlainly = (path) => rows.has(withoutNumbers(path));
+    // Names of the parachutes where there are several, as keys have them: parachute.drogue.mass.
+    const names = () => Object.keys(own).map((path) => /^parachute\.([^.]+)\.name$/.exec(path)).filter(Boolean).map((found) => found[1]);
+    const isOfNamed = (path) => path.startsWith("parachute.") && names().includes(path.split(".")[1]);
     // The row of a key: members of lists and parachutes with names share theirs.
     function rowOf(path) {
-        const row = rows.get(withoutNumbers(path));
-        if (row || !path.startsWith("parachute.")) return row;
-        return rows.get(withoutNumbers("parachute." + path.split(".").slice(2).join(".")));
+        const parts = path.split(".");
+        if (isOfNamed(path)) parts.splice(1, 1);
+        return rows.get(parts.filter((part) => !/^\d+$/.test(part)).join("."));
     }
 
     function bounds(row) {
@@ -110,13 +103,14 @@ serve.knobs = (function () {
 
     const groupOf = (path) => {
         const parts = path.split(".");
-        return parts[0] === "parachute" && !takesPlainly(path) ? parts.slice(0, 2).join(".") : parts[0];
+        return isOfNamed(path) ? parts.slice(0, 2).join(".") : parts[0];
     };
 
     function groupBox(path) {
         const name = groupOf(path), there = box.querySelector('[data-group="' + CSS.escape(name) + '"]');
         if (there) return there;
-        const made = serve.element("details", {className: "group", open: !closed.includes(name)},
+        const is_changed = Object.keys(serve.state.set).some((key) => groupOf(key) === name);
+        const made = serve.element("details", {className: "group", open: is_changed || !closed.includes(name)},
             serve.element("summary", {}, name.replace(".", " ")));
         made.dataset.group = name;
         box.append(made);
@@ -159,6 +153,7 @@ serve.knobs = (function () {
             knob.slide = null;
             serve.commit();
         });
+        knob.field.addEventListener("blur", () => refresh(knob, true));
         knob.slider.addEventListener("input", () => {
             if (!knob.slide) return;
             knob.dragged = true;
@@ -197,7 +192,7 @@ serve.knobs = (function () {
         knob.box.classList.toggle("changed", mine !== undefined);
         knob.box.classList.toggle("unused", !input && mine === undefined && Boolean(own[path]));
         const value = input ? input.value : undefined;
-        if (knob.dragged) return;
+        if (knob.dragged || ran[path] !== mine) return;  // words and number belong together
         const slide = slideOf(knob.row, words, value);
         const outside = slide && knob.slide && (value < knob.slide.low || value > knob.slide.high);
         if (!slide || !knob.slide || outside || knob.slide.tail !== slide.tail) knob.slide = slide;
@@ -262,7 +257,8 @@ serve.knobs = (function () {
         setRows(list) { for (const row of list) rows.set(row.key, row); },
         // Values of the scene's own text, and those of the last run.
         setOwn(found) { own = found; for (const knob of knobs.values()) knob.slide = null; },
-        setInputs(found) { inputs = found; },
+        // `set`: the words that they were made with.
+        setInputs(found, set) { inputs = found; ran = set; },
         inputs: () => inputs,
         names: names,
         written: (path, input) => written(path, input, rowOf(path)),

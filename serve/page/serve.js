@@ -92,7 +92,7 @@
         asking = true;
         const since = changed;
         if (text_known !== serve.state.text) await readScene();
-        const asked = serve.request(), started = performance.now();
+        const asked = serve.request(), set = copy().set, started = performance.now();
         const answer = await serve.ask("POST", "rom", asked);
         asking = false;
         if (answer.status === 400 && chosen) {  // the text has lost this case
@@ -101,7 +101,7 @@
             return;
         }
         if (changed !== since && !waiting) ask_again();
-        take(answer, performance.now() - started, since);
+        take(answer, performance.now() - started, since, set);
     }
     const ask_again = () => { waiting = true; requestAnimationFrame(() => { waiting = false; send(); }); };
 
@@ -133,7 +133,7 @@
         get("run-error").hidden = !answer;
     };
 
-    function take(answer, took, since) {
+    function take(answer, took, since, set) {
         if (answer.status !== 200) {
             last_error = answer;
             showError();
@@ -145,7 +145,7 @@
         const summary = result.summary;
         get("scene-name").textContent = summary.scene.name;
         document.title = summary.scene.name + " - twinchute";
-        serve.knobs.setInputs(summary.inputs);
+        serve.knobs.setInputs(summary.inputs, set);
         serve.knobs.show();
         showError();
         showCases(result.cases || []);
