@@ -33,10 +33,10 @@ serve.results = (function () {
     // Of metrics, unit and sides: {now, before, kept, full}, each a summary or null.
     function showFigures(sides, note) {
         const table = document.getElementById("figures-table"), now = sides.now, columns = ["", "rom"];
-        if (sides.before) columns.push("before", "change");
-        if (sides.kept) columns.push(sides.keptName);
         if (sides.full) columns.push(sides.fullIsSame ? "full" : "full, of other values");
         if (sides.full && sides.fullIsSame) columns.push("full minus rom");
+        if (sides.before) columns.push("before", "change");
+        if (sides.kept) columns.push(sides.keptName);
         const body = serve.element("tbody");
         for (const [key, title, unit] of rowsOf(now.metrics)) {
             const value = now.metrics[key], standing = now.standing && now.standing[key];
@@ -46,13 +46,6 @@ serve.results = (function () {
             else if (standing && standing.input_or_result === "input") name.append(serve.element("span", {className: "note"}, "of rom: an input" + (standing.note ? ", " + standing.note : "")));
             const row = serve.element("tr", {}, name, cell(serve.element("strong", {}, serve.readable(value, unit))));
             row.dataset.metric = key;
-            if (sides.before) {
-                const before = sides.before.metrics[key];
-                row.append(cell(serve.readable(before, unit), "number dim"));
-                const change = serve.isNumber(value) && serve.isNumber(before) ? value - before : NaN;
-                row.append(cell(serve.isNumber(change) && before !== 0 ? serve.percent(change / Math.abs(before)) : serve.signed(change, before, unit), "number dim"));
-            }
-            if (sides.kept) row.append(cell(serve.readable(sides.kept.metrics[key], unit)));
             if (sides.full) {
                 const full = sides.full.metrics[key];
                 row.append(cell(serve.readable(full, unit)));
@@ -61,6 +54,13 @@ serve.results = (function () {
                     row.append(cell(serve.isNumber(gap) ? serve.signed(gap, full, unit) + (full !== 0 ? " (" + serve.percent(gap / Math.abs(full)) + ")" : "") : "\u2013"));
                 }
             }
+            if (sides.before) {
+                const before = sides.before.metrics[key];
+                row.append(cell(serve.readable(before, unit), "number dim"));
+                const change = serve.isNumber(value) && serve.isNumber(before) ? value - before : NaN;
+                row.append(cell(serve.isNumber(change) && before !== 0 ? serve.percent(change / Math.abs(before)) : serve.signed(change, before, unit), "number dim"));
+            }
+            if (sides.kept) row.append(cell(serve.readable(sides.kept.metrics[key], unit)));
             body.append(row);
         }
         table.replaceChildren(head(...columns), body);
