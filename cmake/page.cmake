@@ -20,9 +20,9 @@ foreach(wanted "DYGRAPHS_JS;dygraphs;libjs-dygraphs" "THREE_JS;three.js;libjs-th
   mark_as_advanced(${variable})
 endforeach()
 
-# twinchute_page(TARGET HEADER FILE...): adds page_files.cpp with these files; HEADER declares it, and its folder names the
-# namespace.
-function(twinchute_page target header)
+# twinchute_embed(TARGET HEADER FILE...): adds page_files.cpp with the bytes of these files. HEADER declares it, and its first
+# folder names the namespace.
+function(twinchute_embed target header)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp)
   string(REGEX REPLACE "/.*" "" module ${header})
   add_custom_command(OUTPUT ${output}
@@ -32,4 +32,12 @@ function(twinchute_page target header)
     COMMENT "Embedding the files of ${header}"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
+endfunction()
+
+# twinchute_page(TARGET): those of report pages, which compare/report/page_files.hpp declares.
+function(twinchute_page target)
+  set(page ${PROJECT_SOURCE_DIR}/compare/report/page)
+  file(GLOB own CONFIGURE_DEPENDS ${page}/*.css ${page}/*.js)
+  twinchute_embed(${target} compare/report/page_files.hpp
+    ${own} ${PROJECT_SOURCE_DIR}/NOTICE ${DYGRAPHS_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
 endfunction()

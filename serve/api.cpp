@@ -252,7 +252,7 @@ HttpAnswer Api::save(const HttpRequest& request, const std::string&) {
             fmt::format("'{}' is no name for a scene (letters, digits, '-', '_' and '.', ending in .toml), "
                         "e.g. {}.toml",
                         name, file_stem_of(stem.empty() ? name : stem)));
-    const fs::path target = place_ / name;
+    const fs::path target = (place_ / name).lexically_normal();
     const std::lock_guard guard(saving_);
     std::error_code error;
     if (fs::exists(fs::symlink_status(target, error)) && !saved_.contains(name)) {
@@ -343,14 +343,16 @@ HttpAnswer Api::summary(const HttpRequest&, const std::string& id) {
 
 HttpAnswer Api::report(const HttpRequest&, const std::string& id) {
     const auto result = result_of(id);
-    if (found(id)->kind() == RunKind::full) throw Refusal(404, "only comparisons have a report, start one");
-    return {200, compare::report_html(*result, {}), "text/html; charset=utf-8"};
+    const bool both = found(id)->kind() == RunKind::compare;
+    return {200,
+            both
+                ? compare::report_html(*result)
+                : compare::record_html(result->reference, result->reference_frames, models_.full.title, true),
+            "text/html; charset=utf-8"};
 }
 
 HttpAnswer Api::frames(const HttpRequest&, const std::string& id) {
-    const auto result = result_of(id);
-    return {200, result->reference_frames.empty() ? "" : frames_bytes(result->reference_frames),
-            "application/octet-stream"};
+    return {200, found(id)->frames(), "application/octet-stream"};
 }
 
 std::vector<fs::path> Api::end() {

@@ -7,8 +7,10 @@
 #include <system_error>
 #include <utility>
 
+#include "compare/report/html.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
+#include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/record/write_record.hpp"
 #include "lib/scene/data_files.hpp"
@@ -24,6 +26,14 @@ RunState state_of(const RunRecord& record) {
     return is_numerical_failure(record.status.code) || record.status.code == StatusCode::refused
                ? RunState::failed
                : RunState::done;
+}
+
+BackgroundRun::Rows rows_of(const RunRecord& record) {
+    const auto values = [&](std::string_view name) {
+        const Channel* channel = record.find_channel(name);
+        return channel ? channel->values : std::vector<double>();
+    };
+    return {values("time"), values("force"), values("speed")};
 }
 
 constexpr double rom_share = 0.02;  // of the time of a comparison, for its progress alone
@@ -89,12 +99,34 @@ void BackgroundRun::report(const Progress& progress, double from, double to) {
     stop_.request_stop();
 }
 
+void BackgroundRun::add_row(const WatchedRow& row) {
+    const std::lock_guard guard(lock_);
+    Rows& rows = status_.rows;
+    if (!rows.time.empty() && row.time <= rows.time.back()) rows = {};  // the run began anew
+    rows.time.push_back(row.time);
+    rows.force.push_back(row.force);
+    rows.speed.push_back(row.speed);
+}
+
+std::string BackgroundRun::frames() {
+    const std::shared_ptr<const compare::Comparison> ended = result();
+    const std::lock_guard guard(lock_);
+    shape_wanted_ = true;
+    const ShapeFrames& shape = ended ? ended->reference_frames : shape_;
+    return shape.empty() ? "" : frames_bytes(shape);
+}
+
 RunRecord BackgroundRun::record_by(const Fidelity& fidelity, ShapeFrames& frames, double from, double to) {
     const std::array<const Fidelity*, 2> both{&models_.full, &models_.rom};
     Run run{stop_.get_token(), [&](const Progress& progress) { report(progress, from, to); }};
     // One processor stays with the page.
     run.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
     run.frames = [&frames](ShapeFrames shape) { frames = std::move(shape); };
+    run.rows = [this](const WatchedRow& row) { add_row(row); };
+    run.frames_so_far = [this](const ShapeFrames& shape) {
+        const std::lock_guard guard(lock_);
+        if (shape_wanted_) shape_ = shape;
+    };
     return as_written(run_scene(fidelity, scene_, run, both));
 }
 
@@ -122,6 +154,8 @@ void BackgroundRun::work() {
     }
     const std::lock_guard guard(lock_);
     status_.state = state;
+    if (made) status_.rows = rows_of(made->reference);
+    shape_ = {};
     if (state == RunState::done) status_.share = 1.0;
     if (status_.error.empty()) status_.error = error;
     result_ = std::move(made);
@@ -165,13 +199,18 @@ std::optional<fs::path> save_run(const BackgroundRun& run, const fs::path& place
     if (!result) return std::nullopt;
     const std::string stem = file_stem_of(run.scene().file.stem().string());
     std::error_code ignored;
-    fs::path directory = place / (stem + ".out");
+    fs::path directory = (place / (stem + ".out")).lexically_normal();
     for (int number = 2; fs::exists(fs::symlink_status(directory, ignored)); ++number)
-        directory = place / fmt::format("{}-{}.out", stem, number);
-    if (run.kind() == RunKind::full)
-        write_record(result->reference, directory, result->reference_frames);
-    else
-        compare::write_report(*result, directory);
+        directory = (place / fmt::format("{}-{}.out", stem, number)).lexically_normal();
+    FileBatch batch;
+    if (run.kind() == RunKind::full) {
+        add_record(batch, result->reference, directory, result->reference_frames);
+        batch.add(directory / "run.html", compare::record_html(result->reference, result->reference_frames,
+                                                               result->reference_title, true));
+    } else {
+        compare::add_report(batch, *result, directory);
+    }
+    batch.commit();
     return directory;
 }
 

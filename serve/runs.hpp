@@ -56,7 +56,7 @@ public:
     /// Until it has ended.
     void wait();
 
-    /// Rows of the history that have been computed so far; empty where the model has none yet.
+    /// Rows of the history of the full model that have been computed so far.
     struct Rows {
         std::vector<double> time, force, speed;  ///< [s], [N], [m/s]
     };
@@ -70,6 +70,9 @@ public:
     /// `first_row`: rows before it are left out.
     Status status(std::size_t first_row = 0) const;
 
+    /// Bytes of frames.bin so far; nothing before the first shape since somebody asked.
+    std::string frames();
+
     /// Records of the run, once it has ended and unless it came to nothing. Of a full run: `reference` and
     /// its frames alone.
     std::shared_ptr<const compare::Comparison> result() const;
@@ -77,6 +80,7 @@ public:
 private:
     void work();
     void report(const Progress& progress, double from, double to);
+    void add_row(const WatchedRow& row);
     RunRecord record_by(const Fidelity& fidelity, ShapeFrames& frames, double from, double to);
 
     const std::string id_;
@@ -88,6 +92,8 @@ private:
     mutable std::mutex lock_;  // of what follows
     Status status_;
     Clock::time_point asked_ = Clock::now();
+    ShapeFrames shape_;          // so far
+    bool shape_wanted_ = false;  // shapes of fine meshes are large
     std::shared_ptr<const compare::Comparison> result_;
     std::jthread thread_;  // last: it uses the rest
 };

@@ -60,14 +60,14 @@ Fence fence_of(Bases bases, const fs::path& directory) {
     if (bases == Bases::anywhere) return {};
     Fence fence = data_directories(directory);
     for (fs::path& place : fence)
-        place = fs::weakly_canonical(place);
+        place = fs::weakly_canonical(fs::absolute(place));
     return fence;
 }
 
 /// Refuses a path that leaves the fence before it looks whether anything is there.
 void refuse_outside(const Fence& fence, const Entry& base, const fs::path& file) {
     if (fence.empty()) return;
-    const fs::path whole = fs::weakly_canonical(file);
+    const fs::path whole = fs::weakly_canonical(fs::absolute(file));
     const bool inside = std::ranges::any_of(
         fence, [&](const fs::path& place) { return std::ranges::mismatch(place, whole).in1 == place.end(); });
     if (!inside)
