@@ -65,7 +65,7 @@ serve.runs = (function () {
         if (good && !run.links.children.length) {
             const summary = serve.element("button", {type: "button", className: "link"}, "summary.json");
             summary.addEventListener("click", () => download(run));
-            run.links.append(...(kind === "compare" ? [reportLink(run, "Report"), " "] : []), summary);
+            run.links.append(reportLink(run, "Report"), " ", summary);
         }
     }
 
@@ -80,7 +80,8 @@ serve.runs = (function () {
     }
 
     async function poll(kind) {
-        const run = runs[kind], answer = await serve.ask("GET", "runs/" + run.id);
+        const run = runs[kind], known = run.history ? run.history.time.length : 0;
+        const answer = await serve.ask("GET", "runs/" + run.id + "?from=" + known);
         if (runs[kind] !== run) return;
         if (answer.status === 404) {
             drop(kind);
@@ -89,7 +90,12 @@ serve.runs = (function () {
         }
         if (answer.status === 200) {
             run.info = answer.data;
-            if (run.info.rows && run.info.rows.time && !run.whole) run.history = run.info.rows;
+            const rows = run.info.rows;
+            if (rows.time.length && !run.whole) {
+                const before = run.history || {time: [], force: [], speed: []};
+                run.history = {};
+                for (const channel of Object.keys(before)) run.history[channel] = before[channel].concat(rows[channel]);
+            }
             if (run.info.state === "done" && !run.whole) {
                 const found = await serve.ask("GET", "runs/" + run.id + "/history");
                 if (runs[kind] !== run) return;
