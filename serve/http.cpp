@@ -37,9 +37,9 @@ void serve_http(const HttpService& service) {
         void* const library = dlopen(TWINCHUTE_HTTP, RTLD_NOW | RTLD_LOCAL);
         void* const symbol = library ? dlsym(library, "twinchute_serve_http") : nullptr;
         if (!symbol)
-            throw UsageError(
-                fmt::format("{} cannot be loaded ({}), install Debian's libcpp-httplib0.11 or build again",
-                            TWINCHUTE_HTTP, dlerror()));
+            throw UsageError(fmt::format(
+                "{} cannot be loaded ({}), install twinchute-serve and libcpp-httplib0.11, or build again",
+                TWINCHUTE_HTTP, dlerror()));
         return reinterpret_cast<Serve>(symbol);
     }();
     std::string complaint;

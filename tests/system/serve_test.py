@@ -27,7 +27,7 @@ def content(path):
 TEXT = content(SCENE).decode()
 # A full run of some tenths of a second, and one that lasts until somebody ends it.
 QUICK = ["full.mesh.gore_columns=1", "full.mesh.gore_rows=4", "full.mesh.line_elements=4", "stop.time=0.25"]
-ENDLESS = ["stop.time=1000"]
+ENDLESS = ["release.height=6000", "stop.time=1000"]
 
 
 class Server:
