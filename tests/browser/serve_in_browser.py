@@ -220,7 +220,7 @@ def kept_scene_stands_beside(page):
 def text_is_edited(page):
     """The text itself; a name that would be markup stays text."""
     click(page, "#tab-text")
-    name = "<img src=x onerror=alert(1)> & <b>C-9</b>"
+    name = "<img src=x onerror=console.error(1)> & <b>C-9</b>"
     edit = """(() => { const t = document.getElementById('scene-text'); window.as_opened = window.as_opened || t.value;
         t.value = as_opened.replace(/^name .*$/m, %s); t.dispatchEvent(new Event('input')); t.dispatchEvent(new Event('change')); })()"""
     page.ask(edit % json.dumps("name = '" + name + "'"))
