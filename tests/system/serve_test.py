@@ -245,6 +245,9 @@ class Access(Shared):
         for body in (b"", b"{", b"[]", b"\xff\xfe", b'{"text": 3}', b'{"txt": ""}', b'{}', b'{"text": "", "set": 1}',
                      b'{"text": "", "set": [1]}', b"[" * 100000, b'{"text": ' + b"[" * 100000, b'{"text": "\\ud800"}'):
             self.refused(400, "POST", "/api/rom", body=body)
+        for count in (10, 100000):
+            _, data = self.refused(400, "POST", "/api/rom", body=b'{"set": ' + b"[" * count + b"]" * count + b"}")
+            self.assertIn("deeper than", message_of(data))
         self.refused(400, "POST", "/api/save", body={"name": "x.toml"})
         self.refused(400, "POST", "/api/save", body={"name": "x.toml", "text": "", "overwrite": "yes"})
 
@@ -498,10 +501,15 @@ class RunsOfThePage(unittest.TestCase):
                 if rows["time"] and (not seen or len(rows["time"]) > len(seen[-1]["time"])):
                     seen.append(rows)
                 time.sleep(0.02)
-            frames = server.ask("GET", f"/api/runs/{run}/frames")
-            self.assertEqual(frames[0], 200)
+            frames = b""
+            while not frames:
+                self.assertEqual(server.get(f"/api/runs/{run}")["state"], "running")
+                frames = server.ask("GET", f"/api/runs/{run}/frames")[2]
+                time.sleep(0.02)
             server.ask("DELETE", f"/api/runs/{run}")
             server.ended(run)
+            whole = server.ask("GET", f"/api/runs/{run}/frames")[2]
+            self.assertEqual(frames[:8], whole[:8])
             history = server.get(f"/api/runs/{run}/history")["history"]
             for rows in seen:  # what was seen is what is kept
                 count = len(rows["time"])
