@@ -168,7 +168,7 @@ std::shared_ptr<BackgroundRun> Runs::start(RunKind kind, Scene scene) {
     while (runs_.size() - static_cast<std::size_t>(std::ranges::count_if(runs_, is_active)) >= most_ended)
         runs_.erase(std::ranges::find_if_not(runs_, is_active));
     return runs_.emplace_back(std::make_shared<BackgroundRun>(std::to_string(++last_id_), kind,
-                                                              std::move(scene), models_, patience_));
+                                                              std::move(scene), models_, patience));
 }
 
 std::shared_ptr<BackgroundRun> Runs::find(std::string_view id) const {

@@ -102,9 +102,10 @@ private:
 class Runs {
 public:
     static constexpr std::size_t most_active = 2, most_ended = 8;
+    /// Browsers let a page that is out of sight ask once a minute.
+    static constexpr std::chrono::minutes patience{3};
 
-    explicit Runs(const Models& models, std::chrono::milliseconds patience = std::chrono::seconds(60))
-        : models_(models), patience_(patience) {}
+    explicit Runs(const Models& models) : models_(models) {}
 
     /// Begins one, or returns null where as many go on as may.
     std::shared_ptr<BackgroundRun> start(RunKind kind, Scene scene);
@@ -117,7 +118,6 @@ public:
 
 private:
     const Models models_;
-    const std::chrono::milliseconds patience_;
     mutable std::mutex lock_;
     std::vector<std::shared_ptr<BackgroundRun>> runs_;
     int last_id_ = 0;

@@ -130,7 +130,7 @@ class Server:
 
 
 def program(*words, cwd=None):
-    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False, cwd=cwd)
+    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False, cwd=cwd, timeout=120)
 
 
 def message_of(data):
@@ -228,6 +228,7 @@ class Access(Shared):
         self.assertEqual(status, 200)
         self.refused(415, "POST", "/api/rom", body=gzip.compress(body), headers={"Content-Encoding": "gzip"})
         self.refused(411, "POST", "/api/rom", body=b"5\r\nhello\r\n0\r\n\r\n", headers={"Transfer-Encoding": "chunked"})
+        self.refused(411, "POST", "/api/rom", body=body, headers={"Transfer-Encoding": "chunked", "Content-Length": str(len(body))})
         self.refused(411, "POST", "/api/rom", headers={"Content-Type": "application/json"})
         self.refused(400, "POST", "/api/rom", body=body, headers={"Content-Length": "-1"})
         self.refused(400, "GET", "/api/scene", body=b"x")
@@ -244,6 +245,9 @@ class Access(Shared):
         for body in (b"", b"{", b"[]", b"\xff\xfe", b'{"text": 3}', b'{"txt": ""}', b'{}', b'{"text": "", "set": 1}',
                      b'{"text": "", "set": [1]}', b"[" * 100000, b'{"text": ' + b"[" * 100000, b'{"text": "\\ud800"}'):
             self.refused(400, "POST", "/api/rom", body=body)
+        for count in (10, 100000):
+            _, data = self.refused(400, "POST", "/api/rom", body=b'{"set": ' + b"[" * count + b"]" * count + b"}")
+            self.assertIn("deeper than", message_of(data))
         self.refused(400, "POST", "/api/save", body={"name": "x.toml"})
         self.refused(400, "POST", "/api/save", body={"name": "x.toml", "text": "", "overwrite": "yes"})
 
@@ -437,6 +441,21 @@ class RunsOfThePage(unittest.TestCase):
             seconds, code, out = server.end()
             self.assertEqual((code, out), (0, ""), server.err)
 
+    def test_channels_that_end_before_the_run(self):
+        """The rest of the fall by the reduced-order model has no canopy: no numbers, neither in JSON nor in CSV."""
+        overrides = QUICK[:-1] + ["stop.then=rom"]
+        with Server() as server:
+            state = server.ended(server.start("full", overrides))
+            self.assertEqual(state["state"], "done", state["error"])
+            out = os.path.join(server.directory, "by_hand")
+            program("full", SCENE, "--quiet", "--out", out, *[word for one in overrides for word in ("--set", one)])
+            names, _, *lines = [line.split(",") for line in content(os.path.join(out, "history.csv")).decode().splitlines()]
+            history = server.get(f"/api/runs/{state['id']}/history")["history"]
+            for column, name in enumerate(names):
+                self.assertEqual(history[name], [float(line[column]) if line[column] else None for line in lines], name)
+            self.assertIn(None, history["projected_area"])
+            self.assertNotIn(None, history["speed"])
+
     def test_comparison(self):
         with Server() as server:
             state = server.ended(server.start("compare", QUICK))
@@ -482,10 +501,15 @@ class RunsOfThePage(unittest.TestCase):
                 if rows["time"] and (not seen or len(rows["time"]) > len(seen[-1]["time"])):
                     seen.append(rows)
                 time.sleep(0.02)
-            frames = server.ask("GET", f"/api/runs/{run}/frames")
-            self.assertEqual(frames[0], 200)
+            frames = b""
+            while not frames:
+                self.assertEqual(server.get(f"/api/runs/{run}")["state"], "running")
+                frames = server.ask("GET", f"/api/runs/{run}/frames")[2]
+                time.sleep(0.02)
             server.ask("DELETE", f"/api/runs/{run}")
             server.ended(run)
+            whole = server.ask("GET", f"/api/runs/{run}/frames")[2]
+            self.assertEqual(frames[:8], whole[:8])
             history = server.get(f"/api/runs/{run}/history")["history"]
             for rows in seen:  # what was seen is what is kept
                 count = len(rows["time"])
