@@ -5,6 +5,7 @@ usage: serve_in_browser.py TWINCHUTE SCENE WORK
 Exit code 77 where there is no Chromium, or twinchute was built without a server.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -370,6 +371,37 @@ def series_shows_a_case(page, url):
     expect(figure(page, PEAK, "rom") > 1.2 * first, "the fastest case pulls harder than the slowest")
 
 
+def limits_have_their_margins(page, twinchute, scene, url):
+    """Those of [size] against the same run of the command line: the scene as it is exceeds one and keeps the other."""
+    page.open(url, width=1000, height=800)
+    until(page, "!document.getElementById('limits').hidden", "a scene with limits is opened")
+    metrics = of_command_line(twinchute, scene)
+    rows = page.ask("Object.fromEntries([...document.querySelectorAll('#limits tbody tr')].map(row => [row.dataset.limit, row.lastElementChild.textContent]))")
+    for key, limit, metric in (("size.max_force", 25e3, "max_force_N"), ("size.max_descent_rate", 8.5, "descent_rate_m_s")):
+        margin = 100 * (1 - metrics[metric] / limit)
+        found = re.match(r"([\u2713\u2717]) ([0-9.]+) % (below|above)", rows[key])
+        expect(found and found[1] == ("\u2713" if margin > 0 else "\u2717") and found[3] == ("below" if margin > 0 else "above")
+               and abs(float(found[2]) - abs(margin)) <= 6e-3 * abs(margin), f"{key}: {rows[key]}, expected {margin} %")
+    click(page, "#run-full")
+    until(page, "!document.getElementById('run-error').hidden", "a scene that full cannot run is refused")
+    expect("parachute.gores" in page.ask("document.getElementById('run-error').textContent"), "with what it needs")
+
+
+def parachutes_are_told_apart(page, twinchute, scene, url):
+    page.open(url, width=1000, height=800)
+    until(page, "document.querySelector('[data-metric=main_filling_time_s]')", "each of two parachutes has its filling time")
+    shown = page.ask(field("parachute.main.mass") + ".value")
+    expect(shown == "15 oz", f"a value is shown in the unit of its file: {shown}")
+    type_in(page, "parachute.main.mass", "3 lb")
+    metrics = of_command_line(twinchute, scene, "parachute.main.mass='3 lb'")
+    for metric in (PEAK, "main_filling_time_s", "landing_vertical_speed_m_s"):
+        found = figure(page, metric, "rom")
+        expect(abs(found - metrics[metric]) <= 5e-4 * abs(metrics[metric]), f"{metric} is that of the command line: {found} {metrics[metric]}")
+    type_in(page, "parachute.main.mass", "")
+    ends = page.ask("[...document.querySelectorAll('[data-key=\"parachute.main.mass\"] .ends span')].map(e => e.textContent)")
+    expect(ends == ["5 oz", "45 oz"], f"its slider goes from a third to three times, in that unit: {ends}")
+
+
 def main():
     twinchute, scene, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     if not program():
@@ -379,7 +411,10 @@ def main():
     work.mkdir(parents=True)
     mine = work / scene.name
     shutil.copy(scene, mine)
-    with Server(twinchute, str(mine)) as server, Server(twinchute, str(scene.parent / "c9-inflation-speeds.toml"), "--dir", str(work)) as series:
+    limited, two = scene.parent / "sizing" / "cargo-drop-reefed.toml", scene.parent / "rocket-dual-deploy.toml"
+    others = [scene.parent / "c9-inflation-speeds.toml", limited, two]
+    with contextlib.ExitStack() as stack:
+        server, *more = [stack.enter_context(Server(twinchute, str(one), "--dir", str(work))) for one in [mine, *others]]
         if not server.url.startswith("http://127.0.0.1:"):
             print("skipped: this twinchute has no server (Debian: apt-get install libcpp-httplib-dev, before the build)")
             return 77
@@ -401,11 +436,13 @@ def main():
             for width, height, scheme in ((1400, 1000, "light"), (800, 900, "dark"), (400, 800, "light")):
                 fits(page, width, height, scheme)
                 page.screenshot(str(work / f"serve-{width}.png"))
-            series_shows_a_case(page, series.url)
+            series_shows_a_case(page, more[0].url)
+            limits_have_their_margins(page, twinchute, limited, more[1].url)
+            parachutes_are_told_apart(page, twinchute, two, more[2].url)
             # What the browser itself writes about the refusals that were asked for above.
             log = [line for line in page.log if not re.search("status of (409|422) ", line)]
             expect(log == [], f"the page logs no error and no warning: {log}")
-            ours = {urllib.parse.urlsplit(one.url).netloc for one in (server, series)}
+            ours = {urllib.parse.urlsplit(one.url).netloc for one in (server, *more)}
             elsewhere = [url for url in page.requests if not url.startswith("data:") and urllib.parse.urlsplit(url).netloc not in ours]
             expect(elsewhere == [], f"nothing is asked of anybody else: {elsewhere}")
             page.open(server.url, width=1000, height=800)
