@@ -392,6 +392,9 @@ def parachutes_are_told_apart(page, twinchute, scene, url):
     until(page, "document.querySelector('[data-metric=main_filling_time_s]')", "each of two parachutes has its filling time")
     shown = page.ask(field("parachute.main.mass") + ".value")
     expect(shown == "15 oz", f"a value is shown in the unit of its file: {shown}")
+    page.ask("(() => { const s = document.getElementById('search'); s.value = 'joint_efficiency'; s.dispatchEvent(new Event('input')); })()")
+    found = page.ask("[...document.querySelectorAll('#found code')].map(e => e.textContent)")
+    expect(found == ["parachute.drogue.joint_efficiency", "parachute.main.joint_efficiency"], f"a search finds a key of each: {found}")
     type_in(page, "parachute.main.mass", "3 lb")
     metrics = of_command_line(twinchute, scene, "parachute.main.mass='3 lb'")
     for metric in (PEAK, "main_filling_time_s", "landing_vertical_speed_m_s"):
