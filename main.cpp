@@ -18,6 +18,7 @@
 #include "lib/exchange/import_command.hpp"
 #include "rom/fidelity.hpp"
 #include "rom/sensitivity/rom_command.hpp"
+#include "serve/serve_command.hpp"
 #include "study/calibrate/calibrate_command.hpp"
 #include "study/calibrate/calibrated_case.hpp"
 #include "study/campaign/campaign_command.hpp"
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
         exchange::export_command(rom),
         fullsim::mesh_command(),
         fullsim::pattern_command(),
+        serve::serve_command(full, rom),
         plan_command({&rom, &full}),
         list_command(),
     };

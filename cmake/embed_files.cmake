@@ -1,9 +1,9 @@
-# Writes OUTPUT, a C++ file, with the bytes of FILES; run by the build.
+# Writes OUTPUT, a C++ file, with the bytes of FILES; run by the build. HEADER declares page_files() in the namespace of MODULE.
 
 set(text "// Written by cmake/embed_files.cmake at build time.
-#include \"compare/report/page_files.hpp\"
+#include \"${HEADER}\"
 
-namespace twinchute::compare {
+namespace twinchute::${MODULE} {
 namespace {
 ")
 set(rows "")
@@ -12,7 +12,7 @@ foreach(file IN LISTS FILES)
   file(READ ${file} content)
   string(TOLOWER "${content}" lower)
   string(FIND "${lower}" "</script" at)  # ends a script of a page wherever it stands
-  if(NOT at EQUAL -1)
+  if(NOT at EQUAL -1 AND NOT file MATCHES "[.]html$")
     message(FATAL_ERROR "${file} holds a closing script tag and cannot stand in a page")
   endif()
   file(READ ${file} hex HEX)
@@ -31,12 +31,12 @@ endforeach()
 string(APPEND text "
 }  // namespace
 
-std::span<const PageFile> page_files() {
-    static const PageFile rows[] = {
+std::span<const compare::PageFile> page_files() {
+    static const compare::PageFile rows[] = {
 ${rows}    };
     return rows;
 }
 
-}  // namespace twinchute::compare
+}  // namespace twinchute::${MODULE}
 ")
 file(WRITE ${OUTPUT} "${text}")

@@ -84,7 +84,7 @@ lines.")
 set(CPACK_COMPONENTS_ALL "")
 twinchute_debian(program twinchute SECTION science
   SUMMARY "parachute openings at two fidelities, and the gap between them"
-  SUGGESTS "twinchute-doc, twinchute-openturns (= ${version}), python3-twinchute (= ${version})"
+  SUGGESTS "twinchute-doc, twinchute-openturns (= ${version}), twinchute-serve (= ${version}), python3-twinchute (= ${version})"
   TEXT "${about} One scene file runs both ways; the report says how far apart the
 answers are, and why.
 
@@ -125,5 +125,15 @@ if(TARGET twinchute_openturns)
 This package has what campaigns need for probabilities too small to count:
 subset simulation by OpenTURNS.")
   twinchute_bill(rare twinchute-openturns twinchute_openturns)
+endif()
+if(TARGET twinchute_http)
+  twinchute_debian(serve twinchute-serve SECTION science
+    SUMMARY "parachute openings at two fidelities (a local page)"
+    DEPENDS "twinchute (= ${version})"
+    TEXT "${about}
+
+This package has what `twinchute serve` speaks HTTP with: a page on this
+machine to change a scene in and to see its curves at once.")
+  twinchute_bill(serve twinchute-serve twinchute_http)
 endif()
 include(CPack)

@@ -20,17 +20,24 @@ foreach(wanted "DYGRAPHS_JS;dygraphs;libjs-dygraphs" "THREE_JS;three.js;libjs-th
   mark_as_advanced(${variable})
 endforeach()
 
-# twinchute_page(TARGET): adds page_files.cpp, which compare/report/page_files.hpp declares.
-function(twinchute_page target)
+# twinchute_embed(TARGET HEADER FILE...): adds page_files.cpp with the bytes of these files. HEADER declares it, and its first
+# folder names the namespace.
+function(twinchute_embed target header)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp)
-  set(page ${PROJECT_SOURCE_DIR}/compare/report/page)
-  file(GLOB own CONFIGURE_DEPENDS ${page}/*.css ${page}/*.js)
-  set(files ${own} ${PROJECT_SOURCE_DIR}/NOTICE ${PROJECT_SOURCE_DIR}/docs/glossary.md
-    ${DYGRAPHS_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
+  string(REGEX REPLACE "/.*" "" module ${header})
   add_custom_command(OUTPUT ${output}
-    COMMAND ${CMAKE_COMMAND} -D "FILES=${files}" -D OUTPUT=${output} -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
-    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
-    COMMENT "Embedding the files of the HTML report"
+    COMMAND ${CMAKE_COMMAND} -D "FILES=${ARGN}" -D HEADER=${header} -D MODULE=${module} -D OUTPUT=${output}
+      -P ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    DEPENDS ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/embed_files.cmake
+    COMMENT "Embedding the files of ${header}"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
+endfunction()
+
+# twinchute_page(TARGET): those of report pages, which compare/report/page_files.hpp declares.
+function(twinchute_page target)
+  set(page ${PROJECT_SOURCE_DIR}/compare/report/page)
+  file(GLOB own CONFIGURE_DEPENDS ${page}/*.css ${page}/*.js)
+  twinchute_embed(${target} compare/report/page_files.hpp
+    ${own} ${PROJECT_SOURCE_DIR}/NOTICE ${PROJECT_SOURCE_DIR}/docs/glossary.md ${DYGRAPHS_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
 endfunction()

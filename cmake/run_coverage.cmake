@@ -15,7 +15,7 @@ endif()
 # Branches for exceptions stand at every call that could throw; they would hide the others.
 set(counted ${BUILD}/coverage.json)
 execute_process(
-  COMMAND ${GCOVR} --root ${SOURCE} --filter "${SOURCE}/(lib|rom|fullsim|compare|study)/" --exclude-unreachable-branches
+  COMMAND ${GCOVR} --root ${SOURCE} --filter "${SOURCE}/(lib|rom|fullsim|compare|study|serve)/" --exclude-unreachable-branches
     --exclude-throw-branches --json ${counted} ${BUILD}
   ERROR_VARIABLE error RESULT_VARIABLE failed)
 if(failed)
@@ -29,7 +29,7 @@ function(pad text width)
   set(padded "${text}${blanks}" PARENT_SCOPE)
 endfunction()
 
-foreach(module lib/math lib/record lib/models lib/scene lib/solve lib/cli lib rom fullsim compare study all)
+foreach(module lib/math lib/record lib/models lib/scene lib/solve lib/cli lib rom fullsim compare study serve all)
   set(filter "${SOURCE}/${module}/")
   if(module STREQUAL "all")
     set(filter "${SOURCE}/")

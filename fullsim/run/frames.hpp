@@ -40,6 +40,9 @@ public:
     /// A check found something wrong: drops what came after the last accept().
     void forget() { shape_.frames.resize(accepted_); }
 
+    /// Right after accept(): all frames so far.
+    const ShapeFrames& so_far() const { return shape_; }
+
     /// Returns the accepted frames; nothing can be observed after that.
     ShapeFrames finish();
 

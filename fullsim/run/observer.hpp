@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "fullsim/run/moving_average.hpp"
@@ -65,6 +66,8 @@ public:
 
     using Peak = IntervalPeak::Peak;
     const std::vector<HistoryRow>& rows() const { return rows_; }
+    /// Rows that the last accept() found sound and whose filter is through: nothing changes them any more.
+    std::span<const HistoryRow> final_rows() const { return std::span(rows_).first(accepted_.unsettled); }
     /// Peak of the filtered force [N] in this stage, by windows that stay within it (IntervalPeak): never
     /// above the raw one. Windows that the end of the run cuts off count once it is finished. The history's
     /// column is filtered across all ends.

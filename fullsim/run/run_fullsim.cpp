@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
@@ -211,6 +212,7 @@ private:
         sound_events_ = record_.events.size();
         fields_.accept();
         frames_.accept();
+        tell_watchers();
         if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
         // Checks follow the step whose number they divide.
         if (run_.progress && system().step % steps_between_reports == 1) report_progress();
@@ -221,6 +223,20 @@ private:
             found_.landing_time.reset();
             fail(*fault);
         }
+    }
+
+    /// Rows and shapes that have come since it was called last.
+    void tell_watchers() {
+        if (run_.rows) {
+            const std::span<const HistoryRow> rows = observer_.final_rows();
+            for (; told_rows_ < rows.size(); ++told_rows_)
+                run_.rows({rows[told_rows_].time, rows[told_rows_].force, rows[told_rows_].velocity.norm()});
+        }
+        if (!run_.frames_so_far) return;
+        const ShapeFrames& shape = frames_.so_far();
+        if (shape.empty() || shape.frames.back().time <= told_frame_) return;
+        told_frame_ = shape.frames.back().time;
+        run_.frames_so_far(shape);
     }
 
     void report_progress() { run_.progress({stage_name(), system().time, expected_share(), resumed_at()}); }
@@ -547,6 +563,8 @@ private:
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
+    std::size_t told_rows_ = 0;  // to who watches
+    double told_frame_ = -1.0;   // [s] the last shape
     /// Progress of a predicted filling: distance travelled [m] since a projected area [m^2], and whether that
     /// area stood still over the stretch before.
     struct Growth {

@@ -215,6 +215,10 @@ ExitCode run_list(const Arguments& arguments) {
 
 }  // namespace
 
+std::string keys_json() {
+    return table_json(keys_at(""));
+}
+
 Command list_command() {
     Command command;
     command.name = "list";

@@ -78,7 +78,8 @@ Provenance current_provenance() {
     provenance.compiler = build.compiler;
     provenance.flags = build.flags;
     provenance.instruction_set = instruction_set();
-    provenance.host_cpu = host_cpu();
+    static const std::string cpu = host_cpu();
+    provenance.host_cpu = cpu;
     provenance.date = utc_now();
     return provenance;
 }

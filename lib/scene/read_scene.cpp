@@ -53,14 +53,39 @@ void add_design(Document& document) {
     document.overridden = std::move(below.overridden);
 }
 
+/// Directories in which bases may lie; none: anywhere.
+using Fence = std::vector<fs::path>;
+
+Fence fence_of(Bases bases, const fs::path& directory) {
+    if (bases == Bases::anywhere) return {};
+    Fence fence = data_directories(directory);
+    for (fs::path& place : fence)
+        place = fs::weakly_canonical(fs::absolute(place));
+    return fence;
+}
+
+/// Refuses a path that leaves the fence before it looks whether anything is there.
+void refuse_outside(const Fence& fence, const Entry& base, const fs::path& file) {
+    if (fence.empty()) return;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(file));
+    const bool inside = std::ranges::any_of(
+        fence, [&](const fs::path& place) { return std::ranges::mismatch(place, whole).in1 == place.end(); });
+    if (!inside)
+        throw SceneError(base.value_place, "base", "leaves the directory of the scene",
+                         fmt::format("this scene may name files beneath {} and scenes of the data alone",
+                                     fence.front().string()),
+                         "copy the file there and name it by its path from there");
+}
+
 /// The file that `base` names: seen from the file it stands in, or among the scenes of the data.
-fs::path base_file(const Entry& base) {
+fs::path base_file(const Entry& base, const Fence& fence) {
     const auto* name = std::get_if<std::string>(&base.value);
     if (!name)
         throw SceneError(base.value_place, "base", "a number where text belongs", "",
                          "name the file of a scene");
     std::error_code ignored;
     const fs::path beside = base.directory / *name;
+    refuse_outside(fence, base, beside);
     if (fs::is_regular_file(beside, ignored)) return beside;
     if (const auto file = find_table_file(*name, base.directory)) return *file;
     if (is_data_name(*name))
@@ -72,11 +97,11 @@ fs::path base_file(const Entry& base) {
 
 /// Puts the scene that a document is based on under it, and what that one is based on under both.
 /// `chain`: the files that led here, this one last.
-void add_base(Document& document, std::vector<fs::path> chain) {
+void add_base(Document& document, std::vector<fs::path> chain, const Fence& fence) {
     const auto entry = document.entries.find("base");
     if (entry == document.entries.end()) return;
     const Entry base = entry->second;
-    const fs::path file = base_file(base);
+    const fs::path file = base_file(base, fence);
     std::error_code ignored;
     const bool round =
         std::ranges::any_of(chain, [&](const fs::path& seen) { return fs::equivalent(seen, file, ignored); });
@@ -91,16 +116,16 @@ void add_base(Document& document, std::vector<fs::path> chain) {
     }
     Document below = read_document(read_text_file(file), file.string(),
                                    {scene_keys(), "", InputOrigin::given, "", file.parent_path()});
-    add_base(below, std::move(chain));
+    add_base(below, std::move(chain), fence);
     overlay(below, document);
     below.file = document.file;
     if (!document.cases.empty()) below.cases = std::move(document.cases);
     document = std::move(below);
 }
 
-Document read_whole(std::string_view text, const std::string& name, const fs::path& directory) {
+Document read_whole(std::string_view text, const std::string& name, const fs::path& directory, Bases bases) {
     Document document = read_document(text, name, {scene_keys(), "", InputOrigin::given, "", directory});
-    add_base(document, {name});
+    add_base(document, {name}, fence_of(bases, directory));
     return document;
 }
 
@@ -179,8 +204,8 @@ Scene finished(Document document, const std::vector<Document>& overrides) {
 }  // namespace
 
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name, const fs::path& directory,
-                                    const std::vector<std::string>& overrides) {
-    const Document document = read_whole(text, name, directory);
+                                    const std::vector<std::string>& overrides, Bases bases) {
+    const Document document = read_whole(text, name, directory, bases);
     const std::vector<Document> layers = read_overrides(overrides, directory);
     std::vector<Scene> scenes;
     if (document.cases.empty()) scenes.push_back(finished(document, layers));

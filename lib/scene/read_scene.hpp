@@ -30,9 +30,16 @@ Scene read_scene_text(std::string_view text, const std::string& name, const std:
 /// standard input, as if it lay in the current directory.
 std::vector<Scene> read_scenes(const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
+/// Where the files lie that a scene may name by a path, as `base` does; what else it names is looked for
+/// beside it and in the data alone.
+enum class Bases {
+    anywhere,
+    beneath  ///< the directory of the scene or the data; for text of others. Links are followed first
+};
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,
                                     const std::filesystem::path& directory,
-                                    const std::vector<std::string>& overrides = {});
+                                    const std::vector<std::string>& overrides = {},
+                                    Bases bases = Bases::anywhere);
 
 /// Source of an input that an override gives, before the source that the override itself names.
 inline constexpr std::string_view command_line_source = "command line";

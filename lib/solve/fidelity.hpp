@@ -33,6 +33,13 @@ struct Checkpoints {
     std::string file = {};  ///< that it is of, for messages
 };
 
+/// A row of the history of a run that goes on, for who watches it.
+struct WatchedRow {
+    double time;   ///< [s] since release
+    double force;  ///< [N] as the channel of that name
+    double speed;  ///< [m/s] of the payload over ground
+};
+
 /// Settings and callbacks of a run that are not physics.
 struct Run {
     std::stop_token stop;                           ///< asks for an early, clean end
@@ -52,6 +59,12 @@ struct Run {
     /// far as the run comes, with the specific force among them, and neither metrics nor inputs: for who runs
     /// a model thousands of times. Of fidelities that say so.
     std::span<const double> samples = {};
+    /// May be empty; takes rows of the history once nothing changes them any more, in the order of their
+    /// times; the last ones come with the record alone. One that is not later than the last belongs to a run
+    /// that began anew: none of those before counts. Of fidelities whose runs are long.
+    std::function<void(const WatchedRow&)> rows = {};
+    /// May be empty; takes all shapes for the report so far whenever there are more, if `frames` is there.
+    std::function<void(const ShapeFrames&)> frames_so_far = {};
 };
 
 struct Fidelity {

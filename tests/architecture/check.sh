@@ -14,7 +14,7 @@ report() {  # reads lines of findings
 }
 
 modules=()
-for module in lib rom fullsim compare study python; do
+for module in lib rom fullsim compare study serve python; do
     [ ! -d "$module" ] || modules+=("$module")
 done
 if [ "${#modules[@]}" -eq 0 ] || [ ! -f main.cpp ]; then
@@ -27,12 +27,12 @@ while IFS= read -r -d '' file; do sources+=("$file"); done < <(
     find "${modules[@]}" main.cpp -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inl' \) -print0 | sort -z
 )
 
-# Include order: a file includes its own module or one further left. One pair of files includes SUNDIALS.
+# Include order: a file includes its own module or one further left. One pair of files includes SUNDIALS, one file cpp-httplib.
 report < <(awk '
     BEGIN {
         rank["lib/math"] = 1; rank["lib/record"] = 2; rank["lib/models"] = 3; rank["lib/scene"] = 4
         rank["lib/solve"] = 5; rank["lib/cli"] = 6; rank["lib/exchange"] = 7; rank["rom"] = 7; rank["fullsim"] = 7
-        rank["compare"] = 8; rank["study"] = 9; rank["main.cpp"] = 10; rank["python"] = 10
+        rank["compare"] = 8; rank["study"] = 9; rank["serve"] = 10; rank["main.cpp"] = 11; rank["python"] = 11
     }
     function module_of(path,   part) {
         split(path, part, "/")
@@ -53,7 +53,7 @@ report < <(awk '
         else if (quote == "<" && module in rank)
             say("<" target "> is a file of this tree: quote it")
         else if (module in rank && module != own) {
-            if ((own == "compare" || own == "study") && (module == "rom" || module == "fullsim") &&
+            if ((own == "compare" || own == "study" || own == "serve") && (module == "rom" || module == "fullsim") &&
                 FILENAME !~ /^study\/size\//)
                 say(own " sees only rows of Fidelity, not " target)
             else if (rank[module] >= rank[own])
@@ -62,6 +62,8 @@ report < <(awk '
         if (target ~ /^(sundials|arkode|cvodes?|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\// &&
             FILENAME !~ /^lib\/solve\/sundials(_lanes)?\.[ch]pp$/)
             say("<" target ">: only lib/solve/sundials* sees SUNDIALS")
+        if (target == "httplib.h" && FILENAME != "serve/http_server.cpp")
+            say("<" target ">: only serve/http_server.cpp sees cpp-httplib")
     }' "${sources[@]}")
 
 # Libraries return or throw; only main ends the program.

@@ -8,7 +8,7 @@ failures=0
 
 good_tree() {
     rm -rf "$work"
-    mkdir -p "$work"/lib/{math,record,models,scene,solve,cli} "$work"/{rom,fullsim,compare,study,python,build}
+    mkdir -p "$work"/lib/{math,record,models,scene,solve,cli} "$work"/{rom,fullsim,compare,study,serve,python,build}
     cd "$work"
     echo '#include <vector>' >lib/math/vec.hpp
     echo '#include "lib/math/vec.hpp"' >lib/record/record.hpp
@@ -20,7 +20,8 @@ good_tree() {
     echo '#include "fullsim/mesh.hpp"' >fullsim/full.cpp
     echo '#include "lib/scene/scene.hpp"' >compare/compare.cpp
     echo '#include "compare/compare.hpp"' >study/study.cpp
-    echo '#include "study/study.hpp"' >python/module.cpp
+    echo '#include "study/study.hpp"' >serve/serve.cpp
+    echo '#include "serve/serve.hpp"' >python/module.cpp
     printf '#include "rom/rom.hpp"\n#include "compare/compare.hpp"\nint main() { return 0; }\n' >main.cpp
     echo 'project(x)' >CMakeLists.txt
     echo 'set(x -march=native)' >build/CMakeLists.txt # built files are not looked at
@@ -56,6 +57,9 @@ breach compare/compare.cpp 2 '#include "fullsim/full.hpp"'
 breach compare/compare.cpp 2 '#include "study/study.hpp"'
 breach study/study.cpp 2 '#include "rom/rom.hpp"'
 breach study/study.cpp 2 '#include "python/module.hpp"'
+breach study/study.cpp 2 '#include "serve/serve.hpp"'
+breach serve/serve.cpp 2 '#include "rom/rom.hpp"'
+breach serve/serve.cpp 2 '#include "python/module.hpp"'
 breach main.cpp 4 '#include "python/module.hpp"'
 breach python/module.cpp 2 '    std::exit(1);'
 breach rom/rom.cpp 2 '    return a.cross(b);'
@@ -68,6 +72,7 @@ breach lib/other.hpp 1 'int x;'
 breach rom/rom.cpp 2 '#include <sundials/sundials_types.h>'
 breach rom/rom.cpp 2 '#include <nvector/nvector_serial.h>'
 breach main.cpp 4 '#include <cvode/cvode.h>'
+breach serve/serve.cpp 2 '#include <httplib.h>'
 breach lib/scene/scene.hpp 2 '    std::exit(1);'
 breach rom/rom.cpp 2 'abort ();'
 breach main.cpp 63 "$(printf '\n%.0s' {1..59}; echo '}')"

@@ -41,6 +41,8 @@ SHORTENED = {
     "twinchute validate": ("--suite closed-forms", "the target docs-tables"),
     "twinchute validate --suite paper": ("--quick", "the target docs-tables"),
     "twinchute validate --suite paper-series": (None, "the target docs-tables"),
+    "twinchute serve": (None, "tests/system/serve_test.py"),  # until Ctrl-C
+    "twinchute serve data/scenes/c9-inflation.toml": (None, "tests/system/serve_test.py"),
 }
 # Lines that end with another exit code than 0, and the page that says why.
 ENDS_WITH = {

@@ -36,7 +36,7 @@ sources() {
         echo "$files"
         { grep '/Unity/unity_[0-9]*_cxx\.cxx$' <<<"$files" || true; } |
             xargs -r -d '\n' sed -n 's/^#include "\(.*\)"$/\1/p'
-    } | sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|study|python|tests|main)' |
+    } | sed -n "s|^$PWD/||p" | grep -E '^(lib|rom|fullsim|compare|study|serve|python|tests|main)' |
         { grep "^$folder" || true; } | sort -u
 }
 
@@ -59,7 +59,7 @@ touched() {
     while :; do
         more=$(
             while IFS= read -r header; do
-                grep -rlF --include='*.hpp' "#include \"$header\"" lib rom fullsim compare study python tests || true
+                grep -rlF --include='*.hpp' "#include \"$header\"" lib rom fullsim compare study serve python tests || true
             done < <(grep -E '\.hpp$' <<<"$changed" || true)
         )
         more=$(printf '%s\n' "$changed" "$more" | sed '/^$/d' | sort -u)
@@ -67,7 +67,7 @@ touched() {
         changed=$more
     done
     while IFS= read -r header; do
-        grep -rlF --include='*.cpp' "#include \"$header\"" lib rom fullsim compare study python tests main.cpp || true
+        grep -rlF --include='*.cpp' "#include \"$header\"" lib rom fullsim compare study serve python tests main.cpp || true
     done < <(grep -E '\.hpp$' <<<"$changed" || true)
     grep -E '\.cpp$' <<<"$changed" || true
 }

@@ -1,6 +1,6 @@
 # Every installed file is in one component, and so in one package (`notices`: in none, which have these files their own way).
 cmake_minimum_required(VERSION 3.25)
-set(components program development documentation python rare notices)
+set(components program development documentation python rare serve notices)
 function(installed out)
   file(REMOVE_RECURSE "${WORK}")
   execute_process(COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}" ${ARGN}

@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""Takes the picture of the page of `twinchute serve`: a heavier payload than the scene's, and the full model beside it.
+
+usage: serve.py TWINCHUTE SCENE PICTURE.png
+"""
+
+import os
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tests/browser"))
+from chromium import Chromium
+
+server = subprocess.Popen([sys.argv[1], "serve", sys.argv[2]], stdout=subprocess.PIPE, text=True)
+
+
+def until(page, what):
+    while not page.ask(f"Boolean({what})"):
+        time.sleep(0.1)
+
+
+try:
+    with Chromium(120) as page:
+        page.open(server.stdout.readline().strip(), width=1400, height=900)
+        until(page, "serve.idle()")
+        page.ask("""(() => { const k = serve.knobs.knobs.get('payload.mass'); k.slider.value = serve.knobs.placeAt(k.slide, 200);
+            for (const kind of ['input', 'change']) k.slider.dispatchEvent(new Event(kind)); })()""")
+        until(page, "serve.idle()")
+        page.ask("document.getElementById('run-full').click()")
+        until(page, "serve.runs.runs.full && serve.runs.runs.full.whole")
+        time.sleep(1)
+        page.screenshot(sys.argv[3])
+finally:
+    server.terminate()
+    server.wait()
