@@ -442,7 +442,7 @@ def main():
             series_shows_a_case(page, more[0].url)
             limits_have_their_margins(page, twinchute, limited, more[1].url)
             parachutes_are_told_apart(page, twinchute, two, more[2].url)
-            # What the browser itself writes about the refusals that were asked for above.
+            # Lines that the browser itself writes about the refusals that were asked for above.
             log = [line for line in page.log if not re.search("status of (409|422) ", line)]
             expect(log == [], f"the page logs no error and no warning: {log}")
             ours = {urllib.parse.urlsplit(one.url).netloc for one in (server, *more)}
