@@ -61,7 +61,7 @@ def until(page, expression, what, seconds=60):
 
 
 def settled(page):
-    """What was asked for is on the page."""
+    """Waits until the page shows the answer to the last change."""
     page.ask("new Promise(done => setTimeout(done, 150))")
     until(page, "serve.idle()", "the page comes to rest")
 
@@ -372,7 +372,7 @@ def series_shows_a_case(page, url):
 
 
 def limits_have_their_margins(page, twinchute, scene, url):
-    """Those of [size] against the same run of the command line: the scene as it is exceeds one and keeps the other."""
+    """Limits of [size] against the same run of the command line: the scene as it is exceeds one and keeps the other."""
     page.open(url, width=1000, height=800)
     until(page, "!document.getElementById('limits').hidden", "a scene with limits is opened")
     metrics = of_command_line(twinchute, scene)
