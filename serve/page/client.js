@@ -1,4 +1,4 @@
-// What all parts of the page share: the server, numbers as text, elements.
+// Shared by all parts of the page: the server, numbers as text, elements.
 "use strict";
 const serve = {
     token: new URLSearchParams(location.search).get("token") || "",

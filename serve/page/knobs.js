@@ -61,7 +61,7 @@ serve.knobs = (function () {
         return plain(input.value) + (row.unit && row.unit !== "1" ? " " + row.unit : "");
     }
 
-    // What --set takes: numbers as they are, words in quotes.
+    // Value for --set: numbers as they are, words in quotes.
     function toml(words, row) {
         if (/^[[{"']/.test(words)) return words;
         if (row.range.startsWith("a list")) return "[" + words.split(",").map((word) => JSON.stringify(word.trim())).join(", ") + "]";

@@ -30,7 +30,7 @@ serve.results = (function () {
         return rows;
     }
 
-    // Of metrics, unit and sides: {now, before, kept, full}, each a summary or null.
+    // sides: {now, before, kept, full}, each a summary or null.
     function showFigures(sides, note) {
         const table = document.getElementById("figures-table"), now = sides.now, columns = ["", "rom"];
         if (sides.full) columns.push(sides.fullIsSame ? "full" : "full, of other values");

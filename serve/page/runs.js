@@ -148,7 +148,7 @@ serve.runs = (function () {
             clearTimeout(run.timer);
             poll(kind);
         },
-        // What to remember, and the runs of the address or of the memory again.
+        // Requests to remember, and the runs of the address or of the memory again.
         asked() { return Object.fromEntries(Object.entries(runs).map(([kind, run]) => [run.id, run.asked])); },
         find(remembered) {
             const named = new URLSearchParams(location.hash.slice(1));

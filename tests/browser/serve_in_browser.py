@@ -61,7 +61,7 @@ def until(page, expression, what, seconds=60):
 
 
 def settled(page):
-    """What was asked for is on the page."""
+    """Waits until the page shows the answer to the last change."""
     page.ask("new Promise(done => setTimeout(done, 150))")
     until(page, "serve.idle()", "the page comes to rest")
 
@@ -372,7 +372,7 @@ def series_shows_a_case(page, url):
 
 
 def limits_have_their_margins(page, twinchute, scene, url):
-    """Those of [size] against the same run of the command line: the scene as it is exceeds one and keeps the other."""
+    """Limits of [size] against the same run of the command line: the scene as it is exceeds one and keeps the other."""
     page.open(url, width=1000, height=800)
     until(page, "!document.getElementById('limits').hidden", "a scene with limits is opened")
     metrics = of_command_line(twinchute, scene)
@@ -442,7 +442,7 @@ def main():
             series_shows_a_case(page, more[0].url)
             limits_have_their_margins(page, twinchute, limited, more[1].url)
             parachutes_are_told_apart(page, twinchute, two, more[2].url)
-            # What the browser itself writes about the refusals that were asked for above.
+            # Lines that the browser itself writes about the refusals that were asked for above.
             log = [line for line in page.log if not re.search("status of (409|422) ", line)]
             expect(log == [], f"the page logs no error and no warning: {log}")
             ours = {urllib.parse.urlsplit(one.url).netloc for one in (server, *more)}
