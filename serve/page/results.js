@@ -32,7 +32,7 @@ serve.results = (function () {
 
     // sides: {now, before, kept, full}, each a summary or null.
     function showFigures(sides, note) {
-        const table = document.getElementById("figures-table"), now = sides.now, columns = ["", "rom"];
+        const table = document.getElementById("figures-table"), now = sides.now, columns = ["Figure", "rom"];
         if (sides.full) columns.push(sides.fullIsSame ? "full" : "full, of other values");
         if (sides.full && sides.fullIsSame) columns.push("full minus rom");
         if (sides.before) columns.push("before", "change");
@@ -85,7 +85,7 @@ serve.results = (function () {
         }
         document.getElementById("limits").hidden = !body.children.length;
         document.getElementById("limits-table").replaceChildren(
-            head("", "limit", "rom", "margin", ...(full ? ["full", "margin"] : [])), body);
+            head("Limit on", "limit", "rom", "margin", ...(full ? ["full", "margin"] : [])), body);
     }
 
     function showFormulas(summary) {
@@ -134,7 +134,7 @@ serve.results = (function () {
                 cell(["within", "exceeded"].includes(metric.verdict) ? chip(metric.verdict === "within", metric.verdict) : metric.verdict, "")));
         }
         const table = serve.element("table", {}, serve.element("caption", {}, "Differences are full minus rom; per cents are shares of full."),
-            head("", "rom", "full", "difference", "tolerance", "verdict"), rows);
+            head("Metric", "rom", "full", "difference", "tolerance", "verdict"), rows);
         body.append(serve.element("div", {className: "scroll", role: "region", "aria-label": "Gap, table", tabIndex: 0}, table));
     }
 

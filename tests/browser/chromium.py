@@ -15,6 +15,24 @@ def program():
     return next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
+def axe_core(paths):
+    """The source of axe-core at the first of these paths; None, and a word about it, where there is none."""
+    if paths:
+        with open(paths[0], encoding="utf-8") as file:
+            return file.read()
+    print("axe-core is not there (npm install axe-core, cmake -D AXE_JS=.../axe.min.js): accessibility by this test's own checks alone")
+    return None
+
+
+def barriers(page, axe):
+    """What breaks a rule of WCAG 2.1 A and AA, or of good practice, that axe-core knows; nothing without it."""
+    if not axe:
+        return []
+    page.ask(axe + "; 0")  # the page's own policy forbids nothing that comes by the debugger
+    return page.ask("""axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']}).then(r => r.violations.map(v =>
+        [v.impact, v.id, v.nodes.length, v.nodes[0].html.slice(0, 140), v.nodes[0].failureSummary.slice(0, 200)]))""")
+
+
 class Chromium:
     """One browser with one page. Keeps what the page logged, threw and asked the network for."""
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from chromium import Chromium, program
+from chromium import Chromium, axe_core, barriers, program
 
 failures = []
 
@@ -180,13 +180,7 @@ AXE = None  # source of axe-core, where it is there
 
 
 def axe_finds_nothing(page, where):
-    """No rule of WCAG 2.1 A and AA that axe-core knows is broken, light or dark."""
-    if not AXE:
-        return
-    # The page's own policy forbids nothing that comes by the debugger.
-    page.ask(AXE + "; 0")
-    found = page.ask("""axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']}).then(r => r.violations.map(v =>
-        [v.impact, v.id, v.nodes.length, v.nodes[0].html.slice(0, 140), v.nodes[0].failureSummary.slice(0, 200)]))""")
+    found = barriers(page, AXE)
     expect(found == [], f"axe-core finds nothing on {where}: {found}")
 
 
@@ -201,9 +195,7 @@ def made(twinchute, work, name, command, *words, page="report.html"):
 def main():
     global AXE
     twinchute, scene, work = sys.argv[1:4]
-    AXE = pathlib.Path(sys.argv[4]).read_text() if len(sys.argv) > 4 else None
-    if not AXE:
-        print("axe-core is not there (npm install axe-core, cmake -D AXE_JS=.../axe.min.js): accessibility by this test's own checks alone")
+    AXE = axe_core(sys.argv[4:])
     if not program():
         print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the HTML report")
         return 77

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The page of `twinchute serve` as an engineer works in it: values, curves, a full run, a comparison, in headless Chromium.
 
-usage: serve_in_browser.py TWINCHUTE SCENE WORK
+usage: serve_in_browser.py TWINCHUTE SCENE WORK [AXE]
+AXE: axe.min.js of axe-core, which then looks at the page too.
 Exit code 77 where there is no Chromium, or twinchute was built without a server.
 """
 
@@ -17,7 +18,7 @@ import time
 import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from chromium import Chromium, program
+from chromium import Chromium, axe_core, barriers, program
 
 failures = []
 
@@ -410,6 +411,7 @@ def main():
     if not program():
         print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the page of twinchute serve")
         return 77
+    axe = axe_core(sys.argv[4:])
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     mine = work / scene.name
@@ -438,6 +440,8 @@ def main():
             is_accessible(page)
             for width, height, scheme in ((1400, 1000, "light"), (800, 900, "dark"), (400, 800, "light")):
                 fits(page, width, height, scheme)
+                found = barriers(page, axe)
+                expect(found == [], f"axe-core finds nothing at {width} px: {found}")
                 page.screenshot(str(work / f"serve-{width}.png"))
             series_shows_a_case(page, more[0].url)
             limits_have_their_margins(page, twinchute, limited, more[1].url)
