@@ -2,9 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <sstream>
-
-#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
