@@ -32,7 +32,7 @@ lintian --allow-root --fail-on error "${packages[@]}"
 apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' | sort -u >"$work/sources.list"
 apt-config dump | { grep -E '^Acquire::(https?::|[^:]*[Pp]roxy)' || true; } >"$work/apt.conf"
 mkdir "$work/packages"
-for name in twinchute python3-twinchute twinchute-doc; do cp "$work/one/build/package/packages/$name"_*.deb "$work/packages/"; done
+for name in twinchute python3-twinchute twinchute-doc twinchute-serve; do cp "$work/one/build/package/packages/$name"_*.deb "$work/packages/"; done
 cat >"$work/use" <<'TXT'
 set -eu
 names() { find / -xdev \( -path /proc -o -path /sys -o -path /dev -o -path /tmp -o -path /var/cache -o -path /var/lib/apt -o -path /var/lib/dpkg -o -path /var/log -o -path /run \) -prune -o -print | sort; }
@@ -53,7 +53,22 @@ import twinchute
 scene = twinchute.Scene.load("/usr/share/twinchute/scenes/c9-inflation.toml")
 print("peak force by Python:", twinchute.rom(scene).metrics["peak_force"])
 PY
-apt-get purge -qq -y twinchute python3-twinchute twinchute-doc
+twinchute serve --dir /tmp >/tmp/address &
+server=$!
+python3 - <<'PY'
+import time, urllib.request
+for _ in range(100):
+    address = open("/tmp/address").read().strip()
+    if address:
+        break
+    time.sleep(0.1)
+page = urllib.request.urlopen(address).read().decode()
+assert "<title>" in page and "twinchute" in page, page[:200]
+print("the local page answers:", len(page), "bytes")
+PY
+kill -TERM $server
+wait $server || true
+apt-get purge -qq -y twinchute python3-twinchute twinchute-doc twinchute-serve
 apt-get autoremove -qq -y --purge
 names >after
 diff before after && echo "purged: nothing is left"
@@ -62,5 +77,5 @@ mmdebstrap --format=null --mode=root --variant=minbase --aptopt="$work/apt.conf"
     --customize-hook="cp -r '$work/packages' '$work/use' \"\$1/tmp/\"" --customize-hook='chroot "$1" bash /tmp/use' \
     "$(. /etc/os-release && echo "${VERSION_CODENAME:-stable}")" /dev/null "$work/sources.list" >"$work/root.log" 2>&1 ||
     { tail -n 60 "$work/root.log" && exit 1; }
-grep -E 'MiB on a minimal|purged:|peak force|within' "$work/root.log" || true
+grep -E 'MiB on a minimal|purged:|peak force|within|local page' "$work/root.log" || true
 rm -rf "$work/one" "$work/another"
