@@ -1,4 +1,4 @@
-// What the server answers: the page, and what the page asks for. Knows requests and answers, no sockets.
+// Answers of the server: the page, and what the page asks for. Knows requests and answers, no sockets.
 #pragma once
 
 #include <filesystem>

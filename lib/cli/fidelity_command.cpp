@@ -66,7 +66,7 @@ CaseReport run_case(const Fidelity& fidelity, const std::vector<const Fidelity*>
     return report;
 }
 
-/// What a report of a series shows over time: histories of a hundred cases would fill the memory.
+/// Keeps the histories that a report of a series shows: all those of a hundred cases would fill the memory.
 CaseRun case_run(const Scene& scene, RunRecord record) {
     std::erase_if(record.channels, [](const Channel& channel) {
         return channel.name != "time" && channel.name != "force" && channel.name != "speed";

@@ -75,7 +75,7 @@ TEST(ServeRuns, DestroyedOnesEnd) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);  // the run would go on
 }
 
-/// What watchers of a full run are told is the beginning of its history, and its shapes are those of its
+/// Watchers of a full run are told the beginning of its history, and its shapes are those of its
 /// record.
 TEST(ServeRuns, RowsAndShapesSoFarAreThoseOfTheRecord) {
     const Scene scene = scene_with(
