@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Takes the picture of the page of `twinchute serve`: a heavier payload than the scene's, and the full model beside it.
 
-usage: serve.py TWINCHUTE SCENE PICTURE.png
+usage: serve.py TWINCHUTE SCENE PICTURE.png [WIDTH HEIGHT SCHEME]
 """
 
 import os
@@ -12,6 +12,7 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tests/browser"))
 from chromium import Chromium
 
+width, height, scheme = (int(sys.argv[4]), int(sys.argv[5]), sys.argv[6]) if len(sys.argv) > 4 else (1400, 900, "light")
 server = subprocess.Popen([sys.argv[1], "serve", sys.argv[2]], stdout=subprocess.PIPE, text=True)
 
 
@@ -22,7 +23,7 @@ def until(page, what):
 
 try:
     with Chromium(120) as page:
-        page.open(server.stdout.readline().strip(), width=1400, height=900)
+        page.open(server.stdout.readline().strip(), width=width, height=height, scheme=scheme)
         until(page, "serve.idle()")
         page.ask("""(() => { const k = serve.knobs.knobs.get('payload.mass'); k.slider.value = serve.knobs.placeAt(k.slide, 200);
             for (const kind of ['input', 'change']) k.slider.dispatchEvent(new Event(kind)); })()""")
