@@ -17,6 +17,15 @@ const serve = {
             return {status: 0, data: {error: "The server does not answer (it may have ended), start twinchute serve again"}};
         }
     },
+    // What is no JSON, as bytes; null where there is none.
+    async bytes(path) {
+        try {
+            const answer = await fetch("/api/" + path, {cache: "no-store", headers: {"X-Twinchute-Token": serve.token}});
+            return answer.status === 200 ? new Uint8Array(await answer.arrayBuffer()) : null;
+        } catch (gone) {
+            return null;
+        }
+    },
     // The words of a refusal, whatever its form.
     words(answer) {
         const error = answer.data && answer.data.error;

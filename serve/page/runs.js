@@ -2,9 +2,11 @@
 "use strict";
 serve.runs = (function () {
     const interval = 300;  // [ms] between two questions
+    const shape_interval = 600;  // [ms] between two for the shapes, which come whole
     const titles = {full: "Full model", compare: "Comparison"};
     const box = document.getElementById("runs");
-    const runs = {};  // kind: {id, asked: {text, set}, info, history, timer}
+    const runs = {};  // kind: {id, asked: {text, set}, info, history, shape, timer}
+    let shape = null;  // that is shown
 
     const same = (run) => Boolean(run && run.asked && JSON.stringify(run.asked) === JSON.stringify(serve.request()));
 
@@ -96,6 +98,13 @@ serve.runs = (function () {
                 run.history = {};
                 for (const channel of Object.keys(before)) run.history[channel] = before[channel].concat(rows[channel]);
             }
+            const now = performance.now();
+            if (run.info.state === "done" ? !run.whole : now - (run.shaped || 0) > shape_interval) {
+                run.shaped = now;
+                const bytes = await serve.bytes("runs/" + run.id + "/frames");
+                if (runs[kind] !== run) return;
+                if (bytes && bytes.length) run.shape = readFrames(bytes);
+            }
             if (run.info.state === "done" && !run.whole) {
                 const found = await serve.ask("GET", "runs/" + run.id + "/history");
                 if (runs[kind] !== run) return;
@@ -125,6 +134,9 @@ serve.runs = (function () {
         same: same,
         reportLink: reportLink,
         show() {
+            // Of two runs the one that goes on, else the full run.
+            const shown = [runs.full, runs.compare].filter((run) => run && run.shape).sort((a, b) => Number(isOver(a)) - Number(isOver(b)))[0];
+            if ((shown ? shown.shape : null) !== shape) serve.shape.set(shape = shown ? shown.shape : null);
             for (const kind of Object.keys(titles)) {
                 panel(kind);
                 document.getElementById("run-" + kind).disabled = Boolean(runs[kind] && !isOver(runs[kind]));

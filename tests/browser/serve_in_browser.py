@@ -240,6 +240,26 @@ def text_is_edited(page):
     click(page, "#tab-values")
 
 
+# Share of the canvas that is drawn on, and a sum that another picture would not have.
+SHAPE = """(() => { const c = document.createElement('canvas'), s = document.getElementById('shape-canvas'); c.width = s.width; c.height = s.height;
+    const x = c.getContext('2d'); x.drawImage(s, 0, 0); const d = x.getImageData(0, 0, c.width, c.height).data; let drawn = 0, sum = 0;
+    for (let i = 3; i < d.length; i += 4) if (d[i]) { ++drawn; sum = (31 * sum + i + d[i - 1]) % 1000003; } return {share: 4 * drawn / d.length, sum: sum}; })()"""
+
+
+def canopy_opens(page, frames_while_it_ran):
+    """After the run: all shapes of the record, the open canopy wider than the one at first, turned by keys."""
+    frames = page.ask("serve.shape.frames()")
+    expect(frames > frames_while_it_ran > 0, f"shapes come while it runs: {frames_while_it_ran} of {frames}")
+    last = page.ask(SHAPE)
+    page.ask("(() => { const s = document.getElementById('shape-time'); s.value = 0; s.dispatchEvent(new Event('input')); })()")
+    first = page.ask(SHAPE)
+    expect(0.001 < first["share"] < last["share"] < 0.9, f"the canopy opens: {first} {last}")
+    expect("0.00 s since release" == page.ask("document.getElementById('shape-words').textContent"), "the slider says the time of the frame")
+    page.ask("document.getElementById('shape-canvas').focus()")
+    page.press("ArrowLeft", 37)
+    expect(page.ask(SHAPE)["sum"] != first["sum"], "an arrow key turns it")
+
+
 def full_run_is_followed(page):
     """Seven times the rows of the scene's own mesh, so that there is a middle."""
     page.ask("document.querySelector('[data-group=full]').open = true")
@@ -249,6 +269,8 @@ def full_run_is_followed(page):
     until(page, "serve.curves.shown.full && serve.curves.shown.full.history.time.length > 20", "rows are drawn while it runs")
     early = page.ask("(({time, force}) => ({time: time, force: force}))(serve.curves.shown.full.history)")
     expect(all(a < b for a, b in zip(early["time"], early["time"][1:])), "each row comes once")
+    until(page, "serve.shape.frames() > 0 && !document.getElementById('shape').hidden", "the canopy is drawn while it runs")
+    shapes = page.ask("serve.runs.runs.full.info.state === 'running' ? serve.shape.frames() : 0")
     says = page.ask("[serve.runs.runs.full.info.state, document.querySelector('[data-run=full] progress').value, location.hash]")
     expect(says[0] == "running" and 0 < says[1] < 1, f"the bar is on its way: {says}")
     expect(says[2].startswith("#full="), f"its id is in the address: {says}")
@@ -264,6 +286,7 @@ def full_run_is_followed(page):
     until(page, "serve.runs.runs.full.info.state === 'done' && serve.runs.runs.full.whole", "it ends", 120)
     settled(page)
     expect(page.ask("serve.curves.shown.full.history.altitude.length > 100"), "the whole history is drawn")
+    canopy_opens(page, shapes)
     whole = page.ask("(({time, force}) => ({time: time, force: force}))(serve.curves.shown.full.history)")
     at_end = dict(zip(whole["time"], whole["force"]))
     expect(all(at_end.get(time) == force for time, force in zip(early["time"], early["force"])), "rows drawn early are those of the record")

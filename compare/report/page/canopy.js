@@ -14,7 +14,7 @@
     }
     document.getElementById("no-canopy").remove();
 
-    const shape = report.readFrames(document.getElementById("report-frames").textContent);
+    const shape = readFrames(Uint8Array.from(atob(document.getElementById("report-frames").textContent), (c) => c.charCodeAt(0)));
     const zero = report.data.frameZero, times = shape.frames.map((frame) => frame.time - zero);
     const first = times[0], last = times[times.length - 1];
     const count = shape.triangles.length / 3;

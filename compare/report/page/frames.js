@@ -1,8 +1,6 @@
-// Reads the frames of the page: the format of frames.bin, docs/guide/frames.md, as base64.
+// Reads shapes over time: the bytes of frames.bin, docs/guide/frames.md.
 "use strict";
-report.readFrames = function (text) {
-    const binary = atob(text), bytes = new Uint8Array(binary.length);
-    for (let i = 0; i < bytes.length; ++i) bytes[i] = binary.charCodeAt(i);
+function readFrames(bytes) {
     const view = new DataView(bytes.buffer);
     let at = 8;  // the magic
     const word = () => { const value = view.getUint32(at, true); at += 4; return value; };
@@ -31,4 +29,4 @@ report.readFrames = function (text) {
         shape.frames.push(frame);
     }
     return shape;
-};
+}
