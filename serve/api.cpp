@@ -23,6 +23,7 @@
 #include "lib/solve/hand_over.hpp"
 #include "serve/access.hpp"
 #include "serve/page_files.hpp"
+#include "study/size/size_command.hpp"
 
 namespace twinchute::serve {
 namespace {
@@ -104,6 +105,7 @@ constexpr Api::Route Api::routes[] = {
     {"GET", "/api/keys", &Api::keys},
     {"GET", "/api/scene", &Api::scene},
     {"POST", "/api/rom", &Api::rom},
+    {"POST", "/api/size", &Api::size},
     {"POST", "/api/full", &Api::full},
     {"POST", "/api/compare", &Api::compare},
     {"POST", "/api/save", &Api::save},
@@ -207,6 +209,15 @@ HttpAnswer Api::rom(const HttpRequest& request, const std::string&) {
     const RunRecord record = run_scene(models_.rom, one.scene, run, both);
     return {200, fmt::format("{{\"summary\": {}, {}, \"cases\": {}}}\n", summary_json(record),
                              history_json(record), Json(one.cases).dump())};
+}
+
+HttpAnswer Api::size(const HttpRequest& request, const std::string&) {
+    const ReadScene one = read(scene_request(request.body), opened_);
+    try {
+        return {200, json_text(study::sized_json(one.scene, stop_))};
+    } catch (const rom::Interrupted&) {
+        throw Refusal(503, "the server ends (half a search says nothing), start it again");
+    }
 }
 
 HttpAnswer Api::start(RunKind kind, const HttpRequest& request) {

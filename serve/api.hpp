@@ -42,6 +42,7 @@ private:
     HttpAnswer page(const HttpRequest&, const std::string&);
     HttpAnswer keys(const HttpRequest&, const std::string&);
     HttpAnswer scene(const HttpRequest&, const std::string&);
+    HttpAnswer size(const HttpRequest& request, const std::string& id);
     HttpAnswer rom(const HttpRequest&, const std::string&);
     HttpAnswer full(const HttpRequest&, const std::string&);
     HttpAnswer compare(const HttpRequest&, const std::string&);

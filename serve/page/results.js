@@ -138,5 +138,32 @@ serve.results = (function () {
         body.append(serve.element("div", {className: "scroll", role: "region", "aria-label": "Gap, table", tabIndex: 0}, table));
     }
 
-    return {showFigures: showFigures, showLimits: showLimits, showFormulas: showFormulas, showAlerts: showAlerts, showGap: showGap};
+    // Candidates that `size` found; `use` opens the scene of one.
+    function showSizing(sized, use) {
+        document.getElementById("sizing").hidden = !sized;
+        if (!sized) return;
+        const words = (name) => name.replaceAll("_", " "), found = sized.candidates.filter((one) => one.varied);
+        const varied = found.length ? Object.keys(found[0].varied) : [], limited = found.length ? found[0].limits.map((limit) => limit.name) : [];
+        const rows = serve.element("tbody");
+        for (const one of sized.candidates) {
+            const button = one.scene_text ? serve.element("button", {type: "button"}, "Use") : null;
+            if (button) {
+                button.setAttribute("aria-label", "Use the scene with " + (one.type || "its own canopy") + ", sized");
+                button.addEventListener("click", () => use(one));
+            }
+            const limit = (name) => one.limits && one.limits.find((each) => each.name === name);
+            rows.append(serve.element("tr", {className: one.best ? "judged" : ""}, serve.element("th", {scope: "row"}, one.type || "as in the scene"),
+                ...varied.map((name) => cell(one.varied && one.varied[name] ? serve.readable(one.varied[name].value, one.varied[name].unit) : "\u2013")),
+                ...limited.map((name) => cell(limit(name) ? serve.readable(limit(name).value, limit(name).unit) + ", " + serve.number(100 * limit(name).used, 3) + "\u00a0%" : "\u2013")),
+                cell(serve.readable(one.parachute_mass_kg, "kg")),
+                cell(chip(one.meets, one.meets ? (one.best ? "best" : "meets") : one.why_not ? "no: " + one.why_not : "no"), ""), serve.element("td", {}, button)));
+        }
+        document.getElementById("sizing-table").replaceChildren(
+            serve.element("caption", {}, "By the reduced-order model, each limit with the share of it that is used. Mass is an estimate; the lightest that meets the limits is best."),
+            head("Canopy", ...varied.map(words), ...limited.map((name) => words(name.replace("max_", ""))), "mass", "meets the limits", "scene"), rows);
+        const notes = sized.candidates.flatMap((one) => (one.notes || []).map((note) => (sized.candidates.length > 1 ? (one.type || "scene") + ": " : "") + note));
+        document.getElementById("sizing-notes").replaceChildren(...notes.map((note) => serve.element("li", {}, note)));
+    }
+
+    return {showSizing: showSizing, showFigures: showFigures, showLimits: showLimits, showFormulas: showFormulas, showAlerts: showAlerts, showGap: showGap};
 })();

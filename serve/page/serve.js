@@ -180,8 +180,31 @@
         return {summary: run.info.state === "done" ? summary : null, same: is_same, history: run.history};
     }
 
+    // -- sizing: an answer of the server, of the values that it was asked with
+    let sizing = null;
+    function useSized(one) {
+        serve.commit();
+        go({text: one.scene_text, set: {}});
+        serve.commit();
+        serve.say("The text is now the sized scene; Undo goes back");
+    }
+    get("run-size").addEventListener("click", async () => {
+        const asked = serve.request();
+        get("run-size").disabled = true;
+        serve.refused(null);
+        const answer = await serve.ask("POST", "size", asked);
+        get("run-size").disabled = false;
+        if (answer.status !== 200) { serve.refused(answer); return; }
+        sizing = {data: answer.data, asked: JSON.stringify(asked)};
+        serve.results.showSizing(sizing.data, useSized);
+        draw();
+        serve.say(answer.data.meets ? "Sized: the limits are met" : "Sized: no value meets the limits");
+    });
+
     function draw() {
         if (!result) return;
+        get("run-size").hidden = !Object.keys(result.summary.inputs).some((key) => key.startsWith("size."));
+        get("sizing-stale").hidden = !sizing || sizing.asked === JSON.stringify(serve.request());
         const full = fullRun(), differs = before && before !== result && JSON.stringify(before.history) !== JSON.stringify(result.history);
         serve.curves.set("rom", "rom", result.history);
         serve.curves.set("before", "rom, before", differs ? before.history : null);

@@ -134,6 +134,16 @@ void require_sizable(const Scene& scene) {
                                          scene.file.string(), name, why));
 }
 
+nlohmann::ordered_json sized_json(const Scene& scene, const std::stop_token& stop) {
+    require_sizable(scene);
+    const Sized sized = size_scene(scene, stop);
+    nlohmann::ordered_json json = size_json(scene, sized);
+    for (std::size_t i = 0; i < sized.candidates.size(); ++i)
+        if (sized.candidates[i].found)
+            json["candidates"][i]["scene_text"] = sized_scene_text(scene, sized.candidates[i]);
+    return json;
+}
+
 std::string sized_scene_text(const Scene& scene, const Candidate& best) {
     Scene sized = best.found->scene;
     sized.name += ", sized";

@@ -411,6 +411,29 @@ def limits_have_their_margins(page, twinchute, scene, url):
     expect("parachute.gores" in page.ask("document.getElementById('run-error').textContent"), "with what it needs")
 
 
+def sizing_finds_what_the_command_line_finds(page, twinchute, scene, url):
+    page.open(url, width=1000, height=800)
+    until(page, "serve.idle() && !document.getElementById('run-size').hidden", "a scene with limits can be sized")
+    click(page, "#run-size")
+    until(page, "!document.getElementById('sizing').hidden", "the table of candidates is shown", 60)
+    by_hand = json.loads(subprocess.run([twinchute, "size", str(scene), "--json"], stdout=subprocess.PIPE, check=True).stdout)["candidates"]
+    rows = page.ask("[...document.querySelectorAll('#sizing-table tbody tr')].map(row => [row.children[0].textContent, row.children[1].textContent, row.className])")
+    expect([row[0] for row in rows] == [one["type"] for one in by_hand], f"a row a candidate: {rows}")
+    for row, one in zip(rows, by_hand):
+        expect(abs(float(row[1].split()[0]) / one["varied"]["nominal_diameter"]["value"] - 1) < 1e-3, f"the diameter that the command line finds: {row}")
+        expect((row[2] == "judged") == one["best"], f"the best stands out: {row}")
+    before = page.ask("document.getElementById('scene-text').value")
+    page.ask("document.querySelector('#sizing-table tr.judged button').click()")
+    settled(page)
+    best = next(one for one in by_hand if one["best"])
+    for metric in ("descent_rate_m_s", PEAK):
+        expect(abs(figure(page, metric, "rom") / best["metrics"][metric] - 1) < 1e-3, f"its scene runs as it was sized: {metric}")
+    expect(not page.ask("document.getElementById('sizing-stale').hidden"), "the table says that it is of other values")
+    page.ask("document.getElementById('undo').click()")
+    settled(page)
+    expect(page.ask("document.getElementById('scene-text').value") == before and page.ask("document.getElementById('sizing-stale').hidden"), "undo goes back")
+
+
 def parachutes_are_told_apart(page, twinchute, scene, url):
     page.open(url, width=1000, height=800)
     until(page, "document.querySelector('[data-metric=main_filling_time_s]')", "each of two parachutes has its filling time")
@@ -440,7 +463,8 @@ def main():
     mine = work / scene.name
     shutil.copy(scene, mine)
     limited, two = scene.parent / "sizing" / "cargo-drop-reefed.toml", scene.parent / "rocket-dual-deploy.toml"
-    others = [scene.parent / "c9-inflation-speeds.toml", limited, two]
+    sizable = scene.parent / "sizing" / "cargo-drop.toml"
+    others = [scene.parent / "c9-inflation-speeds.toml", limited, two, sizable]
     with contextlib.ExitStack() as stack:
         server, *more = [stack.enter_context(Server(twinchute, str(one), "--dir", str(work))) for one in [mine, *others]]
         if not server.url.startswith("http://127.0.0.1:"):
@@ -469,6 +493,7 @@ def main():
             series_shows_a_case(page, more[0].url)
             limits_have_their_margins(page, twinchute, limited, more[1].url)
             parachutes_are_told_apart(page, twinchute, two, more[2].url)
+            sizing_finds_what_the_command_line_finds(page, twinchute, sizable, more[3].url)
             # Lines that the browser itself writes about the refusals that were asked for above.
             log = [line for line in page.log if not re.search("status of (409|422) ", line)]
             expect(log == [], f"the page logs no error and no warning: {log}")

@@ -303,6 +303,24 @@ class Scenes(Shared):
                 self.assertEqual(answer["history"][name], written, name)
             self.assertEqual(answer["cases"], [])
 
+    def test_size_is_that_of_the_command_line(self):
+        scene = os.path.join(os.path.dirname(SCENE), "sizing", "cargo-drop.toml")
+        text = content(scene).decode()
+        status, answer = self.server.post("/api/size", {"text": text})
+        self.assertEqual(status, 200, answer)
+        by_hand = json.loads(program("size", scene, "--json").stdout)
+        texts = [one.pop("scene_text") for one in answer["candidates"]]
+        self.assertEqual(answer["candidates"], by_hand["candidates"])
+        for one, sized in zip(by_hand["candidates"], texts):  # each text is the scene of its candidate
+            status, run = self.server.post("/api/rom", {"text": sized})
+            self.assertEqual(status, 200, run)
+            rate = run["summary"]["metrics"]["descent_rate_m_s"]
+            rate = rate["value"] if isinstance(rate, dict) else rate
+            self.assertAlmostEqual(rate / one["metrics"]["descent_rate_m_s"], 1.0, places=9)
+        status, answer = self.server.post("/api/size", {"text": TEXT})
+        self.assertEqual(status, 422)
+        self.assertIn("there is no [size]", answer["error"]["message"])
+
     def test_series(self):
         series = TEXT + '\n[[case]]\nname = "slow"\nset = { "release.speed" = "20 m/s" }\n[[case]]\nname = "fast"\nset = { "release.speed" = "30 m/s" }\n'
         speed = {}
