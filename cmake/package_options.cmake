@@ -4,7 +4,7 @@ if(NOT TWINCHUTE_PACKAGE)
   return()
 endif()
 
-set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)  # none: one that is removed leaves its room behind
+set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)  # none: one that is removed leaves padding behind
 add_compile_options(-ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=build)
 
 # The time of every date in a package: of the last commit; in an archive, which has none, of its files.

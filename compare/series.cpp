@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 10> csv_metrics{
     "descent_rate",       "signed_area_ratio"};
 constexpr std::array<std::string_view, 4> brief_metrics{"snatch_speed", "filling_time", "peak_force",
                                                         "signed_area_ratio"};
-/// Columns of a series of one fidelity, which has more room.
+/// Columns of a series of one fidelity: there is space for more.
 constexpr std::array<std::string_view, 7> metrics_alone{
     "snatch_speed", "filling_time",           "peak_force", "load_factor",
     "descent_rate", "landing_vertical_speed", "flight_time"};

@@ -32,7 +32,7 @@ public:
     Connection(int handle, int stop) : handle_(handle), stop_(stop) {}
     ~Connection() override {
         ::shutdown(handle_, SHUT_WR);
-        // What nobody read would make the system take back an answer that is still on its way.
+        // Bytes that nobody read would make the system take back an answer that is still on its way.
         deadline_ = Clock::now() + (refused ? 200ms : 0ms);
         for (std::size_t dropped = 0; dropped <= largest_body && fill();)
             dropped += buffered_;

@@ -120,16 +120,16 @@ ExitCode run_single(const Fidelity& fidelity, DefaultOutput output,
         if (code == ExitCode::interrupted) break;
     }
     if (arguments.has("json")) print(joined_json(scenes, summaries));
-    if (series.empty() || code == ExitCode::interrupted) return code;
+    if (series.empty()) return code;
     std::filesystem::path made;
-    if (directory) {
+    if (directory && code != ExitCode::interrupted) {  // files are of all cases or not there
         FileBatch batch;
         made = reports.add_series(batch, series, *directory);
         batch.commit();
     }
     if (arguments.has("json") || arguments.has("quiet")) return code;
     print("\n" + reports.series_text(series, output_style()));
-    if (directory) print(fmt::format("\nseries    {}\n", printable(made.string())));
+    if (!made.empty()) print(fmt::format("\nseries    {}\n", printable(made.string())));
     return code;
 }
 

@@ -17,7 +17,7 @@ const serve = {
             return {status: 0, data: {error: "The server does not answer (it may have ended), start twinchute serve again"}};
         }
     },
-    // What is no JSON, as bytes; null where there is none.
+    // Bytes of an answer that is no JSON; null where there is none.
     async bytes(path) {
         try {
             const answer = await fetch("/api/" + path, {cache: "no-store", headers: {"X-Twinchute-Token": serve.token}});

@@ -134,7 +134,7 @@ serve.runs = (function () {
         same: same,
         reportLink: reportLink,
         show() {
-            // Of two runs the one that goes on, else the full run.
+            // The run that goes on, else the full one.
             const shown = [runs.full, runs.compare].filter((run) => run && run.shape).sort((a, b) => Number(isOver(a)) - Number(isOver(b)))[0];
             if ((shown ? shown.shape : null) !== shape) serve.shape.set(shape = shown ? shown.shape : null);
             for (const kind of Object.keys(titles)) {

@@ -6,7 +6,7 @@ serve.shape = (function () {
     const shades = 5;
     let shape = null, around = 0.5, up = 0.15, follows = true, drawn = [];
 
-    // Room for all frames so far, but for a static line that leads far away.
+    // Bounds of all frames so far, but for a static line that leads far away.
     function extent() {
         let radius = 0.1, low = 0, high = 0.1;
         for (const frame of shape.frames)
@@ -23,9 +23,9 @@ serve.shape = (function () {
         const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
         canvas.width = Math.round(ratio * width);
         canvas.height = Math.round(ratio * height);
-        const frame = shape.frames[Number(slider.value)], context = canvas.getContext("2d"), room = extent();
-        const reach = Math.max(room.high - room.low, 2 * room.radius), middle = 0.5 * (room.high + room.low);
-        const scale = 0.92 * Math.min(width / Math.max(2 * room.radius, 0.4 * reach), height / reach);
+        const frame = shape.frames[Number(slider.value)], context = canvas.getContext("2d"), bounds = extent();
+        const reach = Math.max(bounds.high - bounds.low, 2 * bounds.radius), middle = 0.5 * (bounds.high + bounds.low);
+        const scale = 0.92 * Math.min(width / Math.max(2 * bounds.radius, 0.4 * reach), height / reach);
         const [ca, sa, cu, su] = [Math.cos(around), Math.sin(around), Math.cos(up), Math.sin(up)];
         const x = new Float32Array(shape.nodes), y = new Float32Array(shape.nodes), near = new Float32Array(shape.nodes);
         for (let n = 0; n < shape.nodes; ++n) {

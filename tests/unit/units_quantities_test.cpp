@@ -29,7 +29,7 @@ TEST(Units, CommonOnesAreTheDatabasesToTheBit) {
                               bracketed = std::string(number) + " (" + std::string(row.name) + ")";
             EXPECT_EQ(to_si(plain, row.si_unit), to_si(bracketed, row.si_unit)) << plain;
         }
-        // Of another kind it is refused as any unit is, not taken for SI.
+        // For a quantity of another kind it is refused as any unit is, not taken for SI.
         EXPECT_THROW(to_si("1 " + std::string(row.name), "K"), UnitError) << row.name;
     }
     EXPECT_TRUE(units_loaded());
