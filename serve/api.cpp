@@ -23,6 +23,7 @@
 #include "lib/solve/hand_over.hpp"
 #include "serve/access.hpp"
 #include "serve/page_files.hpp"
+#include "serve/studies.hpp"
 #include "study/size/size_command.hpp"
 
 namespace twinchute::serve {
@@ -108,6 +109,8 @@ constexpr Api::Route Api::routes[] = {
     {"POST", "/api/size", &Api::size},
     {"POST", "/api/full", &Api::full},
     {"POST", "/api/compare", &Api::compare},
+    {"POST", "/api/calibrate", &Api::calibrate},
+    {"POST", "/api/campaign", &Api::campaign},
     {"POST", "/api/save", &Api::save},
     {"GET", "/api/runs", &Api::runs},
     {"GET", "/api/runs/ID", &Api::run},
@@ -232,7 +235,11 @@ HttpAnswer Api::start(RunKind kind, const HttpRequest& request) {
                         "what it computes), "
                         "take it out, or run `twinchute {}`",
                         opened_.file, kind_name(kind)));
-    const auto run = runs_.start(kind, std::move(one.scene));
+    return begin(kind, std::move(one.scene), {});
+}
+
+HttpAnswer Api::begin(RunKind kind, Scene scene, study::StudyWork study) {
+    const auto run = runs_.start(kind, std::move(scene), std::move(study));
     if (!run)
         throw Refusal(429,
                       fmt::format("{} runs go on already (no more may), wait for one of them or cancel it",
@@ -246,6 +253,16 @@ HttpAnswer Api::full(const HttpRequest& request, const std::string&) {
 
 HttpAnswer Api::compare(const HttpRequest& request, const std::string&) {
     return start(RunKind::compare, request);
+}
+
+HttpAnswer Api::calibrate(const HttpRequest& request, const std::string&) {
+    AskedStudy asked = asked_calibration(request.body, opened_, models_, place_);
+    return begin(RunKind::calibrate, std::move(asked.scene), std::move(asked.work));
+}
+
+HttpAnswer Api::campaign(const HttpRequest& request, const std::string&) {
+    AskedStudy asked = asked_campaign(request.body, opened_, models_);
+    return begin(RunKind::campaign, std::move(asked.scene), std::move(asked.work));
 }
 
 HttpAnswer Api::save(const HttpRequest& request, const std::string&) {
@@ -291,12 +308,22 @@ std::shared_ptr<BackgroundRun> Api::found(const std::string& id) const {
     return run;
 }
 
+void Api::refuse_without_result(const BackgroundRun& run) const {
+    throw Refusal(409, run.state() == RunState::running ? "the run goes on, ask again when it has ended"
+                                                        : "the run came to nothing, see its error");
+}
+
 std::shared_ptr<const compare::Comparison> Api::result_of(const std::string& id) const {
     const auto run = found(id);
+    if (is_study(run->kind())) throw Refusal(404, "a study has no history and no shapes, see its report");
     auto result = run->result();
-    if (!result)
-        throw Refusal(409, run->state() == RunState::running ? "the run goes on, ask again when it has ended"
-                                                             : "the run came to nothing, see its error");
+    if (!result) refuse_without_result(*run);
+    return result;
+}
+
+std::shared_ptr<const study::StudyResult> Api::study_of(const BackgroundRun& run) const {
+    auto result = run.study_result();
+    if (!result) refuse_without_result(run);
     return result;
 }
 
@@ -320,6 +347,7 @@ HttpAnswer Api::run(const HttpRequest& request, const std::string& id) {
         std::from_chars(from->data(), from->data() + from->size(), first);
     // The result first: a status from after it is as new.
     const auto result = run->result();
+    const auto study = run->study_result();
     const BackgroundRun::Status status = run->status(first);
     const bool both = run->kind() == RunKind::compare;
     std::string text = fmt::format(
@@ -332,6 +360,8 @@ HttpAnswer Api::run(const HttpRequest& request, const std::string& id) {
     text += fmt::format(", \"summary\": {}", result ? summary_json(result->reference) : "null");
     text += fmt::format(", \"rom_summary\": {}", result && both ? summary_json(result->candidate) : "null");
     text += fmt::format(", \"gap\": {}", result && both ? compare::gap_json(*result) : "null");
+    text += fmt::format(", \"study\": {}, \"scene_text\": {}", study ? study->json : "null",
+                        study && !study->scene_text.empty() ? string_json(study->scene_text) : "null");
     return {200, text + "}\n"};
 }
 
@@ -349,17 +379,22 @@ HttpAnswer Api::history(const HttpRequest& request, const std::string& id) {
 }
 
 HttpAnswer Api::summary(const HttpRequest&, const std::string& id) {
-    return download(summary_json(result_of(id)->reference), "application/json", "summary.json");
+    const auto run = found(id);
+    return download(is_study(run->kind()) ? study_of(*run)->json : summary_json(result_of(id)->reference),
+                    "application/json", summary_name(run->kind()));
 }
 
 HttpAnswer Api::report(const HttpRequest&, const std::string& id) {
+    constexpr const char* html = "text/html; charset=utf-8";
+    const auto run = found(id);
+    if (is_study(run->kind())) return {200, study_of(*run)->page, html};
     const auto result = result_of(id);
-    const bool both = found(id)->kind() == RunKind::compare;
+    const bool both = run->kind() == RunKind::compare;
     return {200,
             both
                 ? compare::report_html(*result)
                 : compare::record_html(result->reference, result->reference_frames, models_.full.title, true),
-            "text/html; charset=utf-8"};
+            html};
 }
 
 HttpAnswer Api::frames(const HttpRequest&, const std::string& id) {

@@ -46,6 +46,8 @@ private:
     HttpAnswer rom(const HttpRequest&, const std::string&);
     HttpAnswer full(const HttpRequest&, const std::string&);
     HttpAnswer compare(const HttpRequest&, const std::string&);
+    HttpAnswer calibrate(const HttpRequest&, const std::string&);
+    HttpAnswer campaign(const HttpRequest&, const std::string&);
     HttpAnswer save(const HttpRequest&, const std::string&);
     HttpAnswer runs(const HttpRequest&, const std::string&);
     HttpAnswer run(const HttpRequest&, const std::string& id);
@@ -56,8 +58,11 @@ private:
     HttpAnswer frames(const HttpRequest&, const std::string& id);
 
     HttpAnswer start(RunKind kind, const HttpRequest& request);
+    HttpAnswer begin(RunKind kind, Scene scene, study::StudyWork study);
     std::shared_ptr<BackgroundRun> found(const std::string& id) const;
+    [[noreturn]] void refuse_without_result(const BackgroundRun& run) const;
     std::shared_ptr<const compare::Comparison> result_of(const std::string& id) const;
+    std::shared_ptr<const study::StudyResult> study_of(const BackgroundRun& run) const;
 
     const Models models_;
     const OpenedScene opened_;

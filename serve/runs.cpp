@@ -41,7 +41,14 @@ constexpr double rom_share = 0.02;  // of the time of a comparison, for its prog
 }  // namespace
 
 std::string_view kind_name(RunKind kind) {
-    return kind == RunKind::full ? "full" : "compare";
+    constexpr std::array<std::string_view, 4> names{"full", "compare", "calibrate", "campaign"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
+std::string_view summary_name(RunKind kind) {
+    constexpr std::array<std::string_view, 4> names{"summary.json", "summary.json", "calibration.json",
+                                                    "campaign.json"};
+    return names[static_cast<std::size_t>(kind)];
 }
 
 std::string_view state_name(RunState state) {
@@ -49,13 +56,18 @@ std::string_view state_name(RunState state) {
     return names[static_cast<std::size_t>(state)];
 }
 
+int page_threads() {
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+}
+
 BackgroundRun::BackgroundRun(std::string id, RunKind kind, Scene scene, const Models& models,
-                             std::chrono::milliseconds patience)
+                             std::chrono::milliseconds patience, study::StudyWork study)
     : id_(std::move(id)),
       kind_(kind),
       scene_(std::move(scene)),
       models_(models),
       patience_(patience),
+      study_(std::move(study)),
       thread_([this] { work(); }) {}
 
 RunState BackgroundRun::state() const {
@@ -86,6 +98,11 @@ BackgroundRun::Status BackgroundRun::status(std::size_t first_row) const {
 std::shared_ptr<const compare::Comparison> BackgroundRun::result() const {
     const std::lock_guard guard(lock_);
     return result_;
+}
+
+std::shared_ptr<const study::StudyResult> BackgroundRun::study_result() const {
+    const std::lock_guard guard(lock_);
+    return study_result_;
 }
 
 void BackgroundRun::report(const Progress& progress, double from, double to) {
@@ -119,8 +136,7 @@ std::string BackgroundRun::frames() {
 RunRecord BackgroundRun::record_by(const Fidelity& fidelity, ShapeFrames& frames, double from, double to) {
     const std::array<const Fidelity*, 2> both{&models_.full, &models_.rom};
     Run run{stop_.get_token(), [&](const Progress& progress) { report(progress, from, to); }};
-    // One processor stays with the page.
-    run.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+    run.threads = page_threads();
     run.frames = [&frames](ShapeFrames shape) { frames = std::move(shape); };
     run.rows = [this](const WatchedRow& row) { add_row(row); };
     run.frames_so_far = [this](const ShapeFrames& shape) {
@@ -131,6 +147,33 @@ RunRecord BackgroundRun::record_by(const Fidelity& fidelity, ShapeFrames& frames
 }
 
 void BackgroundRun::work() {
+    study_ ? run_study() : run_models();
+}
+
+void BackgroundRun::end(RunState state, const std::string& error) {
+    status_.state = state;
+    if (state == RunState::done) status_.share = 1.0;
+    if (status_.error.empty()) status_.error = error;
+}
+
+void BackgroundRun::run_study() {
+    std::shared_ptr<study::StudyResult> made;
+    RunState state = RunState::failed;
+    std::string error;
+    try {
+        made = std::make_shared<study::StudyResult>(
+            study_(stop_.get_token(), [this](const Progress& progress) { report(progress, 0.0, 1.0); }));
+        state = made->interrupted ? RunState::cancelled : RunState::done;
+        if (made->json.empty()) made.reset();
+    } catch (const std::exception& thrown) {
+        error = thrown.what();
+    }
+    const std::lock_guard guard(lock_);
+    end(state, error);
+    study_result_ = std::move(made);
+}
+
+void BackgroundRun::run_models() {
     auto made = std::make_shared<compare::Comparison>();
     RunState state = RunState::failed;
     std::string error;
@@ -153,22 +196,20 @@ void BackgroundRun::work() {
         made.reset();
     }
     const std::lock_guard guard(lock_);
-    status_.state = state;
+    end(state, error);
     if (made) status_.rows = rows_of(made->reference);
     shape_ = {};
-    if (state == RunState::done) status_.share = 1.0;
-    if (status_.error.empty()) status_.error = error;
     result_ = std::move(made);
 }
 
-std::shared_ptr<BackgroundRun> Runs::start(RunKind kind, Scene scene) {
+std::shared_ptr<BackgroundRun> Runs::start(RunKind kind, Scene scene, study::StudyWork study) {
     const std::lock_guard guard(lock_);
     const auto is_active = [](const auto& run) { return run->state() == RunState::running; };
     if (std::ranges::count_if(runs_, is_active) >= static_cast<std::ptrdiff_t>(most_active)) return nullptr;
     while (runs_.size() - static_cast<std::size_t>(std::ranges::count_if(runs_, is_active)) >= most_ended)
         runs_.erase(std::ranges::find_if_not(runs_, is_active));
-    return runs_.emplace_back(std::make_shared<BackgroundRun>(std::to_string(++last_id_), kind,
-                                                              std::move(scene), models_, patience));
+    return runs_.emplace_back(std::make_shared<BackgroundRun>(
+        std::to_string(++last_id_), kind, std::move(scene), models_, patience, std::move(study)));
 }
 
 std::shared_ptr<BackgroundRun> Runs::find(std::string_view id) const {
@@ -196,14 +237,18 @@ std::vector<std::shared_ptr<BackgroundRun>> Runs::end() {
 
 std::optional<fs::path> save_run(const BackgroundRun& run, const fs::path& place) {
     const std::shared_ptr<const compare::Comparison> result = run.result();
-    if (!result) return std::nullopt;
+    const std::shared_ptr<const study::StudyResult> study = run.study_result();
+    if (!result && !study) return std::nullopt;
     const std::string stem = file_stem_of(run.scene().file.stem().string());
     std::error_code ignored;
     fs::path directory = (place / (stem + ".out")).lexically_normal();
     for (int number = 2; fs::exists(fs::symlink_status(directory, ignored)); ++number)
         directory = (place / fmt::format("{}-{}.out", stem, number)).lexically_normal();
     FileBatch batch;
-    if (run.kind() == RunKind::full) {
+    if (study) {
+        batch.add(directory / "report.html", study->page);
+        batch.add(directory / summary_name(run.kind()), study->json, FileBatch::Kind::marker);
+    } else if (run.kind() == RunKind::full) {
         add_record(batch, result->reference, directory, result->reference_frames);
         batch.add(directory / "run.html", compare::record_html(result->reference, result->reference_frames,
                                                                result->reference_title, true));

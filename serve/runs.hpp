@@ -1,4 +1,4 @@
-// Full runs and comparisons that go on while the page is served.
+// Full runs, comparisons and studies that go on while the page is served.
 #pragma once
 
 #include <chrono>
@@ -16,6 +16,7 @@
 #include "compare/gap.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/solve/fidelity.hpp"
+#include "study/work.hpp"
 
 namespace twinchute::serve {
 
@@ -24,22 +25,30 @@ struct Models {
     const Fidelity &full, &rom;
 };
 
-enum class RunKind { full, compare };
+enum class RunKind { full, compare, calibrate, campaign };
+constexpr bool is_study(RunKind kind) {
+    return kind == RunKind::calibrate || kind == RunKind::campaign;
+}
 enum class RunState { running, done, failed, cancelled };
 
-/// "full", "compare".
+/// Their commands.
 std::string_view kind_name(RunKind kind);
+/// The file in which a command writes what programs read.
+std::string_view summary_name(RunKind kind);
 /// "running", "done", "failed", "cancelled".
 std::string_view state_name(RunState state);
+
+/// Threads of a run: one processor stays with the page.
+int page_threads();
 
 /// One run in a thread of its own. Every member may be called from any thread.
 class BackgroundRun {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Begins. It is cancelled where nobody calls asked() for `patience`.
+    /// Begins. It is cancelled where nobody calls asked() for `patience`. `study`: of calibrate and campaign.
     BackgroundRun(std::string id, RunKind kind, Scene scene, const Models& models,
-                  std::chrono::milliseconds patience);
+                  std::chrono::milliseconds patience, study::StudyWork study = {});
 
     ~BackgroundRun() { cancel(); }
     BackgroundRun(const BackgroundRun&) = delete;
@@ -76,9 +85,14 @@ public:
     /// Records of the run, once it has ended and unless it came to nothing. Of a full run: `reference` and
     /// its frames alone.
     std::shared_ptr<const compare::Comparison> result() const;
+    /// The same of a study.
+    std::shared_ptr<const study::StudyResult> study_result() const;
 
 private:
     void work();
+    void run_models();
+    void run_study();
+    void end(RunState state, const std::string& error);
     void report(const Progress& progress, double from, double to);
     void add_row(const WatchedRow& row);
     RunRecord record_by(const Fidelity& fidelity, ShapeFrames& frames, double from, double to);
@@ -88,6 +102,7 @@ private:
     const Scene scene_;
     const Models models_;
     const std::chrono::milliseconds patience_;
+    const study::StudyWork study_;
     std::stop_source stop_;
     mutable std::mutex lock_;  // of what follows
     Status status_;
@@ -95,6 +110,7 @@ private:
     ShapeFrames shape_;          // so far
     bool shape_wanted_ = false;  // shapes of fine meshes are large
     std::shared_ptr<const compare::Comparison> result_;
+    std::shared_ptr<const study::StudyResult> study_result_;
     std::jthread thread_;  // last: it uses the rest
 };
 
@@ -108,7 +124,7 @@ public:
     explicit Runs(const Models& models) : models_(models) {}
 
     /// Begins one, or returns null where as many go on as may.
-    std::shared_ptr<BackgroundRun> start(RunKind kind, Scene scene);
+    std::shared_ptr<BackgroundRun> start(RunKind kind, Scene scene, study::StudyWork study = {});
     /// The run of that id, or null.
     std::shared_ptr<BackgroundRun> find(std::string_view id) const;
     /// The oldest first.
@@ -124,8 +140,8 @@ private:
 };
 
 /// Writes what a run has computed into a new directory of `place`, named after its scene, and returns that:
-/// the record of a full run, or both records and the report. Nothing where there is no result. Throws
-/// WriteError.
+/// the record of a full run, both records and the report, or those of a campaign. Nothing where there is no
+/// result. Throws WriteError.
 std::optional<std::filesystem::path> save_run(const BackgroundRun& run, const std::filesystem::path& place);
 
 }  // namespace twinchute::serve

@@ -17,13 +17,6 @@ namespace {
 constexpr std::string_view example = "c9-inflation";  // where nobody names a scene
 constexpr int deepest = 4;                            // levels of an object that is asked for
 
-std::string text_at(const nlohmann::json& object, const char* key, std::string_view otherwise) {
-    const auto found = object.find(key);
-    if (found == object.end()) return std::string(otherwise);
-    if (!found->is_string()) throw BadBody(fmt::format("'{}' is not text, send a string", key));
-    return found->get<std::string>();
-}
-
 }  // namespace
 
 std::string OpenedScene::text() const {
@@ -66,18 +59,37 @@ nlohmann::json object_of(const std::string& body, std::initializer_list<std::str
     return object;
 }
 
-SceneRequest scene_request(const std::string& body) {
-    const nlohmann::json object = object_of(body, {"text", "set", "case"});
-    if (!object.contains("text")) throw BadBody("'text' is absent, send that of a scene");
-    SceneRequest request{text_at(object, "text", ""), {}, text_at(object, "case", "")};
-    if (const auto set = object.find("set"); set != object.end()) {
-        if (!set->is_array()) throw BadBody("'set' is no list, send [\"payload.mass=120 kg\"]");
-        for (const nlohmann::json& one : *set) {
-            if (!one.is_string()) throw BadBody("'set' holds more than text, send [\"payload.mass=120 kg\"]");
-            request.overrides.push_back("--set " + one.get<std::string>());
-        }
+std::string text_at(const nlohmann::json& object, const char* key, std::string_view otherwise) {
+    const auto found = object.find(key);
+    if (found == object.end()) return std::string(otherwise);
+    if (!found->is_string()) throw BadBody(fmt::format("'{}' is not text, send a string", key));
+    return found->get<std::string>();
+}
+
+std::vector<std::string> texts_at(const nlohmann::json& object, const char* key, std::string_view example) {
+    std::vector<std::string> texts;
+    const auto list = object.find(key);
+    if (list == object.end()) return texts;
+    if (!list->is_array()) throw BadBody(fmt::format("'{}' is no list, send [\"{}\"]", key, example));
+    for (const nlohmann::json& one : *list) {
+        if (!one.is_string())
+            throw BadBody(fmt::format("'{}' holds more than text, send [\"{}\"]", key, example));
+        texts.push_back(one.get<std::string>());
     }
+    return texts;
+}
+
+SceneRequest scene_request(const nlohmann::json& object) {
+    if (!object.contains("text")) throw BadBody("'text' is absent, send that of a scene");
+    SceneRequest request{text_at(object, "text", ""), texts_at(object, "set", "payload.mass=120 kg"),
+                         text_at(object, "case", "")};
+    for (std::string& text : request.overrides)
+        text.insert(0, "--set ");
     return request;
+}
+
+SceneRequest scene_request(const std::string& body) {
+    return scene_request(object_of(body, {"text", "set", "case"}));
 }
 
 ReadScene read(const SceneRequest& request, const OpenedScene& opened) {

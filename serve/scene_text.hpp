@@ -39,11 +39,16 @@ struct SceneRequest {
     std::string case_name;               ///< of a series; empty: its first
 };
 
-/// Throws BadBody.
-SceneRequest scene_request(const std::string& body);
-
 /// Throws BadBody unless the body is an object that is no deeper than a few levels and has no keys but these.
 nlohmann::json object_of(const std::string& body, std::initializer_list<std::string_view> keys);
+/// Text at a key; `otherwise` where there is none. Throws BadBody.
+std::string text_at(const nlohmann::json& object, const char* key, std::string_view otherwise);
+/// Texts at a key; none where there is no such key. Throws BadBody, which shows `example`.
+std::vector<std::string> texts_at(const nlohmann::json& object, const char* key, std::string_view example);
+
+/// Throws BadBody.
+SceneRequest scene_request(const nlohmann::json& object);
+SceneRequest scene_request(const std::string& body);  ///< of nothing but the scene
 
 /// One scene, and the names of all cases of its series.
 struct ReadScene {

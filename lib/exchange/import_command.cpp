@@ -17,6 +17,7 @@
 #include "lib/exchange/read_design.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/record/short_lived_directory.hpp"
 #include "lib/scene/published_sounding.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -25,26 +26,6 @@ namespace twinchute::exchange {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A directory that is gone with it.
-class ShortLivedDirectory {
-public:
-    ShortLivedDirectory() {
-        std::string name = (fs::temp_directory_path() / "twinchute-XXXXXX").string();
-        if (!mkdtemp(name.data())) throw WriteError(name, errno);
-        path_ = name;
-    }
-    ~ShortLivedDirectory() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    ShortLivedDirectory(const ShortLivedDirectory&) = delete;
-    ShortLivedDirectory& operator=(const ShortLivedDirectory&) = delete;
-    const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
 
 /// Nobody else's file is overwritten: a scene of ours says so in its first line.
 void check_import_target(const fs::path& file) {

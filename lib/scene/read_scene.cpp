@@ -233,8 +233,8 @@ std::vector<Scene> read_scenes(const fs::path& file, const std::vector<std::stri
 }
 
 Scene read_scene_text(std::string_view text, const std::string& name, const fs::path& directory,
-                      const std::vector<std::string>& overrides) {
-    std::vector<Scene> scenes = read_scenes_text(text, name, directory, overrides);
+                      const std::vector<std::string>& overrides, Bases bases) {
+    std::vector<Scene> scenes = read_scenes_text(text, name, directory, overrides, bases);
     if (!scenes.front().case_name.empty())
         throw SceneError({name, 1, 1}, "case",
                          fmt::format("a series of {} where a single scene is wanted", scenes.size()), "",

@@ -20,10 +20,6 @@ namespace twinchute {
 /// Throws SceneError for everything that is wrong with the input, a series of cases included.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// Reads a scene from text; `name` stands for the file in messages, `directory` is where it would lie.
-Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
-                      const std::vector<std::string>& overrides = {});
-
 /// The scenes of a file: one for each [[case]], in their order, or the one scene when there is none. Laid
 /// over each other are, from below: a design, the file that `base` names, the file, the case, `overrides`.
 /// Messages about a case name it. The cases of a file take the place of those of its base. The file "-" is
@@ -36,6 +32,10 @@ enum class Bases {
     anywhere,
     beneath  ///< the directory of the scene or the data; for text of others. Links are followed first
 };
+/// Reads a scene, or the cases of a series, from text; `name` stands for the file in messages, `directory` is
+/// where it would lie.
+Scene read_scene_text(std::string_view text, const std::string& name, const std::filesystem::path& directory,
+                      const std::vector<std::string>& overrides = {}, Bases bases = Bases::anywhere);
 std::vector<Scene> read_scenes_text(std::string_view text, const std::string& name,
                                     const std::filesystem::path& directory,
                                     const std::vector<std::string>& overrides = {},

@@ -51,6 +51,12 @@ const serve = {
         }
         return low;
     },
+    // Words and unit of a metric's key: peak_force_N.
+    metric(key) {
+        for (const [tail, unit] of [["_m_s", "m/s"], ["_N_s", "N s"], ["_N", "N"], ["_kPa", "kPa"], ["_m", "m"], ["_s", "s"], ["_g", "g"]])
+            if (key.endsWith(tail)) return {words: key.slice(0, -tail.length).replaceAll("_", " "), unit: unit};
+        return {words: key.replaceAll("_", " "), unit: ""};
+    },
     isNumber(value) { return typeof value === "number" && isFinite(value); },
     number(value, digits) {
         const size = Math.abs(value);

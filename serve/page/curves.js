@@ -8,7 +8,9 @@ serve.curves = (function () {
         {id: "kept", colour: "up", pattern: [2, 3], width: 2.2},
         {id: "full", colour: "reference", pattern: null, width: 2},
         {id: "rom", colour: "candidate", pattern: null, width: 2},
+        {id: "measured", colour: "ink", pattern: null, width: 0, points: true},
     ];
+    const nothing = [[0, ...lines.map(() => null)]];
     const shown = {};  // line: {label, history}
     const graphs = [], box = document.getElementById("histories"), cursor = document.getElementById("cursor");
     let times = [], at = -1;
@@ -22,7 +24,7 @@ serve.curves = (function () {
     }
     // Rows of a plot: a line has a value at its own times and is joined across others.
     function rowsOf(channel) {
-        const rows = times.map((time) => [time, null, null, null, null]);
+        const rows = times.map((time) => [time, ...lines.map(() => null)]);
         lines.forEach((line, column) => {
             const history = shown[line.id] && shown[line.id].history, values = history && history[channel];
             if (!values) return;
@@ -39,7 +41,7 @@ serve.curves = (function () {
     const pattern = (line) => (line.id === "rom" && shown.full ? [7, 4] : line.pattern);
     function styles() {
         const found = {};
-        for (const line of lines) found[line.id] = {strokePattern: pattern(line), strokeWidth: line.width};
+        for (const line of lines) found[line.id] = {strokePattern: pattern(line), strokeWidth: line.width, drawPoints: Boolean(line.points), pointSize: 1.8};
         return found;
     }
     function colours() {
@@ -90,7 +92,7 @@ serve.curves = (function () {
         plot.setAttribute("role", "img");
         plot.setAttribute("aria-label", title + " over time; the time slider above reads it");
         box.append(figure);
-        const graph = new Dygraph(plot, [[0, null, null, null, null]], Object.assign({
+        const graph = new Dygraph(plot, nothing, Object.assign({
             labels: ["time", ...lines.map((line) => line.id)], legend: "never", labelsKMB: false, xRangePad: 0, yRangePad: 6,
             axisLabelFontSize: 12, highlightCircleSize: 3.5, connectSeparatedPoints: true, animatedZooms: false,
             includeZero: channel !== "altitude", xlabel: "time since release, s", series: styles(),
@@ -112,6 +114,8 @@ serve.curves = (function () {
             for (const [name, value] of Object.entries({x1: 1, x2: 33, y1: 5, y2: 5, "stroke-width": line.width})) stroke.setAttribute(name, value);
             if (pattern(line)) stroke.setAttribute("stroke-dasharray", pattern(line).join(" "));
             stroke.setAttribute("class", "stroke-" + line.id);
+            if (line.points)
+                for (const [name, value] of Object.entries({"stroke-width": 4, "stroke-linecap": "round", "stroke-dasharray": "0.1 8"})) stroke.setAttribute(name, value);
             svg.append(stroke);
             list.append(serve.element("li", {}, svg, shown[line.id].label));
         }
@@ -139,7 +143,7 @@ serve.curves = (function () {
             const words = JSON.stringify(lines.map((line) => shown[line.id] && shown[line.id].label));
             const restyled = words !== described;
             for (const [graph, , channel] of graphs)
-                graph.updateOptions(Object.assign({file: times.length ? rowsOf(channel) : [[0, null, null, null, null]]}, restyled ? {series: styles()} : {}));
+                graph.updateOptions(Object.assign({file: times.length ? rowsOf(channel) : nothing}, restyled ? {series: styles()} : {}));
             if (restyled) legend();
             described = words;
             cursor.max = Math.max(0, times.length - 1);

@@ -165,5 +165,5 @@ serve.results = (function () {
         document.getElementById("sizing-notes").replaceChildren(...notes.map((note) => serve.element("li", {}, note)));
     }
 
-    return {showSizing: showSizing, showFigures: showFigures, showLimits: showLimits, showFormulas: showFormulas, showAlerts: showAlerts, showGap: showGap};
+    return {cell: cell, head: head, chip: chip, showSizing: showSizing, showFigures: showFigures, showLimits: showLimits, showFormulas: showFormulas, showAlerts: showAlerts, showGap: showGap};
 })();

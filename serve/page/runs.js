@@ -3,7 +3,9 @@
 serve.runs = (function () {
     const interval = 300;  // [ms] between two questions
     const shape_interval = 600;  // [ms] between two for the shapes, which come whole
-    const titles = {full: "Full model", compare: "Comparison"};
+    const titles = {full: "Full model", compare: "Comparison", calibrate: "Calibration", campaign: "Campaign"};
+    const files = {full: "summary.json", compare: "summary.json", calibrate: "calibration.json", campaign: "campaign.json"};
+    const isStudy = (kind) => kind === "calibrate" || kind === "campaign";
     const box = document.getElementById("runs");
     const runs = {};  // kind: {id, asked: {text, set}, info, history, shape, timer}
     let shape = null;  // that is shown
@@ -30,10 +32,11 @@ serve.runs = (function () {
         return info.state + status + error;
     }
 
-    async function download(run) {
+    async function download(kind) {
+        const run = runs[kind];
         const answer = await serve.ask("GET", "runs/" + run.id + "/summary");
         if (answer.status !== 200) { serve.say(serve.words(answer)); return; }
-        const link = serve.element("a", {href: URL.createObjectURL(new Blob([JSON.stringify(answer.data, null, 2) + "\n"], {type: "application/json"})), download: "summary.json"});
+        const link = serve.element("a", {href: URL.createObjectURL(new Blob([JSON.stringify(answer.data, null, 2) + "\n"], {type: "application/json"})), download: files[kind]});
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     }
@@ -65,8 +68,8 @@ serve.runs = (function () {
         run.cancel.hidden = over;
         run.dismiss.hidden = !over;
         if (good && !run.links.children.length) {
-            const summary = serve.element("button", {type: "button", className: "link"}, "summary.json");
-            summary.addEventListener("click", () => download(run));
+            const summary = serve.element("button", {type: "button", className: "link"}, files[kind]);
+            summary.addEventListener("click", () => download(kind));
             run.links.append(reportLink(run, "Report"), " ", summary);
         }
     }
@@ -99,7 +102,8 @@ serve.runs = (function () {
                 for (const channel of Object.keys(before)) run.history[channel] = before[channel].concat(rows[channel]);
             }
             const now = performance.now();
-            if (run.info.state === "done" ? !run.whole : now - (run.shaped || 0) > shape_interval) {
+            if (isStudy(kind)) run.whole = true;
+            else if (run.info.state === "done" ? !run.whole : now - (run.shaped || 0) > shape_interval) {
                 run.shaped = now;
                 const bytes = await serve.bytes("runs/" + run.id + "/frames");
                 if (runs[kind] !== run) return;
@@ -142,11 +146,13 @@ serve.runs = (function () {
                 document.getElementById("run-" + kind).disabled = Boolean(runs[kind] && !isOver(runs[kind]));
             }
         },
-        async start(kind) {
+        refuse(words) { serve.refused({data: {error: words}}); },
+        // `more`: of a study, its files.
+        async start(kind, more) {
             const asked = serve.request(), button = document.getElementById("run-" + kind);
             button.disabled = true;
             serve.refused(null);
-            const answer = await serve.ask("POST", kind, asked);
+            const answer = await serve.ask("POST", kind, Object.assign({}, asked, more));
             button.disabled = false;
             if (answer.status === 202) follow(kind, answer.data.id, asked);
             else serve.refused(answer);

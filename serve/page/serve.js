@@ -201,8 +201,29 @@
         serve.say(answer.data.meets ? "Sized: the limits are met" : "Sized: no value meets the limits");
     });
 
+    // -- calibration: its values become those of the form
+    function useFound(found) {
+        serve.commit();
+        before = result;
+        for (const [key, one] of found) {
+            serve.state.set[key] = String(Number(one.estimate.toPrecision(6))) + (one.unit && one.unit !== "1" ? " " + one.unit : "");
+            serve.knobs.added.add(key);
+        }
+        go(copy());
+        serve.commit();
+        serve.say("The values found stand in the form; Undo goes back");
+    }
+    async function saveCalibrated(text) {
+        const name = get("save-name").value.replace(/(-changed)?\.toml$/, "") + "-calibrated.toml", answer = await write(name, text);
+        return answer.status === 200 ? "Saved: " + name : serve.words(answer);
+    }
+
     function draw() {
         if (!result) return;
+        for (const [kind, id] of [["calibrate", "calibration-stale"], ["campaign", "campaign-stale"]])
+            get(id).hidden = !serve.runs.runs[kind] || serve.runs.same(serve.runs.runs[kind]);
+        const points = serve.studies.measured();
+        serve.curves.set("measured", "measured", points);
         get("run-size").hidden = !Object.keys(result.summary.inputs).some((key) => key.startsWith("size."));
         get("sizing-stale").hidden = !sizing || sizing.asked === JSON.stringify(serve.request());
         const full = fullRun(), differs = before && before !== result && JSON.stringify(before.history) !== JSON.stringify(result.history);
@@ -223,6 +244,7 @@
     serve.showRuns = () => {
         serve.runs.show();
         const run = serve.runs.runs.compare, done = run && run.info && run.info.state === "done" && run.info.gap;
+        serve.studies.show(serve.runs.runs, {use: useFound, save: saveCalibrated});
         serve.results.showGap(done || null, done ? serve.runs.reportLink(run, "Report of the comparison") : null, Boolean(done) && !serve.runs.same(run));
         draw();
     };
@@ -371,7 +393,7 @@
     get("run-full").addEventListener("click", () => serve.runs.start("full"));
     get("run-compare").addEventListener("click", () => serve.runs.start("compare"));
     addEventListener("pagehide", () => serve.remember());
-    for (const id of ["keep", "run-full", "run-compare"]) get(id).disabled = true;
+    for (const id of ["keep", "run-full", "run-compare", "run-calibrate", "run-campaign"]) get(id).disabled = true;
 
     (async function () {
         const [keys, scene] = await Promise.all([serve.ask("GET", "keys"), serve.ask("GET", "scene")]);
@@ -396,7 +418,7 @@
         serve.commit();
         await readScene();
         await send();
-        for (const id of ["run-full", "run-compare"]) get(id).disabled = false;
+        for (const id of ["run-full", "run-compare", "run-calibrate", "run-campaign"]) get(id).disabled = false;
         serve.runs.find(memory.asked || {});
         if (kept) showKept();
         history_buttons();

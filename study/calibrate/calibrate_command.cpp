@@ -76,6 +76,20 @@ void require_calibratable(const Scene& scene, const Fidelity& rom) {
             scene.file.string()));
 }
 
+StudyWork calibration_work(SceneWith scene_with, Scene scene, std::vector<DropTest> tests,
+                           const Fidelity& rom, std::vector<Vary> vary, std::optional<fs::path> directory) {
+    return [=, &rom](const std::stop_token& stop, const std::function<void(const Progress&)>&) {
+        CalibrationSettings settings;
+        settings.vary = vary;
+        settings.stop = stop;
+        const Calibration found = calibrate(scene_with, tests, rom, settings);
+        if (found.interrupted) return StudyResult{.json = {}, .page = {}, .interrupted = true};
+        StudyResult result{calibration_json(found, scene, tests), calibration_page(found, scene, tests)};
+        if (directory) result.scene_text = calibrated_scene(found, scene, tests, *directory);
+        return result;
+    };
+}
+
 std::string write_calibration(Calibration& calibration, const SceneWith& scene_with, const Scene& scene,
                               const std::vector<DropTest>& tests, const fs::path& directory) {
     FileBatch batch;

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lib/cli/command.hpp"
 #include "lib/solve/fidelity.hpp"
 #include "study/calibrate/calibration.hpp"
+#include "study/work.hpp"
 
 namespace twinchute::study {
 
@@ -17,6 +19,12 @@ Command calibrate_command(const Fidelity& rom);
 
 /// Throws UsageError for a scene that cannot be calibrated.
 void require_calibratable(const Scene& scene, const Fidelity& rom);
+
+/// Calibrates `scene`, which `scene_with` gives, to tests. `directory`: where the calibrated scene would lie,
+/// below whose base it is; nothing: no text of it is made, because the scene is in no file.
+StudyWork calibration_work(SceneWith scene_with, Scene scene, std::vector<DropTest> tests,
+                           const Fidelity& rom, std::vector<Vary> vary,
+                           std::optional<std::filesystem::path> directory);
 
 /// Writes the files of a calibration, all or none, and returns the text of calibration.json. Throws
 /// WriteError.

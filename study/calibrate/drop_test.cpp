@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <system_error>
 
 #include "compare/histories.hpp"
@@ -218,8 +220,12 @@ DropTest read_drop_test_csv(std::string_view text, const std::string& file, cons
     return test;
 }
 
+std::string text_of_test_file(const fs::path& file) {
+    return read_text_file(file, largest_test_file);
+}
+
 DropTest read_drop_test_toml(std::string_view text, const std::string& file, const fs::path& directory,
-                             const Scene& scene) {
+                             const Scene& scene, const TextOfFile& text_of) {
     toml::table document;
     try {
         document = toml::parse(text, file);
@@ -235,7 +241,7 @@ DropTest read_drop_test_toml(std::string_view text, const std::string& file, con
     test.sha256 = sha256_hex(text);
     if (const std::string name = top.text("file"); !name.empty()) {
         const fs::path path = directory / name;
-        read_histories(test, read_text_file(path, largest_test_file), path.string(), scene);
+        read_histories(test, text_of(path), path.string(), scene);
     }
     if (const std::string clock = top.text("clock"); !clock.empty()) {
         if (clock != "known" && clock != "fitted")
@@ -265,11 +271,41 @@ DropTest read_drop_test_toml(std::string_view text, const std::string& file, con
     return test;
 }
 
+std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files, const Scene& scene) {
+    const auto is_toml = [](const TextFile& file) { return fs::path(file.name).extension() == ".toml"; };
+    std::set<std::string> named;
+    std::map<std::string, DropTest> tests;
+    for (const TextFile& file : files) {
+        if (std::ranges::count(files, file.name, &TextFile::name) > 1)
+            throw SceneError({file.name, 1, 1}, "", "is there twice", "files are told apart by their names",
+                             "rename one of them");
+        if (!is_toml(file)) continue;
+        const TextOfFile among = [&](const fs::path& path) {
+            const auto found = std::ranges::find(files, path.string(), &TextFile::name);
+            if (found == files.end())
+                throw SceneError({file.name, 1, 1}, "file",
+                                 fmt::format("'{}' is not among the files", path.string()),
+                                 "nothing is looked for on disk", "give both files together");
+            named.insert(found->name);
+            return found->text;
+        };
+        tests.emplace(file.name, read_drop_test_toml(file.text, file.name, "", scene, among));
+    }
+    std::vector<DropTest> all;
+    for (const TextFile& file : files) {
+        if (is_toml(file))
+            all.push_back(tests.at(file.name));
+        else if (!named.contains(file.name))
+            all.push_back(read_drop_test_csv(file.text, file.name, scene));
+    }
+    return all;
+}
+
 DropTest read_drop_test(const std::string& name, const Scene& scene) {
     std::error_code ignored;
     const fs::path path = name;
     if (fs::is_directory(path, ignored)) return read_record_as_test(path, scene);
-    const std::string text = read_text_file(path, largest_test_file);
+    const std::string text = text_of_test_file(path);
     if (path.extension() == ".toml") return read_drop_test_toml(text, name, path.parent_path(), scene);
     return read_drop_test_csv(text, name, scene);
 }

@@ -64,8 +64,20 @@ DropTest read_drop_test(const std::string& name, const Scene& scene);
 
 /// Reads the text of a CSV file.
 DropTest read_drop_test_csv(std::string_view text, const std::string& file, const Scene& scene);
+/// Text of the file that a test names, by its path from there.
+using TextOfFile = std::function<std::string(const std::filesystem::path&)>;
+std::string text_of_test_file(const std::filesystem::path& file);  ///< on disk
 /// Reads the text of a TOML file; `directory`: where files that it names lie.
 DropTest read_drop_test_toml(std::string_view text, const std::string& file,
-                             const std::filesystem::path& directory, const Scene& scene);
+                             const std::filesystem::path& directory, const Scene& scene,
+                             const TextOfFile& text_of = text_of_test_file);
+
+/// A file that came with others, none of which are on disk.
+struct TextFile {
+    std::string name, text;
+};
+/// The tests among files: each TOML file is one, and each CSV file that none of these names. Throws
+/// SceneError, also for a file that is not among them.
+std::vector<DropTest> read_drop_tests(const std::vector<TextFile>& files, const Scene& scene);
 
 }  // namespace twinchute::study

@@ -11,6 +11,7 @@
 #include "lib/cli/command.hpp"
 #include "lib/math/sha256.hpp"
 #include "lib/record/checkpoint.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_digest.hpp"
 #include "study/campaign/engine.hpp"
 
@@ -125,10 +126,27 @@ CampaignRuns open_runs(const Campaign& campaign, const Fidelity& fidelity,
     return runs;
 }
 
+/// The scene that a campaign's file names.
+SceneWith base_of(const CampaignSpec& spec) {
+    return [text = fmt::format("base = '{}'\n", spec.base),
+            file = spec.file](const std::vector<std::string>& more) {
+        return read_scene_text(text, file.string(), file.parent_path(), more);
+    };
+}
+
+/// The same with overrides below those that it is called with.
+SceneWith with(const SceneWith& scene_with, std::vector<std::string> overrides) {
+    return [scene_with, overrides = std::move(overrides)](const std::vector<std::string>& more) {
+        std::vector<std::string> all = overrides;
+        all.insert(all.end(), more.begin(), more.end());
+        return scene_with(all);
+    };
+}
+
 /// The scene of a campaign. Where full runs are made of it and one sector can stand for the whole canopy, at
 /// every value of the inputs, it does, unless the scene says otherwise.
-std::unique_ptr<Sampler> make_sampler(const CampaignSpec& spec, std::vector<std::string> overrides) {
-    auto given = std::make_unique<Sampler>(spec, overrides);
+std::unique_ptr<Sampler> make_sampler(const CampaignSpec& spec, const SceneWith& scene_with) {
+    auto given = std::make_unique<Sampler>(spec, scene_with);
     const bool may_differ = std::ranges::any_of(spec.inputs, [](const CampaignInput& input) {
         return input.key == "release.path_angle" || input.kind == KeyKind::word || input.gusts;
     });
@@ -136,9 +154,8 @@ std::unique_ptr<Sampler> make_sampler(const CampaignSpec& spec, std::vector<std:
         return input.key == "full.symmetry" && input.origin != InputOrigin::fallback;
     });
     if (spec.fidelity == CampaignFidelity::rom || may_differ || is_said) return given;
-    overrides.emplace_back("--set full.symmetry=\"sector\"");
     try {
-        return std::make_unique<Sampler>(spec, overrides);
+        return std::make_unique<Sampler>(spec, with(scene_with, {"--set full.symmetry=\"sector\""}));
     } catch (const SceneError&) {
         return given;  // its sectors differ
     }
@@ -274,7 +291,13 @@ bool run_pairs(Campaign& campaign, const CampaignSettings& settings) {
 Campaign open_campaign(CampaignSpec spec, const Fidelity& rom, const Fidelity& full,
                        const std::filesystem::path& directory, const CampaignSettings& settings) {
     Campaign campaign{.spec = std::move(spec), .sampler = nullptr, .directory = directory, .of = {}};
-    campaign.sampler = make_sampler(campaign.spec, settings.overrides);
+    std::vector<std::string> overrides;
+    for (const std::string& text : campaign.spec.set)
+        overrides.push_back("--set " + text);
+    overrides.insert(overrides.end(), settings.overrides.begin(), settings.overrides.end());
+    campaign.sampler = make_sampler(
+        campaign.spec,
+        with(settings.scene_with ? settings.scene_with : base_of(campaign.spec), std::move(overrides)));
     switch (campaign.spec.fidelity) {
         case CampaignFidelity::rom:
             campaign.of.push_back(open_runs(campaign, rom, directory, rom_chunk));

@@ -48,6 +48,7 @@ struct Campaign {
 
 struct CampaignSettings {
     std::vector<std::string> overrides;  ///< of the scene, "--set key=value"
+    SceneWith scene_with = {};           ///< the scene that varies; empty: the one that the file names
     int threads = 1;
     std::uint64_t shard = 0, shards = 1;
     std::stop_token stop = {};

@@ -19,6 +19,7 @@
 #include "lib/cli/text.hpp"
 #include "lib/record/file_batch.hpp"
 #include "lib/record/record_json.hpp"
+#include "lib/record/short_lived_directory.hpp"
 #include "lib/record/write_record.hpp"
 #include "study/campaign/campaign_files.hpp"
 #endif
@@ -209,15 +210,51 @@ ExitCode run_command(const Fidelity& rom, const Fidelity& full, const Arguments&
 
 #else
 
-ExitCode run_command(const Fidelity&, const Fidelity&, const Arguments&) {
+[[noreturn]] void refuse_all() {
     throw UsageError(
         "'campaign' is not in this build (HDF5 or Random123 was not found when it was configured), "
         "install libhdf5-dev and librandom123-dev and build again");
 }
 
+ExitCode run_command(const Fidelity&, const Fidelity&, const Arguments&) {
+    refuse_all();
+}
+
 #endif
 
 }  // namespace
+
+#ifdef TWINCHUTE_HAS_CAMPAIGN
+
+StudyWork campaign_work(CampaignText asked, const Fidelity& rom, const Fidelity& full) {
+    CampaignSpec spec = read_campaign_text(asked.text, asked.name, asked.directory, Bases::beneath);
+    spec.base = asked.scene_file;
+    CampaignSettings settings;
+    settings.overrides = std::move(asked.overrides);
+    settings.scene_with = std::move(asked.scene_with);
+    settings.threads = asked.threads;
+    return
+        [=, &rom, &full](const std::stop_token& stop, const std::function<void(const Progress&)>& progress) {
+            const ShortLivedDirectory place;
+            CampaignSettings own = settings;
+            own.stop = stop;
+            own.progress = progress;
+            Campaign campaign = open_campaign(spec, rom, full, place.path(), own);
+            run_campaign(campaign, own);
+            evaluate_campaign(campaign);
+            return StudyResult{.json = campaign_json(campaign),
+                               .page = campaign_page(campaign),
+                               .interrupted = campaign.interrupted};
+        };
+}
+
+#else
+
+StudyWork campaign_work(CampaignText, const Fidelity&, const Fidelity&) {
+    refuse_all();
+}
+
+#endif
 
 Command campaign_command(const Fidelity& rom, const Fidelity& full) {
     Command command;

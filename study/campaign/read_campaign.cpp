@@ -192,7 +192,8 @@ std::string_view fidelity_name(CampaignFidelity fidelity) {
     return fidelities[static_cast<std::size_t>(fidelity)];
 }
 
-CampaignSpec read_campaign_text(std::string_view text, const std::string& name, const fs::path& directory) {
+CampaignSpec read_campaign_text(std::string_view text, const std::string& name, const fs::path& directory,
+                                Bases bases) {
     const toml::table table = parsed(text, name);
     SuiteTable reader(table, name, "");
     if (reader.count("schema", 1, 1) != 1) reader.refuse("schema", "is not 1", "", "write schema = 1");
@@ -203,11 +204,12 @@ CampaignSpec read_campaign_text(std::string_view text, const std::string& name, 
     if (spec.name.empty()) spec.name = spec.file.stem().string();
     spec.base = reader.needed_text("base", "which scene varies");
     spec.set = reader.texts("set");
-    read_inputs(reader, directory, spec);
+    const NamedFiles files{directory, bases};
+    read_inputs(reader, files, spec);
     read_answers(reader, spec);
     read_plan(reader, spec);
     reader.end();
-    finish_inputs(directory, spec);
+    finish_inputs(files, spec);
     check_design(spec);
     return spec;
 }

@@ -235,13 +235,15 @@ void read_joint(SuiteTable& vary, CampaignSpec& spec, std::vector<Pair>& pairs) 
 }
 
 /// Calibrated inputs of a scene, about its values with the covariance of its `uncertainty`.
-void read_calibrated(SuiteTable& vary, const fs::path& directory, CampaignSpec& spec,
+void read_calibrated(SuiteTable& vary, const NamedFiles& files, CampaignSpec& spec,
                      std::vector<Pair>& pairs) {
-    const fs::path named = vary.text("calibrated"), file = named.is_absolute() ? named : directory / named;
+    const std::string named = vary.text("calibrated");
+    const fs::path file = files.at(named, vary.place("calibrated"), vary.path_of("calibrated"));
     const std::vector<std::string> wanted = vary.texts("keys");
-    const Scene scene = read_scene(file);
+    const Scene scene =
+        read_scene_text(read_text_file(file), file.string(), file.parent_path(), {}, files.bases);
     if (!scene.uncertainty)
-        vary.refuse("calibrated", fmt::format("'{}' has no uncertainty", named.string()),
+        vary.refuse("calibrated", fmt::format("'{}' has no uncertainty", named),
                     "`twinchute calibrate` writes it to the scene that it calibrates to tests",
                     "name its calibrated.toml");
     const Uncertainty& known = *scene.uncertainty;
@@ -256,8 +258,7 @@ void read_calibrated(SuiteTable& vary, const fs::path& directory, CampaignSpec& 
         const auto value = std::ranges::find(scene.inputs, key, &Input::key);
         const double* middle = value == scene.inputs.end() ? nullptr : std::get_if<double>(&value->value);
         if (middle == nullptr || (logarithmic && !(*middle > 0.0)))
-            vary.refuse("calibrated", fmt::format("'{}' does not give {}", named.string(), key), "",
-                        "give it there");
+            vary.refuse("calibrated", fmt::format("'{}' does not give {}", named, key), "", "give it there");
         CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "calibrated", key));
         const double sd = std::sqrt(covariance(i, i));
         input.distribution =
@@ -292,9 +293,9 @@ void read_gusts(SuiteTable& vary, CampaignInput& input) {
     input.distribution = Distribution::uniform(0.0, 1.0);
 }
 
-void read_winds(SuiteTable& vary, const fs::path& directory, CampaignInput& input) {
+void read_winds(SuiteTable& vary, const NamedFiles& files, CampaignInput& input) {
     for (const std::string& word : input.distribution->words()) {
-        const fs::path named = word, file = named.is_absolute() ? named : directory / named;
+        const fs::path file = files.at(word, vary.place("dist"), vary.path_of("dist"));
         std::error_code ignored;
         if (!fs::exists(file, ignored))
             vary.refuse("dist", fmt::format("there is no file '{}'", file.string()), "",
@@ -303,12 +304,12 @@ void read_winds(SuiteTable& vary, const fs::path& directory, CampaignInput& inpu
     }
 }
 
-void read_one(SuiteTable& vary, const fs::path& directory, CampaignSpec& spec) {
+void read_one(SuiteTable& vary, const NamedFiles& files, CampaignSpec& spec) {
     const std::string key = vary.needed_text("key", "which input varies");
     CampaignInput& input = spec.inputs.emplace_back(input_of(vary, "key", key));
     if (key == wind_gusts) return read_gusts(vary, input);
     if (vary.find("dist")) input.distribution = read_distribution(vary, input);
-    if (key == wind_table && input.distribution) read_winds(vary, directory, input);
+    if (key == wind_table && input.distribution) read_winds(vary, files, input);
     input.levels = vary.count("levels", input.levels, 10'000);
 }
 
@@ -343,8 +344,8 @@ void correlate(SuiteTable& top, CampaignSpec& spec, const std::vector<Pair>& pai
                    "correct the correlations or the covariance");
 }
 
-void read_points(const fs::path& directory, CampaignSpec& spec) {
-    const fs::path named = spec.points, file = named.is_absolute() ? named : directory / named;
+void read_points(const NamedFiles& files, CampaignSpec& spec) {
+    const fs::path file = files.at(spec.points, {spec.file.string(), 1, 1}, "campaign.design");
     const LoggedTable table = read_logged_table(read_text_file(file), file.string());
     for (const CampaignInput& input : spec.inputs) {
         if (input.key == wind_table)
@@ -372,17 +373,24 @@ void read_points(const fs::path& directory, CampaignSpec& spec) {
 
 }  // namespace
 
-void read_inputs(SuiteTable& top, const fs::path& directory, CampaignSpec& spec) {
+fs::path NamedFiles::at(const std::string& name, const SourcePlace& place, std::string_view key) const {
+    if (bases == Bases::beneath && !is_data_name(name))
+        throw SceneError(place, std::string(key), fmt::format("'{}' leaves the directory of the scene", name),
+                         "this campaign may name files beneath it alone", "copy the file there");
+    return fs::path(name).is_absolute() ? fs::path(name) : directory / name;
+}
+
+void read_inputs(SuiteTable& top, const NamedFiles& files, CampaignSpec& spec) {
     std::vector<Pair> pairs;
     top.need("vary", "which inputs vary");
     for (SuiteTable& vary : top.list("vary")) {
         const std::size_t before = spec.inputs.size();
         if (vary.find("calibrated"))
-            read_calibrated(vary, directory, spec, pairs);
+            read_calibrated(vary, files, spec, pairs);
         else if (vary.find("keys"))
             read_joint(vary, spec, pairs);
         else
-            read_one(vary, directory, spec);
+            read_one(vary, files, spec);
         const std::string source = vary.text("source"), grade = vary.text("grade");
         for (std::size_t i = before; i < spec.inputs.size(); ++i) {
             CampaignInput& input = spec.inputs[i];
@@ -398,8 +406,8 @@ void read_inputs(SuiteTable& top, const fs::path& directory, CampaignSpec& spec)
     correlate(top, spec, pairs);
 }
 
-void finish_inputs(const fs::path& directory, CampaignSpec& spec) {
-    if (spec.design == DesignKind::points) return read_points(directory, spec);
+void finish_inputs(const NamedFiles& files, CampaignSpec& spec) {
+    if (spec.design == DesignKind::points) return read_points(files, spec);
     for (const CampaignInput& input : spec.inputs)
         if (!input.distribution)
             throw SceneError({spec.file.string(), 1, 1}, "vary.dist",

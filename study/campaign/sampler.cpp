@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "lib/scene/assemble.hpp"
-#include "lib/scene/read_scene.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -15,24 +14,10 @@ bool is_wind(const CampaignInput& input) {
     return std::ranges::count(wind_names, input.key) > 0;
 }
 
-SceneWith reader_of(const CampaignSpec& spec, const std::vector<std::string>& more) {
-    std::vector<std::string> overrides;
-    for (const std::string& text : spec.set)
-        overrides.push_back("--set " + text);
-    overrides.insert(overrides.end(), more.begin(), more.end());
-    const std::string text = fmt::format("base = '{}'\n", spec.base);
-    return [overrides, text, file = spec.file](const std::vector<std::string>& values) {
-        std::vector<std::string> all = overrides;
-        all.insert(all.end(), values.begin(), values.end());
-        return read_scene_text(text, file.string(), file.parent_path(), all);
-    };
-}
-
 }  // namespace
 
-Sampler::Sampler(const CampaignSpec& spec, const std::vector<std::string>& more) : spec_(spec) {
-    const SceneWith reader = reader_of(spec, more);
-    nominal_ = reader({});
+Sampler::Sampler(const CampaignSpec& spec, const SceneWith& scene_with) : spec_(spec) {
+    nominal_ = scene_with({});
     nominal_.sha256 = spec.sha256;
     std::vector<std::string> keys;
     for (std::size_t i = 0; i < spec.inputs.size(); ++i) {
@@ -57,7 +42,7 @@ Sampler::Sampler(const CampaignSpec& spec, const std::vector<std::string>& more)
                            : spec.point_rows[share < 0.5 ? 0 : spec.point_rows.size() - 1][i];
         return key_values(point);
     };
-    varied_ = std::make_unique<VariedScene>(reader, keys, at(0.45));
+    varied_ = std::make_unique<VariedScene>(scene_with, keys, at(0.45));
     for (const double share : {0.1, 0.9}) {
         try {
             varied_->check(at(share));

@@ -16,9 +16,9 @@ namespace twinchute::study {
 /// Scenes of runs; the same for all threads, each of which has its own Design and scene to put values in.
 class Sampler {
 public:
-    /// `more`: overrides of the scene, as --set gives them. Throws SceneError where the scene, or a value
-    /// from the middle of a distribution, is refused.
-    Sampler(const CampaignSpec& spec, const std::vector<std::string>& more);
+    /// `scene_with`: the scene that varies. Throws SceneError where it, or a value from the middle of a
+    /// distribution, is refused.
+    Sampler(const CampaignSpec& spec, const SceneWith& scene_with);
 
     /// The scene that varies, with all that a record says of its inputs.
     const Scene& nominal() const { return nominal_; }

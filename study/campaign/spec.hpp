@@ -12,6 +12,7 @@
 
 #include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "study/campaign/dispersed_wind.hpp"
@@ -87,8 +88,9 @@ struct CampaignSpec {
 
 /// Throws SceneError with file, line and key.
 CampaignSpec read_campaign(const std::filesystem::path& file);
+/// `bases`: where the files may lie that it names.
 CampaignSpec read_campaign_text(std::string_view text, const std::string& name,
-                                const std::filesystem::path& directory);
+                                const std::filesystem::path& directory, Bases bases = Bases::anywhere);
 
 /// Names of the inputs that act on the wind of the scene: one of several tables takes its place, which is
 /// scaled and turned as a whole, then gusts are added.
