@@ -4,6 +4,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -451,7 +453,9 @@ toml::table parsed(std::string_view text, const std::string& file, const std::st
 
 }  // namespace
 
-Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind) {
+namespace {
+
+Document read_anew(std::string_view text, const std::string& file, const DocumentKind& kind) {
     const toml::table root = parsed(text, file, "");
     // A cord where a fabric is wanted would otherwise be refused for one of its other keys.
     const auto word = root["kind"].value<std::string>();
@@ -465,6 +469,68 @@ Document read_document(std::string_view text, const std::string& file, const Doc
     Walk(document, kind).table(root, kind.prefix);
     imply_models(document);
     return document;
+}
+
+/// Documents that were read more than once: campaigns and pages read a scene again and again, with the same
+/// design and materials each time, and parsing is half of that.
+class KnownDocuments {
+public:
+    Document read(std::string_view text, const std::string& file, const DocumentKind& kind) {
+        const Origin origin{file, kind.prefix, kind.asked_by, kind.directory, kind.keys.data(), kind.origin};
+        if (const auto known = find(text, origin)) return *known;
+        Document document = read_anew(text, file, kind);
+        keep(text, origin, document);
+        return document;
+    }
+
+private:
+    /// All that a document depends on beside its text.
+    struct Origin {
+        std::string file, prefix, asked_by;
+        std::filesystem::path directory;
+        const Key* keys;
+        InputOrigin origin;
+        bool operator==(const Origin&) const = default;
+    };
+    struct Known {
+        std::string text;
+        Origin origin;
+        std::shared_ptr<const Document> document;  ///< null: it was read once
+    };
+    static constexpr std::size_t most = 16, largest_text = 64 << 10;  // [bytes]
+
+    std::shared_ptr<const Document> find(std::string_view text, const Origin& origin) {
+        const std::lock_guard guard(lock_);
+        const auto known = place_of_known(text, origin);
+        return known == known_.end() ? nullptr : known->document;
+    }
+
+    void keep(std::string_view text, const Origin& origin, const Document& document) {
+        if (text.size() > largest_text) return;
+        const std::lock_guard guard(lock_);
+        const auto known = place_of_known(text, origin);
+        if (known != known_.end()) {
+            if (!known->document) known->document = std::make_shared<const Document>(document);
+            return;
+        }
+        if (known_.size() == most) known_.erase(known_.begin());
+        known_.push_back({std::string(text), origin, nullptr});
+    }
+
+    std::vector<Known>::iterator place_of_known(std::string_view text, const Origin& origin) {
+        return std::ranges::find_if(
+            known_, [&](const Known& one) { return one.text == text && one.origin == origin; });
+    }
+
+    std::mutex lock_;
+    std::vector<Known> known_;  // the oldest first
+};
+
+}  // namespace
+
+Document read_document(std::string_view text, const std::string& file, const DocumentKind& kind) {
+    static KnownDocuments known;
+    return known.read(text, file, kind);
 }
 
 Document read_override(const std::string& override_text, const DocumentKind& kind) {

@@ -11,7 +11,6 @@
 #include "lib/cli/command.hpp"
 #include "lib/math/sha256.hpp"
 #include "lib/record/checkpoint.hpp"
-#include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_digest.hpp"
 #include "study/campaign/engine.hpp"
 
@@ -126,15 +125,7 @@ CampaignRuns open_runs(const Campaign& campaign, const Fidelity& fidelity,
     return runs;
 }
 
-/// The scene that a campaign's file names.
-SceneWith base_of(const CampaignSpec& spec) {
-    return [text = fmt::format("base = '{}'\n", spec.base),
-            file = spec.file](const std::vector<std::string>& more) {
-        return read_scene_text(text, file.string(), file.parent_path(), more);
-    };
-}
-
-/// The same with overrides below those that it is called with.
+/// A scene with overrides below those that it is called with.
 SceneWith with(const SceneWith& scene_with, std::vector<std::string> overrides) {
     return [scene_with, overrides = std::move(overrides)](const std::vector<std::string>& more) {
         std::vector<std::string> all = overrides;

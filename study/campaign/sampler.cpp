@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lib/scene/assemble.hpp"
+#include "lib/scene/read_scene.hpp"
 
 namespace twinchute::study {
 namespace {
@@ -15,6 +16,13 @@ bool is_wind(const CampaignInput& input) {
 }
 
 }  // namespace
+
+SceneWith base_of(const CampaignSpec& spec) {
+    return [text = fmt::format("base = '{}'\n", spec.base),
+            file = spec.file](const std::vector<std::string>& more) {
+        return read_scene_text(text, file.string(), file.parent_path(), more);
+    };
+}
 
 Sampler::Sampler(const CampaignSpec& spec, const SceneWith& scene_with) : spec_(spec) {
     nominal_ = scene_with({});

@@ -13,6 +13,9 @@
 
 namespace twinchute::study {
 
+/// The scene that a campaign's file names, without the overrides that stand there.
+SceneWith base_of(const CampaignSpec& spec);
+
 /// Scenes of runs; the same for all threads, each of which has its own Design and scene to put values in.
 class Sampler {
 public:

@@ -32,6 +32,24 @@ TEST(SceneBase, GivesWhatTheSceneDoesNot) {
     EXPECT_TRUE(same_scene(like_base, base));
 }
 
+TEST(SceneBase, IsThatOfTheFileWhereverTheSameTextWasReadBefore) {
+    // Texts that come again are not parsed again: they are to stand for their own directory, and for the file as
+    // it is now.
+    ScratchDir here, there;
+    here.write("base.toml", good_scene);
+    there.write("base.toml", edited(good_scene, "152.4 kg", "99 kg"));
+    const auto mass = [](const ScratchDir& directory) {
+        return read_scene_text("base = \"base.toml\"\n", "scene.toml", directory.path()).payload.mass;
+    };
+    for (int repeated = 0; repeated < 3; ++repeated) {
+        EXPECT_EQ(mass(here), 152.4);
+        EXPECT_EQ(mass(there), 99.0);
+    }
+    here.write("base.toml", edited(good_scene, "152.4 kg", "77 kg"));
+    EXPECT_EQ(mass(here), 77.0);
+    EXPECT_EQ(mass(there), 99.0);
+}
+
 TEST(SceneBase, IsOverriddenTableByTableAndInTheOtherWayToSayIt) {
     ScratchDir here;
     here.write("base.toml", good_scene);

@@ -187,7 +187,7 @@ TEST(CampaignSampler, PutsWhatReadingGives) {
         "[[vary]]\nkey = \"parachute.drag_area_law\"\ndist = { discrete = { values = [\"ludtke\", "
         "\"power-2\"] } }\n"
         "[[vary]]\nkey = \"release.speed\"\ndist = { normal = { mean = \"70 ft/s\", sd = \"5 %\" } }\n");
-    const Sampler sampler(spec, {});
+    const Sampler sampler(spec, base_of(spec));
     EXPECT_TRUE(sampler.is_quick());
     const std::vector<double> values{41.0, 1.0, 22.0};
     Scene put = sampler.blank();
@@ -204,7 +204,7 @@ TEST(CampaignSampler, TurnsAndScalesTheWindClockwise) {
         spec_of("c9-drift",
                 "[[vary]]\nkey = \"wind.scale\"\ndist = { uniform = { low = 0, high = 2 } }\n"
                 "[[vary]]\nkey = \"wind.turn\"\ndist = { normal = { mean = 0, sd = \"10 deg\" } }\n");
-    const Sampler sampler(spec, {});
+    const Sampler sampler(spec, base_of(spec));
     Scene scene = sampler.blank();
     sampler.put(scene, std::vector{1.5, 0.5 * 3.14159265358979323846});
     sampler.put(scene,

@@ -80,7 +80,7 @@ protected:
 
 TEST_F(CampaignWind, IsOneOfTheTables) {
     const CampaignSpec spec = spec_of("");
-    const Sampler sampler(spec, {});
+    const Sampler sampler(spec, base_of(spec));
     Scene scene = sampler.blank();
     sampler.put(scene, std::vector{1.0, 2.0});
     EXPECT_EQ(scene.environment.wind->at(1000.0), Vec3(12, 0, 0));  // half way up, times two
@@ -103,7 +103,7 @@ TEST_F(CampaignWind, HasGustsOnTopOfItsTable) {
     const CampaignSpec spec = spec_of(
         "[[vary]]\nkey = \"wind.gusts\"\nsd = [\"2 m/s\", \"1 m/s\", 0.5]\n"
         "correlation_length = [\"100 m\", 200, 400]\n");
-    const Sampler sampler(spec, {});
+    const Sampler sampler(spec, base_of(spec));
     Scene scene = sampler.blank();
     sampler.put(scene, std::vector{1.0, 1.0, 0.25});
     const double ground = scene.environment.ground;
