@@ -4,11 +4,11 @@ serve.curves = (function () {
     const channels = [["force", "Force on the payload", "N"], ["speed", "Speed of the payload", "m/s"], ["altitude", "Altitude", "m"]];
     // Drawn in this order: the last lies on top. Where the full model is there, rom is dashed, as in reports.
     const lines = [
+        {id: "measured", colour: "dim", pattern: null, width: 0, points: true},
         {id: "before", colour: "faint", pattern: null, width: 3},
         {id: "kept", colour: "up", pattern: [2, 3], width: 2.2},
         {id: "full", colour: "reference", pattern: null, width: 2},
         {id: "rom", colour: "candidate", pattern: null, width: 2},
-        {id: "measured", colour: "ink", pattern: null, width: 0, points: true},
     ];
     const nothing = [[0, ...lines.map(() => null)]];
     const shown = {};  // line: {label, history}

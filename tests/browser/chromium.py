@@ -38,6 +38,7 @@ class Chromium:
 
     # WebGL by software, so that it is there on every machine; the page around it is put together without, which takes a
     # tenth of the time. No sandbox, since containers have none to offer.
+    SCHEMES = ("light", "dark")
     FLAGS = ["--disable-gpu-compositing", "--headless", "--no-sandbox", "--no-first-run", "--disable-extensions", "--disable-background-networking",
              "--disable-dev-shm-usage", "--hide-scrollbars", "--use-gl=angle", "--use-angle=swiftshader",
              "--enable-unsafe-swiftshader", "--remote-debugging-pipe"]
@@ -126,14 +127,23 @@ class Chromium:
                 return  # how a canvas gets into a page that is put together without a GPU: our flag, not the page
             self.log.append(what["entry"]["level"] + ": " + what["entry"]["text"])
 
-    def open(self, url, width=1200, height=900, scheme="light", script=True):
+    def resize(self, width, height, scheme="light"):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        self.call("Emulation.setScriptExecutionDisabled", value=not script)
+
+    def load(self, method, **parameters):
         self.loaded = False
-        self.call("Page.navigate", url=url)
+        self.call(method, **parameters)
         while not self.loaded:
             self.take(self.next_message())
+
+    def open(self, url, width=1200, height=900, scheme="light", script=True):
+        self.resize(width, height, scheme)
+        self.call("Emulation.setScriptExecutionDisabled", value=not script)
+        self.load("Page.navigate", url=url)
+
+    def reload(self):
+        self.load("Page.reload")
 
     def ask(self, expression):
         """The value of an expression in the page; a promise is waited for."""
@@ -145,9 +155,17 @@ class Chromium:
     def move_mouse(self, x, y):
         self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
 
-    def press(self, key, code=0):
+    def mouse(self, kind, x, y):
+        """`kind`: pressed, moved or released, with the left button."""
+        self.call("Input.dispatchMouseEvent", type="mouse" + kind.capitalize(), x=x, y=y, button="left", buttons=1, clickCount=1)
+
+    def type(self, words):
+        self.call("Input.insertText", text=words)
+
+    def press(self, key, code=0, control=False, shift=False):
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+            self.call("Input.dispatchKeyEvent", type=kind, key=key.upper() if shift else key, code=key, windowsVirtualKeyCode=code,
+                      modifiers=2 * control + 8 * shift)
 
     def screenshot(self, file, clip=None):
         more = {"clip": dict(zip(("x", "y", "width", "height"), clip), scale=1), "captureBeyondViewport": True} if clip else {}

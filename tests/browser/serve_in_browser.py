@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The page of `twinchute serve` as an engineer works in it: values, curves, a full run, a comparison, in headless Chromium.
+"""The page of `twinchute serve` as an engineer works in it: values, curves, a full run, a comparison, studies, in a headless browser.
 
-usage: serve_in_browser.py TWINCHUTE SCENE WORK [AXE]
+usage: serve_in_browser.py chromium|firefox TWINCHUTE SCENE WORK [AXE]
 AXE: axe.min.js of axe-core, which then looks at the page too.
-Exit code 77 where there is no Chromium, or twinchute was built without a server.
+Exit code 77 where there is no such browser, or twinchute was built without a server.
 """
 
 import contextlib
@@ -18,7 +18,9 @@ import time
 import urllib.parse
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from chromium import Chromium, axe_core, barriers, program
+import chromium
+import firefox
+from chromium import axe_core, barriers
 
 failures = []
 
@@ -80,7 +82,7 @@ def type_in(page, key, words):
     page.ask(f"(() => {{ const f = {field(key)}; f.focus(); f.select(); }})()")
     expect(page.ask(f"document.activeElement === {field(key)}"), f"the field of {key} can be typed in")
     if words:
-        page.call("Input.insertText", text=words)
+        page.type(words)
     else:
         page.press("Delete", 46)
     page.press("Tab", 9)
@@ -88,9 +90,7 @@ def type_in(page, key, words):
 
 
 def control_z(page, shift=False):
-    for kind in ("keyDown", "keyUp"):
-        page.call("Input.dispatchKeyEvent", type=kind, key="Z" if shift else "z", code="KeyZ", windowsVirtualKeyCode=90,
-                  modifiers=10 if shift else 2)
+    page.press("z", 90, control=True, shift=shift)
     settled(page)
 
 
@@ -121,7 +121,7 @@ def shows_what_the_command_line_says(page, twinchute, scene):
     for metric in (PEAK, "filling_time_s", "descent_rate_m_s", "max_deceleration_g"):
         shown = figure(page, metric, "rom")
         expect(abs(shown - metrics[metric]) <= 5e-4 * abs(metrics[metric]), f"{metric} is that of the command line: {shown} {metrics[metric]}")
-    drawn = page.ask("Math.max(...serve.curves.graphs[0].file_.map(row => row[4]).filter(v => v !== null))")
+    drawn = page.ask("Math.max(...serve.curves.graphs[0].file_.map(row => row.at(-1)).filter(v => v !== null))")
     expect(abs(drawn - metrics[PEAK]) <= 0.01 * metrics[PEAK], f"the curve reaches the peak force: {drawn} {metrics[PEAK]}")
     type_in(page, "parachute.fill_time.n", "")
     expect(page.ask(field("parachute.fill_time.n") + ".value") == "4", "an empty field is the scene's value again")
@@ -139,13 +139,12 @@ def slider_redraws(page):
     x0, x1, y = page.ask("""(() => { const k = serve.knobs.knobs.get('payload.mass'), e = k.slider; e.scrollIntoView({block: 'center'});
         const r = e.getBoundingClientRect(), thumb = 16;
         return [100, 200].map(v => r.x + thumb / 2 + (r.width - thumb) * serve.knobs.placeAt(k.slide, v) / 1000).concat(r.y + r.height / 2); })()""")
-    mouse = lambda kind, x: page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
     forces = set()
-    mouse("mousePressed", x0)
+    page.mouse("pressed", x0, y)
     for i in range(41):
-        mouse("mouseMoved", x0 + (x1 - x0) * i / 40)
+        page.mouse("moved", x0 + (x1 - x0) * i / 40, y)
         forces.add(page.ask("new Promise(done => setTimeout(() => done(document.querySelector('[data-metric=peak_force_N] strong').textContent), 60))"))
-    mouse("mouseReleased", x1)
+    page.mouse("released", x1, y)
     settled(page)
     took = sorted(page.ask("took"))
     mass = page.ask(field("payload.mass") + ".value")
@@ -175,6 +174,7 @@ def undo_goes_back(page):
 def bad_value_is_said_at_its_field(page):
     """In the words of the command line, which are those of the test of the server."""
     message = "document.querySelector('[data-key=\"payload.mass\"] .message')"
+    type_in(page, "payload.mass", "12 kg")  # runs on the way to 12 ft, where each letter is a change
     force = figure(page, PEAK, "rom")
     type_in(page, "payload.mass", "12 ft")
     words = page.ask(message + ".textContent")
@@ -275,10 +275,7 @@ def full_run_is_followed(page):
     expect(says[0] == "running" and 0 < says[1] < 1, f"the bar is on its way: {says}")
     expect(says[2].startswith("#full="), f"its id is in the address: {says}")
     expect(page.ask("document.getElementById('run-full').disabled"), "no second one is started meanwhile")
-    page.loaded = False
-    page.call("Page.reload")
-    while not page.loaded:
-        page.take(page.next_message())
+    page.reload()
     until(page, "serve.runs.runs.full && serve.runs.runs.full.info", "the run is found again after a reload")
     found = page.ask("[serve.runs.runs.full.id, serve.runs.runs.full.info.state, serve.runs.same(serve.runs.runs.full)]")
     expect("#full=" + found[0] == says[2] and found[1] == "running" and found[2], f"the same, still running, of the same values: {found} {says}")
@@ -342,8 +339,8 @@ def saved_scene_runs_alike(page, twinchute, scene, out):
 
 
 def fits(page, width, height, scheme):
-    page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    scheme = scheme if scheme in page.SCHEMES else "light"
+    page.resize(width, height, scheme)
     settled(page)
     expect(page.ask("document.documentElement.scrollWidth <= innerWidth"), f"nothing sticks out at {width} px")
     small = page.ask("""[...document.querySelectorAll('body *')].filter(e => e.getClientRects().length && e.textContent.trim() && !e.closest('script, style'))
@@ -497,7 +494,7 @@ def dropped_test_is_fitted(page, data, url, work):
     saved = work / "c9-drop-calibrated.toml"
     until(page, "document.querySelector('#calibration-body [role=status]').textContent.startsWith('Saved')", "the calibrated scene is saved")
     expect("[uncertainty]" in saved.read_text(encoding="utf-8"), "the saved scene has the uncertainty")
-    page.ask("location.reload()")
+    page.reload()
     until(page, "!document.getElementById('calibration').hidden", "a reload finds the calibration")
 
 
@@ -533,11 +530,12 @@ def dropped_campaign_is_run(page, twinchute, data, scene, work, axe):
 
 
 def main():
-    twinchute, scene, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-    if not program():
-        print("skipped: Chromium is not there (Debian: apt-get install chromium), so nothing opened the page of twinchute serve")
+    twinchute, scene, work = sys.argv[2], pathlib.Path(sys.argv[3]), pathlib.Path(sys.argv[4])
+    module, browser, package = {"chromium": (chromium, chromium.Chromium, "chromium"), "firefox": (firefox, firefox.Firefox, "firefox-esr")}[sys.argv[1]]
+    if not module.program():
+        print(f"skipped: {package} is not there (Debian: apt-get install {package}), so it did not open the page of twinchute serve")
         return 77
-    axe = axe_core(sys.argv[4:])
+    axe = axe_core(sys.argv[5:])
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     mine = work / scene.name
@@ -553,7 +551,7 @@ def main():
         if not server.url.startswith("http://127.0.0.1:"):
             print("skipped: this twinchute has no server (Debian: apt-get install libcpp-httplib-dev, before the build)")
             return 77
-        with Chromium(500) as page:
+        with browser(500) as page:
             page.open(server.url, width=1400, height=1000)
             until(page, "document.querySelector('[data-metric]')", "the page shows a run")
             shows_what_the_command_line_says(page, twinchute, mine)
