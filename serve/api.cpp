@@ -17,6 +17,7 @@
 #include "lib/cli/list_command.hpp"
 #include "lib/cli/scene_command.hpp"
 #include "lib/record/file_batch.hpp"
+#include "lib/record/record_csv.hpp"
 #include "lib/record/record_json.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -116,6 +117,7 @@ constexpr Api::Route Api::routes[] = {
     {"GET", "/api/runs/ID", &Api::run},
     {"DELETE", "/api/runs/ID", &Api::cancel},
     {"GET", "/api/runs/ID/history", &Api::history},
+    {"GET", "/api/runs/ID/history.csv", &Api::table, true},
     {"GET", "/api/runs/ID/summary", &Api::summary, true},
     {"GET", "/api/runs/ID/report", &Api::report, true},
     {"GET", "/api/runs/ID/frames", &Api::frames},
@@ -370,12 +372,21 @@ HttpAnswer Api::cancel(const HttpRequest&, const std::string& id) {
     return {200, json_text({{"id", id}})};
 }
 
+const RunRecord& Api::record_of(const compare::Comparison& result, const HttpRequest& request) const {
+    const bool of_rom = request.parameter("model") == "rom";
+    if (of_rom && result.candidate.channels.empty())
+        throw Refusal(404, "the run is of the full model alone, ask without model=rom");
+    return of_rom ? result.candidate : result.reference;
+}
+
 HttpAnswer Api::history(const HttpRequest& request, const std::string& id) {
     const auto result = result_of(id);
-    const bool of_rom = request.parameter("model") == "rom";
-    if (of_rom && result->candidate.channels.empty())
-        throw Refusal(404, "the run is of the full model alone, ask without model=rom");
-    return {200, fmt::format("{{{}}}\n", history_json(of_rom ? result->candidate : result->reference))};
+    return {200, fmt::format("{{{}}}\n", history_json(record_of(*result, request)))};
+}
+
+HttpAnswer Api::table(const HttpRequest& request, const std::string& id) {
+    const auto result = result_of(id);
+    return download(history_csv(record_of(*result, request)), "text/csv; charset=utf-8", "history.csv");
 }
 
 HttpAnswer Api::summary(const HttpRequest&, const std::string& id) {

@@ -53,6 +53,7 @@ private:
     HttpAnswer run(const HttpRequest&, const std::string& id);
     HttpAnswer cancel(const HttpRequest&, const std::string& id);
     HttpAnswer history(const HttpRequest&, const std::string& id);
+    HttpAnswer table(const HttpRequest&, const std::string& id);
     HttpAnswer summary(const HttpRequest&, const std::string& id);
     HttpAnswer report(const HttpRequest&, const std::string& id);
     HttpAnswer frames(const HttpRequest&, const std::string& id);
@@ -60,6 +61,8 @@ private:
     HttpAnswer start(RunKind kind, const HttpRequest& request);
     HttpAnswer begin(RunKind kind, Scene scene, study::StudyWork study);
     std::shared_ptr<BackgroundRun> found(const std::string& id) const;
+    /// The record that `model` asks for.
+    const RunRecord& record_of(const compare::Comparison& result, const HttpRequest& request) const;
     [[noreturn]] void refuse_without_result(const BackgroundRun& run) const;
     std::shared_ptr<const compare::Comparison> result_of(const std::string& id) const;
     std::shared_ptr<const study::StudyResult> study_of(const BackgroundRun& run) const;

@@ -32,17 +32,9 @@ serve.runs = (function () {
         return info.state + status + error;
     }
 
-    async function download(kind) {
-        const run = runs[kind];
-        const answer = await serve.ask("GET", "runs/" + run.id + "/summary");
-        if (answer.status !== 200) { serve.say(serve.words(answer)); return; }
-        const link = serve.element("a", {href: URL.createObjectURL(new Blob([JSON.stringify(answer.data, null, 2) + "\n"], {type: "application/json"})), download: files[kind]});
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-    }
-
-    const reportLink = (run, text) => serve.element("a", {
-        href: "/api/runs/" + run.id + "/report?token=" + encodeURIComponent(serve.token), target: "_blank", rel: "noopener"}, text);
+    const address = (run, what) => "/api/runs/" + run.id + "/" + what + "?token=" + encodeURIComponent(serve.token);
+    const reportLink = (run, text) => serve.element("a", {href: address(run, "report"), target: "_blank", rel: "noopener"}, text);
+    const download = (run, what, name) => serve.element("a", {href: address(run, what), download: name}, name);
 
     function panel(kind) {
         const run = runs[kind];
@@ -68,9 +60,8 @@ serve.runs = (function () {
         run.cancel.hidden = over;
         run.dismiss.hidden = !over;
         if (good && !run.links.children.length) {
-            const summary = serve.element("button", {type: "button", className: "link"}, files[kind]);
-            summary.addEventListener("click", () => download(kind));
-            run.links.append(reportLink(run, "Report"), " ", summary);
+            run.links.append(reportLink(run, "Report"), " ", download(run, "summary", files[kind]));
+            if (!isStudy(kind)) run.links.append(" ", download(run, "history.csv", "history.csv"));
         }
     }
 

@@ -448,6 +448,10 @@ class RunsOfThePage(unittest.TestCase):
             self.assertEqual(state["rows"], {name: history[name] for name in ("time", "force", "speed")})
             late = server.get(f"/api/runs/{run}?from=3")["rows"]
             self.assertEqual(late, {name: history[name][3:] for name in late})
+            _, headers, table = server.ask("GET", f"/api/runs/{run}/history.csv?token={server.token}", token=False)
+            self.assertEqual(headers["Content-Disposition"], 'attachment; filename="history.csv"')
+            self.assertEqual(table, content(os.path.join(server.directory, "by_hand/history.csv")))
+            self.assertEqual(server.ask("GET", f"/api/runs/{run}/history.csv?model=rom")[0], 404)
             with open(os.path.join(server.directory, "by_hand/frames.bin"), "rb") as file:
                 self.assertEqual(server.ask("GET", f"/api/runs/{run}/frames")[2], file.read())
             status, headers, report = server.ask("GET", f"/api/runs/{run}/report?token={server.token}", token=False)
@@ -484,6 +488,7 @@ class RunsOfThePage(unittest.TestCase):
                 self.assertEqual(state["gap"]["metrics"], json.load(file)["metrics"])
             self.assertEqual((state["summary"]["fidelity"], state["rom_summary"]["fidelity"]), ("full", "rom"))
             self.assertIn("history", server.get(f"/api/runs/{state['id']}/history?model=rom"))
+            self.assertEqual(server.ask("GET", f"/api/runs/{state['id']}/history.csv?model=rom")[2], content(os.path.join(out, "rom", "history.csv")))
             self.assertEqual(server.ask("GET", f"/api/runs/{state['id']}/report?token={server.token}", token=False)[0], 200)
 
     def test_two_at_a_time_and_cancel(self):
@@ -590,7 +595,8 @@ class Studies(unittest.TestCase):
             status, headers, page = server.ask("GET", f"/api/runs/{run}/report")
             self.assertEqual((status, b"What is left over" in page), (200, True))
             self.assertIn('filename="calibration.json"', server.ask("GET", f"/api/runs/{run}/summary")[1]["Content-Disposition"])
-            self.assertEqual(server.ask("GET", f"/api/runs/{run}/history")[0], 404)
+            for of_models in ("history", "history.csv"):
+                self.assertEqual(server.ask("GET", f"/api/runs/{run}/{of_models}")[0], 404, of_models)
             # A text that is not the file's has no file to be based on.
             run = self.begin(server, "calibrate", text=TEXT + "\n", files=[file_of("c9-drop-a.csv")], vary=["parachute.drag_area=20..60"])
             state = server.ended(run)
