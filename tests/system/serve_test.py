@@ -628,13 +628,15 @@ class Studies(unittest.TestCase):
         with Server() as server:
             plan = os.path.join(server.directory, "plan.toml")
             with open(plan, "w", encoding="utf-8") as file:
-                file.write(PLAN.replace("c9-inflation.toml", "drop.toml"))
+                # Of its own overrides and those of the page the latter hold, as --set does.
+                text = PLAN.replace("schema = 1", """schema = 1\nset = ["release.path_angle='70 deg'", "payload.mass='140 kg'"]""")
+                file.write(text.replace("c9-inflation.toml", "drop.toml"))
             by_hand = program("campaign", "plan.toml", "--set", "release.path_angle='80 deg'", "--json", cwd=server.directory)
             if "is not in this build" in by_hand.stderr:
                 self.assertIn("is not in this build", self.refusal(server, "campaign", 422, campaign=PLAN))
                 self.skipTest("no campaigns in this build")
             before, kept = server.files(), set(os.listdir(tempfile.gettempdir()))
-            run = self.begin(server, "campaign", campaign=PLAN, name="plan.toml", set=["release.path_angle='80 deg'"])
+            run = self.begin(server, "campaign", campaign=text, name="plan.toml", set=["release.path_angle='80 deg'"])
             state = server.ended(run)
             self.assertEqual((state["kind"], state["state"], state["error"]), ("campaign", "done", None))
             expected = json.loads(by_hand.stdout)
