@@ -33,8 +33,8 @@ TEST(SceneBase, GivesWhatTheSceneDoesNot) {
 }
 
 TEST(SceneBase, IsThatOfTheFileWhereverTheSameTextWasReadBefore) {
-    // Texts that come again are not parsed again: they are to stand for their own directory, and for the file as
-    // it is now.
+    // Texts that come again are not parsed again: they are to stand for their own directory, and for the file
+    // as it is now.
     ScratchDir here, there;
     here.write("base.toml", good_scene);
     there.write("base.toml", edited(good_scene, "152.4 kg", "99 kg"));
