@@ -48,9 +48,7 @@ HWY_INLINE ElementSums membrane_forces(const View& view, const MembranePass& pas
                                    triangle.weighted_area(pass.weight), triangle.viscosity(), e1, e2, w1, w2);
                 part_dissipated += pulls.dissipated;
                 part_largest = larger(pulls.stress, part_largest);
-                triangle.add_force(0, pulls.on_first);
-                triangle.subtract_force(1, pulls.on_second);
-                triangle.subtract_force(2, pulls.on_third);
+                triangle.pull(pulls.on_first, pulls.on_second, pulls.on_third);
             }
             if constexpr (air == AirOnFabric::fills) {
                 const T3 area = triangle.half() * cross(e1, e2);

@@ -104,6 +104,11 @@ public:
         edges(e1, e2);
         mean = (1.0 / 3.0) * (this->v(0) + this->v(1) + this->v(2));
     }
+    HWY_INLINE void pull(Lanes3 first, Lanes3 second, Lanes3 third) const {
+        this->add_force(0, first);
+        this->subtract_force(1, second);
+        this->subtract_force(2, third);
+    }
     HWY_INLINE void add_drag(Lanes3 force) const { this->add_to_all(force); }
 };
 

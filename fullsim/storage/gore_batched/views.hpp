@@ -149,6 +149,11 @@ public:
     HWY_INLINE Vec weighted_area(double weight) const { return all(weight * row_.area); }
     HWY_INLINE Vec viscosity() const { return all(row_.viscosity); }
     HWY_INLINE double half() const { return 0.5; }
+    HWY_INLINE void pull(Vec3s first, Vec3s second, Vec3s third) const {
+        add_force(0, first);
+        subtract_force(1, second);
+        subtract_force(2, third);
+    }
     HWY_INLINE void add_push(Vec3s area) const { add_to_all(area, block_.push); }
     HWY_INLINE void add_drag(Vec3s force) const { add_to_all(force, block_.aero); }
 

@@ -145,8 +145,11 @@ public:
     HWY_INLINE Vec weighted_area(double) const { return constant(f_.triangle.area); }
     HWY_INLINE Vec viscosity() const { return constant(f_.triangle.viscosity); }
     HWY_INLINE Vec half() const { return constant(f_.triangle.half); }
-    HWY_INLINE void add_force(int, Vec3s force) const { put_force(force, 0); }
-    HWY_INLINE void subtract_force(int c, Vec3s force) const { put_force(force, c); }
+    HWY_INLINE void pull(Vec3s first, Vec3s second, Vec3s third) const {
+        put_force(first, 0);
+        put_force(second, 1);
+        put_force(third, 2);
+    }
     HWY_INLINE void add_push(Vec3s area) const { put_force(area, 3); }
     HWY_INLINE void add_rows(MembraneStiffening<Vec> by) const {
         for (int c = 0; c < 3; ++c) {

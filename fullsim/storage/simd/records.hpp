@@ -123,6 +123,21 @@ HWY_INLINE Columns columns_of(const Record (&r)[8]) {
             blocks<1, 3, 1, 3>(xu0, xu1), blocks<1, 3, 1, 3>(yv0, yv1), blocks<1, 3, 1, 3>(zw0, zw1)};
 }
 
+HWY_INLINE void columns_of_rows(const Row (&r)[8], hn::Vec<Tag>& x, hn::Vec<Tag>& y, hn::Vec<Tag>& z) {
+    // Rows k and k + 4 in one register.
+    __m512d two[4];
+    for (int k = 0; k < 4; ++k)
+        two[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(r[k].part[0].raw), r[k + 4].part[0].raw, 1);
+    // [x x | z z] of nodes 0 and 1, of 4 and 5; those of the next ones; and [y y | ...].
+    const __m512d even0 = _mm512_unpacklo_pd(two[0], two[1]), even1 = _mm512_unpacklo_pd(two[2], two[3]);
+    const __m512d odd0 = _mm512_unpackhi_pd(two[0], two[1]), odd1 = _mm512_unpackhi_pd(two[2], two[3]);
+    const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+    const __m512i second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+    x = hn::Vec<Tag>{_mm512_permutex2var_pd(even0, first, even1)};
+    y = hn::Vec<Tag>{_mm512_permutex2var_pd(odd0, first, odd1)};
+    z = hn::Vec<Tag>{_mm512_permutex2var_pd(even0, second, even1)};
+}
+
 /// x, y, z, 0 of each lane.
 HWY_INLINE void rows_of(hn::Vec<Tag> x, hn::Vec<Tag> y, hn::Vec<Tag> z, Row (&row)[8]) {
     const __m512d even = _mm512_unpacklo_pd(x.raw, y.raw), odd = _mm512_unpackhi_pd(x.raw, y.raw);
@@ -143,21 +158,20 @@ HWY_INLINE void rows_of(hn::Vec<Tag> x, hn::Vec<Tag> y, hn::Vec<Tag> z, Row (&ro
 }
 #else
 #if HWY_TARGET == HWY_AVX2
-HWY_INLINE void columns_of_rows(Row a, Row b, Row c, Row d, hn::Vec<Tag>& x, hn::Vec<Tag>& y,
-                                hn::Vec<Tag>& z) {
+HWY_INLINE void columns_of_rows(const Row (&r)[4], hn::Vec<Tag>& x, hn::Vec<Tag>& y, hn::Vec<Tag>& z) {
     // [x x | z z] of two nodes each, and [y y | ...].
-    const auto even0 = hn::InterleaveLower(tag, a.part[0], b.part[0]);
-    const auto even1 = hn::InterleaveLower(tag, c.part[0], d.part[0]);
-    const auto odd0 = hn::InterleaveUpper(tag, a.part[0], b.part[0]);
-    const auto odd1 = hn::InterleaveUpper(tag, c.part[0], d.part[0]);
+    const auto even0 = hn::InterleaveLower(tag, r[0].part[0], r[1].part[0]);
+    const auto even1 = hn::InterleaveLower(tag, r[2].part[0], r[3].part[0]);
+    const auto odd0 = hn::InterleaveUpper(tag, r[0].part[0], r[1].part[0]);
+    const auto odd1 = hn::InterleaveUpper(tag, r[2].part[0], r[3].part[0]);
     x = hn::ConcatLowerLower(tag, even1, even0);
     y = hn::ConcatLowerLower(tag, odd1, odd0);
     z = hn::ConcatUpperUpper(tag, even1, even0);
 }
 HWY_INLINE Columns columns_of(const Record (&r)[4]) {
     Columns columns;
-    columns_of_rows(r[0].x, r[1].x, r[2].x, r[3].x, columns.x, columns.y, columns.z);
-    columns_of_rows(r[0].v, r[1].v, r[2].v, r[3].v, columns.u, columns.v, columns.w);
+    columns_of_rows({r[0].x, r[1].x, r[2].x, r[3].x}, columns.x, columns.y, columns.z);
+    columns_of_rows({r[0].v, r[1].v, r[2].v, r[3].v}, columns.u, columns.v, columns.w);
     return columns;
 }
 
@@ -172,6 +186,9 @@ HWY_INLINE void rows_of(hn::Vec<Tag> x, hn::Vec<Tag> y, hn::Vec<Tag> z, Row (&ro
     row[3].part[0] = hn::ConcatUpperUpper(tag, odd_z, odd);
 }
 #elif HWY_TARGET == HWY_SCALAR
+HWY_INLINE void columns_of_rows(const Row (&r)[1], hn::Vec<Tag>& x, hn::Vec<Tag>& y, hn::Vec<Tag>& z) {
+    x = r[0].part[0], y = r[0].part[1], z = r[0].part[2];
+}
 HWY_INLINE Columns columns_of(const Record (&r)[1]) {
     const Row &x = r[0].x, &v = r[0].v;
     return {x.part[0], x.part[1], x.part[2], v.part[0], v.part[1], v.part[2]};
@@ -182,15 +199,15 @@ HWY_INLINE void rows_of(hn::Vec<Tag> x, hn::Vec<Tag> y, hn::Vec<Tag> z, Row (&ro
 #else
 static_assert(lanes_of_register == 2);
 
-HWY_INLINE void columns_of_rows(Row a, Row b, hn::Vec<Tag>& x, hn::Vec<Tag>& y, hn::Vec<Tag>& z) {
-    x = hn::InterleaveLower(tag, a.part[0], b.part[0]);
-    y = hn::InterleaveUpper(tag, a.part[0], b.part[0]);
-    z = hn::InterleaveLower(tag, a.part[1], b.part[1]);
+HWY_INLINE void columns_of_rows(const Row (&r)[2], hn::Vec<Tag>& x, hn::Vec<Tag>& y, hn::Vec<Tag>& z) {
+    x = hn::InterleaveLower(tag, r[0].part[0], r[1].part[0]);
+    y = hn::InterleaveUpper(tag, r[0].part[0], r[1].part[0]);
+    z = hn::InterleaveLower(tag, r[0].part[1], r[1].part[1]);
 }
 HWY_INLINE Columns columns_of(const Record (&r)[2]) {
     Columns columns;
-    columns_of_rows(r[0].x, r[1].x, columns.x, columns.y, columns.z);
-    columns_of_rows(r[0].v, r[1].v, columns.u, columns.v, columns.w);
+    columns_of_rows({r[0].x, r[1].x}, columns.x, columns.y, columns.z);
+    columns_of_rows({r[0].v, r[1].v}, columns.u, columns.v, columns.w);
     return columns;
 }
 
@@ -237,6 +254,19 @@ HWY_INLINE Motion motion_of(RecordOf&& record_of) {
             {joined(a.u, b.u), joined(a.v, b.v), joined(a.w, b.w)}};
 }
 
+/// row_of(lane) for each lane, likewise.
+template <class RowOf>
+HWY_INLINE Vec3s vectors_of(RowOf&& row_of) {
+    Vec3s all;
+    for (int k = 0; k < unroll_factor; ++k) {
+        Row rows[lanes_of_register];
+        for (int lane = 0; lane < lanes_of_register; ++lane)
+            rows[lane] = row_of(k * lanes_of_register + lane);
+        columns_of_rows(rows, all.x.raw[k], all.y.raw[k], all.z.raw[k]);
+    }
+    return all;
+}
+
 /// Where a node's row begins [B], of 4 doubles; its record of 8 begins at twice that. Both are addressed
 /// without arithmetic.
 using RowOffset = std::int32_t;
@@ -244,6 +274,14 @@ using RowOffset = std::int32_t;
 HWY_INLINE Record record_of(const double* nodes, RowOffset node) {
     return load_record(reinterpret_cast<const double*>(reinterpret_cast<const char*>(nodes) +
                                                        static_cast<std::ptrdiff_t>(node) * 2));
+}
+/// Its halves.
+HWY_INLINE Row position_of(const double* nodes, RowOffset node) {
+    return load_row(reinterpret_cast<const double*>(reinterpret_cast<const char*>(nodes) +
+                                                    static_cast<std::ptrdiff_t>(node) * 2));
+}
+HWY_INLINE Row velocity_of(const double* nodes, RowOffset node) {
+    return position_of(nodes + 4, node);
 }
 HWY_INLINE double* row_at(double* rows, RowOffset node) {
     return reinterpret_cast<double*>(reinterpret_cast<char*>(rows) + node);
@@ -253,6 +291,12 @@ HWY_INLINE double* row_at(double* rows, RowOffset node) {
 HWY_INLINE Motion between(const double* nodes, const RowOffset* first, const RowOffset* second) {
     return motion_of(
         [=](int lane) { return record_of(nodes, second[lane]) - record_of(nodes, first[lane]); });
+}
+
+/// Position of the second node of each lane relative to the first.
+HWY_INLINE Vec3s distance_between(const double* nodes, const RowOffset* first, const RowOffset* second) {
+    return vectors_of(
+        [=](int lane) { return position_of(nodes, second[lane]) - position_of(nodes, first[lane]); });
 }
 
 /// each(lane, x y z 0) for each lane of a vector in turn.

@@ -56,7 +56,7 @@ public:
 
         HWY_INLINE std::size_t size() const { return elements.groups; }
         HWY_INLINE Element element(std::size_t k) const {
-            return Element(nodes, elements.node + k * Element::corners * lanes,
+            return Element(nodes, elements.node + k * Element::corner_lanes,
                            elements.constant + k * Element::constants * lanes, context);
         }
         HWY_INLINE Vec live(Vec sum) const { return sum; }
@@ -76,7 +76,7 @@ struct Nothing {};
 template <int corner_count, int constant_count, class OfContext>
 class GroupElement {
 public:
-    static constexpr int corners = corner_count, constants = constant_count;
+    static constexpr int corners = corner_count, corner_lanes = corners * lanes, constants = constant_count;
     using Context = OfContext;
 
     HWY_INLINE GroupElement(Nodes nodes, const RowOffset* node, const double* constant, Context context)
@@ -93,9 +93,13 @@ protected:
     HWY_INLINE Vec constant(int which) const { return load(constant_ + which * lanes); }
     /// Position and velocity of corner c relative to the first.
     HWY_INLINE Motion to_corner(int c) const { return between(nodes_.record, corner(0), corner(c)); }
-    HWY_INLINE Motion first_node() const {
-        return motion_of([this](int lane)
-                             TWINCHUTE_INLINED { return record_of(nodes_.record, node_[lane]); });
+    HWY_INLINE Vec3s first_position() const {
+        return vectors_of([this](int lane)
+                              TWINCHUTE_INLINED { return position_of(nodes_.record, node_[lane]); });
+    }
+    HWY_INLINE Vec3s first_velocity() const {
+        return vectors_of([this](int lane)
+                              TWINCHUTE_INLINED { return velocity_of(nodes_.record, node_[lane]); });
     }
     HWY_INLINE void add_to_all(Vec3s a, double* rows) const {
         for_each_row(a, [&](int lane, Row row) TWINCHUTE_INLINED {
@@ -127,36 +131,101 @@ protected:
     Context context_;
 };
 
+/// Two triangles of corners 0, 1, 2 and 0, 2, 3 side by side in two registers: as many quads as one has
+/// lanes.
 template <class OfContext>
-class TriangleGroup : public GroupElement<3, membrane_constants, OfContext> {
-    using Base = GroupElement<3, membrane_constants, OfContext>;
-
+class TriangleGroup {
 public:
+    static constexpr int corner_lanes = 4 * lanes_of_register, constants = membrane_constants;
+    using Context = OfContext;
+
     HWY_INLINE TriangleGroup(Nodes nodes, const RowOffset* node, const double* constant,
                              const OfContext& context)
-        : Base(nodes, node, constant, context) {}
+        : nodes_(nodes), node_(node), constant_(constant), context_(context) {}
 
     HWY_INLINE void edges(Vec3s& e1, Vec3s& e2, Vec3s& w1, Vec3s& w2) const {
-        const Motion first = this->to_corner(1), second = this->to_corner(2);
-        e1 = first.x, e2 = second.x, w1 = first.v, w2 = second.v;
+        const Columns one = to_corner(1), two = to_corner(2), three = to_corner(3);
+        e1 = {joined(one.x, two.x), joined(one.y, two.y), joined(one.z, two.z)};
+        e2 = {joined(two.x, three.x), joined(two.y, three.y), joined(two.z, three.z)};
+        w1 = {joined(one.u, two.u), joined(one.v, two.v), joined(one.w, two.w)};
+        w2 = {joined(two.u, three.u), joined(two.v, three.v), joined(two.w, three.w)};
     }
     HWY_INLINE void edges(Vec3s& e1, Vec3s& e2) const {
-        e1 = this->to_corner(1).x, e2 = this->to_corner(2).x;
+        Vec3s w1, w2;
+        edges(e1, e2, w1, w2);
     }
     HWY_INLINE void edges_and_mean_velocity(Vec3s& e1, Vec3s& e2, Vec3s& mean) const {
         Vec3s w1, w2;
         edges(e1, e2, w1, w2);
-        mean = this->first_node().v + (1.0 / 3.0) * (w1 + w2);
+        mean = first_velocity() + (1.0 / 3.0) * (w1 + w2);
     }
-    HWY_INLINE Vec3s first_velocity() const { return this->first_node().v; }
-    HWY_INLINE Vec inverse_a() const { return this->constant(unstructured::inverse_a); }
-    HWY_INLINE Vec inverse_c() const { return this->constant(unstructured::inverse_c); }
-    HWY_INLINE Vec b_over_a() const { return this->constant(unstructured::b_over_a); }
-    HWY_INLINE Vec weighted_area(double weight) const { return weight * this->constant(reference_area); }
-    HWY_INLINE Vec viscosity() const { return this->constant(unstructured::viscosity); }
+    HWY_INLINE Vec3s first_velocity() const {
+        Row rows[lanes_of_register];
+        for (int lane = 0; lane < lanes_of_register; ++lane)
+            rows[lane] = velocity_of(nodes_.record, node_[lane]);
+        Part3 v;
+        columns_of_rows(rows, v.x, v.y, v.z);
+        return {joined(v.x, v.x), joined(v.y, v.y), joined(v.z, v.z)};
+    }
+    HWY_INLINE Vec live(Vec a, double) const { return a; }
+    HWY_INLINE Vec inverse_a() const { return constant(unstructured::inverse_a); }
+    HWY_INLINE Vec inverse_c() const { return constant(unstructured::inverse_c); }
+    HWY_INLINE Vec b_over_a() const { return constant(unstructured::b_over_a); }
+    HWY_INLINE Vec weighted_area(double weight) const { return weight * constant(reference_area); }
+    HWY_INLINE Vec viscosity() const { return constant(unstructured::viscosity); }
     HWY_INLINE double half() const { return 0.5; }
-    HWY_INLINE void add_push(Vec3s area) const { this->add_to_all(area, this->nodes_.push); }
-    HWY_INLINE void add_drag(Vec3s force) const { this->add_to_all(force, this->nodes_.aero); }
+    HWY_INLINE void pull(Vec3s first, Vec3s second, Vec3s third) const {
+        add(0, part(first, 0) + part(first, 1), nodes_.force);
+        subtract(1, part(second, 0), nodes_.force);
+        subtract(2, part(third, 0) + part(second, 1), nodes_.force);
+        subtract(3, part(third, 1), nodes_.force);
+    }
+    HWY_INLINE void add_push(Vec3s area) const { add_to_all(area, nodes_.push); }
+    HWY_INLINE void add_drag(Vec3s force) const { add_to_all(force, nodes_.aero); }
+
+protected:
+    struct Part3 {
+        hn::Vec<Tag> x, y, z;
+        HWY_INLINE friend Part3 operator+(Part3 a, Part3 b) {
+            return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+        }
+    };
+    HWY_INLINE static Part3 part(Vec3s a, int k) { return {a.x.raw[k], a.y.raw[k], a.z.raw[k]}; }
+    HWY_INLINE const RowOffset* corner(int c) const { return node_ + c * lanes_of_register; }
+    HWY_INLINE Vec constant(int which) const { return load(constant_ + which * lanes); }
+    HWY_INLINE Columns to_corner(int c) const {
+        return columns_from<0>([this, c](int lane) TWINCHUTE_INLINED {
+            return record_of(nodes_.record, corner(c)[lane]) - record_of(nodes_.record, node_[lane]);
+        });
+    }
+    HWY_INLINE void add(int c, Part3 a, double* rows) const {
+        Row row[lanes_of_register];
+        rows_of(a.x, a.y, a.z, row);
+        for (int lane = 0; lane < lanes_of_register; ++lane) {
+            double* at = row_at(rows, corner(c)[lane]);
+            store_row(load_row(at) + row[lane], at);
+        }
+    }
+    HWY_INLINE void subtract(int c, Part3 a, double* rows) const {
+        Row row[lanes_of_register];
+        rows_of(a.x, a.y, a.z, row);
+        for (int lane = 0; lane < lanes_of_register; ++lane) {
+            double* at = row_at(rows, corner(c)[lane]);
+            store_row(load_row(at) - row[lane], at);
+        }
+    }
+    HWY_INLINE void add_to_all(Vec3s a, double* rows) const {
+        const Part3 first = part(a, 0), second = part(a, 1), both = first + second;
+        add(0, both, rows);
+        add(1, first, rows);
+        add(2, both, rows);
+        add(3, second, rows);
+    }
+
+    Nodes nodes_;
+    const RowOffset* node_;
+    const double* constant_;
+    Context context_;
 };
 
 struct TriangleRowsContext {
@@ -179,12 +248,34 @@ public:
         const Vec damping = viscosity() * (area * by.damping);
         Vec w[3], columns = all(0.0);
         for (int i = 0; i < 3; ++i) {
-            w[i] = weights(context_.rows, i);
+            w[i] = weights(i);
             columns += gradient[i] * w[i];
         }
         for (int i = 0; i < 3; ++i) {
             const Vec row = gradient[i] * columns / w[i];
-            add_to_rows(context_.rows, i, row * stiffness, row * damping);
+            add_to_rows(i, row * stiffness, row * damping);
+        }
+    }
+
+private:
+    /// Of corner c of triangle lane.
+    HWY_INLINE RowOffset corner_of(int c, int lane) const {
+        const bool second = lane >= lanes_of_register;
+        return corner(second && c > 0 ? c + 1 : c)[second ? lane - lanes_of_register : lane];
+    }
+    HWY_INLINE Vec weights(int c) const {
+        alignas(64) double weight[lanes];
+        for (int lane = 0; lane < lanes; ++lane)
+            weight[lane] = context_.rows.weight[corner_of(c, lane) / row_bytes];
+        return load(weight);
+    }
+    HWY_INLINE void add_to_rows(int at_corner, Vec stiffness, Vec damping) const {
+        alignas(64) double k[lanes], c[lanes];
+        store(stiffness, k);
+        store(damping, c);
+        for (int lane = 0; lane < lanes; ++lane) {
+            context_.rows.stiffness[corner_of(at_corner, lane) / row_bytes] += k[lane];
+            context_.rows.damping[corner_of(at_corner, lane) / row_bytes] += c[lane];
         }
     }
 };
@@ -198,13 +289,15 @@ public:
     HWY_INLINE SpanGroup(Nodes nodes, const RowOffset* node, const double* constant, const OfContext& context)
         : Base(nodes, node, constant, context) {}
 
-    HWY_INLINE Vec3s distance() const { return this->to_corner(1).x; }
+    HWY_INLINE Vec3s distance() const {
+        return distance_between(this->nodes_.record, this->corner(0), this->corner(1));
+    }
     HWY_INLINE void ends(Vec3s& d, Vec3s& w) const {
         const Motion motion = this->to_corner(1);
         d = motion.x, w = motion.v;
     }
     /// Half of the relative velocity leads to the mean.
-    HWY_INLINE Vec3s mean_velocity(Vec3s w) const { return this->first_node().v + 0.5 * w; }
+    HWY_INLINE Vec3s mean_velocity(Vec3s w) const { return this->first_velocity() + 0.5 * w; }
     HWY_INLINE Vec inverse_length() const { return this->constant(unstructured::inverse_length); }
     HWY_INLINE Vec stiffness() const { return this->constant(unstructured::stiffness); }
     HWY_INLINE Vec dashpot() const { return this->constant(unstructured::dashpot); }
@@ -244,7 +337,8 @@ public:
 
     HWY_INLINE Vec stiffness() const { return constant(pair_stiffness); }
     HWY_INLINE void arm_and_distance(Vec3s centre, Vec3s& arm, Vec3s& d) const {
-        arm = first_node().x - centre, d = to_corner(1).x;
+        arm = first_position() - centre;
+        d = distance_between(nodes_.record, corner(0), corner(1));
     }
     HWY_INLINE void push_apart(Vec3s apart, Vec3s half_of_middle) const {
         add_force(0, apart - half_of_middle);
@@ -341,7 +435,7 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
     const Row none = row_of(0.0);
     const Row kick = row_of(step.kick), dt = row_of(step.dt), half_dt = row_of(0.5 * step.dt);
     const Row pressure = row_of(step.pressure), on_fabric = row_from(step.on_fabric);
-    const Row fall = row_from({0.0, 0.0, -step.gravity, 0.0});
+    const Row fall = row_from({0.0, 0.0, -step.gravity, 0.0}), contact = row_from(step.contact);
     const Row canopy_mean = row_from(step.canopy_mean), system_mean = row_from(step.system_mean);
     const Row wind = row_from(step.wind);
     // Copies, which no store to a node can change.
@@ -364,6 +458,7 @@ HWY_INLINE void move_nodes(Nodes nodes, const Advance& step, std::size_t first, 
         if constexpr (canopy) {
             share = shares[i];
             inertia += share * added_mass;
+            force += mass * contact;
             aero += pressure * load_row(nodes.push + 4 * i) + share * on_fabric;
             store_row(none, nodes.push + 4 * i);
             if (breathing > 0.0)

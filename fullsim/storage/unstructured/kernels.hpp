@@ -22,7 +22,8 @@ struct Nodes {
 /// Elements in groups as wide as the kernels, the last one filled up with elements of no effect.
 struct Elements {
     std::size_t groups = 0;
-    /// [group][corner][lane]: 32 times the number of a node, where its row of four doubles begins [B].
+    /// [group][corner][lane]: 32 times the number of a node, where its row of four doubles begins [B]. Of
+    /// triangles the corners of a quad, half as many as lanes.
     const std::int32_t* node = nullptr;
     const double* constant = nullptr;  ///< [group][constant][lane]
 };
@@ -63,6 +64,7 @@ struct Advance {
     bool weighs = false;                                          ///< as EnergyTotals
     double last_dt = 0.0;                                         ///< [s] of the step before
     double gravity = 0.0;                                         ///< [m/s^2]
+    std::array<double, 4> contact{};                              ///< [N/kg] on the canopy by mass
     double pressure = 0.0;                                        ///< [Pa] on `push`
     std::array<double, 4> on_fabric{};                            ///< [N] on the canopy by share
     double breathing = 0.0, accretion = 0.0, mass_damping = 0.0;  ///< as NodeLoads

@@ -17,6 +17,7 @@
 #include "fullsim/storage/layout.hpp"
 #include "fullsim/storage/unstructured/element_list.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
+#include "fullsim/storage/unstructured/quads.hpp"
 #include "fullsim/time/critical_step.hpp"
 #include "fullsim/time/node_mover.hpp"
 #include "fullsim/time/subcycling.hpp"
@@ -57,7 +58,6 @@ public:
     void begin(State& state, const ForceModels& structure, const ForceModels& loads,
                const Body* body) override {
         body_ = body;
-        clear_forces(state);
         push_.assign(mesh_.canopy_nodes, {splat(0.0)});
         step_ = {};
         acts_.clear();
@@ -80,6 +80,11 @@ public:
                     first_aero_ = std::min(first_aero_, model->first_node());
             }
         if (springs_.springs || springs_.folds) prepare_edges();
+        clear_forces(state);
+        // Most nodes of the canopy know pressure alone. Those on lines take their part of it before
+        // subcycles.
+        first_held_aero_ = pulled_.empty() ? first_aero_ : std::min(first_aero_, pulled_.front());
+        state.aero.clear(state.node.size(), static_cast<std::size_t>(first_held_aero_));
         weights_.begin(state, constants_, structure, find_block(structure, Block::lines));
     }
 
@@ -247,7 +252,9 @@ private:
     const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
 
     unstructured::Nodes nodes_of(State& state) {
-        return {doubles(state.node), doubles(state.force.held()), doubles(state.aero.held()), doubles(push_)};
+        return {doubles(state.node), doubles(state.force.held()),
+                reinterpret_cast<double*>(&state.aero.view()[0]),  // where that would be
+                doubles(push_)};
     }
     static GershgorinSums& cleared(GershgorinSums& sums, const State& state) {
         sums.stiffness.assign(state.node.size(), 0.0);
@@ -348,6 +355,7 @@ private:
             law::resist(step_.mass_damping * constants_.mass[i], v - as_lanes(step_.system_mean), force,
                         dissipated);
         if (mesh_.is_canopy(i)) {
+            force += constants_.mass[i] * as_lanes(step_.contact);
             if (step_.breathing > 0.0)
                 law::resist(share * step_.breathing, v - as_lanes(step_.canopy_mean), force, dissipated);
             if (step_.accretion > 0.0)
@@ -368,12 +376,15 @@ private:
         fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity)};
         using Constants = std::array<double, unstructured::membrane_constants>;
         // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
-        triangles_.begin<3>(mesh_.triangles.size(), kernels_.lanes, 0, Constants{});
-        for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-            const Triangle& t = mesh_.triangles[i];
-            triangles_.set(i, t.node,
-                           Constants{1.0 / t.a, 1.0 / t.c, t.b / t.a, t.area(),
-                                     fabric_.law.viscosity * element_length(t)});
+        const std::vector<unstructured::Quad> quads = unstructured::quads_of(mesh_.triangles);
+        triangles_.begin<4, 2>(quads.size(), kernels_.lanes, 0, Constants{});
+        const auto constants = [&](const Triangle& t) {
+            return Constants{1.0 / t.a, 1.0 / t.c, t.b / t.a, t.area(),
+                             fabric_.law.viscosity * element_length(t)};
+        };
+        for (std::size_t i = 0; i < quads.size(); ++i) {
+            const auto& [node, first, second] = quads[i];
+            triangles_.set(i, node, std::array{constants(first), second ? constants(*second) : Constants{}});
         }
     }
     void prepare_membrane() {
@@ -459,7 +470,8 @@ private:
 
     void prepare_contacts() {
         using Constants = std::array<double, unstructured::pair_constants>;
-        const auto pairs = gore_contacts(mesh_);
+        auto pairs = gore_contacts(mesh_);
+        std::ranges::stable_sort(pairs, {}, [](const auto& pair) { return std::ranges::min(pair.node); });
         pairs_.begin<2>(pairs.size(), kernels_.lanes, mesh_.dummy(), Constants{});
         for (std::size_t i = 0; i < pairs.size(); ++i)
             pairs_.set(i, pairs[i].node, Constants{pairs[i].stiffness});
@@ -470,9 +482,7 @@ private:
         const ElementSums sums = kernels_.contacts(nodes_of(state), pairs_.elements(),
                                                    {to_array3(axis.canopy), to_array3(axis.direction)});
         const AxisReaction on = axis_reaction(axis, Vec3(sums.by_arm.data()), Vec3(sums.by_turning.data()));
-        const Lanes per_mass = to_lanes(on.canopy / constants_.canopy_mass);
-        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
-            state.force[i].value += constants_.mass[i] * per_mass;
+        step_.contact = to_array4(on.canopy / constants_.canopy_mass);
         state.force[mesh_.payload()].value += to_lanes(on.payload);
     }
 
@@ -583,9 +593,10 @@ private:
     ElementSums fabric_sums_;
     SpringPass springs_;
     CylinderDragTable drag_coefficient_;
-    std::vector<NodeVector> push_;  // [m^2] of each canopy node: area over which pressure acts
-    NodeIndex first_aero_ = 0;      // canopy nodes before it have no force in state.aero
-    NodeLoads node_loads_;          // of the step
+    std::vector<NodeVector> push_;   // [m^2] of each canopy node: area over which pressure acts
+    NodeIndex first_aero_ = 0;       // canopy nodes before it have no force in state.aero
+    NodeIndex first_held_aero_ = 0;  // nor a place there before this one
+    NodeLoads node_loads_;           // of the step
     unstructured::Advance step_;
 };
 
