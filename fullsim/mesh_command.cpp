@@ -191,7 +191,9 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     sizes.right = {false, true};
     sizes.rows = {
         {"fabric area", readable(s.fabric_area, 6), "m2",
-         fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
+         has_open_middle(chute)
+             ? fmt::format("pi/4 D0^2 is {} m2", readable(circles.nominal, 6))
+             : fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
         {"smallest edge", readable(s.smallest_edge), "m",
          fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(grading_of(scene)))}};
     for (const View& view : views) {

@@ -189,9 +189,10 @@ TEST(VentLines, AtTheLinksMakeRisersAsStrongAsAllLines) {
             EXPECT_EQ(c.strands, 56.0);
         }
     std::map<NodeIndex, int> ends;
+    int most = 0;
     for (const Cable& c : vent_lines_of(mesh))
-        ++ends[c.node[1]];
-    EXPECT_EQ(std::ranges::max(ends, {}, &std::pair<const NodeIndex, int>::second).second, 28);
+        most = std::max(most, ++ends[c.node[1]]);
+    EXPECT_EQ(most, 28);  // at the one link
 }
 
 TEST(VentLines, AcrossTheVentTieOppositeSeams) {
