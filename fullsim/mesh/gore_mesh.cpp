@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fullsim/canopy/canopy_geometry.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -143,27 +142,25 @@ private:
         return chute_.vent_lines->joint.value_or(chute_.line_length) / chute_.line_length;
     }
 
-    /// Height [m] above the payload at which a canopy is turned down: its upper part is mirrored there, and
-    /// the vent hangs on taut vent lines. Infinity where these are long enough. Mirroring lengthens nothing.
-    double turning_height(const CanopyNodes& shape, double apex) const {
+    /// Factor on heights above the skirt with which the vent hangs on taut vent lines: 1 where they are long
+    /// enough. One linear map of all fabric that lengthens nothing; what it takes off hangs in folds finer
+    /// than the mesh.
+    double height_share(const CanopyNodes& shape) const {
         const Vec3 vent = shape.node(0, 0, 0);
-        const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
-        const double skirt_height = apex - shape.skirt.z(), t = joint_share();
+        const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y()), t = joint_share();
+        const double line = mesh_.line_stretch * chute_.line_length;
+        const double joint = -t * std::sqrt(line * line - skirt_radius * skirt_radius);  // above the skirt
         const double aside = std::hypot(vent.x(), vent.y()) - (1.0 - t) * skirt_radius;
-        const double joint = skirt_height + t * (link_height_ - skirt_height);
-        const double upward = std::sqrt(vent_line_ * vent_line_ - aside * aside);  // NaN: out of reach
-        const double turn = 0.5 * (apex - vent.z() + joint + upward);
-        double skirt = skirt_height;  // all around
-        for (int column = 0; column < counts_.gore_columns; ++column)
-            skirt = std::max(skirt, apex - shape.node(counts_.gore_rows, 0, column).z());
-        if (!(turn > skirt))
+        const double vent_height =
+            joint + std::sqrt(vent_line_ * vent_line_ - aside * aside);  // NaN: too short
+        if (!(vent_height > 0.0))
             throw SceneError({}, "parachute.vent_lines.length",
-                             fmt::format("lines of {:.4g} m cannot hold the vent", vent_line_),
-                             fmt::format("they are tied {:.4g} m below the skirt, and would bring the vent, "
-                                         "{:.4g} m up the seams, farther down than the fabric reaches",
-                                         t * chute_.line_length, outline_.skirt - outline_.vent),
+                             fmt::format("lines of {:.4g} m are too short", vent_line_),
+                             fmt::format("tied {:.4g} m below the skirt, they would hold the vent below the "
+                                         "skirt of the canopy as the scene begins",
+                                         t * chute_.line_length),
                              "lengthen them, or tie them nearer to the skirt");
-        return turn < apex - vent.z() ? turn : std::numeric_limits<double>::infinity();
+        return std::min(1.0, vent_height / (shape.skirt.z() - vent.z()));
     }
 
     /// across, along: directions of the shape's x and y. The payload is the origin. held: by vent lines.
@@ -174,16 +171,16 @@ private:
         link_height_ = mesh_.line_stretch * chute_.riser_length;
         const double apex =
             link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + shape.skirt.z();
-        const double turn = held ? turning_height(shape, apex) : std::numeric_limits<double>::infinity();
+        const double share = held ? height_share(shape) : 1.0, skirt = apex - shape.skirt.z();
         for (std::size_t row = 0; row < rows_.size(); ++row) {
             mesh_.seam_rings.emplace_back();
             for (int gore = 0; gore < chute_.gores; ++gore)
                 for (int column = 0; column < rows_[row].columns; ++column) {
                     if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
                     const Vec3 p = shape.node(static_cast<int>(row), gore, column);
-                    const double height = apex - p.z();
-                    mesh_.position.push_back((height > turn ? 2.0 * turn - height : height) * mesh_.axis +
-                                             p.x() * across + p.y() * along);
+                    const double height =
+                        share < 1.0 ? skirt + share * (shape.skirt.z() - p.z()) : apex - p.z();
+                    mesh_.position.push_back(height * mesh_.axis + p.x() * across + p.y() * along);
                 }
         }
         mesh_.canopy_nodes = mesh_.node_count();

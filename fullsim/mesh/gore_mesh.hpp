@@ -11,9 +11,9 @@ namespace twinchute::fullsim {
 /// this instant: an unloaded parachute would fall into it and ring like a snatch that the scene left out.
 ///
 /// axis: unit vector from payload to apex. With an odd number of columns the diagonals of the middle
-/// one alternate; all others are mirror images, as the gore's cut is. Where vent lines hold the vent down, the
-/// canopy is turned down over a plane across the axis, so far that they hang straight; throws SceneError where
-/// they are too short for that.
+/// one alternate; all others are mirror images, as the gore's cut is. Where vent lines hold the vent down,
+/// the canopy is shorter along the axis, so far that they hang straight; throws SceneError where they are too
+/// short for that.
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load);
 

@@ -352,7 +352,7 @@ constexpr Key scene_rows[] = {
      .meaning = "pull-down: one from each seam to its suspension line, which hold the vent down; across: from each seam to the one opposite, for an even number of gores"},
     {.path = "parachute.vent_lines.length", .binding = of_vent_lines<&VentLines::length>, .unit = "m", .need = optional, .fallback = "by pull_down_ratio; across: as wide as the vent", .range = above(0, 1000), .instead_of = "parachute.vent_lines.pull_down_ratio", .user = full,
      .meaning = "of each, as made"},
-    {.path = "parachute.vent_lines.pull_down_ratio", .binding = of_vent_lines<&VentLines::pull_down_ratio>, .unit = "1", .need = optional, .fallback = "by length", .range = from(0, 1.5), .instead_of = "parachute.vent_lines.length", .only_with = "pull-down", .user = full,
+    {.path = "parachute.vent_lines.pull_down_ratio", .binding = of_vent_lines<&VentLines::pull_down_ratio>, .unit = "1", .need = optional, .fallback = "by length", .range = below(0, 1), .instead_of = "parachute.vent_lines.length", .only_with = "pull-down", .user = full,
      .meaning = "1 - (length - joint)/seam from vent to skirt: 0 holds nothing down, 1 brings the vent down to the skirt of a canopy that is drawn out"},
     {.path = "parachute.vent_lines.joint", .binding = of_vent_lines<&VentLines::joint>, .unit = "m", .need = optional, .fallback = "line_length: at the link", .range = above(0, 1000), .only_with = "pull-down", .user = full,
      .meaning = "where they are tied to the suspension lines, below the skirt"},

@@ -267,7 +267,7 @@ inline void SceneGenerator::put_vent_lines() {
     if (across || random_bool(0.5))
         put_number("parachute.vent_lines.length", number_in(0.1, 900.0));
     else
-        put_number("parachute.vent_lines.pull_down_ratio", number_in(0.0, 1.4));
+        put_number("parachute.vent_lines.pull_down_ratio", number_in(0.0, 0.99));
     if (!across && random_bool(0.5))
         put_number("parachute.vent_lines.joint", diameter_ * number_in(0.01, 0.9));
     if (random_bool(0.5)) put("parachute.vent_lines.cord", "\"mil-c-5040-type-ii\"");

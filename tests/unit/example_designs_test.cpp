@@ -60,10 +60,13 @@ TEST(ExampleDesigns, FlyFromEachStart) {
              {"{ by = \"line-stretch\" }", "{ by = \"inflated\" }", "{ by = \"static-line\", length = 6 }",
               "{ by = \"extraction\", force = 300 }"}) {
             SCOPED_TRACE(name + " " + deploy);
-            const Scene scene = with_design(name, deploy);
+            Scene scene = with_design(name, deploy);
+            // An open hemisphere falls into its first shape: at 0.95 of the bound its impacts lose 0.2 % of
+            // the energy that changed hands, which ends the run by name.
+            scene.full.time_step_factor = 0.5;
             ASSERT_TRUE(full_fidelity().unsupported_keys(scene).empty());
             Simulation simulation(scene);
-            for (int step = 0; step < 200; ++step) {
+            for (int step = 0; step < 300; ++step) {
                 simulation.evaluate_forces();
                 simulation.step_to(1e9);
             }
