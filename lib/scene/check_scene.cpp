@@ -217,7 +217,7 @@ void check_gore(const Scene& scene, const Parachute& p, const Complain& complain
 }
 
 /// Vent lines that have their ends, and a length.
-void check_vent_lines(const Parachute& p, const Complain& complain) {
+void check_vent_lines(const Scene& scene, const Parachute& p, const Complain& complain) {
     if (!p.vent_lines) return;
     const VentLines& lines = *p.vent_lines;
     if (p.mesh)
@@ -234,6 +234,10 @@ void check_vent_lines(const Parachute& p, const Complain& complain) {
         return complain.about("parachute.vent_lines.length", "is missing",
                               "how far the lines hold the vent down depends on it",
                               "give it, or pull_down_ratio");
+    if (lines.joint && *lines.joint < p.line_length && scene.full.mesh.line_elements < 2)
+        complain.about("full.mesh.line_elements", "1 has no node for the joint of a vent line",
+                       "parachute.vent_lines.joint lies between skirt and link",
+                       "give at least 2, or tie vent lines to the links");
     if (lines.joint && *lines.joint > p.line_length)
         complain.about("parachute.vent_lines.joint",
                        fmt::format("{} m below the skirt lies beyond the link", *lines.joint),
@@ -588,7 +592,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_needs(scene, p, complain);
     check_canopy(p, complain);
     check_gore(scene, p, complain);
-    check_vent_lines(p, complain);
+    check_vent_lines(scene, p, complain);
     check_growth(p, complain);
     check_porosity(scene, p, complain);
     check_mach_table(scene, p, complain);

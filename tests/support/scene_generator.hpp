@@ -517,6 +517,10 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
             return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length" ||
                    line.path.starts_with("parachute.vent_lines");
         });
+    const auto jointed = [](const SceneLine& line) { return line.path == "parachute.vent_lines.joint"; };
+    if (std::ranges::any_of(lines_, jointed))  // lies at a node
+        for (SceneLine& line : lines_)
+            if (line.path == "full.mesh.line_elements" && line.value == "1") line.value = "2";
     if (random_bool(0.5))
         put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
     const std::string& stop = words["stop.at"];

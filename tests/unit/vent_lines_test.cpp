@@ -311,6 +311,8 @@ TEST(VentLines, BadOnesAreRefusedByKey) {
     EXPECT_NE(in_table("{ model = \"across\", joint = 1 }").find("vent_lines.joint"), std::string::npos)
         << in_table("{ model = \"across\", joint = 1 }");
     EXPECT_EQ(in_table("{ length = 3, joint = 1 }"), "");
+    expect({"parachute.vent_lines.length=3", "parachute.vent_lines.joint=1", "full.mesh.line_elements=1"},
+           "full.mesh.line_elements: 1 has no node for the joint");
     EXPECT_EQ(refused({"parachute.vent_lines.model=across"}), "");
     EXPECT_EQ(refused({"parachute.vent_lines.pull_down_ratio=0.5"}), "");
     const Scene own = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-window.toml");
