@@ -269,7 +269,7 @@ inline void SceneGenerator::put_vent_lines() {
     else
         put_number("parachute.vent_lines.pull_down_ratio", number_in(0.0, 0.99));
     if (!across && random_bool(0.5))
-        put_number("parachute.vent_lines.joint", diameter_ * number_in(0.01, 0.9));
+        put_number("parachute.vent_lines.joint", diameter_ * number_in(0.01, 0.3));
     if (random_bool(0.5)) put("parachute.vent_lines.cord", "\"mil-c-5040-type-ii\"");
 }
 
@@ -434,6 +434,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.geometric_porosity"};
     lines_.clear();
     airspeed_.reset();
+    even_gores_ = true;
     has_wind_ = random_bool(0.4);
     put("schema", "1");
     std::map<std::string, std::string, std::less<>> words;
@@ -450,7 +451,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
             left_out.push_back(std::string(key.path) + ".");
             continue;
         }
-        if (key.path == "parachute.deploy.when" || key.path == "parachute.cut") {
+        if (key.path == "parachute.deploy.when" || key.path == "parachute.cut" ||
+            key.path == "parachute.vent_lines") {
             left_out.push_back(std::string(key.path) + ".");
             continue;
         }
