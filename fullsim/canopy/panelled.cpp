@@ -18,8 +18,8 @@ GoreOutline outline_of_panels(const Parachute& chute) {
     const bool unknown = panels.empty();
     if (unknown) panels.push_back({1.0, 0.0, 0.0});
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
-    const auto meridian =
-        std::make_shared<const Meridian>(unknown ? Meridian(panels, chute.gores, area) : gore_meridian(chute));
+    const auto meridian = std::make_shared<const Meridian>(unknown ? Meridian(panels, chute.gores, area)
+                                                                   : gore_meridian(chute));
     std::vector<double> corners = meridian->edges();
     corners.pop_back();
     std::vector<std::array<double, 2>> gaps;
