@@ -9,6 +9,7 @@
 #include "fullsim/canopy/canopy_geometry.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
+#include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/import_mesh.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/mesh/summary.hpp"
@@ -48,6 +49,11 @@ View view_for_gmsh(const Scene& scene, const fs::path& file) {
                         "the axis to the "
                         "skirt at {:.4g} m), name a .vtu file",
                         scene.file.string(), chute.line_length, reach));
+    if (chute.vent_lines)
+        throw UsageError(
+            fmt::format("{}: a Gmsh file has no vent lines (cables of a file are as long as their nodes lie "
+                        "apart, and these are not), name a .vtu file",
+                        scene.file.string()));
     Mesh mesh = built_mesh(scene);
     if (scene.payload.body) attach_payload(scene, mesh, Hang::as_made);
     return {"as made", std::move(mesh), file};
@@ -113,11 +119,16 @@ Circles circles_of(const Parachute& chute) {
     return {area(chute.nominal_diameter), area(chute.vent_diameter)};
 }
 
+Grading grading_of(const Scene& scene) {
+    return meshed_grading(scene.parachutes.front(), scene.full.mesh);
+}
+
 /// Difference between the mesh and the canopy of the parachute's type; nothing where there is none.
 std::optional<std::string> note_of(const Parachute& chute) {
     if (const auto other = stand_in(chute)) return other->what + ": " + other->why;
     if (const auto slots = smeared_slots(chute))
         return slots->what + ": " + slots->why + "; read back by parachute.mesh, the fabric is whole";
+    if (const auto open = open_middle(chute)) return open->what + ": " + open->why;
     if (const auto gaps = open_gaps(chute))
         return gaps->why + "; a canopy of several pieces is not read back by parachute.mesh";
     return std::nullopt;
@@ -144,7 +155,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
     }
     ordered_json json{{"generator", "twinchute"},
                       {"scene", scene_json(scene_id(scene))},
-                      {"grading", grading_name(scene.full.mesh.grading)},
+                      {"grading", grading_name(grading_of(scene))},
                       {"nodes", s.nodes},
                       {"triangles", s.triangles},
                       {"cables", std::move(cables)},
@@ -180,9 +191,11 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
     sizes.right = {false, true};
     sizes.rows = {
         {"fabric area", readable(s.fabric_area, 6), "m2",
-         fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
+         has_open_middle(chute)
+             ? fmt::format("pi/4 D0^2 is {} m2", readable(circles.nominal, 6))
+             : fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
         {"smallest edge", readable(s.smallest_edge), "m",
-         fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(scene.full.mesh.grading))}};
+         fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(grading_of(scene)))}};
     for (const View& view : views) {
         const Vec3 size = bounding_size(view.mesh);
         sizes.rows.push_back(

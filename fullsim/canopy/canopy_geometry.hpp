@@ -35,6 +35,8 @@ struct GoreOutline {
     std::vector<double> corners = {};
     /// Where gores have no fabric: from corner to corner [m].
     std::vector<std::array<double, 2>> gaps = {};
+    /// The vent is so wide that no element at its edge is narrow: rows are as on a uniform mesh.
+    bool open_middle = false;
 
     bool in_gap(double seam) const {
         return std::ranges::any_of(gaps, [&](const auto& gap) { return seam > gap[0] && seam < gap[1]; });

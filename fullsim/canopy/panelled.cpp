@@ -15,9 +15,11 @@ namespace {
 
 GoreOutline outline_of_panels(const Parachute& chute) {
     std::vector<GorePanel> panels = gore_panels(chute);
-    if (panels.empty()) panels.push_back({1.0, 0.0, 0.0});
+    const bool unknown = panels.empty();
+    if (unknown) panels.push_back({1.0, 0.0, 0.0});
     const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
-    const auto meridian = std::make_shared<const Meridian>(panels, chute.gores, area);
+    const auto meridian = std::make_shared<const Meridian>(unknown ? Meridian(panels, chute.gores, area)
+                                                                   : gore_meridian(chute));
     std::vector<double> corners = meridian->edges();
     corners.pop_back();
     std::vector<std::array<double, 2>> gaps;
@@ -32,7 +34,8 @@ GoreOutline outline_of_panels(const Parachute& chute) {
                 return SeamPoint{p.radius, p.depth, p.centre};
             },
             std::move(corners),
-            std::move(gaps)};
+            std::move(gaps),
+            has_open_middle(chute)};
 }
 
 /// How gores of panels are folded before they open. With an even number of columns a gore is pleated at its

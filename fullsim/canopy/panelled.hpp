@@ -6,7 +6,8 @@
 namespace twinchute::fullsim {
 
 /// Gores of gore_panels(); one flat panel where a parachute has none. All gores together, with the tips that
-/// the vent cuts off, have the nominal area; the vent's polygon has the area of the vent circle.
+/// the vent cuts off, have the nominal area, or around an open middle without them; the vent's polygon has
+/// the area of the vent circle.
 CanopyGeometry panelled();
 
 }  // namespace twinchute::fullsim

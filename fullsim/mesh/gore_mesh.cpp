@@ -1,5 +1,7 @@
 #include "fullsim/mesh/gore_mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include "fullsim/canopy/canopy_geometry.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/scene_error.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -29,12 +32,18 @@ public:
         : chute_(chute),
           counts_(counts),
           geometry_(canopy_geometry(chute)),
-          outline_(geometry_.outline(chute)) {
+          outline_(geometry_.outline(chute)),
+          grading_(meshed_grading(chute, counts)) {
         lay_out_rows();
         mesh_.fabric = meshed_fabric(chute);
         mesh_.cords.fill(chute.line);
         for (const Tape& tape : geometry_.tapes)
             mesh_.cords[static_cast<std::size_t>(kind_of(tape.line))] = chute.tapes.*tape.cord;
+        if (!chute.vent_lines) return;
+        if (!chute.vent_lines->cord.name.empty())
+            mesh_.cords[static_cast<std::size_t>(CableKind::vent_line)] = chute.vent_lines->cord;
+        vent_line_ = vent_line_length(chute, outline_.vent, outline_.skirt);
+        mesh_.vent_held_down = holds_vent_down(chute);
     }
 
     Mesh at_line_stretch(double payload_mass, const Vec3& axis, double mouth_area, double load) {
@@ -42,12 +51,12 @@ public:
         mesh_.line_stretch = 1.0 + load / (chute_.gores * chute_.line.axial_stiffness());
         const Vec3 across = axis.unitOrthogonal();
         place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric}), across,
-                     axis.cross(across));
+                     axis.cross(across), mesh_.vent_held_down);
         return build(payload_mass);
     }
 
     Mesh constructed(double payload_mass) {
-        place_canopy(constructed_shape(outline_, rows_), Vec3::UnitX(), Vec3::UnitY());
+        place_canopy(constructed_shape(outline_, rows_), Vec3::UnitX(), Vec3::UnitY(), false);
         return build(payload_mass);
     }
 
@@ -69,7 +78,7 @@ private:
     /// much in both directions. At most so much that rows, longer by `all` times that together, give half of
     /// the seam away.
     double excess_of_first(double seam, double all) const {
-        if (counts_.grading == Grading::uniform) return 0.0;
+        if (grading_ == Grading::uniform) return 0.0;
         const double edge_per_radius = 2.0 * std::sin(outline_.half_angle);
         const double width =
             outline_.seam_point(outline_.skirt).radius * edge_per_radius / counts_.gore_columns;
@@ -92,7 +101,7 @@ private:
         const double plain = (seam - first * all) / counts_.gore_rows;
         double added = 0.0;
         for (int row = 0; row < counts_.gore_rows; ++row) {
-            const bool narrow = row == 0 && counts_.grading == Grading::graded;
+            const bool narrow = row == 0 && grading_ == Grading::graded;
             rows_.push_back({outline_.vent + plain * row + added, narrow ? 1 : counts_.gore_columns});
             added += first * excess(row);
         }
@@ -128,21 +137,50 @@ private:
         return mesh_.seam_rings[row].front() + (gore * columns + column) % (chute_.gores * columns);
     }
 
-    /// across, along: directions of the shape's x and y. The payload is the origin.
-    void place_canopy(const CanopyNodes& shape, const Vec3& across, const Vec3& along) {
+    /// Share of a suspension line from the skirt to where a vent line is tied to it.
+    double joint_share() const {
+        return chute_.vent_lines->joint.value_or(chute_.line_length) / chute_.line_length;
+    }
+
+    /// Factor on heights above the skirt with which the vent hangs on taut vent lines: 1 where they are long
+    /// enough. One linear map of all fabric that lengthens nothing; what it takes off hangs in folds finer
+    /// than the mesh.
+    double height_share(const CanopyNodes& shape) const {
+        const Vec3 vent = shape.node(0, 0, 0);
+        const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y()), t = joint_share();
+        const double line = mesh_.line_stretch * chute_.line_length;
+        const double joint = -t * std::sqrt(line * line - skirt_radius * skirt_radius);  // above the skirt
+        const double aside = std::hypot(vent.x(), vent.y()) - (1.0 - t) * skirt_radius;
+        const double vent_height =
+            joint + std::sqrt(vent_line_ * vent_line_ - aside * aside);  // NaN: too short
+        if (!(vent_height > 0.0))
+            throw SceneError({}, "parachute.vent_lines.length",
+                             fmt::format("lines of {:.4g} m are too short", vent_line_),
+                             fmt::format("tied {:.4g} m below the skirt, they would hold the vent below the "
+                                         "skirt of the canopy as the scene begins",
+                                         t * chute_.line_length),
+                             "lengthen them, or tie them nearer to the skirt");
+        return std::min(1.0, vent_height / (shape.skirt.z() - vent.z()));
+    }
+
+    /// across, along: directions of the shape's x and y. The payload is the origin. held: by vent lines.
+    void place_canopy(const CanopyNodes& shape, const Vec3& across, const Vec3& along, bool held) {
         // Lines are straight and as long as they are: that gives the apex its height.
         const double skirt_radius = std::hypot(shape.skirt.x(), shape.skirt.y());
         const double line = mesh_.line_stretch * chute_.line_length;
         link_height_ = mesh_.line_stretch * chute_.riser_length;
         const double apex =
             link_height_ + std::sqrt(line * line - skirt_radius * skirt_radius) + shape.skirt.z();
+        const double share = held ? height_share(shape) : 1.0, skirt = apex - shape.skirt.z();
         for (std::size_t row = 0; row < rows_.size(); ++row) {
             mesh_.seam_rings.emplace_back();
             for (int gore = 0; gore < chute_.gores; ++gore)
                 for (int column = 0; column < rows_[row].columns; ++column) {
                     if (column == 0) mesh_.seam_rings.back().push_back(mesh_.node_count());
                     const Vec3 p = shape.node(static_cast<int>(row), gore, column);
-                    mesh_.position.push_back((apex - p.z()) * mesh_.axis + p.x() * across + p.y() * along);
+                    const double height =
+                        share < 1.0 ? skirt + share * (shape.skirt.z() - p.z()) : apex - p.z();
+                    mesh_.position.push_back(height * mesh_.axis + p.x() * across + p.y() * along);
                 }
         }
         mesh_.canopy_nodes = mesh_.node_count();
@@ -252,27 +290,81 @@ private:
         const int lines_per_riser = chute_.gores / chute_.risers;
         const Vec3 link_place = link_height_ * mesh_.axis;
         // Links follow the lines: what no gore has is at the end.
-        const NodeIndex first_link = mesh_.node_count() + chute_.gores * (counts_.line_elements - 1);
+        const NodeIndex first_link =
+            mesh_.node_count() + chute_.gores * (counts_.line_elements - 1 +
+                                                 (mesh_.vent_held_down ? vent_line_elements() - 1 : 0));
+        std::vector<NodeIndex> joints;
         for (int gore = 0; gore < chute_.gores; ++gore)
-            add_chain(mesh_.seam_rings.back()[gore], first_link + gore / lines_per_riser, link_place,
-                      chute_.line_length, counts_.line_elements, CableKind::line, 1.0);
+            joints.push_back(rig_line(mesh_.seam_rings.back()[gore], first_link + gore / lines_per_riser));
+        rig_vent_lines(joints);
         mesh_.position.insert(mesh_.position.end(), chute_.risers, link_place);
         // The payload is the last node: its number is known before it is placed.
         const NodeIndex payload = mesh_.node_count() + chute_.risers * (counts_.riser_elements - 1);
+        // As many strands as it carries lines, so that a riser is as strong as they are.
+        const int tied_to_link = mesh_.vent_held_down && joint_elements() == counts_.line_elements ? 2 : 1;
         for (int r = 0; r < chute_.risers; ++r)
-            // As many strands as it carries lines, so that a riser is as strong as they are.
             add_chain(first_link + r, payload, Vec3::Zero(), chute_.riser_length, counts_.riser_elements,
-                      CableKind::riser, lines_per_riser);
+                      CableKind::riser, tied_to_link * lines_per_riser);
         mesh_.position.push_back(Vec3::Zero());
+    }
+
+    /// Elements of a suspension line from the skirt to the joint of a vent line.
+    int joint_elements() const {
+        const int all = counts_.line_elements;
+        if (!mesh_.vent_held_down || joint_share() == 1.0) return all;
+        return std::clamp(static_cast<int>(std::lround(all * joint_share())), 1, all - 1);
+    }
+    /// Of about the length of a suspension line's.
+    int vent_line_elements() const {
+        return std::max(
+            1, static_cast<int>(std::lround(vent_line_ / chute_.line_length * counts_.line_elements)));
+    }
+
+    /// A suspension line from the skirt to its link; the node at which a vent line is tied to it.
+    NodeIndex rig_line(NodeIndex skirt, NodeIndex link) {
+        const Vec3 end = link_height_ * mesh_.axis;
+        const int below = counts_.line_elements - joint_elements();
+        if (below == 0) {
+            add_chain(skirt, link, end, chute_.line_length, counts_.line_elements, CableKind::line, 1.0);
+            return link;
+        }
+        const double t = joint_share();
+        const Vec3 place = (1.0 - t) * mesh_.position[static_cast<std::size_t>(skirt)] + t * end;
+        const NodeIndex joint = mesh_.node_count() + joint_elements() - 1;
+        add_chain(skirt, joint, place, t * chute_.line_length, joint_elements(), CableKind::line, 1.0);
+        mesh_.position.push_back(place);
+        add_chain(joint, link, end, (1.0 - t) * chute_.line_length, below, CableKind::line, 1.0);
+        return joint;
+    }
+
+    /// joints: of each gore's suspension line.
+    void rig_vent_lines(const std::vector<NodeIndex>& joints) {
+        if (!chute_.vent_lines) return;
+        const std::vector<NodeIndex>& vent = mesh_.seam_rings.front();
+        const auto gores = static_cast<std::size_t>(chute_.gores);
+        if (!mesh_.vent_held_down) {
+            for (std::size_t gore = 0; gore < gores / 2; ++gore)
+                add_cable(vent[gore], vent[gore + gores / 2], vent_line_, CableKind::vent_line, 1.0);
+            return;
+        }
+        for (std::size_t gore = 0; gore < gores; ++gore) {
+            const bool at_link = joints[gore] >= mesh_.node_count();  // is not placed yet
+            const Vec3 end = at_link ? Vec3(link_height_ * mesh_.axis)
+                                     : mesh_.position[static_cast<std::size_t>(joints[gore])];
+            add_chain(vent[gore], joints[gore], end, vent_line_, vent_line_elements(), CableKind::vent_line,
+                      1.0);
+        }
     }
 
     const Parachute& chute_;
     const MeshCounts& counts_;
     const CanopyGeometry& geometry_;
     GoreOutline outline_;
+    Grading grading_;
     std::vector<NodeRow> rows_;  // vent to skirt
     Mesh mesh_;
     double link_height_ = 0.0;  // [m] above the payload
+    double vent_line_ = 0.0;    // [m] of each, as made
 };
 
 }  // namespace
@@ -280,6 +372,10 @@ private:
 Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass, const Vec3& axis,
                     double mouth_area, double load) {
     return Builder(chute, counts).at_line_stretch(payload_mass, axis, mouth_area, load);
+}
+
+Grading meshed_grading(const Parachute& chute, const MeshCounts& counts) {
+    return has_open_middle(chute) ? Grading::uniform : counts.grading;
 }
 
 Mesh make_constructed_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass) {

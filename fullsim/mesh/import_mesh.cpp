@@ -314,7 +314,7 @@ private:
             mesh.cables[c].rest_length =
                 reefing_line_length(chute_, 0) / static_cast<double>(mesh.reefing_line.size());
         mesh.fabric = chute_.fabric;
-        mesh.cords = {chute_.tapes.radial, chute_.tapes.skirt, chute_.tapes.vent,
+        mesh.cords = {chute_.tapes.radial, chute_.tapes.skirt, chute_.tapes.vent, chute_.line,
                       chute_.line,         chute_.line,        chute_.line};
         lump_masses(mesh, scene_.payload.mass);
     }

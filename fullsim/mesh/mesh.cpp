@@ -13,8 +13,8 @@ Triangle laid_flat(const std::array<NodeIndex, 3>& node, const std::array<Vec3, 
 }
 
 std::string_view cable_kind_name(CableKind kind) {
-    constexpr std::array<std::string_view, 6> names{"radial tape", "skirt band", "vent band",
-                                                    "line",        "riser",      "static line"};
+    constexpr std::array<std::string_view, 7> names{"radial tape", "skirt band",  "vent band", "line",
+                                                    "riser",       "static line", "vent line"};
     return names[static_cast<std::size_t>(kind)];
 }
 

@@ -28,7 +28,7 @@ struct Triangle {
 /// The triangle of these corners, unstrained [m].
 Triangle laid_flat(const std::array<NodeIndex, 3>& node, const std::array<Vec3, 3>& corner);
 
-enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
+enum class CableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line, vent_line };
 
 std::string_view cable_kind_name(CableKind kind);
 /// Sewn to the canopy.
@@ -102,7 +102,7 @@ public:
     std::vector<Triangle> triangles;
     std::vector<Cable> cables;
     Fabric fabric;
-    std::array<Cord, 6> cords;      ///< by CableKind
+    std::array<Cord, 7> cords;      ///< by CableKind
     std::vector<Vec3> attachments;  ///< [m] of the body, as position; empty: the payload is a point mass
     /// Body of a payload that is not a point mass. An imported mesh has it before attach_payload, which makes
     /// a scene's.
@@ -112,6 +112,7 @@ public:
     /// Which of the cables are the reefing line, in rising order, from seam to seam around the mouth; empty
     /// where there is none.
     std::vector<std::size_t> reefing_line;
+    bool vent_held_down = false;  ///< vent lines lead to suspension lines
 
     /// Seam nodes, one ring of `gores` for each row from vent to skirt.
     std::vector<std::vector<NodeIndex>> seam_rings;

@@ -9,6 +9,7 @@
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/line_stretch_configuration.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute::fullsim {
@@ -48,7 +49,12 @@ Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double l
     if (chute.mesh)
         return line_stretch_configuration(import_mesh(scene), scene, axis, mouth_area, load,
                                           chute.deploy.by == DeployBy::inflated);
-    return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, axis, mouth_area, load);
+    try {
+        return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, axis, mouth_area, load);
+    } catch (const SceneError& error) {
+        throw SceneError({scene.file.string()}, error.key(), error.problem(), error.why(),
+                         error.suggestion());
+    }
 }
 
 /// Static line elements over those of suspension lines, in length: on light vent nodes, and held by many legs

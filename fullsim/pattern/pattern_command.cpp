@@ -156,6 +156,12 @@ std::vector<Part> parts_of(const Parachute& chute, const MeshSummary& mesh) {
     add(CableKind::skirt, 1, around(outline.skirt), chute.tapes.skirt);
     add(CableKind::vent, 1, around(outline.vent), chute.tapes.vent);
     add(CableKind::line, chute.gores, chute.line_length, chute.line);
+    if (chute.vent_lines) {
+        const VentLines& lines = *chute.vent_lines;
+        add(CableKind::vent_line, lines.model == VentLines::Model::across ? chute.gores / 2 : chute.gores,
+            vent_line_length(chute, outline.vent, outline.skirt),
+            lines.cord.name.empty() ? chute.line : lines.cord);
+    }
     if (chute.riser_length > 0.0) add(CableKind::riser, chute.risers, chute.riser_length, chute.line);
     for (std::size_t stage = 0; stage < chute.reefing.size(); ++stage)
         parts.push_back(

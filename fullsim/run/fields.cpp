@@ -12,7 +12,8 @@ namespace twinchute::fullsim {
 namespace {
 
 constexpr int cable_kinds = 5;
-constexpr std::int8_t fabric_kind = 0, first_cable_kind = 1, payload_kind = first_cable_kind + cable_kinds;
+constexpr std::int8_t fabric_kind = 0, first_cable_kind = 1, payload_kind = first_cable_kind + cable_kinds,
+                      vent_line_kind = first_cable_kind + static_cast<int>(CableKind::vent_line);
 constexpr std::int8_t no_state = -1;
 
 std::int8_t state_number(FabricState state) {
@@ -47,11 +48,12 @@ std::string legend() {
 
 std::span<const std::string_view> cell_kind_names() {
     static const auto names = [] {
-        std::array<std::string_view, cable_kinds + 2> all;
+        std::array<std::string_view, vent_line_kind + 1> all;
         all[fabric_kind] = "fabric";
         for (int i = 0; i < cable_kinds; ++i)
             all[first_cable_kind + i] = cable_kind_name(static_cast<CableKind>(i));
         all[payload_kind] = "payload";
+        all[vent_line_kind] = cable_kind_name(CableKind::vent_line);
         return all;
     }();
     return names;

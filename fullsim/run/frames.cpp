@@ -41,6 +41,8 @@ ShapeCableKind shape_kind(CableKind kind) {
             return ShapeCableKind::line;
         case CableKind::riser:
             return ShapeCableKind::riser;
+        case CableKind::vent_line:
+            return ShapeCableKind::vent_line;
         case CableKind::static_line:
             break;
     }

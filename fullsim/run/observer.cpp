@@ -40,10 +40,14 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
         return Vec3(sum / static_cast<double>(ring.size()));
     };
     const Vec3 vent = centre_of(mesh.seam_rings.front()), skirt = centre_of(mesh.seam_rings.back());
-    const Vec3 axis = (vent - skirt).normalized();
-    CanopyShape shape{0.0, (vent - skirt).norm(), turns_of(state, mesh.seam_rings.back(), axis)};
+    // A vent that is held down may be as low as the skirt.
+    const Vec3 up = mesh.vent_held_down ? Vec3(skirt - to_vec3(state.node[mesh.payload()].x)) : vent - skirt;
+    const Vec3 axis = up.normalized();
+    CanopyShape shape{0.0, mesh.vent_held_down ? 0.0 : (vent - skirt).norm(),
+                      turns_of(state, mesh.seam_rings.back(), axis)};
     for (const auto& ring : mesh.seam_rings) {
         const Vec3 centre = centre_of(ring);
+        if (mesh.vent_held_down) shape.depth = std::max(shape.depth, (centre - skirt).dot(axis));
         double sum = 0.0;
         const std::size_t unlike = ring.size() / static_cast<std::size_t>(sectors);
         for (const NodeIndex i : std::span(ring).first(unlike)) {

@@ -27,8 +27,9 @@ struct HistoryRow {
 /// Shape of a canopy; one sector is measured where `sectors` are congruent (Layout::sectors).
 struct CanopyShape {
     double seam_diameter;  ///< [m] mean of the widest seam ring
-    double depth;          ///< [m] from vent to skirt along the canopy's axis
-    double turns;          ///< of the skirt on its way around that axis: 1 where it does not cross itself
+    double depth;  ///< [m] from vent to skirt along the canopy's axis; of one whose vent is held down, from
+                   ///< its highest seams
+    double turns;  ///< of the skirt on its way around that axis: 1 where it does not cross itself
 };
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 

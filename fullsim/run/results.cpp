@@ -104,7 +104,8 @@ void add_shape(const RunView& run, double steady_area, RunRecord& record) {
     record.add_metric("seam_diameter_ratio", mean(&HistoryRow::seam_diameter) / nominal, MetricKind::result,
                       "widest ring of seam nodes over D0");
     record.add_metric("canopy_depth_ratio", mean(&HistoryRow::depth) / diameter, MetricKind::result,
-                      "vent to skirt over the equal-area diameter");
+                      holds_vent_down(run.parachute()) ? "highest seams to skirt over the equal-area diameter"
+                                                       : "vent to skirt over the equal-area diameter");
     record.add_metric("signed_area_ratio", mean(&HistoryRow::signed_area) / steady_area, MetricKind::result,
                       "1 when no gore lies inside out");
 }

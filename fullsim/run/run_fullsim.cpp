@@ -618,13 +618,14 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.filling.is_predicted()) {
         // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
         if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
-        // The balance of the air in the canopy knows mouth, fabric and vent.
-        if (open_gaps(chute)) keys.emplace_back("parachute.filling");
+        // The balance of the air in the canopy knows mouth, fabric and a vent above them.
+        if (open_gaps(chute) || has_open_middle(chute) || holds_vent_down(chute))
+            keys.emplace_back("parachute.filling");
     }
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
     // Scenes that cannot start are refused before anything runs.
-    if (keys.empty() && (chute.mesh || scene.payload.body)) {
+    if (keys.empty() && (chute.mesh || scene.payload.body || holds_vent_down(chute))) {
         Mesh mesh = unloaded_mesh(scene);
         if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
     }

@@ -80,6 +80,10 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = open_gaps(chute)) record.warnings.push_back(std::move(*warning));
+    if (auto warning = open_middle(chute)) record.warnings.push_back(std::move(*warning));
+    if (chute.vent_lines && run.scene.aerodynamics.line_drag)
+        warn("vent lines have no drag", "aerodynamics.line_drag acts on suspension lines alone",
+             "their drag is part of parachute.drag_area where tests gave it");
     if (chute.mesh)
         std::ranges::copy(size_warnings(import_mesh(run.scene), run.scene),
                           std::back_inserter(record.warnings));

@@ -41,7 +41,8 @@ struct MeshedCanopy {
     std::string why = "the type's file does not say that a flat circular canopy may stand in for it";
     std::vector<GorePanel> gore;  ///< from apex to skirt; empty: none, or flat circular
     std::string gore_source;      ///< of these numbers
-    bool slotted = false;  ///< narrow slots across the gores: fabric and slots are smeared to one sheet
+    bool slotted = false;      ///< narrow slots across the gores: fabric and slots are smeared to one sheet
+    bool open_middle = false;  ///< D0 is that of the fabric's area: the middle within the vent does not count
 
     bool operator==(const MeshedCanopy&) const = default;
 };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lib/math/quadrature.hpp"
 #include "lib/math/vec.hpp"
@@ -71,6 +72,31 @@ double Meridian::seam_at(double radius) const {
                             ? radius / std::cos(first.top)
                             : (std::asin(std::sin(first.top) + first.rate * radius) - first.top) / first.rate;
     return seam >= 0.0 && seam < edges_.front() ? seam : beyond;
+}
+
+Meridian open_meridian(std::span<const GorePanel> panels, int gores, double area, double radius) {
+    const double delta = pi / gores, slope = panels.front().top;
+    const double tip = radius / std::cos(slope);  // along the seam
+    const double with_tip = area + gores * radius * std::sin(delta) * tip *
+                                       std::hypot(std::cos(delta) * std::cos(slope), std::sin(slope));
+    std::vector<GorePanel> prolonged(panels.begin(), panels.end());
+    double whole = 0.0;
+    for (const GorePanel& panel : panels)
+        whole += panel.length;
+    const auto with_share = [&](double added) {
+        prolonged.front().length = panels.front().length + added;
+        return Meridian(prolonged, gores, with_tip);
+    };
+    // The tip is the longer, the larger its share of all panels.
+    const auto too_short = [&](double added) {
+        return with_share(added).length() * added < tip * (whole + added);
+    };
+    double low = 0.0, high = whole;
+    while (too_short(high))
+        low = std::exchange(high, 2.0 * high);
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high))
+        (too_short(middle) ? low : high) = middle;
+    return with_share(high);
 }
 
 }  // namespace twinchute

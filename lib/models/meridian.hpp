@@ -46,4 +46,9 @@ private:
     std::vector<double> edges_;
 };
 
+/// Meridian of gores around an open middle, whose polygon has the circumradius `radius` [m]: their panels
+/// begin at its edge, and the first one, of constant slope below 90 deg, is prolonged to the apex. area
+/// [m^2]: of all gores from that edge to the skirt.
+Meridian open_meridian(std::span<const GorePanel> panels, int gores, double area, double radius);
+
 }  // namespace twinchute

@@ -15,8 +15,8 @@
 namespace twinchute {
 
 /// Kind of a cable of a shape; files hold its number.
-enum class ShapeCableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line };
-constexpr std::uint8_t shape_cable_kinds = 6;
+enum class ShapeCableKind : std::uint8_t { radial, skirt, vent, line, riser, static_line, vent_line };
+constexpr std::uint8_t shape_cable_kinds = 7;
 
 /// Whether a triangle of fabric carries in no direction, in one or in both.
 enum class FabricFolds : std::uint8_t { slack, wrinkled, taut };

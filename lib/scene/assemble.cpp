@@ -176,6 +176,7 @@ void finish_structure(const Values& v, Materials& materials, Parachute& p) {
     materials.read(p.tapes.radial, "parachute.tapes.radial");
     materials.read(p.tapes.skirt, "parachute.tapes.skirt");
     materials.read(p.tapes.vent, "parachute.tapes.vent");
+    if (p.vent_lines) materials.read(p.vent_lines->cord, "parachute.vent_lines.cord");
     if (p.mesh) p.mesh->file = table_file(v, "parachute.mesh");
 }
 

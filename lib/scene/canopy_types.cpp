@@ -35,6 +35,11 @@ std::vector<std::string_view> slot_words() {
     return {"none", "smeared"};
 }
 
+/// Words of full_model.middle.
+std::vector<std::string_view> middle_words() {
+    return {"vent", "open"};
+}
+
 /// A range that a type may have, a table of its file: { low, high, source, grade }.
 struct RangeRow {
     std::string_view name, unit;
@@ -107,6 +112,14 @@ std::span<const Key> type_keys() {
              .meaning =
                  "narrow slots across the gores, which parachute.geometric_porosity gives the share of: "
                  "the full model smears fabric and slots to one sheet"},
+            {.path = "type.full_model.middle",
+             .kind = KeyKind::word,
+             .need = KeyNeed::defaulted,
+             .fallback = "vent",
+             .choices = middle_words,
+             .meaning =
+                 "open: panels begin at the edge of a wide middle, which parachute.vent_diameter gives "
+                 "and D0 leaves out; vent: at the apex, and D0 counts the vent"},
             {.path = "type.full_model.gore_source",
              .kind = KeyKind::text,
              .need = KeyNeed::optional,
@@ -190,6 +203,11 @@ MeshedCanopy meshed_canopy(const Values& v) {
                         gore_of(v),
                         {}};
     meshed.slotted = v.word("type.full_model.slots") == slot_words().back();
+    meshed.open_middle = v.word("type.full_model.middle") == middle_words().back();
+    if (meshed.open_middle && (meshed.gore.empty() || meshed.gore.front().top != meshed.gore.front().bottom))
+        throw SceneError(v.place("type.full_model.middle"), "full_model.middle", "is \"open\" without a cone",
+                         "the first panel leads on to the apex that the open middle cuts off",
+                         "give full_model.cone_angle, and no arc as its first panel");
     const std::string source = "type.full_model.gore_source";
     if (v.given(source)) meshed.gore_source = v.word(source);
     if (!meshed.gore.empty() && meshed.gore_source.empty())

@@ -196,7 +196,10 @@ void check_gore(const Scene& scene, const Parachute& p, const Complain& complain
                                   "take it out");
     }
     if (panels.empty() || p.gores == 0) return;
-    const Meridian meridian(panels, p.gores, 0.25 * pi * p.nominal_diameter * p.nominal_diameter);
+    if (has_open_middle(p) && !(std::cos(panels.front().top) > 1e-3))
+        return complain.about("parachute.cone_angle.1", "the first panel does not lead outward",
+                              "an open middle lies within it", "give an angle below 90 deg");
+    const Meridian meridian = gore_meridian(p);
     const double vent = polygon_radius(p.vent_diameter, p.gores);
     if (std::isnan(meridian.seam_at(vent)))
         return complain.about("parachute.vent_diameter", "the vent reaches beyond the first panel",
@@ -211,6 +214,35 @@ void check_gore(const Scene& scene, const Parachute& p, const Complain& complain
         complain.about("full.mesh.gore_rows",
                        fmt::format("{} for {} panels", scene.full.mesh.gore_rows, panels.size()),
                        "each panel has rows of its own", "give at least as many rows as panels");
+}
+
+/// Vent lines that have their ends, and a length.
+void check_vent_lines(const Scene& scene, const Parachute& p, const Complain& complain) {
+    if (!p.vent_lines) return;
+    const VentLines& lines = *p.vent_lines;
+    if (p.mesh)
+        return complain.about("parachute.vent_lines", "given beside parachute.mesh",
+                              "a mesh of one's own has its own lines", "take one of them out");
+    if (lines.model == VentLines::Model::across) {
+        if (p.gores % 2 != 0)
+            complain.about("parachute.vent_lines.model",
+                           fmt::format("\"across\" the vent of {} gores", p.gores),
+                           "no seam lies opposite another", "give an even number of gores");
+        return;
+    }
+    if (!lines.length && !lines.pull_down_ratio)
+        return complain.about("parachute.vent_lines.length", "is missing",
+                              "how far the lines hold the vent down depends on it",
+                              "give it, or pull_down_ratio");
+    if (lines.joint && *lines.joint < p.line_length && scene.full.mesh.line_elements < 2)
+        complain.about("full.mesh.line_elements", "1 has no node for the joint of a vent line",
+                       "parachute.vent_lines.joint lies between skirt and link",
+                       "give at least 2, or tie vent lines to the links");
+    if (lines.joint && *lines.joint > p.line_length)
+        complain.about("parachute.vent_lines.joint",
+                       fmt::format("{} m below the skirt lies beyond the link", *lines.joint),
+                       fmt::format("suspension lines are {} m long", p.line_length),
+                       "give a smaller one, or leave it out for the link");
 }
 
 /// The key that a filling time comes from.
@@ -560,6 +592,7 @@ void check_parachute(const Scene& scene, const Parachute& p, const Values& value
     check_needs(scene, p, complain);
     check_canopy(p, complain);
     check_gore(scene, p, complain);
+    check_vent_lines(scene, p, complain);
     check_growth(p, complain);
     check_porosity(scene, p, complain);
     check_mach_table(scene, p, complain);

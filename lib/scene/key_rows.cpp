@@ -89,6 +89,8 @@ constexpr Word<bool> extraction_loads[] = {{"point", true}, {"distributed", fals
 constexpr Word<Grading> gradings[] = {{"graded", Grading::graded}, {"uniform", Grading::uniform}};
 constexpr Word<Symmetry> symmetries[] = {{"none", Symmetry::none}, {"sector", Symmetry::sector}};
 constexpr Word<Contact> contacts[] = {{"none", Contact::none}, {"gores", Contact::gores}};
+constexpr Word<VentLines::Model> vent_line_models[] = {{"pull-down", VentLines::Model::pull_down},
+                                                       {"across", VentLines::Model::across}};
 constexpr Word<Structure> structures[] = {{"msd-fe", Structure::msd_fe}, {"fe", Structure::fe}};
 constexpr Word<bool> alpha_begins[] = {{"snatch", false}, {"release", true}};
 
@@ -98,6 +100,7 @@ template <auto... m> constexpr auto of_air = member<&Scene::environment, &Enviro
 template <auto... m> constexpr auto of_body = member<&Scene::payload, &Payload::body, m...>;
 template <auto... m> constexpr auto of_release = member<&Scene::release, m...>;
 template <auto tape> constexpr auto of_tapes = member<&Parachute::tapes, tape, &Cord::name>;
+template <auto... m> constexpr auto of_vent_lines = member<&Parachute::vent_lines, m...>;
 template <auto... m> constexpr auto of_deploy = member<&Parachute::deploy, m...>;
 template <auto... m> constexpr auto of_balance = member<&FillTime::balance, m...>;
 template <auto m> constexpr auto of_filling = member<&Parachute::filling, m>;
@@ -344,6 +347,17 @@ constexpr Key scene_rows[] = {
      .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape along the gore seams"},
     {.path = "parachute.tapes.skirt", .binding = of_tapes<&Tapes::skirt>, .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the skirt"},
     {.path = "parachute.tapes.vent", .binding = of_tapes<&Tapes::vent>, .kind = data_file, .need = optional, .fallback = "required by the full model", .folder = "materials", .user = full, .meaning = "tape around the vent"},
+    {.path = "parachute.vent_lines", .kind = table, .need = optional, .user = full, .meaning = "lines from the edge of the vent; absent: none"},
+    {.path = "parachute.vent_lines.model", .binding = word_of<vent_line_models, &Parachute::vent_lines, &VentLines::model>, .kind = word, .need = defaulted, .fallback = "pull-down", .choices = words_in<vent_line_models>, .user = full,
+     .meaning = "pull-down: one from each seam to its suspension line, which hold the vent down; across: from each seam to the one opposite, for an even number of gores"},
+    {.path = "parachute.vent_lines.length", .binding = of_vent_lines<&VentLines::length>, .unit = "m", .need = optional, .fallback = "by pull_down_ratio; across: as wide as the vent", .range = above(0, 1000), .instead_of = "parachute.vent_lines.pull_down_ratio", .user = full,
+     .meaning = "of each, as made"},
+    {.path = "parachute.vent_lines.pull_down_ratio", .binding = of_vent_lines<&VentLines::pull_down_ratio>, .unit = "1", .need = optional, .fallback = "by length", .range = below(0, 1), .instead_of = "parachute.vent_lines.length", .only_with = "pull-down", .user = full,
+     .meaning = "1 - (length - joint)/seam from vent to skirt: 0 holds nothing down, 1 brings the vent down to the skirt of a canopy that is drawn out"},
+    {.path = "parachute.vent_lines.joint", .binding = of_vent_lines<&VentLines::joint>, .unit = "m", .need = optional, .fallback = "line_length: at the link", .range = above(0, 1000), .only_with = "pull-down", .user = full,
+     .meaning = "where they are tied to the suspension lines, below the skirt"},
+    {.path = "parachute.vent_lines.cord", .binding = of_vent_lines<&VentLines::cord, &Cord::name>, .kind = data_file, .need = optional, .fallback = "that of parachute.line", .folder = "materials", .user = full,
+     .meaning = "of vent lines"},
     {.path = "parachute.mesh", .binding = member<&Parachute::mesh, &MeshFile::name>, .kind = mesh_file, .need = optional, .fallback = "generated from the sizes above", .user = full,
      .meaning = "a mesh of one's own in place of the generated one, Gmsh 2.2 or 4.1 in ASCII", .source = "docs/guide/meshes.md"},
     {.path = "parachute.joint_efficiency", .binding = member<&Parachute::strength, &StrengthFactors::joint_efficiency>, .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1), .user = full,

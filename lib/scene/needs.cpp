@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/math/vec.hpp"
 #include "lib/scene/keys.hpp"
 
 namespace twinchute {
@@ -71,6 +72,31 @@ std::vector<GorePanel> gore_panels(const Parachute& chute) {
     return panels;
 }
 
+Meridian gore_meridian(const Parachute& chute) {
+    const double area = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
+    const std::vector<GorePanel> panels = gore_panels(chute);
+    return has_open_middle(chute)
+               ? open_meridian(panels, chute.gores, area, polygon_radius(chute.vent_diameter, chute.gores))
+               : Meridian(panels, chute.gores, area);
+}
+
+bool has_open_middle(const Parachute& chute) {
+    return chute.type && !chute.mesh && chute.type->meshed.open_middle;
+}
+
+bool holds_vent_down(const Parachute& chute) {
+    return chute.vent_lines && chute.vent_lines->model == VentLines::Model::pull_down;
+}
+
+double vent_line_length(const Parachute& chute, double vent, double skirt) {
+    const VentLines& lines = *chute.vent_lines;
+    if (lines.length) return *lines.length;
+    // Across the vent, from corner to corner of its polygon.
+    if (lines.model == VentLines::Model::across)
+        return 2.0 * polygon_radius(chute.vent_diameter, chute.gores);
+    return lines.joint.value_or(chute.line_length) + (1.0 - *lines.pull_down_ratio) * (skirt - vent);
+}
+
 double slot_share(const Parachute& chute) {
     if (!chute.type || !chute.type->meshed.slotted || chute.mesh) return 0.0;
     const double vent = std::pow(chute.vent_diameter / chute.nominal_diameter, 2);
@@ -97,6 +123,13 @@ std::optional<Warning> smeared_slots(const Parachute& chute) {
         "trust forces and the shape of the whole; across slots only tapes carry load, so that tapes have "
         "more "
         "of it and fabric less than here"};
+}
+
+std::optional<Warning> open_middle(const Parachute& chute) {
+    if (!has_open_middle(chute)) return std::nullopt;
+    return Warning{"projected area and D_p are those of the fabric, the open middle left out",
+                   fmt::format("D0 of {} canopies is that of their fabric's area", chute.type->title),
+                   "hold the handbook's D_p/D0 against the diameter of the skirt's seams"};
 }
 
 std::optional<Warning> open_gaps(const Parachute& chute) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/models/meridian.hpp"
 #include "lib/scene/scene.hpp"
 
 namespace twinchute {
@@ -23,6 +24,19 @@ std::string lacks_canopy(const Parachute& chute);
 /// lengths that the parachute has itself. Empty for flat circular canopies and where nothing else is known.
 std::vector<GorePanel> gore_panels(const Parachute& chute);
 
+/// Constructed meridian of these gores; they have panels.
+Meridian gore_meridian(const Parachute& chute);
+
+/// Whether the gores lie around an open middle that D0 does not count.
+bool has_open_middle(const Parachute& chute);
+
+/// Whether lines hold the vent down.
+bool holds_vent_down(const Parachute& chute);
+
+/// Length [m] of one of the vent lines, which the parachute has. vent, skirt: apex to these along the seam
+/// [m].
+double vent_line_length(const Parachute& chute, double vent, double skirt);
+
 /// Share [-] of slots in the area between vent and skirt, of a type whose slots the full model smears: what
 /// parachute.geometric_porosity leaves after the vent. 0 for all others, and for a mesh of one's own.
 double slot_share(const Parachute& chute);
@@ -33,6 +47,9 @@ Fabric meshed_fabric(const Parachute& chute);
 
 /// Warning where a canopy has gaps in its gores.
 std::optional<Warning> open_gaps(const Parachute& chute);
+
+/// Warning where a canopy has an open middle.
+std::optional<Warning> open_middle(const Parachute& chute);
 
 /// Warning where slots are smeared.
 std::optional<Warning> smeared_slots(const Parachute& chute);

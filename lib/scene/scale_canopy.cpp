@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "lib/math/vec.hpp"
 #include "lib/scene/drag_area.hpp"
@@ -30,7 +31,8 @@ constexpr SizeRow size_rows[] = {
 double mass_measure(const Parachute& p) {
     const double d = p.nominal_diameter, v = p.vent_diameter;
     if (!missing_structure(p).empty()) return d * d;
-    return 0.25 * pi * (d * d - v * v) * p.fabric.density * meshed_fabric(p).thickness +
+    const double fabric = 0.25 * pi * (has_open_middle(p) ? d * d : d * d - v * v);
+    return fabric * p.fabric.density * meshed_fabric(p).thickness +
            0.5 * p.gores * (d - v) * p.tapes.radial.linear_density() +
            pi * (d * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
            (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
@@ -64,6 +66,10 @@ std::vector<ScaledQuantity> scale_canopy(Parachute& chute, double diameter,
     for (const SizeRow& row : size_rows)
         scale(std::string(row.key), row.power, chute.*row.member);
     scale_balance("parachute.fill_time", chute.fill_time);
+    if (chute.vent_lines)
+        for (const auto& [key, length] : {std::pair{"parachute.vent_lines.length", &VentLines::length},
+                                          std::pair{"parachute.vent_lines.joint", &VentLines::joint}})
+            if (auto& given = (*chute.vent_lines).*length) scale(key, 1, *given);
     for (std::size_t i = 0; i < chute.reefing.size(); ++i) {
         const std::string stage = fmt::format("parachute.reefing.{}", i + 1);
         if (chute.reefing[i].line_length) scale(stage + ".line_length", 1, *chute.reefing[i].line_length);

@@ -101,6 +101,22 @@ struct Tapes {
     bool operator==(const Tapes&) const = default;
 };
 
+/// Lines from the edge of the vent: one from each seam to its suspension line, which hold the vent down, or
+/// one for every two seams across the vent. At most one of length and pull-down ratio is given; a line across
+/// the vent is as long as the vent is wide by default.
+struct VentLines {
+    enum class Model { pull_down, across };
+    Model model = Model::pull_down;
+    std::optional<double> length = {};  ///< [m] of each, as made
+    /// [-] share of the seam by which the vent is held down in a canopy that is drawn out along its seams: 0
+    /// not at all, 1 as far as the skirt.
+    std::optional<double> pull_down_ratio = {};
+    std::optional<double> joint = {};  ///< [m] below the skirt along the suspension line; absent: at its link
+    Cord cord = {};                    ///< without a name: as the suspension line
+
+    bool operator==(const VentLines&) const = default;
+};
+
 /// When something happens: exactly one condition, and a delay after it. Altitude and dynamic pressure are met
 /// in falling, or where they are below already.
 struct Trigger {
@@ -164,6 +180,7 @@ struct Parachute {
     Fabric fabric;
     Cord line;
     Tapes tapes;
+    std::optional<VentLines> vent_lines = {};
     std::optional<MeshFile> mesh;  ///< of the full model; absent: generated from the sizes above
     StrengthFactors strength;
 

@@ -61,6 +61,7 @@ std::string scene_digest(const Scene& scene) {
         contents.add(chute.fabric);
         for (const Cord* cord : {&chute.line, &chute.tapes.radial, &chute.tapes.skirt, &chute.tapes.vent})
             contents.add(*cord);
+        if (chute.vent_lines) contents.add(chute.vent_lines->cord);
         if (const auto& growth = chute.drag_area_table) {
             contents.add("growth over fraction", growth->fraction());
             contents.add("growth", growth->ratio());

@@ -24,6 +24,8 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
         if (key == "parachute.filling" && open_gaps(chute))
             named += fmt::format(" (predicted, of a {} canopy: its balance of air knows no gaps)",
                                  chute.type->title);
+        else if (key == "parachute.filling" && (has_open_middle(chute) || holds_vent_down(chute)))
+            named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,

@@ -94,6 +94,7 @@ private:
     void put_release(bool may_rest, bool straight_down);
     void put_extraction();
     void put_canopy();
+    void put_vent_lines();
     void put_opening();
     void put_sequence(const std::string& by);
     void put_filling(const std::string& by);
@@ -105,7 +106,8 @@ private:
     double diameter_ = 0.0;           ///< D0 [m]
     std::optional<double> airspeed_;  ///< [m/s] at release, where the generator knows it
     bool has_wind_ = false;
-    std::string air_;  ///< model of the atmosphere
+    bool even_gores_ = true;  ///< as a design's
+    std::string air_;         ///< model of the atmosphere
 };
 
 inline std::string SceneGenerator::quantity(double value, std::string_view unit) {
@@ -240,10 +242,13 @@ inline void SceneGenerator::put_canopy() {
     if (give()) {
         const std::size_t links = 1 + below(8), each = 1 + below(12);
         put("parachute.risers", fmt::format("{}", links));
-        put("parachute.gores", fmt::format("{}", std::max<std::size_t>(3, each) * links));
+        const std::size_t gores = std::max<std::size_t>(3, each) * links;
+        put("parachute.gores", fmt::format("{}", gores));
+        even_gores_ = gores % 2 == 0;
     }
     for (const Key& key : scene_keys()) {
         if (key.kind != KeyKind::data_file || key.folder != "materials" || !give()) continue;
+        if (key.path == "parachute.vent_lines.cord") continue;  // with a length alone
         put(key.path, key.path == "parachute.fabric" ? "\"mil-c-7020-c9\"" : "\"mil-c-5040-type-ii\"");
     }
     for (const char* path :
@@ -251,6 +256,21 @@ inline void SceneGenerator::put_canopy() {
         if (give()) put_number(path, number_of(*find_key(scene_keys(), path)));
     // Longer than the widest mouth, a triangle's at the largest ratios.
     put_number("parachute.line_length", diameter_ * number_in(1.0, 2.0));
+    if (random_bool(0.3)) put_vent_lines();
+}
+
+/// With a vent line's length, which lines to the suspension lines need.
+inline void SceneGenerator::put_vent_lines() {
+    const bool across = even_gores_ && random_bool(0.3);
+    if (across || random_bool(0.5))
+        put("parachute.vent_lines.model", across ? "\"across\"" : "\"pull-down\"");
+    if (across || random_bool(0.5))
+        put_number("parachute.vent_lines.length", number_in(0.1, 900.0));
+    else
+        put_number("parachute.vent_lines.pull_down_ratio", number_in(0.0, 0.99));
+    if (!across && random_bool(0.5))
+        put_number("parachute.vent_lines.joint", diameter_ * number_in(0.01, 0.3));
+    if (random_bool(0.5)) put("parachute.vent_lines.cord", "\"mil-c-5040-type-ii\"");
 }
 
 /// Filling time and initial phase: t_i has to be shorter than t_f.
@@ -414,6 +434,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.geometric_porosity"};
     lines_.clear();
     airspeed_.reset();
+    even_gores_ = true;
     has_wind_ = random_bool(0.4);
     put("schema", "1");
     std::map<std::string, std::string, std::less<>> words;
@@ -430,7 +451,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
             left_out.push_back(std::string(key.path) + ".");
             continue;
         }
-        if (key.path == "parachute.deploy.when" || key.path == "parachute.cut") {
+        if (key.path == "parachute.deploy.when" || key.path == "parachute.cut" ||
+            key.path == "parachute.vent_lines") {
             left_out.push_back(std::string(key.path) + ".");
             continue;
         }
@@ -494,8 +516,13 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.mesh"; });
     if (imported)  // has its own shape
         std::erase_if(lines_, [](const SceneLine& line) {
-            return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length";
+            return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length" ||
+                   line.path.starts_with("parachute.vent_lines");
         });
+    const auto jointed = [](const SceneLine& line) { return line.path == "parachute.vent_lines.joint"; };
+    if (std::ranges::any_of(lines_, jointed))  // lies at a node
+        for (SceneLine& line : lines_)
+            if (line.path == "full.mesh.line_elements" && line.value == "1") line.value = "2";
     if (random_bool(0.5))
         put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
     const std::string& stop = words["stop.at"];
@@ -515,7 +542,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     }
     for (const Key& key : scene_keys()) {  // a table without a key of its own
         if (key.kind != KeyKind::table || key.need != KeyNeed::optional || key.path == "case" ||
-            key.path == "case.set")
+            key.path == "case.set" || key.path == "parachute.vent_lines")
             continue;
         const std::string inside = std::string(key.path) + ".";
         const bool out = std::ranges::find(left_out, inside) != left_out.end();

@@ -18,7 +18,7 @@ protected:
 
 TEST_F(SystemTypes, WithArmsOrRibsAreRefusedByKey) {
     const auto before = tree_of(here_.path());
-    for (const char* type : {"cross", "annular", "guide-surface-ribbed"})
+    for (const char* type : {"cross", "rotafoil", "guide-surface-ribbed"})
         for (const char* command : {"full", "compare", "ladder", "mesh"}) {
             const Ended ended = run(command, type);
             EXPECT_EQ(ended.code, 2) << command << ", " << type << ": " << ended.err;

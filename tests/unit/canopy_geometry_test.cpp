@@ -57,10 +57,11 @@ TEST(CanopyGeometry, EveryTypeOfItsOwnShapeHasARow) {
         Parachute chute = c9();
         chute.type = read_canopy_type(name, "parachute.type", {}, TWINCHUTE_SOURCE_DIR "/data");
         const bool own = chute.type->meshed.shape == MeshedCanopy::Shape::own;
-        const bool panels = std::ranges::count(test::panelled_types, name) > 0;
+        const bool panels = std::ranges::count(test::panelled_types, name) > 0 || name == "annular";
         const bool slots = std::ranges::count(test::slotted_types, name) > 0;
         EXPECT_EQ(own, panels || slots || name == "flat-circular") << name;
         EXPECT_EQ(chute.type->meshed.slotted, slots) << name;
+        EXPECT_EQ(chute.type->meshed.open_middle, name == "annular") << name;
         EXPECT_EQ(canopy_geometry(chute).name, panels ? "panels" : "flat-circular") << name;
         EXPECT_EQ(chute.type->meshed.gore.empty(), !panels) << name;
         EXPECT_EQ(chute.type->meshed.gore_source.empty(), !panels) << name;

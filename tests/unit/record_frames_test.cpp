@@ -96,7 +96,7 @@ TEST(Frames, ThatLieAreRefusedWithTheReason) {
         {28, 5, "names node 5 of 5"},
         {triangles, 5, "names node 5 of 5"},
         {cables + 4, 0x80000000, "names node 2147483648 of 5"},
-        {cables + 8, 6, "kind of cable"},
+        {cables + 8, 7, "kind of cable"},
         {frame + 4, 0x7ff80000, "time that is not finite"},
         {frame + 4, 0x40000000, "order of their times"},  // 2 s before 0.1 s
         {frame + 32 + 4, 0xbff00000, "step below zero"},

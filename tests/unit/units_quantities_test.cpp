@@ -1,4 +1,5 @@
 // Quantities with units. Factors: NIST SP 811 (2008), appendix B.8, where nothing else is said.
+#include "lib/math/vec.hpp"
 #include "lib/scene/units.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,6 @@ namespace twinchute {
 namespace {
 
 constexpr double pound = 0.45359237, foot = 0.3048, gravity = 9.80665;  // exact by definition
-constexpr double pi = 3.14159265358979323846;
 
 struct Case {
     const char* text;
