@@ -339,7 +339,7 @@ void check_body(const Scene& scene, const Complain& complain) {
 
 /// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
 void check_contact(const Scene& scene, const Complain& complain) {
-    if (scene.full.contact == Contact::none) return;
+    if (scene.full.contact != Contact::gores) return;
     const auto refuse = [&](const char* problem, const char* why, const char* hint) {
         complain.about("full.contact", problem, why,
                        fmt::format("{}, or write full.contact = \"none\"", hint));
@@ -361,6 +361,8 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
     };
     if (scene.parachutes.front().deploy.starts_packed())
         refuse("drawn out of its pack each gore folds in its own way", "start at line stretch");
+    if (scene.full.contact == Contact::self)
+        refuse("full.contact = \"self\" looks at all nodes", "write full.contact = \"gores\" or \"none\"");
     if (scene.full.noise) refuse("full.noise disturbs each gore in its own way", "leave full.noise out");
     if (scene.payload.body) refuse("payload.body turns as it likes", "leave payload.body out");
     if (scene.environment.wind)
