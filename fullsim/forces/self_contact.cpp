@@ -282,6 +282,11 @@ private:
             mean += longest[t] / static_cast<double>(triangles);
         }
         contact.skin = skin_share * mean;
+        if (!std::isfinite(mean)) {  // the run is lost, and its checks will say so
+            contact.pairs.clear();
+            contact.by_slack.clear();
+            return;
+        }
         const auto reach = [&](std::size_t t) {
             return std::min(thickness_share * edge_of(static_cast<std::int32_t>(t)),
                             thickness_now * longest[t]) +

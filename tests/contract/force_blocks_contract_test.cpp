@@ -20,7 +20,7 @@ using test::stretch_open;
 using test::total;
 
 /// A scene that needs every block that goes with this way of deploying, in one stage of its run or another.
-Scene full_scene(DeployBy by) {
+Scene full_scene(DeployBy by, Contact contact = Contact::gores) {
     Scene scene = test::c9_scene();
     Deployment& deploy = scene.parachutes.front().deploy;
     deploy.by = by;
@@ -32,7 +32,8 @@ Scene full_scene(DeployBy by) {
     scene.payload.drag_area = 0.4;
     scene.payload.body = PayloadBody{PayloadBody::Shape::box, {0.6, 0.4, 0.9}, Elasticity{1e5, 0.3}};
     scene.full.alpha = 2.0;
-    scene.full.contact = Contact::gores;
+    scene.full.contact = contact;
+    scene.full.contact_friction = 0.2;
     scene.aerodynamics.added_mass->momentum = AddedMassMomentum::accreting;
     return scene;
 }
@@ -42,9 +43,10 @@ constexpr Stage all_stages[] = {Stage::deployment, Stage::springs, Stage::ramp, 
 
 /// The first of these scenes in which a block takes part.
 Scene scene_with(const ForceBlock& row) {
-    for (const DeployBy by : all_deployments)
-        for (const Stage stage : all_stages)
-            if (const Scene scene = full_scene(by); row.needed(scene, stage)) return scene;
+    for (const Contact contact : {Contact::gores, Contact::self})
+        for (const DeployBy by : all_deployments)
+            for (const Stage stage : all_stages)
+                if (const Scene scene = full_scene(by, contact); row.needed(scene, stage)) return scene;
     ADD_FAILURE() << row.name << " is never needed";
     return full_scene(DeployBy::static_line);
 }
@@ -78,6 +80,10 @@ protected:
     State lively(unsigned seed) const {
         State state = state_of(mesh_, Vec3(1.0, 2.0, -20.0));
         stretch_open(state, 3.0, 1.01);
+        if (row().block == Block::self_contact) {  // which begins without a force, wherever nodes are
+            block_->add_forces(state);
+            clear_forces(state);
+        }
         shake(state, 0.05, seed);
         state.added_mass = 40.0;
         state.added_mass_rate = 30.0;
@@ -147,7 +153,7 @@ TEST_P(EveryBlock, BooksWhatItDissipates) {
         if (row().structural) {
             // The elastic part of the power is what a block without viscosity has.
             Scene inviscid = scene_;
-            inviscid.full.bulk_viscosity = 0.0;
+            inviscid.full.bulk_viscosity = inviscid.full.contact_friction = 0.0;
             State elastic = lively(seed);
             row().make(inviscid, mesh_)->add_forces(elastic);
             const double lost = power(elastic.force, elastic) - power(state.force, state);
@@ -210,7 +216,7 @@ TEST_P(EveryBlock, GivesTheSameBitsTwice) {
 
 TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric) {
     if (!row().structural) return;
-    scene_.full.bulk_viscosity = 0.0;
+    scene_.full.bulk_viscosity = scene_.full.contact_friction = 0.0;
     block_ = row().make(scene_, mesh_);
     State state = lively(3);
     block_->add_forces(state);

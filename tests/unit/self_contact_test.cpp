@@ -127,8 +127,12 @@ TEST(SelfContactLaw, FrictionIsCoulombsWhereSlipIsFastAndViscousWhereItIsSlow) {
         const double slow = law_of_pair.friction * normal / law_of_pair.viscosity;  // 0.72 m/s
         EXPECT_NEAR(f.on.node.x(), -0.3 * normal * speed / std::hypot(speed, slow), 1e-12);
         EXPECT_NEAR(f.dissipated, -f.on.node.x() * speed, 1e-12);
-        if (speed == 100.0) EXPECT_NEAR(f.on.node.x(), -0.3 * normal, 1e-4 * normal);
-        if (speed == 1e-4) EXPECT_NEAR(f.on.node.x(), -2.0 * speed, 1e-7 * speed);
+        if (speed == 100.0) {
+            EXPECT_NEAR(f.on.node.x(), -0.3 * normal, 1e-4 * normal);
+        }
+        if (speed == 1e-4) {
+            EXPECT_NEAR(f.on.node.x(), -2.0 * speed, 1e-7 * speed);
+        }
     }
 }
 
@@ -190,9 +194,9 @@ TEST(SelfContactLaw, TangentBoundsTheSecondDerivative) {
 /// Square sheets of one fabric, one after the other, and a payload far away that belongs to none.
 class Sheets {
 public:
-    explicit Sheets(double friction) : friction_(friction) {
+    explicit Sheets(double friction, double modulus = 4e7) : friction_(friction) {
         mesh.fabric.density = 500.0;
-        mesh.fabric.youngs_modulus = 4e8;
+        mesh.fabric.youngs_modulus = modulus;
         mesh.fabric.poisson_ratio = 0.14;
         mesh.fabric.thickness = 1e-4;
         for (Cord& cord : mesh.cords)
@@ -241,6 +245,13 @@ public:
         update_sums(state, constants);
         state.energy.kinetic_start = kinetic_energy(state, constants);
     }
+    /// Steps of half the bound, which is renewed as in a run, up to `time`.
+    void run(double time, const std::function<void(State&)>& others = {}) {
+        while (state.time < time) {
+            if (state.step % 20 == 0) dt_ = 0.5 * critical();
+            step(dt_, others);
+        }
+    }
     /// One step with other forces beside those of the blocks.
     void step(double dt, const std::function<void(State&)>& others = {}) {
         for (const auto& block : structure)
@@ -283,7 +294,7 @@ public:
     ForceModels structure;
 
 private:
-    double friction_;
+    double friction_, dt_ = 0.0;
 };
 
 /// Two sheets of 0.6 m, 3 cm apart, that fly at each other at 1 m/s each, turned against each other and
@@ -336,8 +347,10 @@ TEST(SelfContact, EnergyOfSheetsThatMeetAddsUp) {
         }
         worst /= two.state.energy.kinetic_start;
         std::printf("residual %g\n", worst);
-        EXPECT_LT(worst, 0.01);
-        if (before > 0.0) EXPECT_LT(worst, 0.7 * before);
+        EXPECT_LT(worst, 0.03);
+        if (before > 0.0) {
+            EXPECT_LT(worst, 0.5 * before);
+        }
         before = worst;
     }
 }
@@ -346,7 +359,7 @@ TEST(SelfContact, TurnsWithTheWorld) {
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     Sheets one = meeting_sheets(0.3), other = meeting_sheets(0.3, turn);
     const double dt = 0.5 * one.critical();
-    while (one.state.time < 0.05) {
+    while (one.state.time < 0.025) {
         one.step(dt);
         other.step(dt);
     }
@@ -360,13 +373,13 @@ TEST(SelfContact, TurnsWithTheWorld) {
 
 TEST(SelfContact, PressedSheetsCarryThePressureAndStayApart) {
     // 300 Pa on the upper of two sheets, the lower one as heavy as a table: the force between both is p S.
-    Sheets two(0.0);
+    Sheets two(0.0, 4e8);
     two.add(8, 8, 0.1, Vec3(-0.1, -0.1, 0.0), Vec3::UnitX(), Vec3::UnitY());
     two.add(5, 5, 0.11, Vec3(0.03, 0.02, 0.002), Vec3::UnitX(), Vec3::UnitY());
     two.finish();
     for (NodeIndex i = two.firsts[0]; i < two.firsts[1]; ++i)
         two.constants.mass[i] = 1e9;
-    const double pressure = 300.0, area = 0.55 * 0.55, dt = 0.5 * two.critical();
+    const double pressure = 300.0, area = 0.55 * 0.55;
     const auto press = [&](State& state) {
         for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i) {
             state.force[i].value[2] -= pressure * two.mesh.tributary_area[i];
@@ -378,8 +391,7 @@ TEST(SelfContact, PressedSheetsCarryThePressureAndStayApart) {
     EXPECT_EQ(two.structure[1]->energy(two.state), 0.0);
     for (std::size_t i = 0; i < two.state.force.size(); ++i)
         EXPECT_EQ(to_vec3(two.state.force[i].value).norm(), 0.0);
-    while (two.state.time < 0.6)
-        two.step(dt, press);
+    two.run(0.6, press);
     clear_forces(two.state);
     two.structure[1]->add_forces(two.state);
     double held = 0.0, lowest = 1.0;
@@ -400,12 +412,11 @@ struct Slide {
 Slide slide(double friction, double angle, double v0, double time) {
     constexpr double g = 9.80665;
     Sheets two(friction);
-    two.add(24, 8, 0.1, Vec3(-0.3, -0.3, 0.0), Vec3::UnitX(), Vec3::UnitY());
+    two.add(14, 5, 0.1, Vec3(-0.1, -0.15, 0.0), Vec3::UnitX(), Vec3::UnitY());
     two.add(3, 2, 0.1, Vec3(0.03, 0.02, 0.004), Vec3::UnitX(), Vec3::UnitY());
     two.finish();
     for (NodeIndex i = two.firsts[0]; i < two.firsts[1]; ++i)
         two.constants.mass[i] = 1e12;
-    const double dt = 0.5 * two.critical();
     const auto weigh = [&](State& state) {
         for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i)
             state.force[i].value +=
@@ -413,8 +424,7 @@ Slide slide(double friction, double angle, double v0, double time) {
     };
     two.launch(1, [&](const Vec3&) { return Vec3(v0, 0.0, 0.0); });
     const double from = two.mean(1).x();
-    while (two.state.time < time)
-        two.step(dt, weigh);
+    two.run(time, weigh);
     EXPECT_EQ(two.state.contact.passed, 0);
     return {two.mean(1).x() - from, two.mean(1, true).x(), two.state.energy.damping, two.mass(1)};
 }
@@ -453,15 +463,12 @@ TEST(SelfContact, CoincidentSheetsStartWithoutForceAndStayOnTheSideTheyTake) {
         EXPECT_EQ(to_vec3(two.state.force[i].value).norm(), 0.0);
     // One leaves upwards, and comes back: it ends above.
     two.launch(1, [](const Vec3&) { return Vec3(0.0, 0.0, 0.5); });
-    const double dt = 0.5 * two.critical();
     double highest = 0.0;
-    while (two.state.time < 0.2) {
-        two.step(dt, [&](State& state) {
-            for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i)
-                state.force[i].value[2] -= 10.0 * two.mesh.mass[i];
-        });
+    two.run(0.2, [&](State& state) {
+        for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i)
+            state.force[i].value[2] -= 10.0 * two.mesh.mass[i];
         highest = std::max(highest, two.mean(1).z() - two.mean(0).z());
-    }
+    });
     EXPECT_GT(highest, 0.01);
     EXPECT_GT(two.mean(1).z(), two.mean(0).z());
     EXPECT_EQ(two.state.contact.passed, 0);
