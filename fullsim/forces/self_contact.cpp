@@ -13,16 +13,17 @@ namespace twinchute::fullsim {
 namespace {
 
 /// Choices of this toolkit (docs/theory/full-model.md).
-constexpr double stiffness_share = 0.25;  // of the fabric's E t
-constexpr double thickness_share = 0.05;  // of a triangle's edge
+constexpr double stiffness_share = 0.5;   // of the fabric's E t
+constexpr double thickness_share = 0.03;  // of a triangle's edge
 constexpr double thickness_now = 0.25;    // at most, of its longest edge as it is: a pack is small
 constexpr double damping_share = 0.5;     // of sqrt(k m): viscosity of friction where slip is slow
-constexpr double skin_share = 0.3;        // of the mean longest edge, from one search to the next
+constexpr double skin_share = 0.15;       // of the mean longest edge, from one search to the next
 constexpr double touching = 1e-3;         // of the thickness: nearer than that a node has no side yet
 constexpr double sliver = 0.02;           // twice the area over the longest edge squared
 constexpr double entering = 0.05;         // window below which a node has just come over the triangle
-/// Shortening of a distance to a triangle's window per distance that nodes have moved.
-constexpr double closing = 2.0 + 2.0 * window_half_width;
+/// Shortening of a distance to a triangle's window per distance that nodes have moved: by the node, and by a
+/// corner of the window, (1 + 2 e, -e, -e) of the triangle's.
+constexpr double closing = 2.0 + 4.0 * window_half_width;
 
 double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
     // Ericson, Real-time collision detection, 5.1.5.
@@ -287,10 +288,18 @@ private:
             contact.by_slack.clear();
             return;
         }
-        const auto reach = [&](std::size_t t) {
+        const auto thickness = [&](std::size_t t) {
             return std::min(thickness_share * edge_of(static_cast<std::int32_t>(t)),
-                            thickness_now * longest[t]) +
-                   window_half_width * longest[t];
+                            thickness_now * longest[t]);
+        };
+        /// Corners of the triangle over which its window is open.
+        const auto widened = [&](std::size_t t) {
+            const auto& n = mesh_.triangles[t].node;
+            const Vec3 sum = x[n[0]] + x[n[1]] + x[n[2]];
+            std::array<Vec3, 3> corner;
+            for (int i = 0; i < 3; ++i)
+                corner[i] = (1.0 + 3.0 * window_half_width) * x[n[i]] - window_half_width * sum;
+            return corner;
         };
 
         // Bins that hold the triangles whose boxes, with their reach, overlap them.
@@ -301,10 +310,10 @@ private:
         Vec3 low = Vec3::Constant(infinity), high = -low;
         double size = 0.0;
         for (std::size_t t = 0; t < triangles; ++t) {
-            const auto& n = mesh_.triangles[t].node;
-            const Vec3 margin = Vec3::Constant(reach(t) + contact.skin);
-            boxes[t] = {x[n[0]].cwiseMin(x[n[1]]).cwiseMin(x[n[2]]) - margin,
-                        x[n[0]].cwiseMax(x[n[1]]).cwiseMax(x[n[2]]) + margin};
+            const auto corner = widened(t);
+            const Vec3 margin = Vec3::Constant(thickness(t) + contact.skin);
+            boxes[t] = {corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - margin,
+                        corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + margin};
             low = low.cwiseMin(boxes[t].low), high = high.cwiseMax(boxes[t].high);
             size += (boxes[t].high - boxes[t].low).maxCoeff() / static_cast<double>(triangles);
         }
@@ -361,10 +370,11 @@ private:
                 const Box& box = boxes[t];
                 if (!((x[i].array() >= box.low.array()).all() && (x[i].array() <= box.high.array()).all()))
                     continue;
-                const auto& n = mesh_.triangles[t].node;
-                const double distance = std::sqrt(squared_distance(x[i], x[n[0]], x[n[1]], x[n[2]]));
-                const double slack = std::max(0.0, distance - reach(static_cast<std::size_t>(t)));
-                if (slack > contact.skin || touches(node, n)) continue;
+                if (touches(node, mesh_.triangles[t].node)) continue;
+                const auto corner = widened(static_cast<std::size_t>(t));
+                const double distance = std::sqrt(squared_distance(x[i], corner[0], corner[1], corner[2]));
+                const double slack = std::max(0.0, distance - thickness(static_cast<std::size_t>(t)));
+                if (slack > contact.skin) continue;
                 drop_until(node, t);
                 NearPair pair{node, t};
                 if (old != before.end() && old->node == node && old->triangle == t) pair = *old++;
