@@ -94,7 +94,10 @@ constexpr std::array<ForceBlock, block_count> blocks{{
      },
      [](const Scene&, const Mesh& m) { return make_gore_contact(m); }},
     {Block::self_contact, "self-contact", "not in the paper; docs/theory/full-model.md", true, true, true,
-     true, false, false, [](const Scene& s, Stage) { return s.full.contact == Contact::self; },
+     true, false, false,
+     [](const Scene& s, Stage stage) {
+         return s.full.contact == Contact::self && stage != Stage::deployment;
+     },
      [](const Scene& s) {
          return std::string("full.contact is ") + (s.full.contact == Contact::self ? "\"self\""
                                                    : s.full.contact == Contact::gores

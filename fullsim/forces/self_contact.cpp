@@ -19,8 +19,8 @@ constexpr double thickness_now = 0.25;    // at most, of its longest edge as it 
 constexpr double damping_share = 0.5;     // of sqrt(k m): viscosity of friction where slip is slow
 constexpr double skin_share = 0.15;       // of the mean longest edge, from one search to the next
 constexpr double touching = 1e-3;         // of the thickness: nearer than that a node has no side yet
-constexpr double sliver = 0.02;           // twice the area over the longest edge squared
-constexpr double entering = 0.05;         // window below which a node has just come over the triangle
+constexpr double sliver = 0.3;            // area over longest edge squared, over the same without strain
+constexpr double entering = 0.02;         // window below which a node has just come over the triangle
 /// Shortening of a distance to a triangle's window per distance that nodes have moved: by the node, and by a
 /// corner of the window, (1 + 2 e, -e, -e) of the triangle's.
 constexpr double closing = 2.0 + 4.0 * window_half_width;
@@ -62,6 +62,10 @@ public:
         for (const Triangle& t : mesh.triangles)
             for (int i = 0; i < 3; ++i)
                 join(t.node[i], t.node[(i + 1) % 3]);
+        for (const Triangle& t : mesh.triangles)
+            fullness_.push_back(
+                sliver * t.a * t.c /
+                longest_edge_squared({Vec3(), {Vec3::Zero(), Vec3(t.a, 0.0, 0.0), Vec3(t.b, t.c, 0.0)}}));
         for (const Cable& c : mesh.cables)
             join(c.node[0], c.node[1]);
         for (auto& near : neighbours_) {
@@ -73,7 +77,7 @@ public:
 
     Block block() const override { return Block::self_contact; }
     std::size_t bytes() const override {
-        std::size_t bytes = bytes_of(neighbours_);
+        std::size_t bytes = bytes_of(neighbours_) + bytes_of(fullness_);
         for (const auto& near : neighbours_)
             bytes += bytes_of(near);
         return bytes;
@@ -100,7 +104,10 @@ public:
                 continue;
             }
             const double thickest = thickness_of(state, pair.triangle);
-            if (pair.side == 0 && !decide(state, k, *at, thickest)) continue;
+            if (pair.side == 0) {
+                if (!decide(state, k, *at, thickest)) continue;
+                state.energy.ramp += energy_of(state, pair);  // of a node that a neighbour hands over
+            }
             const double overlap = overlap_of(*at, pair.side, pair.thickness);
             if (overlap <= 0.0) {
                 pair.thickness = std::max(pair.thickness, std::min(thickest, pair.side * at->gap));
@@ -175,7 +182,7 @@ private:
     std::optional<OverTriangle> where(const State& state, const NearPair& pair) const {
         const NodeAndTriangle x = places(state, pair);
         const OverTriangle at = over_triangle(x);
-        if (!(at.twice_area > sliver * longest_edge_squared(x))) return std::nullopt;
+        if (!(at.twice_area > fullness_[pair.triangle] * longest_edge_squared(x))) return std::nullopt;
         return at;
     }
     /// [m] of the unstrained triangle
@@ -219,11 +226,15 @@ private:
         const int here = at.gap > 0.0 ? 1 : -1;
         pair.thickness = std::min(thickest, std::abs(at.gap));
         if (const NearPair* next = over_neighbour(pairs, k)) {
+            const bool enters = at.window < entering;
             if (next->side != here) {
+                // Where fabric lies across fabric already, neither side is right: it may pass until it is
+                // apart.
+                if (!enters) return false;
                 const Vec3 other = over_triangle(places(state, *next)).normal;
                 if (!(other.dot(at.normal) > 0.0)) return false;  // a sharp fold: the neighbour lies between
             }
-            if (next->side != here || at.window < entering) pair.thickness = next->thickness;
+            if (enters) pair.thickness = next->thickness;
             pair.side = next->side;
             return true;
         }
@@ -396,6 +407,7 @@ private:
     double friction_;   // [-]
     double stiffness_;  // [N/m]
     std::vector<std::vector<NodeIndex>> neighbours_;
+    std::vector<double> fullness_;  // [-] by triangle: a sliver has less
 };
 
 }  // namespace

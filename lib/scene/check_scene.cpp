@@ -338,12 +338,20 @@ void check_body(const Scene& scene, const Complain& complain) {
 }
 
 /// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
+/// Fabric that is to stay on its side has to begin there.
 void check_contact(const Scene& scene, const Complain& complain) {
-    if (scene.full.contact != Contact::gores) return;
+    if (scene.full.contact == Contact::none) return;
     const auto refuse = [&](const char* problem, const char* why, const char* hint) {
         complain.about("full.contact", problem, why,
                        fmt::format("{}, or write full.contact = \"none\"", hint));
     };
+    if (scene.full.contact == Contact::self) {
+        if (scene.parachutes.front().deploy.starts_packed())
+            refuse("\"self\" of a packed canopy",
+                   "fabric lies across fabric in a pack, and as it is drawn out steps become too short",
+                   "start at line stretch");
+        return;
+    }
     if (scene.parachutes.front().mesh)
         refuse("\"gores\" with parachute.mesh", "which nodes of an imported mesh lie in one row is not known",
                "leave parachute.mesh out");

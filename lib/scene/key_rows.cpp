@@ -500,7 +500,7 @@ constexpr Key scene_rows[] = {
      .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
      .source = "paper 2"},
     {.path = "full.contact", .binding = word_of<contacts, &Scene::full, &FullSettings::contact>, .kind = word, .need = defaulted, .fallback = "none", .choices = words_in<contacts>, .user = full,
-     .meaning = "none: fabric passes through fabric; gores: the fabric of a gore stays between its seams, on a generated mesh that starts at line stretch or inflated; self: nodes of fabric and lines do not pass through triangles of fabric, on any mesh",
+     .meaning = "none: fabric passes through fabric; gores: the fabric of a gore stays between its seams, on a generated mesh that starts at line stretch or inflated; self: nodes of fabric and lines do not pass through triangles of fabric, on any mesh that starts at line stretch or inflated",
      .source = "docs/theory/full-model.md"},
     {.path = "full.contact_friction", .binding = of_full<&FullSettings::contact_friction>, .unit = "1", .need = defaulted, .fallback = "0.2", .range = from(0, 2), .user = full,
      .meaning = "coefficient of friction of fabric and lines on fabric, with full.contact = \"self\"",

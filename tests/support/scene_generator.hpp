@@ -497,7 +497,9 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
             return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length";
         });
     if (random_bool(0.5))
-        put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
+        put("full.contact", packed || random_bool(0.3)     ? "\"none\""
+                            : imported || random_bool(0.3) ? "\"self\""
+                                                           : "\"gores\"");
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });

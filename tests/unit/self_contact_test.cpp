@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <random>
 
 #include "fullsim/forces/registry.hpp"
@@ -346,7 +348,6 @@ TEST(SelfContact, EnergyOfSheetsThatMeetAddsUp) {
             worst = std::max(worst, std::abs(residual(ledger)));
         }
         worst /= two.state.energy.kinetic_start;
-        std::printf("residual %g\n", worst);
         EXPECT_LT(worst, 0.03);
         if (before > 0.0) {
             EXPECT_LT(worst, 0.5 * before);
@@ -399,7 +400,6 @@ TEST(SelfContact, PressedSheetsCarryThePressureAndStayApart) {
         held += two.state.force[i].value[2];
         lowest = std::min(lowest, two.state.node[i].x[2]);
     }
-    std::printf("held %g of %g, lowest %g\n", held, pressure * area, lowest);
     EXPECT_NEAR(held, pressure * area, 1e-3 * pressure * area);
     EXPECT_EQ(two.state.contact.passed, 0);
     EXPECT_LT(two.state.contact.deepest, 0.1);
@@ -432,8 +432,6 @@ Slide slide(double friction, double angle, double v0, double time) {
 TEST(SelfContact, AStripStopsAfterTheDistanceOfItsFriction) {
     const double v0 = 2.0, mu = 0.3, g = 9.80665, distance = v0 * v0 / (2.0 * mu * g);
     const Slide s = slide(mu, 0.0, v0, 1.2 * v0 / (mu * g));
-    std::printf("distance %g of %g, speed %g, dissipated %g of %g\n", s.distance, distance, s.speed,
-                s.dissipated, 0.5 * s.mass * v0 * v0);
     // What falls short of Coulomb below mu N/c, some mm/s, lengthens the way by less than a per cent.
     EXPECT_NEAR(s.distance, distance, 0.01 * distance);
     EXPECT_LT(std::abs(s.speed), 0.01);
@@ -444,12 +442,10 @@ TEST(SelfContact, AStripSlidesDownAnInclineAsItsFrictionLetsIt) {
     const double mu = 0.3, g = 9.80665, steep = std::atan(0.6), time = 0.6;
     const Slide s = slide(mu, steep, 0.0, time);
     const double acceleration = g * (std::sin(steep) - mu * std::cos(steep));
-    std::printf("speed %g of %g\n", s.speed, acceleration * time);
     EXPECT_NEAR(s.speed, acceleration * time, 0.01 * acceleration * time);
     EXPECT_NEAR(s.distance, 0.5 * acceleration * time * time, 0.02 * 0.5 * acceleration * time * time);
     // Below the angle of friction it stays, but for a creep at g sin(angle) m/c.
     const Slide at_rest = slide(mu, std::atan(0.15), 0.0, 0.6);
-    std::printf("creep %g\n", at_rest.speed);
     EXPECT_LT(at_rest.speed, 0.01);
 }
 
@@ -473,6 +469,65 @@ TEST(SelfContact, CoincidentSheetsStartWithoutForceAndStayOnTheSideTheyTake) {
     EXPECT_GT(two.mean(1).z(), two.mean(0).z());
     EXPECT_EQ(two.state.contact.passed, 0);
     EXPECT_LT(two.state.contact.deepest, 0.1);
+}
+
+// --- in a run --------------------------------------------------------------------------------------
+
+Scene coarse_scene() {
+    Scene scene = test::c9_scene();
+    scene.full.contact = Contact::self;
+    scene.full.contact_friction = 0.2;
+    scene.full.mesh = {2, 7, 6, 2};
+    return scene;
+}
+
+void take_steps(Simulation& simulation, int count) {
+    for (int k = 0; k < count; ++k) {
+        simulation.evaluate_forces();
+        simulation.step_to(1.0);
+    }
+}
+
+TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
+    const Scene scene = coarse_scene();
+    Simulation whole(scene);
+    EXPECT_EQ(whole.layout().name(), "unstructured");
+    take_steps(whole, 1500);
+    Archive out;
+    whole.serialize(out);
+    const std::string bytes = out.take();
+    Simulation resumed(scene, [](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+        return make_layout(s, mesh, constants, 2);
+    });
+    Archive in(bytes, "a test");
+    resumed.serialize(in);
+    in.end();
+    ASSERT_GT(resumed.system().contact.pairs.size(), 0u);
+    const auto searches = whole.system().contact.searches;
+    take_steps(whole, 1500);
+    take_steps(resumed, 1500);
+    EXPECT_GT(whole.system().contact.searches, searches);  // pairs have been found anew in between
+    EXPECT_EQ(whole.system().contact.searches, resumed.system().contact.searches);
+    EXPECT_EQ(whole.unknowns(), resumed.unknowns());
+    EXPECT_EQ(whole.system().energy.damping, resumed.system().energy.damping);
+}
+
+TEST(SelfContact, NeedsAStartThatIsDrawnOutAndTheWholeCanopy) {
+    const std::filesystem::path scenes = TWINCHUTE_SOURCE_DIR "/data/scenes";
+    const auto key_of = [&](const char* scene, std::vector<std::string> set) -> std::string {
+        try {
+            read_scene(scenes / scene, set);
+        } catch (const SceneError& error) {
+            return error.key();
+        }
+        return "";
+    };
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact='self'", "full.symmetry='none'"}), "");
+    EXPECT_EQ(key_of("c9-window.toml", {"full.contact='self'"}), "");  // an imported mesh
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact='self'", "full.symmetry='sector'"}),
+              "full.symmetry");
+    EXPECT_EQ(key_of("paper/crane-drop.toml", {"full.contact='self'"}), "full.contact");
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact_friction=-0.1"}), "full.contact_friction");
 }
 
 }  // namespace
