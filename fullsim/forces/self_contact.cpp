@@ -185,6 +185,9 @@ private:
         if (!(at.twice_area > fullness_[pair.triangle] * longest_edge_squared(x))) return std::nullopt;
         return at;
     }
+    double gap_of(const State& state, const NearPair& pair) const {
+        return over_triangle(places(state, pair)).gap;
+    }
     /// [m] of the unstrained triangle
     double edge_of(std::int32_t triangle) const {
         const Triangle& t = mesh_.triangles[triangle];
@@ -389,7 +392,8 @@ private:
                 drop_until(node, t);
                 NearPair pair{node, t};
                 if (old != before.end() && old->node == node && old->triangle == t) pair = *old++;
-                pair.slack = slack;
+                // One that is behind the triangle is held, however far.
+                pair.slack = pair.side == 0 || pair.side * gap_of(state, pair) > 0.0 ? slack : 0.0;
                 contact.pairs.push_back(pair);
             }
         }

@@ -79,10 +79,11 @@ protected:
     /// An opened, shaken parachute: elements in every state, every node with its own velocity.
     State lively(unsigned seed) const {
         State state = state_of(mesh_, Vec3(1.0, 2.0, -20.0));
-        stretch_open(state, 3.0, 1.01);
-        if (row().block == Block::self_contact) {  // which begins without a force, wherever nodes are
+        if (row().block == Block::self_contact) {  // of folds, which begin without a force
             block_->add_forces(state);
             clear_forces(state);
+        } else {
+            stretch_open(state, 3.0, 1.01);
         }
         shake(state, 0.05, seed);
         state.added_mass = 40.0;
@@ -222,6 +223,8 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
     block_->add_forces(state);
     std::mt19937 generator(11);
     const bool solid = row().name == "payload tetrahedra";
+    // Of many pairs some are about to touch: there a difference is off by k h of a penalty of 1.5e4 N/m.
+    const double kink = row().block == Block::self_contact ? 0.02 : 0.0;
     const auto random_node = [&] {
         const std::size_t first = solid ? static_cast<std::size_t>(mesh_.first_attachment()) : 0;
         const std::size_t count =
@@ -239,7 +242,7 @@ TEST_P(EveryBlock, ForceIsMinusTheDerivativeOfItsEnergyAndTheTangentIsSymmetric)
             },
             x0, 1e-6);
         state.node[i].x[c] = x0;
-        EXPECT_NEAR(state.force[i].value[c], -slope, 1e-4 * (1.0 + std::abs(slope))) << "node " << i;
+        EXPECT_NEAR(state.force[i].value[c], -slope, 1e-4 * (1.0 + std::abs(slope)) + kink) << "node " << i;
     }
     // dF_i/dx_j = dF_j/dx_i for the corners of elements; the state is away from any kink of slack.
     const auto derivative = [&](std::size_t i, int ci, std::size_t j, int cj) {
