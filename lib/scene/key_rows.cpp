@@ -88,7 +88,8 @@ constexpr Word<bool> anchors[] = {{"aircraft", true}, {"fixed", false}};
 constexpr Word<bool> extraction_loads[] = {{"point", true}, {"distributed", false}};
 constexpr Word<Grading> gradings[] = {{"graded", Grading::graded}, {"uniform", Grading::uniform}};
 constexpr Word<Symmetry> symmetries[] = {{"none", Symmetry::none}, {"sector", Symmetry::sector}};
-constexpr Word<Contact> contacts[] = {{"none", Contact::none}, {"gores", Contact::gores}, {"self", Contact::self}};
+constexpr Word<Contact> contacts[] = {
+    {"none", Contact::none}, {"gores", Contact::gores}, {"self", Contact::self}};
 constexpr Word<Structure> structures[] = {{"msd-fe", Structure::msd_fe}, {"fe", Structure::fe}};
 constexpr Word<bool> alpha_begins[] = {{"snatch", false}, {"release", true}};
 
