@@ -496,10 +496,13 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
         std::erase_if(lines_, [](const SceneLine& line) {
             return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length";
         });
-    if (random_bool(0.5))
-        put("full.contact", packed || random_bool(0.3)     ? "\"none\""
-                            : imported || random_bool(0.3) ? "\"self\""
-                                                           : "\"gores\"");
+    // Self-contact looks at the whole canopy.
+    const bool one_sector =
+        std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "full.symmetry"; });
+    if (random_bool(0.5) && !(imported && one_sector))
+        put("full.contact", packed || random_bool(0.3)                      ? "\"none\""
+                            : imported || (!one_sector && random_bool(0.3)) ? "\"self\""
+                                                                            : "\"gores\"");
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });
