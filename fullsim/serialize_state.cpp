@@ -8,6 +8,8 @@
 namespace twinchute::fullsim {
 namespace {
 
+constexpr std::size_t most_near_pairs = 100'000'000;  // of a checkpoint that is sound
+
 // Structs are taken apart by name and in full: a member that is added and not kept does not compile.
 
 constexpr auto sums_members = [](NodeSums& sums, auto&& each) {
@@ -51,6 +53,25 @@ constexpr auto energy_members = [](EnergyTotals& totals, auto&& each) {
         each(*x);
 };
 
+void serialize_contact(Archive& archive, SelfContactState& contact) {
+    auto& [pairs, by_slack, searched_at, searches, skin, passed, deepest] = contact;
+    archive.length("near pairs", pairs, most_near_pairs);
+    for (NearPair& pair : pairs) {
+        auto& [node, triangle, side, thickness, slack] = pair;
+        archive.whole("node", node, 0);
+        archive.whole("triangle", triangle, 0);
+        archive.whole("side", side, -1, 1);
+        archive.number("thickness", thickness);
+        archive.number("slack", slack);
+    }
+    archive.rows("nodes at the search", searched_at, [](Vec3& x, auto&& each) { each(x); });
+    archive.whole("searches", searches, 0);
+    archive.number("skin", skin);
+    archive.whole("passed", passed, 0);
+    archive.number("deepest", deepest);
+    if (archive.reads()) order_by_slack(contact);
+}
+
 /// Records of whole rows of doubles.
 template <class Record>
 std::span<double> doubles(std::vector<Record>& records) {
@@ -69,7 +90,7 @@ void serialize(Archive& archive, LargestLoads& loads) {
 void serialize(Archive& archive, State& state) {
     auto& [time, dt, line_dt, step, phase, stage, folded, fe_weight, added_mass_rate, added_mass,
            largest_added_mass, body, sums, air, inflow, energy, accretion_power, damping_power,
-           external_power, riser_force, in_subcycles, capped_steps, largest] =
+           external_power, riser_force, in_subcycles, capped_steps, largest, contact] =
         static_cast<SystemState&>(state);
     auto& [node, v_half, force, aero] = static_cast<NodeArrays&>(state);
     for (double* x : {&time, &dt, &line_dt, &fe_weight, &added_mass_rate, &added_mass, &largest_added_mass,
@@ -103,6 +124,7 @@ void serialize(Archive& archive, State& state) {
     archive.numbers("risers in subcycles", std::span(in_subcycles.sum.data(), 3));
     archive.whole("risers in subcycles", in_subcycles.count, 0);
     serialize(archive, largest);
+    serialize_contact(archive, contact);
 }
 
 std::string mesh_digest(const Mesh& mesh) {

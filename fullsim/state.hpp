@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -214,6 +215,33 @@ struct RiserPulls {
     }
 };
 
+/// A node near a triangle of fabric that it is no part of.
+struct NearPair {
+    NodeIndex node = 0;
+    std::int32_t triangle = 0;
+    int side = 0;            ///< of the triangle's normal, on which the node has to stay; 0: not decided yet
+    double thickness = 0.0;  ///< [m] gap below which both push each other off
+    double slack = 0.0;  ///< [m] by which both have to come closer, since the search, before they can touch
+};
+
+/// Self-contact: which nodes are near which triangles, and on which side.
+struct SelfContactState {
+    std::vector<NearPair> pairs;         ///< in the order of nodes, then triangles
+    std::vector<std::int32_t> by_slack;  ///< their indices, those that touch first at the head
+    std::vector<Vec3> searched_at;       ///< [m] nodes when pairs were found, from the mean of the canopy;
+    std::int64_t searches = 0;           ///< empty before the first search
+    double skin = 0.0;                   ///< [m] more than that closer, and another search is due
+    std::int64_t passed = 0;             ///< nodes that went through fabric and were let go
+    double deepest = 0.0;                ///< [-] farthest that a node was on the wrong side, over an edge
+};
+
+/// Sets by_slack: slack, then place in the list.
+inline void order_by_slack(SelfContactState& contact) {
+    contact.by_slack.resize(contact.pairs.size());
+    std::iota(contact.by_slack.begin(), contact.by_slack.end(), 0);
+    std::ranges::stable_sort(contact.by_slack, {}, [&](std::int32_t k) { return contact.pairs[k].slack; });
+}
+
 /// Everything that changes with time but nodes: current after every step at no cost.
 struct SystemState {
     double time = 0.0;     ///< [s] since release
@@ -247,6 +275,7 @@ struct SystemState {
     RiserPulls in_subcycles;          ///< and what they did within the last step
     std::int64_t capped_steps = 0;    ///< steps in which the pressure cap acted
     LargestLoads largest;
+    SelfContactState contact;  ///< where fabric and lines do not pass through fabric
 };
 
 /// Arrays over the nodes. A layout may keep nodes of canopy and lines elsewhere between two synchronisations

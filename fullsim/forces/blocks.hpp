@@ -17,6 +17,7 @@ enum class Block {
     lines,
     static_line,
     gore_contact,
+    self_contact,
     payload_tetrahedra,
     canopy_pressure,
     fabric_drag,
@@ -54,6 +55,10 @@ std::unique_ptr<const ForceModel> make_cables(const Mesh& mesh, const std::vecto
                                               double bulk_viscosity, double beta);
 /// Neighbouring gores of a generated mesh keep their fabric apart (fullsim/mesh/gore_contacts.hpp).
 std::unique_ptr<const ForceModel> make_gore_contact(const Mesh& mesh);
+/// Nodes of fabric and lines do not pass through fabric (fullsim/laws/self_contact.hpp). friction:
+/// coefficient
+/// [-].
+std::unique_ptr<const ForceModel> make_self_contact(const Mesh& mesh, double friction);
 std::unique_ptr<const ForceModel> make_static_line(const Mesh& mesh, double bulk_viscosity, double beta);
 /// Drag of the canopy as a piece of fabric, until snatch (paper, 3.2.1).
 std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coefficient);

@@ -87,10 +87,24 @@ constexpr std::array<ForceBlock, block_count> blocks{{
          return s.full.contact == Contact::gores && stage != Stage::deployment;
      },
      [](const Scene& s) {
-         return std::string("full.contact is ") +
-                (s.full.contact == Contact::gores ? "\"gores\"" : "\"none\": fabric passes through fabric");
+         return std::string("full.contact is ") + (s.full.contact == Contact::gores ? "\"gores\""
+                                                   : s.full.contact == Contact::self
+                                                       ? "\"self\": all fabric, not only neighbouring gores"
+                                                       : "\"none\": fabric passes through fabric");
      },
      [](const Scene&, const Mesh& m) { return make_gore_contact(m); }},
+    {Block::self_contact, "self-contact", "not in the paper; docs/theory/full-model.md", true, true, true,
+     true, false, false,
+     [](const Scene& s, Stage stage) {
+         return s.full.contact == Contact::self && stage != Stage::deployment;
+     },
+     [](const Scene& s) {
+         return std::string("full.contact is ") + (s.full.contact == Contact::self ? "\"self\""
+                                                   : s.full.contact == Contact::gores
+                                                       ? "\"gores\": neighbouring gores alone"
+                                                       : "\"none\": fabric passes through fabric");
+     },
+     [](const Scene& s, const Mesh& m) { return make_self_contact(m, s.full.contact_friction); }},
     {Block::payload_tetrahedra, "payload tetrahedra", "paper, 2.2; Bonet and Wood 2008, 6.4.3", true, true,
      true, true, false, false,
      [](const Scene& s, Stage) { return s.payload.body && s.payload.body->elasticity; },

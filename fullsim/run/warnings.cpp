@@ -20,6 +20,7 @@ constexpr double sound_area = 0.9;        // signed over positive area below whi
 constexpr double early_peak = 0.25;       // drag area over the steady one below which a peak is the snatch's
 constexpr double sound_drag_area = 0.98;  // over (C_D S)_0, of an open canopy whose filling is predicted
 constexpr double largest_over_inflation = 1.3;  // radius over the steady one
+constexpr double sound_penetration = 0.1;       // of an edge, of a node behind fabric that it touches
 constexpr double ringing = 1.02;  // raw over filtered peak force; a sound opening has 1.00 to 1.01
 
 /// [m^2] at a time [s] of the opening: as prescribed, or as it was.
@@ -97,6 +98,13 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
                    "in order"
                  : "look at the shape before trusting the loads");
+    if (const SelfContactState& contact = state.contact;
+        contact.passed > 0 || contact.deepest > sound_penetration)
+        warn(fmt::format("nodes went through fabric that they had touched: {} were let go, the deepest was "
+                         "{:.2f} of an edge behind it",
+                         contact.passed, contact.deepest),
+             "self-contact is a penalty, and fabric folded to slivers has no side to be kept on",
+             "take loads for those of a canopy whose fabric still passes through itself here and there");
     if (const auto filled = record.metric("filling_time_s")) {
         const double snatch = run.findings.snatch;
         const auto nearly = run.observer.first_time_of_area(nearly_filled * *steady_area, run.last_stage());

@@ -122,8 +122,8 @@ CriticalSteps critical_steps(const State& state, const NodeConstants& c, const F
     for (std::size_t i = 0; i < inertia.size(); ++i) {
         const bool is_canopy = static_cast<NodeIndex>(i) < c.canopy_nodes;
         if (on_lines(i) && !is_canopy) {
-            pulled.damping[i] += canopy.damping[i];  // of loads
-            of_canopy[i] = infinity;
+            pulled.damping[i] += canopy.damping[i];                     // of loads
+            if (!(canopy.stiffness[i] > 0.0)) of_canopy[i] = infinity;  // contact acts once a step
         }
         if (!on_lines(i)) of_lines[i] = infinity;
     }

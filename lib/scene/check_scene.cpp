@@ -370,12 +370,23 @@ void check_body(const Scene& scene, const Complain& complain) {
 }
 
 /// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
-void check_contact(const Scene& scene, const Complain& complain) {
+/// Fabric that is to stay on its side has to begin there.
+void check_contact(const Scene& scene, const Values& values, const Complain& complain) {
+    if (scene.full.contact != Contact::self && values.given("full.contact_friction"))
+        complain.about("full.contact_friction", "is not used", "full.contact is not \"self\"",
+                       "take it out, or write full.contact = \"self\"");
     if (scene.full.contact == Contact::none) return;
     const auto refuse = [&](const char* problem, const char* why, const char* hint) {
         complain.about("full.contact", problem, why,
                        fmt::format("{}, or write full.contact = \"none\"", hint));
     };
+    if (scene.full.contact == Contact::self) {
+        if (scene.parachutes.front().deploy.starts_packed())
+            refuse("\"self\" of a packed canopy",
+                   "fabric lies across fabric in a pack, and as it is drawn out steps become too short",
+                   "start at line stretch");
+        return;
+    }
     if (scene.parachutes.front().mesh)
         refuse("\"gores\" with parachute.mesh", "which nodes of an imported mesh lie in one row is not known",
                "leave parachute.mesh out");
@@ -393,6 +404,8 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
     };
     if (scene.parachutes.front().deploy.starts_packed())
         refuse("drawn out of its pack each gore folds in its own way", "start at line stretch");
+    if (scene.full.contact == Contact::self)
+        refuse("full.contact = \"self\" looks at all nodes", "write full.contact = \"gores\" or \"none\"");
     if (scene.full.noise) refuse("full.noise disturbs each gore in its own way", "leave full.noise out");
     if (scene.payload.body) refuse("payload.body turns as it likes", "leave payload.body out");
     if (scene.environment.wind)
@@ -623,7 +636,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     check_then(scene, complain);
     check_stop(scene, values.front(), complain);
     check_body(scene, complain);
-    check_contact(scene, complain);
+    check_contact(scene, values.front(), complain);
     check_symmetry(scene, complain);
     warn_of_wind(scene);
     correct_drag_area(scene, complain);

@@ -88,7 +88,8 @@ constexpr Word<bool> anchors[] = {{"aircraft", true}, {"fixed", false}};
 constexpr Word<bool> extraction_loads[] = {{"point", true}, {"distributed", false}};
 constexpr Word<Grading> gradings[] = {{"graded", Grading::graded}, {"uniform", Grading::uniform}};
 constexpr Word<Symmetry> symmetries[] = {{"none", Symmetry::none}, {"sector", Symmetry::sector}};
-constexpr Word<Contact> contacts[] = {{"none", Contact::none}, {"gores", Contact::gores}};
+constexpr Word<Contact> contacts[] = {
+    {"none", Contact::none}, {"gores", Contact::gores}, {"self", Contact::self}};
 constexpr Word<VentLines::Model> vent_line_models[] = {{"pull-down", VentLines::Model::pull_down},
                                                        {"across", VentLines::Model::across}};
 constexpr Word<Structure> structures[] = {{"msd-fe", Structure::msd_fe}, {"fe", Structure::fe}};
@@ -514,8 +515,11 @@ constexpr Key scene_rows[] = {
      .meaning = "of a packed start: springs and dashpots until the canopy begins to fill, or finite elements throughout",
      .source = "paper 2"},
     {.path = "full.contact", .binding = word_of<contacts, &Scene::full, &FullSettings::contact>, .kind = word, .need = defaulted, .fallback = "none", .choices = words_in<contacts>, .user = full,
-     .meaning = "none: fabric passes through fabric; gores: the fabric of a gore stays between its seams, on a generated mesh that starts at line stretch or inflated",
+     .meaning = "none: fabric passes through fabric; gores: the fabric of a gore stays between its seams, on a generated mesh that starts at line stretch or inflated; self: nodes of fabric and lines do not pass through triangles of fabric, on any mesh that starts at line stretch or inflated",
      .source = "docs/theory/full-model.md"},
+    {.path = "full.contact_friction", .binding = of_full<&FullSettings::contact_friction>, .unit = "1", .need = defaulted, .fallback = "0.2", .range = from(0, 2), .user = full,
+     .meaning = "coefficient of friction of fabric and lines on fabric, with full.contact = \"self\"",
+     .source = "assumption of this toolkit"},
     {.path = "full.switch_area_ratio", .binding = of_full<&FullSettings::switch_area_ratio>, .unit = "1", .need = defaulted, .fallback = "0.12", .range = from(0, 1), .user = full,
      .meaning = "mouth over steady projected area at which finite elements take over", .source = "paper 4: 10 to 20 %"},
     {.path = "full.ramp_time", .binding = of_full<&FullSettings::ramp_time>, .unit = "s", .need = optional, .fallback = "0.135 D0/v", .range = above(0, 10), .user = full,

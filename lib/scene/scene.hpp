@@ -277,8 +277,9 @@ enum class Symmetry {
 
 /// Contact model, which keeps fabric from passing through fabric.
 enum class Contact {
-    none,  ///< nothing, as in the paper
-    gores  ///< the fabric of a gore stays between its seams, in the order of the gores around the axis
+    none,   ///< nothing, as in the paper
+    gores,  ///< the fabric of a gore stays between its seams, in the order of the gores around the axis
+    self    ///< nodes of fabric and lines do not pass through triangles of fabric
 };
 
 struct FullSettings {
@@ -286,6 +287,7 @@ struct FullSettings {
     Symmetry symmetry = Symmetry::none;
     Structure structure = Structure::msd_fe;
     Contact contact = Contact::none;
+    double contact_friction = 0.0;   ///< coefficient of friction in self-contact [-]
     double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
     /// [s] over which the stiffness of the finite elements grows; absent: by D0/v
     std::optional<double> ramp_time = {};

@@ -39,6 +39,12 @@ Scene demo() {
     return scene;
 }
 
+Scene folds_apart() {
+    Scene scene = demo();
+    scene.full.contact = Contact::self;
+    return scene;
+}
+
 /// Nothing that a scene may leave out.
 Scene bare() {
     Scene scene = coarse(test::c9_scene());
@@ -89,6 +95,7 @@ Scene inflated() {
 const std::vector<Case>& cases() {
     static const std::vector<Case> all{{"bare", bare()},
                                        {"demo", demo()},
+                                       {"demo, self-contact", folds_apart()},
                                        {"inflated", inflated()},
                                        {"packed, elements throughout", bare_from_the_pack()},
                                        {"static line", rich(DeployBy::static_line)},

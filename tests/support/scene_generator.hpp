@@ -523,8 +523,18 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     if (std::ranges::any_of(lines_, jointed))  // lies at a node
         for (SceneLine& line : lines_)
             if (line.path == "full.mesh.line_elements" && line.value == "1") line.value = "2";
-    if (random_bool(0.5))
-        put("full.contact", imported || packed || random_bool(0.3) ? "\"none\"" : "\"gores\"");
+    // Self-contact looks at the whole canopy.
+    const bool one_sector =
+        std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "full.symmetry"; });
+    if (random_bool(0.5) && !(imported && one_sector))
+        put("full.contact", packed || random_bool(0.3)                      ? "\"none\""
+                            : imported || (!one_sector && random_bool(0.3)) ? "\"self\""
+                                                                            : "\"gores\"");
+    const bool touches_itself = std::ranges::any_of(lines_, [](const SceneLine& line) {
+        return line.path == "full.contact" && line.value == "\"self\"";
+    });
+    if (!touches_itself)
+        std::erase_if(lines_, [](const SceneLine& line) { return line.path == "full.contact_friction"; });
     const std::string& stop = words["stop.at"];
     const bool is_cut =
         std::ranges::any_of(lines_, [](const SceneLine& line) { return line.path == "parachute.cut"; });

@@ -70,7 +70,7 @@ const Broken cases[] = {
     {"sector_upwards", "path_angle = \"90 deg\"", "path_angle = \"-90 deg\"\n[full]\nsymmetry = \"sector\"", "test.toml:12:12: full.symmetry: ", "is not straight down"},
     {"sector_packed", "deploy = { by = \"line-stretch\" }\nfill_time = { model = \"fill-constant\", n = 4.0 }", "deploy = { by = \"free\" }\nfill_time = { model = \"fill-constant\", n = 4.0 }\n[full]\nsymmetry = \"sector\"", "test.toml:16:12: full.symmetry: ", "(drawn out of its pack each gore folds in its own way), start at line stretch"},
     {"sector_of_unequal_risers", "[[parachute]]\ndesign = \"usaf-c9\"", "[full]\nsymmetry = \"sector\"\n[[parachute]]\nrisers = 3\ndesign = \"usaf-c9\"", "test.toml:14:10: parachute.risers: ", "3 does not divide 28 gores"},
-    {"contact_unknown", "[stop]", "[full]\ncontact = \"fabric\"\n[stop]", "test.toml:18:11: full.contact: ", "unknown word 'fabric' (known: none, gores)"},
+    {"contact_unknown", "[stop]", "[full]\ncontact = \"fabric\"\n[stop]", "test.toml:18:11: full.contact: ", "unknown word 'fabric' (known: none, gores, self)"},
     {"symmetry_unknown", "[stop]", "[full]\nsymmetry = \"half\"\n[stop]", "test.toml:18:12: full.symmetry: ", "unknown word 'half' (known: none, sector)"},
     {"quoted_path", "[payload]\nmass", "[payload]\n\"a.mass\"", "test.toml:6:1: payload.a.mass: ", "write keys without quotes"},
     {"wrong_dimension", "\"152.4 kg\"", "\"152.4 m\"", "test.toml:6:8: payload.mass: ", "'m' is the wrong kind of unit (it is m, expected kg)"},

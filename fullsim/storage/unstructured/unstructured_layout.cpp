@@ -173,6 +173,9 @@ public:
             const double damping =
                 mesh_.is_canopy(i) ? 0.0 : sums.damping[i] + bound.by_mass * constants_.mass[i];
             steps.lines = std::min(steps.lines, step_of(pulled, i, damping));
+            // Contact acts once a step, whatever lines do within it.
+            if (!mesh_.is_canopy(i) && sums.stiffness[i] > 0.0)
+                steps.canopy = std::min(steps.canopy, step_of(sums, i, bound.by_mass * constants_.mass[i]));
         }
         auto next = std::ranges::lower_bound(pulled_, constants_.canopy_nodes);
         for (NodeIndex i = constants_.canopy_nodes; i < mesh_.node_count(); ++i)

@@ -1,0 +1,545 @@
+// Self-contact of fabric: its law beside the same typed by hand, and sheets that meet.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <random>
+
+#include "fullsim/forces/registry.hpp"
+#include "fullsim/laws/self_contact.hpp"
+#include "fullsim/serialize_state.hpp"
+#include "fullsim/simulation.hpp"
+#include "fullsim/time/energy.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "lib/scene/scene_error.hpp"
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/small_parachute.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+// --- the law of one pair --------------------------------------------------------------------------
+
+const SelfContactLaw law_of_pair{800.0, 0.3, 2.0};
+constexpr double thick = 0.01;  // [m]
+
+/// A node over the strip where a triangle hands over to the next: windows of 0.2 to 0.9.
+const NodeAndTriangle over_edge{Vec3(0.105, 0.072, 0.206),
+                                {Vec3(0.0, 0.0, 0.2), Vec3(0.2, 0.01, 0.21), Vec3(0.03, 0.15, 0.19)}};
+
+NodeAndTriangle random_motion(unsigned seed) {
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> one(-1.0, 1.0);
+    const auto vector = [&] { return Vec3(one(generator), one(generator), one(generator)); };
+    return {vector(), {vector(), vector(), vector()}};
+}
+
+/// E = 1/2 k w d^2, typed by hand: areas by cross products, the window as a product of cubics.
+double energy_by_hand(const NodeAndTriangle& x, int side) {
+    const auto& [a, b, c] = x.corner;
+    const Vec3 area = (b - a).cross(c - a), n = area.normalized();
+    const double gap = side * n.dot(x.node - a);
+    if (gap >= thick) return 0.0;
+    double window = 1.0;
+    for (const auto& [p, q] : {std::pair{b, c}, std::pair{c, a}, std::pair{a, b}}) {
+        const double share = n.dot((p - x.node).cross(q - x.node)) / area.norm();
+        const double t = std::clamp((share + window_half_width) / (2.0 * window_half_width), 0.0, 1.0);
+        window *= 3.0 * t * t - 2.0 * t * t * t;
+    }
+    return 0.5 * law_of_pair.stiffness * window * (thick - gap) * (thick - gap);
+}
+
+Vec3& point(NodeAndTriangle& x, int i) {
+    return i == 0 ? x.node : x.corner[i - 1];
+}
+
+TEST(SelfContactLaw, ForcesAreTheDerivativeOfItsEnergy) {
+    for (const int side : {1, -1}) {
+        NodeAndTriangle x = over_edge;
+        const OverTriangle at = over_triangle(x);
+        ASSERT_GT(at.window, 0.1);
+        ASSERT_LT(at.window, 0.95);
+        SelfContactForce f = self_contact_force({law_of_pair.stiffness, 0.0, 0.0}, at, side,
+                                                overlap_of(at, side, thick), random_motion(1));
+        ASSERT_GT(f.energy, 1e-3 * thick * thick * law_of_pair.stiffness);
+        EXPECT_NEAR(f.energy, energy_by_hand(x, side), 1e-12 * f.energy);
+        EXPECT_EQ(f.dissipated, 0.0);
+        // Over 1e-7 m of 0.1 m differences are right to 1e-10, of forces of newtons.
+        const double h = 1e-7;
+        for (int i = 0; i < 4; ++i)
+            for (int c = 0; c < 3; ++c) {
+                double& x_ic = point(x, i)[c];
+                const double before = x_ic;
+                x_ic = before + h;
+                const double up = energy_by_hand(x, side);
+                x_ic = before - h;
+                const double down = energy_by_hand(x, side);
+                x_ic = before;
+                EXPECT_NEAR(point(f.on, i)[c], (down - up) / (2.0 * h), 1e-6) << i << ' ' << c << ' ' << side;
+            }
+    }
+}
+
+TEST(SelfContactLaw, ForcesHaveNeitherSumNorMoment) {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        NodeAndTriangle x = over_edge, v = random_motion(seed);
+        const OverTriangle at = over_triangle(x);
+        SelfContactForce f = self_contact_force(law_of_pair, at, 1, overlap_of(at, 1, thick), v);
+        Vec3 sum = Vec3::Zero(), moment = sum;
+        double power = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            sum += point(f.on, i);
+            moment += point(x, i).cross(point(f.on, i));
+            power += point(f.on, i).dot(point(v, i));
+        }
+        EXPECT_LT(sum.norm(), 1e-14 * f.on.node.norm());
+        EXPECT_LT(moment.norm(), 1e-14 * f.on.node.norm());
+        // Power: that of the derivative of E, less what friction dissipates.
+        SelfContactForce smooth =
+            self_contact_force({law_of_pair.stiffness, 0.0, 0.0}, at, 1, overlap_of(at, 1, thick), v);
+        for (int i = 0; i < 4; ++i)
+            power -= point(smooth.on, i).dot(point(v, i));
+        EXPECT_GT(f.dissipated, 0.0);
+        EXPECT_NEAR(power, -f.dissipated, 1e-12 * f.dissipated);
+    }
+}
+
+TEST(SelfContactLaw, NothingSlipsInARigidMotion) {
+    NodeAndTriangle v;
+    const Vec3 spin(0.3, -2.0, 5.0), drift(7.0, -1.0, 20.0);
+    NodeAndTriangle x = over_edge;
+    for (int i = 0; i < 4; ++i)
+        point(v, i) = drift + spin.cross(point(x, i));
+    EXPECT_LT(slip_of(over_triangle(x), v).norm(), 1e-13);
+}
+
+TEST(SelfContactLaw, FrictionIsCoulombsWhereSlipIsFastAndViscousWhereItIsSlow) {
+    // In the middle of a triangle in the plane z = 0, 4 mm above it: N = k 6 mm.
+    const NodeAndTriangle x{Vec3(0.1, 0.05, 0.004), {Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(0.1, 0.15, 0)}};
+    const OverTriangle at = over_triangle(x);
+    EXPECT_DOUBLE_EQ(at.window, 1.0);
+    const double normal = 800.0 * 0.006;
+    for (const double speed : {1e-4, 0.1, 100.0}) {
+        NodeAndTriangle v{Vec3(speed, 0.0, -3.0), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}};
+        const SelfContactForce f = self_contact_force(law_of_pair, at, 1, overlap_of(at, 1, thick), v);
+        EXPECT_NEAR(f.on.node.z(), normal, 1e-12);
+        EXPECT_NEAR(f.normal, normal, 1e-12);
+        const double slow = law_of_pair.friction * normal / law_of_pair.viscosity;  // 0.72 m/s
+        EXPECT_NEAR(f.on.node.x(), -0.3 * normal * speed / std::hypot(speed, slow), 1e-12);
+        EXPECT_NEAR(f.dissipated, -f.on.node.x() * speed, 1e-12);
+        if (speed == 100.0) {
+            EXPECT_NEAR(f.on.node.x(), -0.3 * normal, 1e-4 * normal);
+        }
+        if (speed == 1e-4) {
+            EXPECT_NEAR(f.on.node.x(), -2.0 * speed, 1e-7 * speed);
+        }
+    }
+}
+
+TEST(SelfContactLaw, NeighboursOnAFlatSheetHandOverAtTheSameForce) {
+    // Two triangles of equal height on either side of x = 0: from one to the other the force on the node
+    // stays k d along the normal.
+    const Vec3 a(0, -0.1, 0), b(0, 0.1, 0);
+    for (double along = -0.04; along <= 0.04; along += 0.01) {
+        Vec3 force = Vec3::Zero();
+        for (const double tip : {-0.15, 0.15}) {
+            NodeAndTriangle x{Vec3(along, 0.01, 0.004), {a, b, Vec3(tip, 0, 0)}};
+            if (tip > 0) std::swap(x.corner[0], x.corner[1]);
+            const OverTriangle at = over_triangle(x);
+            const int side = at.normal.z() > 0 ? 1 : -1;
+            if (at.window > 0)
+                force += self_contact_force({800.0, 0.0, 0.0}, at, side, overlap_of(at, side, thick),
+                                            random_motion(1))
+                             .on.node;
+        }
+        EXPECT_LT((force - Vec3(0, 0, 4.8)).norm(), 1e-12) << along;
+    }
+}
+
+TEST(SelfContactLaw, TangentBoundsTheSecondDerivative) {
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<double> one(0.0, 1.0);
+    double closest = 0.0;
+    for (int trial = 0; trial < 300; ++trial) {
+        NodeAndTriangle x = over_edge;
+        const double p = 1.3 * one(generator) - 0.15, q = 1.3 * one(generator) - 0.15;
+        x.node = x.corner[0] + p * (x.corner[1] - x.corner[0]) + q * (x.corner[2] - x.corner[0]) +
+                 (2.0 * one(generator) - 1.0) * thick * over_triangle(x).normal;
+        const OverTriangle at = over_triangle(x);
+        if (at.window <= 0.0 || overlap_of(at, 1, thick) <= 0.0) continue;
+        const auto force = [&](const Vec3& node) {
+            NodeAndTriangle moved = x;
+            moved.node = node;
+            const OverTriangle there = over_triangle(moved);
+            return self_contact_force({800.0, 0.0, 0.0}, there, 1, overlap_of(there, 1, thick), x).on.node;
+        };
+        Eigen::Matrix3d tangent;
+        const double h = 1e-7;
+        for (int c = 0; c < 3; ++c)
+            tangent.col(c) =
+                (force(x.node + h * Vec3::Unit(c)) - force(x.node - h * Vec3::Unit(c))) / (2.0 * h);
+        double steepest = 0.0;
+        for (const Vec3& gradient : at.gradient)
+            steepest = std::max(steepest, gradient.norm());
+        const double bound = self_contact_tangent(800.0, overlap_of(at, 1, thick), steepest);
+        const double norm = tangent.norm();
+        EXPECT_LT(norm, bound * 1.0000001);
+        closest = std::max(closest, norm / bound);
+    }
+    EXPECT_GT(closest, 0.3);  // no bound far from what it bounds
+}
+
+// --- sheets ----------------------------------------------------------------------------------------
+
+/// Square sheets of one fabric, one after the other, and a payload far away that belongs to none.
+class Sheets {
+public:
+    explicit Sheets(double friction, double modulus = 4e7) : friction_(friction) {
+        mesh.fabric.density = 500.0;
+        mesh.fabric.youngs_modulus = modulus;
+        mesh.fabric.poisson_ratio = 0.14;
+        mesh.fabric.thickness = 1e-4;
+        for (Cord& cord : mesh.cords)
+            cord = {};
+    }
+    /// across x along squares of `cell` [m], from `corner`, in the directions u and v.
+    void add(int across, int along, double cell, const Vec3& corner, const Vec3& u, const Vec3& v) {
+        const auto first = static_cast<NodeIndex>(mesh.position.size());
+        for (int j = 0; j <= along; ++j)
+            for (int i = 0; i <= across; ++i)
+                mesh.position.push_back(corner + cell * i * u + cell * j * v);
+        const auto node = [&](int i, int j) { return first + j * (across + 1) + i; };
+        const auto triangle = [&](NodeIndex a, NodeIndex b, NodeIndex c) {
+            mesh.triangles.push_back(
+                laid_flat({a, b, c}, {mesh.position[a], mesh.position[b], mesh.position[c]}));
+        };
+        for (int j = 0; j < along; ++j)
+            for (int i = 0; i < across; ++i) {
+                triangle(node(i, j), node(i + 1, j), node(i + 1, j + 1));
+                triangle(node(i, j), node(i + 1, j + 1), node(i, j + 1));
+            }
+        firsts.push_back(first);
+    }
+    void finish() {
+        mesh.canopy_nodes = static_cast<int>(mesh.position.size());
+        mesh.position.emplace_back(0.0, 0.0, -50.0);
+        firsts.push_back(mesh.canopy_nodes);
+        mesh.tributary_area.assign(mesh.canopy_nodes, 0.0);
+        for (const Triangle& t : mesh.triangles)
+            for (const NodeIndex i : t.node)
+                mesh.tributary_area[i] += t.area() / 3.0;
+        lump_masses(mesh, 1.0);
+        state = test::state_of(mesh);
+        state.added_mass = 0.0;
+        constants = node_constants(mesh, 0.0);
+        update_sums(state, constants);
+        structure.push_back(make_membrane(mesh, 0.0));
+        structure.push_back(make_self_contact(mesh, friction_));
+        state.energy.kinetic_start = kinetic_energy(state, constants);
+    }
+    void launch(std::size_t sheet, const std::function<Vec3(const Vec3&)>& velocity) {
+        for (NodeIndex i = firsts[sheet]; i < firsts[sheet + 1]; ++i) {
+            state.node[i].v = to_lanes(velocity(mesh.position[i]));
+            state.v_half[i].value = state.node[i].v;
+        }
+        update_sums(state, constants);
+        state.energy.kinetic_start = kinetic_energy(state, constants);
+    }
+    /// Makes a sheet as heavy as a table.
+    void hold(std::size_t sheet) {
+        constexpr double heavy = 1e6;  // [kg] a node
+        for (NodeIndex i = firsts[sheet]; i < firsts[sheet + 1]; ++i) {
+            constants.canopy_mass += heavy - constants.mass[i];
+            constants.system_mass += heavy - constants.mass[i];
+            constants.mass[i] = heavy;
+        }
+        update_sums(state, constants);
+    }
+    /// Steps of half the bound, which is renewed as in a run, up to `time`.
+    void run(double time, const std::function<void(State&)>& others = {}) {
+        while (state.time < time) {
+            if (state.step % 20 == 0) dt_ = 0.5 * critical();
+            step(dt_, others);
+        }
+    }
+    /// One step with other forces beside those of the blocks.
+    void step(double dt, const std::function<void(State&)>& others = {}) {
+        for (const auto& block : structure)
+            block->add_forces(state);
+        if (others) others(state);
+        advance(state, constants, dt, 0.0);
+        state.time += dt;
+    }
+    double mass(std::size_t sheet) const {
+        double sum = 0.0;
+        for (NodeIndex i = firsts[sheet]; i < firsts[sheet + 1]; ++i)
+            sum += mesh.mass[i];
+        return sum;
+    }
+    Vec3 mean(std::size_t sheet, bool velocity = false) const {
+        Vec3 sum = Vec3::Zero();
+        for (NodeIndex i = firsts[sheet]; i < firsts[sheet + 1]; ++i)
+            sum += mesh.mass[i] * to_vec3(velocity ? state.v_half[i].value : state.node[i].x);
+        return sum / mass(sheet);
+    }
+    Vec3 momentum() const {
+        Vec3 sum = Vec3::Zero();
+        for (NodeIndex i = 0; i < mesh.node_count(); ++i)
+            sum += mesh.mass[i] * to_vec3(state.v_half[i].value);
+        return sum;
+    }
+    /// As the scheme conserves it: with velocities of half steps.
+    Vec3 angular_momentum() const {
+        Vec3 sum = Vec3::Zero();
+        for (NodeIndex i = 0; i < mesh.node_count(); ++i)
+            sum += mesh.mass[i] * to_vec3(state.node[i].x).cross(to_vec3(state.v_half[i].value));
+        return sum;
+    }
+    double critical() const { return fullsim::critical_step(state, constants, structure, {}, {}).dt; }
+
+    Mesh mesh;
+    std::vector<NodeIndex> firsts;
+    State state;
+    NodeConstants constants;
+    ForceModels structure;
+
+private:
+    double friction_, dt_ = 0.0;
+};
+
+/// Two sheets of 0.6 m, 3 cm apart, that fly at each other at 1 m/s each, turned against each other and
+/// sliding: with different meshes, so that no node meets a node.
+Sheets meeting_sheets(double friction, const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
+    Sheets two(friction);
+    const Vec3 x = turn * Vec3::UnitX(), y = turn * Vec3::UnitY(), z = turn * Vec3::UnitZ();
+    const Vec3 u = (std::cos(0.3) * x + std::sin(0.3) * y), v = z.cross(u);
+    two.add(6, 6, 0.1, Vec3(turn * Vec3(0.0, 0.0, 0.0)), x, y);
+    two.add(5, 5, 0.12, Vec3(turn * Vec3(0.11, -0.13, 0.03)), u, v);
+    two.finish();
+    two.launch(0, [&](const Vec3& at) { return Vec3(turn * Vec3(0.0, 0.0, 1.0) + z.cross(at)); });
+    two.launch(1, [&](const Vec3&) { return Vec3(turn * Vec3(0.5, 0.2, -1.0)); });
+    return two;
+}
+
+TEST(SelfContact, SheetsThatMeetKeepMomentumAndAngularMomentum) {
+    Sheets two = meeting_sheets(0.3);
+    const double dt = 0.5 * two.critical();
+    const Vec3 momentum = two.momentum(), angular = two.angular_momentum();
+    double most = 0.0, deepest = 0.0;
+    while (two.state.time < 0.06) {
+        two.step(dt);
+        most = std::max(most, two.structure[1]->energy(two.state));
+        deepest = std::max(deepest, two.state.contact.deepest);
+    }
+    const double kinetic = two.state.energy.kinetic_start;
+    EXPECT_GT(most, 0.05 * kinetic);        // they have met,
+    EXPECT_GT(two.mean(1, true).z(), 0.3);  // thrown each other back
+    EXPECT_LT(two.mean(0, true).z(), -0.3);
+    EXPECT_GT(two.state.energy.damping, 0.01 * kinetic);  // and rubbed
+    EXPECT_LT((two.momentum() - momentum).norm(), 1e-10 * momentum.norm());
+    EXPECT_LT((two.angular_momentum() - angular).norm(), 1e-10 * angular.norm());
+    EXPECT_EQ(two.state.contact.passed, 0);
+    EXPECT_LT(deepest, 0.1);
+}
+
+TEST(SelfContact, EnergyOfSheetsThatMeetAddsUp) {
+    // The scheme's error falls with the square of the step while the sheets touch.
+    double before = 0.0;
+    for (const double share : {0.5, 0.25}) {
+        Sheets two = meeting_sheets(0.3);
+        const double dt = share * two.critical();
+        double worst = 0.0;
+        while (two.state.time < 0.06) {
+            two.step(dt);
+            const EnergyLedger ledger = energy_ledger(two.state, kinetic_energy(two.state, two.constants),
+                                                      elastic_energy(two.state, two.structure));
+            worst = std::max(worst, std::abs(residual(ledger)));
+        }
+        worst /= two.state.energy.kinetic_start;
+        EXPECT_LT(worst, 0.05);
+        if (before > 0.0) {
+            EXPECT_LT(worst, 0.5 * before);
+        }
+        before = worst;
+    }
+}
+
+TEST(SelfContact, TurnsWithTheWorld) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    Sheets one = meeting_sheets(0.3), other = meeting_sheets(0.3, turn);
+    const double dt = 0.5 * one.critical();
+    while (one.state.time < 0.025) {
+        one.step(dt);
+        other.step(dt);
+    }
+    double worst = 0.0;
+    for (NodeIndex i = 0; i < one.mesh.canopy_nodes; ++i)
+        worst =
+            std::max(worst, (turn * to_vec3(one.state.node[i].x) - to_vec3(other.state.node[i].x)).norm());
+    // Round-off of 1e-16 grows with the folds of the sheets: 50 ms of them leave nine digits.
+    EXPECT_LT(worst, 1e-9);
+}
+
+TEST(SelfContact, PressedSheetsCarryThePressureAndStayApart) {
+    // 300 Pa on the upper of two sheets, the lower one as heavy as a table: the force between both is p S.
+    Sheets two(0.0, 4e8);
+    two.add(8, 8, 0.1, Vec3(-0.1, -0.1, 0.0), Vec3::UnitX(), Vec3::UnitY());
+    two.add(5, 5, 0.11, Vec3(0.03, 0.02, 0.002), Vec3::UnitX(), Vec3::UnitY());
+    two.finish();
+    two.hold(0);
+    const double pressure = 300.0, area = 0.55 * 0.55;
+    const auto press = [&](State& state) {
+        for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i) {
+            state.force[i].value[2] -= pressure * two.mesh.tributary_area[i];
+            state.force[i].value -= 40.0 * two.mesh.mass[i] * state.node[i].v;  // settles
+        }
+    };
+    // Closer than their thickness they begin without a force.
+    two.structure[1]->add_forces(two.state);
+    EXPECT_EQ(two.structure[1]->energy(two.state), 0.0);
+    for (std::size_t i = 0; i < two.state.force.size(); ++i)
+        EXPECT_EQ(to_vec3(two.state.force[i].value).norm(), 0.0);
+    two.run(0.6, press);
+    clear_forces(two.state);
+    two.structure[1]->add_forces(two.state);
+    double held = 0.0, lowest = 1.0;
+    for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i) {
+        held += two.state.force[i].value[2];
+        lowest = std::min(lowest, two.state.node[i].x[2]);
+    }
+    EXPECT_NEAR(held, pressure * area, 1e-3 * pressure * area);
+    EXPECT_EQ(two.state.contact.passed, 0);
+    EXPECT_LT(two.state.contact.deepest, 0.1);
+}
+
+/// A strip of 0.3 x 0.2 m on a table, under gravity at `angle` to its normal, sliding at v0: x [m] over time.
+struct Slide {
+    double distance, speed, dissipated, mass;
+};
+Slide slide(double friction, double angle, double v0, double time) {
+    constexpr double g = 9.80665;
+    Sheets two(friction);
+    two.add(14, 5, 0.1, Vec3(-0.1, -0.15, 0.0), Vec3::UnitX(), Vec3::UnitY());
+    two.add(3, 2, 0.1, Vec3(0.03, 0.02, 0.002), Vec3::UnitX(), Vec3::UnitY());
+    two.finish();
+    two.hold(0);
+    const auto weigh = [&](State& state) {
+        for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i)
+            state.force[i].value +=
+                two.mesh.mass[i] * to_lanes(g * Vec3(std::sin(angle), 0.0, -std::cos(angle)));
+    };
+    two.launch(1, [&](const Vec3&) { return Vec3(v0, 0.0, 0.0); });
+    const double from = two.mean(1).x();
+    two.run(time, weigh);
+    EXPECT_EQ(two.state.contact.passed, 0);
+    return {two.mean(1).x() - from, two.mean(1, true).x(), two.state.energy.damping, two.mass(1)};
+}
+
+TEST(SelfContact, AStripStopsAfterTheDistanceOfItsFriction) {
+    const double v0 = 2.0, mu = 0.3, g = 9.80665, distance = v0 * v0 / (2.0 * mu * g);
+    const Slide s = slide(mu, 0.0, v0, 1.2 * v0 / (mu * g));
+    // What falls short of Coulomb below mu N/c, some mm/s, lengthens the way by less than a per cent.
+    EXPECT_NEAR(s.distance, distance, 0.01 * distance);
+    EXPECT_LT(std::abs(s.speed), 0.01);
+    EXPECT_NEAR(s.dissipated, 0.5 * s.mass * v0 * v0, 0.01 * 0.5 * s.mass * v0 * v0);
+}
+
+TEST(SelfContact, AStripSlidesDownAnInclineAsItsFrictionLetsIt) {
+    const double mu = 0.3, g = 9.80665, steep = std::atan(0.6), time = 0.6;
+    const Slide s = slide(mu, steep, 0.0, time);
+    const double acceleration = g * (std::sin(steep) - mu * std::cos(steep));
+    EXPECT_NEAR(s.speed, acceleration * time, 0.01 * acceleration * time);
+    EXPECT_NEAR(s.distance, 0.5 * acceleration * time * time, 0.02 * 0.5 * acceleration * time * time);
+    // Below the angle of friction it stays, but for a creep at g sin(angle) m/c.
+    const Slide at_rest = slide(mu, std::atan(0.15), 0.0, 0.6);
+    EXPECT_LT(at_rest.speed, 0.01);
+}
+
+TEST(SelfContact, CoincidentSheetsStartWithoutForceAndStayOnTheSideTheyTake) {
+    Sheets two(0.2);
+    two.add(5, 5, 0.1, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+    two.add(5, 5, 0.1, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+    two.finish();
+    two.structure[1]->add_forces(two.state);
+    for (std::size_t i = 0; i < two.state.force.size(); ++i)
+        EXPECT_EQ(to_vec3(two.state.force[i].value).norm(), 0.0);
+    // One leaves upwards, and comes back: it ends above.
+    two.launch(1, [](const Vec3&) { return Vec3(0.0, 0.0, 0.5); });
+    double highest = 0.0;
+    two.run(0.2, [&](State& state) {
+        for (NodeIndex i = two.firsts[1]; i < two.firsts[2]; ++i)
+            state.force[i].value[2] -= 10.0 * two.mesh.mass[i];
+        highest = std::max(highest, two.mean(1).z() - two.mean(0).z());
+    });
+    EXPECT_GT(highest, 0.01);
+    EXPECT_GT(two.mean(1).z(), two.mean(0).z());
+    EXPECT_EQ(two.state.contact.passed, 0);
+    EXPECT_LT(two.state.contact.deepest, 0.1);
+}
+
+// --- in a run --------------------------------------------------------------------------------------
+
+Scene coarse_scene() {
+    Scene scene = test::c9_scene();
+    scene.full.contact = Contact::self;
+    scene.full.contact_friction = 0.2;
+    scene.full.mesh = {2, 7, 6, 2};
+    return scene;
+}
+
+void take_steps(Simulation& simulation, int count) {
+    for (int k = 0; k < count; ++k) {
+        simulation.evaluate_forces();
+        simulation.step_to(1.0);
+    }
+}
+
+TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
+    const Scene scene = coarse_scene();
+    Simulation whole(scene);
+    EXPECT_EQ(whole.layout().name(), "unstructured");
+    take_steps(whole, 1500);
+    Archive out;
+    whole.serialize(out);
+    const std::string bytes = out.take();
+    Simulation resumed(scene, [](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+        return make_layout(s, mesh, constants, 2);
+    });
+    Archive in(bytes, "a test");
+    resumed.serialize(in);
+    in.end();
+    ASSERT_GT(resumed.system().contact.pairs.size(), 0u);
+    const auto searches = whole.system().contact.searches;
+    take_steps(whole, 1500);
+    take_steps(resumed, 1500);
+    EXPECT_GT(whole.system().contact.searches, searches);  // pairs have been found anew in between
+    EXPECT_EQ(whole.system().contact.searches, resumed.system().contact.searches);
+    EXPECT_EQ(whole.unknowns(), resumed.unknowns());
+    EXPECT_EQ(whole.system().energy.damping, resumed.system().energy.damping);
+}
+
+TEST(SelfContact, NeedsAStartThatIsDrawnOutAndTheWholeCanopy) {
+    const std::filesystem::path scenes = TWINCHUTE_SOURCE_DIR "/data/scenes";
+    const auto key_of = [&](const char* scene, std::vector<std::string> set) -> std::string {
+        try {
+            read_scene(scenes / scene, set);
+        } catch (const SceneError& error) {
+            return error.key();
+        }
+        return "";
+    };
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact='self'", "full.symmetry='none'"}), "");
+    EXPECT_EQ(key_of("c9-window.toml", {"full.contact='self'"}), "");  // an imported mesh
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact='self'", "full.symmetry='sector'"}),
+              "full.symmetry");
+    EXPECT_EQ(key_of("paper/crane-drop.toml", {"full.contact='self'"}), "full.contact");
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact=self", "full.contact_friction=-0.1"}),
+              "full.contact_friction");
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact_friction=0.1"}), "full.contact_friction");
+    EXPECT_EQ(key_of("c9-inflation.toml", {"full.contact=self", "full.contact_friction=0.1"}), "");
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim
