@@ -372,8 +372,11 @@ void check_body(const Scene& scene, const Complain& complain) {
 /// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
 /// Fabric that is to stay on its side has to begin there.
 void check_contact(const Scene& scene, const Values& values, const Complain& complain) {
-    if (scene.full.contact != Contact::self && values.given("full.contact_friction"))
-        complain.about("full.contact_friction", "is not used", "full.contact is not \"self\"",
+    // A scene that was written states the default.
+    constexpr const char* friction = "full.contact_friction";
+    const double usual = std::stod(std::string(find_key(scene_keys(), friction)->fallback));
+    if (scene.full.contact != Contact::self && values.given(friction) && scene.full.contact_friction != usual)
+        complain.about(friction, "is not used", "full.contact is not \"self\"",
                        "take it out, or write full.contact = \"self\"");
     if (scene.full.contact == Contact::none) return;
     const auto refuse = [&](const char* problem, const char* why, const char* hint) {
