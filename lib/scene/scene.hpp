@@ -287,7 +287,7 @@ struct FullSettings {
     Symmetry symmetry = Symmetry::none;
     Structure structure = Structure::msd_fe;
     Contact contact = Contact::none;
-    double contact_friction = 0.0;   ///< coefficient of friction in self-contact [-]
+    double contact_friction = 0.2;   ///< coefficient of friction in self-contact [-]
     double switch_area_ratio = 0.0;  ///< mouth area over the steady projected area at the change [-]
     /// [s] over which the stiffness of the finite elements grows; absent: by D0/v
     std::optional<double> ramp_time = {};

@@ -174,9 +174,9 @@ def undo_goes_back(page):
 def bad_value_is_said_at_its_field(page):
     """In the words of the command line, which are those of the test of the server."""
     message = "document.querySelector('[data-key=\"payload.mass\"] .message')"
-    type_in(page, "payload.mass", "12 kg")  # runs on the way to 12 ft, where each letter is a change
+    type_in(page, "payload.mass", "9 kg")  # runs on the way to 9 ft, where each letter is a change
     force = figure(page, PEAK, "rom")
-    type_in(page, "payload.mass", "12 ft")
+    type_in(page, "payload.mass", "9 ft")
     words = page.ask(message + ".textContent")
     expect("wrong kind of unit" in words and not page.ask(message + ".hidden"), f"the message stands at the field: {words!r}")
     expect(page.ask(field("payload.mass") + ".getAttribute('aria-invalid')") == "true", "the field is marked")
