@@ -68,7 +68,12 @@ BackgroundRun::BackgroundRun(std::string id, RunKind kind, Scene scene, const Mo
       models_(models),
       patience_(patience),
       study_(std::move(study)),
-      thread_([this] { work(); }) {}
+      thread_([this] { work(); }),
+      watch_([this] { watch(); }) {}
+
+BackgroundRun::~BackgroundRun() {
+    cancel();
+}
 
 RunState BackgroundRun::state() const {
     const std::lock_guard guard(lock_);
@@ -110,10 +115,19 @@ void BackgroundRun::report(const Progress& progress, double from, double to) {
     status_.stage = progress.stage;
     status_.time = progress.time;
     status_.share = from + (to - from) * progress.share;
-    if (Clock::now() - asked_ <= patience_) return;
-    status_.error = fmt::format("nobody has asked for it during {:g} s, keep the page open",
-                                std::chrono::duration<double>(patience_).count());
-    stop_.request_stop();
+}
+
+void BackgroundRun::watch() {
+    std::unique_lock guard(lock_);
+    while (status_.state == RunState::running) {
+        if (Clock::now() - asked_ > patience_) {
+            status_.error = fmt::format("nobody has asked for it during {:g} s, keep the page open",
+                                        std::chrono::duration<double>(patience_).count());
+            stop_.request_stop();
+            return;
+        }
+        ended_.wait_until(guard, asked_ + patience_ + std::chrono::milliseconds(1));
+    }
 }
 
 void BackgroundRun::add_row(const WatchedRow& row) {
@@ -154,6 +168,7 @@ void BackgroundRun::end(RunState state, const std::string& error) {
     status_.state = state;
     if (state == RunState::done) status_.share = 1.0;
     if (status_.error.empty()) status_.error = error;
+    ended_.notify_all();
 }
 
 void BackgroundRun::run_study() {

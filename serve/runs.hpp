@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -50,7 +51,7 @@ public:
     BackgroundRun(std::string id, RunKind kind, Scene scene, const Models& models,
                   std::chrono::milliseconds patience, study::StudyWork study = {});
 
-    ~BackgroundRun() { cancel(); }
+    ~BackgroundRun();
     BackgroundRun(const BackgroundRun&) = delete;
     BackgroundRun& operator=(const BackgroundRun&) = delete;
 
@@ -90,6 +91,8 @@ public:
 
 private:
     void work();
+    /// Cancels the run where nobody asks for it any more.
+    void watch();
     void run_models();
     void run_study();
     void end(RunState state, const std::string& error);
@@ -105,13 +108,14 @@ private:
     const study::StudyWork study_;
     std::stop_source stop_;
     mutable std::mutex lock_;  // of what follows
+    std::condition_variable ended_;
     Status status_;
     Clock::time_point asked_ = Clock::now();
     ShapeFrames shape_;          // so far
     bool shape_wanted_ = false;  // shapes of fine meshes are large
     std::shared_ptr<const compare::Comparison> result_;
     std::shared_ptr<const study::StudyResult> study_result_;
-    std::jthread thread_;  // last: it uses the rest
+    std::jthread thread_, watch_;  // last: they use the rest
 };
 
 /// The runs of a server: two at a time, and some that have ended.

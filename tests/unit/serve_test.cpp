@@ -69,6 +69,31 @@ TEST(ServeRuns, OneThatNobodyAsksForIsCancelled) {
     EXPECT_EQ(run.result()->reference.status.code, StatusCode::interrupted);
 }
 
+/// Studies say nothing of how far they are: whether somebody asks for one is looked at all the same.
+TEST(ServeRuns, StudiesThatNobodyAsksForAreCancelled) {
+    const study::StudyWork endless_study = [](const std::stop_token& stop, const auto&) {
+        while (!stop.stop_requested())
+            std::this_thread::sleep_for(1ms);
+        return study::StudyResult{.json = "{}", .page = "", .interrupted = true};
+    };
+    serve::BackgroundRun run("1", RunKind::campaign, scene_with({}), models, 100ms, endless_study);
+    run.wait();
+    EXPECT_EQ(run.state(), RunState::cancelled);
+    EXPECT_NE(run.status().error.find("nobody has asked for it during 0.1 s"), std::string::npos);
+    EXPECT_EQ(run.study_result()->json, "{}");
+    EXPECT_EQ(run.result(), nullptr);
+}
+
+TEST(ServeRuns, StudiesThatThrowHaveFailed) {
+    serve::BackgroundRun run(
+        "1", RunKind::calibrate, scene_with({}), models, 1h,
+        [](const std::stop_token&, const auto&) -> study::StudyResult { throw std::runtime_error("why"); });
+    run.wait();
+    EXPECT_EQ(run.state(), RunState::failed);
+    EXPECT_EQ(run.status().error, "why");
+    EXPECT_EQ(run.study_result(), nullptr);
+}
+
 TEST(ServeRuns, DestroyedOnesEnd) {
     const auto begin = std::chrono::steady_clock::now();
     { const serve::BackgroundRun run("1", RunKind::compare, endless(), models, 1h); }
