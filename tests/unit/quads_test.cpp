@@ -16,7 +16,8 @@ using unstructured::Quad, unstructured::quads_of;
 
 /// Strains of an uneven patch of fabric have no symmetry that could hide a wrong corner.
 Vec3 place(NodeIndex i, int columns) {
-    const double x = i % columns, y = i / columns;
+    const NodeIndex row = i / columns;
+    const double x = i % columns, y = row;
     return {x + 0.2 * std::sin(3.0 * y + x), 0.7 * y + 0.1 * std::cos(2.0 * x + y), 0.0};
 }
 
@@ -32,7 +33,8 @@ std::vector<Triangle> patch(int rows, int columns) {
             const NodeIndex i = r * columns + c;
             for (std::array<NodeIndex, 3> node :
                  {std::array{i, i + 1, i + columns + 1}, std::array{i, i + columns + 1, i + columns}}) {
-                std::ranges::rotate(node, node.begin() + static_cast<std::ptrdiff_t>(all.size() % 3));
+                std::rotate(node.begin(), node.begin() + static_cast<std::ptrdiff_t>(all.size() % 3),
+                            node.end());
                 all.push_back(triangle(node, columns));
             }
         }
