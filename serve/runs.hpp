@@ -86,7 +86,7 @@ public:
     /// Records of the run, once it has ended and unless it came to nothing. Of a full run: `reference` and
     /// its frames alone.
     std::shared_ptr<const compare::Comparison> result() const;
-    /// The same of a study.
+    /// Documents of a study, likewise.
     std::shared_ptr<const study::StudyResult> study_result() const;
 
 private:

@@ -126,7 +126,7 @@ public:
         }
     }
 
-    /// Of pairs that touch, and of those that are within another thickness of it.
+    /// Counts pairs that touch, and those that are within another thickness of it.
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const NearPair& pair : state.contact.pairs) {
             const auto at = where(state, pair);

@@ -42,7 +42,7 @@ inline RampAndRate window_ramp(double b) {
     return {t * t * (3.0 - 2.0 * t), 3.0 * t * (1.0 - t) / window_half_width};
 }
 
-/// Of a triangle that has an area.
+/// Place over a triangle, which has an area.
 inline OverTriangle over_triangle(const NodeAndTriangle& x) {
     OverTriangle at;
     at.edge1 = x.corner[1] - x.corner[0];

@@ -314,7 +314,7 @@ private:
         if (!mesh_.vent_held_down || joint_share() == 1.0) return all;
         return std::clamp(static_cast<int>(std::lround(all * joint_share())), 1, all - 1);
     }
-    /// Of about the length of a suspension line's.
+    /// Elements of a vent line, about as long as those of a suspension line.
     int vent_line_elements() const {
         return std::max(
             1, static_cast<int>(std::lround(vent_line_ / chute_.line_length * counts_.line_elements)));

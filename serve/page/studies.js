@@ -14,7 +14,7 @@ serve.studies = (function () {
     const list = (notes) => serve.element("ul", {className: "quiet"}, ...notes.map((note) => serve.element("li", {}, note)));
 
     // -- calibration
-    // What was measured under the conditions of the scene, on its clock: points of the curves.
+    // Readings under the conditions of the scene, on its clock: points of the curves.
     function measured(study) {
         const rows = [];
         study.residuals.histories.forEach((history) => {

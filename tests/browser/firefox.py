@@ -1,4 +1,4 @@
-"""A headless Firefox with the same doors as chromium.Chromium, driven over WebDriver BiDi; standard library only."""
+"""A headless Firefox with the methods of chromium.Chromium, driven over WebDriver BiDi; standard library only."""
 
 import base64
 import json

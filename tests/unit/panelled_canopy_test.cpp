@@ -12,6 +12,7 @@
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "tests/support/canopy_of_type.hpp"
+#include "tests/support/largest_strain.hpp"
 
 namespace twinchute::fullsim {
 namespace {
@@ -25,21 +26,6 @@ constexpr double nominal = 0.25 * pi * 8.53 * 8.53,
 
 Mesh constructed(const Parachute& chute, const MeshCounts& counts) {
     return make_constructed_mesh(chute, counts, 152.4);
-}
-
-/// Largest length over that of the cut in any triangle, less one.
-double largest_strain(const Mesh& mesh) {
-    double largest = -1.0;
-    for (const Triangle& t : mesh.triangles) {
-        Eigen::Matrix<double, 3, 2> edges;
-        edges << mesh.position[t.node[1]] - mesh.position[t.node[0]],
-            mesh.position[t.node[2]] - mesh.position[t.node[0]];
-        Eigen::Matrix2d cut;
-        cut << t.a, t.b, 0.0, t.c;
-        const Eigen::Matrix<double, 3, 2> gradient = edges * cut.inverse();
-        largest = std::max(largest, Eigen::JacobiSVD<Eigen::MatrixXd>(gradient).singularValues()[0] - 1.0);
-    }
-    return largest;
 }
 
 /// Fabric that the vent cuts off [m^2]: its polygon, over the slope of the facets at the apex.

@@ -18,6 +18,7 @@
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "tests/support/canopy_of_type.hpp"
+#include "tests/support/largest_strain.hpp"
 #include "tests/unit/scene_text.hpp"
 
 namespace twinchute::fullsim {
@@ -54,20 +55,6 @@ struct Frustum {
 };
 
 const double slope = 45.1 * pi / 180.0;
-
-double largest_strain(const Mesh& mesh) {
-    double largest = -1.0;
-    for (const Triangle& t : mesh.triangles) {
-        Eigen::Matrix<double, 3, 2> edges;
-        edges << mesh.position[t.node[1]] - mesh.position[t.node[0]],
-            mesh.position[t.node[2]] - mesh.position[t.node[0]];
-        Eigen::Matrix2d cut;
-        cut << t.a, t.b, 0.0, t.c;
-        largest = std::max(
-            largest, Eigen::JacobiSVD<Eigen::MatrixXd>(edges * cut.inverse()).singularValues()[0] - 1.0);
-    }
-    return largest;
-}
 
 std::vector<Cable> vent_lines_of(const Mesh& mesh) {
     std::vector<Cable> lines;

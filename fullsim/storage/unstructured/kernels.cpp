@@ -258,7 +258,7 @@ public:
     }
 
 private:
-    /// Of corner c of triangle lane.
+    /// Row of corner c of triangle lane.
     HWY_INLINE RowOffset corner_of(int c, int lane) const {
         const bool second = lane >= lanes_of_register;
         return corner(second && c > 0 ? c + 1 : c)[second ? lane - lanes_of_register : lane];
