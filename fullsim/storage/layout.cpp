@@ -72,19 +72,31 @@ public:
         weights_.renew(state);
         return fullsim::critical_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
     }
-    void advance(State& state, double dt, int subcycles, double next_added_mass) override {
-        if (subcycles > 1)
-            return advance_in_subcycles(
-                state, constants_, dt, subcycles, next_added_mass, pulled_, line_damping_,
-                [this](State& s) { return pull_lines(s); }, body_);
+    void impulse(State& state) override {
+        if (!together()) return give_impulse(state, constants_, dt_, subcycles_, pulled_, body_, step_sums_);
         state.damping_power += line_damping_;
-        const double kick = 0.5 * (dt + state.dt);
-        fullsim::advance(state, constants_, dt, next_added_mass);
-        if (body_) body_->advance(state, kick, dt);
+        const double kick = 0.5 * (dt_ + state.dt);
+        move_all(state, constants_, dt_, step_sums_);
+        if (body_) body_->advance(state, kick, dt_);
+    }
+    void pull(State& state, int) override {
+        line_damping_ = pull_lines(state);
+        state.in_subcycles.add(state.force[mesh_.payload()].value);
+    }
+    void drift(State& state, int k) override {
+        drift_in_subcycle(state, constants_, subcycle(state, dt_, subcycles_, k), pulled_, line_damping_,
+                          body_, step_sums_);
+    }
+    void end_step(State& state, double next_added_mass) override {
+        const double kick = 0.5 * (dt_ + state.dt);
+        if (!together())
+            end_subcycles(state, constants_, dt_, subcycles_, pulled_, line_damping_, body_, step_sums_);
+        finish_step(state, constants_, step_sums_, kick, dt_, dt_ / subcycles_, next_added_mass);
     }
     void serialize(Archive& archive, const State&) override { weights_.serialize(archive); }
 
 private:
+    void separate(State& state) override { pulled_.take_others(state); }
     /// [W] dissipated.
     double pull_lines(State& state) const {
         const double others = std::exchange(state.damping_power, 0.0);

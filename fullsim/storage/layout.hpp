@@ -122,9 +122,43 @@ public:
     virtual CriticalSteps critical_steps(const State& state) = 0;
 
     /// One step with these forces (see advance in central_difference.hpp), in which lines, risers and payload
-    /// take `subcycles` (subcycles.hpp). What risers do to the payload in subcycles after the first goes to
+    /// take `subcycles` (subcycling.hpp). What risers do to the payload in subcycles after the first goes to
     /// state.in_subcycles, which is empty.
-    virtual void advance(State& state, double dt, int subcycles, double next_added_mass) = 0;
+    void advance(State& state, double dt, int subcycles, double next_added_mass) {
+        begin_step(state, dt, subcycles);
+        impulse(state);
+        for (int k = 0; k < subcycles && subcycles > 1; ++k) {
+            if (k > 0) pull(state, k);
+            drift(state, k);
+        }
+        end_step(state, next_added_mass);
+    }
+
+    // The parts of that, for parachutes that share a payload (cluster.hpp): after begin_step, and before each
+    // drift, state.force of the payload is what its risers pull, in a step without subcycles all that acts on
+    // it but the air.
+
+    /// Takes the pull of lines apart from all other forces where there are subcycles.
+    void begin_step(State& state, double dt, int subcycles) {
+        dt_ = dt;
+        subcycles_ = subcycles;
+        step_sums_ = {};
+        if (!together()) separate(state);
+    }
+    /// What takes no subcycles goes from t to t + dt, lines get the impulse of all other forces.
+    virtual void impulse(State& state) = 0;
+    /// Forces of lines in subcycle k > 0.
+    virtual void pull(State& state, int k) = 0;
+    /// Subcycle k of lines, risers and payload.
+    virtual void drift(State& state, int k) = 0;
+    /// Sums and works of the step.
+    virtual void end_step(State& state, double next_added_mass) = 0;
+    /// Adds a work [J] on the payload's node, of forces from outside the parachute, and its power [W] at the
+    /// time of the last forces as half of the step that they act over will have it.
+    void add_outer_work(double work, double power) {
+        step_sums_.outer_work += work;
+        step_sums_.outer_power = power;
+    }
 
     /// Saves or restores the data of the layout after a step that the state lacks, so that a run goes on to
     /// the same bits. `state` is kept; restored data have the name and instruction set of this layout, and go
@@ -132,7 +166,13 @@ public:
     virtual void serialize(Archive& archive, const State& state) = 0;
 
 protected:
+    virtual void separate(State& state) = 0;
+    bool together() const { return subcycles_ == 1; }
+
     const Body* body_ = nullptr;  ///< since begin
+    double dt_ = 0.0;             ///< [s] of the step under way
+    int subcycles_ = 1;
+    StepSums step_sums_;
 };
 
 namespace unstructured {

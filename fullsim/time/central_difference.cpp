@@ -65,9 +65,9 @@ TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, 
     force_[last].value = splat(0.0);
 }
 
-TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double dt, double next_added_mass) {
+TWINCHUTE_FOR_EACH_CPU void move_all(State& state, const NodeConstants& c, double dt, StepSums& sums_of_step) {
     NodeMover mover(state, c, dt);
-    StepSums sums;
+    StepSums sums = sums_of_step;
     Lanes share_square = splat(0.0);
     for (NodeIndex i = 0; i < c.canopy_nodes; ++i) {
         const Lanes middle = mover.move(i, c.mass[i], c.mass[i] + c.share[i] * state.added_mass, sums);
@@ -78,7 +78,13 @@ TWINCHUTE_FOR_EACH_CPU void advance(State& state, const NodeConstants& c, double
     for (std::size_t i = c.canopy_nodes; i < c.mass.size(); ++i)
         mover.move_other(i, c.mass[i], sums);
     mover.move_static_line(c, sums);
-    finish_step(state, c, sums, mover.kick(), dt, dt, next_added_mass);
+    sums_of_step = sums;
+}
+
+void advance(State& state, const NodeConstants& c, double dt, double next_added_mass) {
+    StepSums sums;
+    move_all(state, c, dt, sums);
+    finish_step(state, c, sums, 0.5 * (dt + state.dt), dt, dt, next_added_mass);
 }
 
 void finish_step(State& state, const NodeConstants& c, const StepSums& sums, double kick, double dt,
@@ -91,8 +97,8 @@ void finish_step(State& state, const NodeConstants& c, const StepSums& sums, dou
     totals.drag_work += kick * totals.drag_power;
     totals.gravity_work += kick * totals.gravity_power;
     totals.damping += kick * state.damping_power + sums.line_damping;
-    totals.external_power = state.external_power;
-    totals.external_work += kick * totals.external_power;
+    totals.external_power = state.external_power + sums.outer_power;
+    totals.external_work += kick * state.external_power + sums.outer_work;
     totals.air_loss_power = state.inflow.loss;
     totals.air_loss += kick * totals.air_loss_power;
     totals.kinetic = sums.kinetic;

@@ -32,6 +32,7 @@ struct StepSums {
     double kinetic = 0.0;             ///< [J] likewise, where State.energy.weighs
     double line_damping = 0.0;        ///< [J] by lines and risers in subcycles
     double line_damping_power = 0.0;  ///< [W] in the last of them, by its part of the step
+    double outer_work = 0.0, outer_power = 0.0;  ///< [J], [W] of other parachutes on the payload
 };
 
 /// A step of lines and risers within one of the canopy.
@@ -45,7 +46,10 @@ struct Subcycle {
 void finish_step(State& state, const NodeConstants& constants, const StepSums& sums, double kick, double dt,
                  double line_dt, double next_added_mass);
 
-/// All nodes from time t to t + dt with the forces in state.force and state.aero at t, and finish_step.
+/// All nodes from time t to t + dt with the forces in state.force and state.aero at t; adds to `sums`.
+void move_all(State& state, const NodeConstants& constants, double dt, StepSums& sums);
+
+/// That, and finish_step.
 void advance(State& state, const NodeConstants& constants, double dt, double next_added_mass);
 
 /// state.sums from the node records.

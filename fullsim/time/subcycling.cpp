@@ -35,56 +35,75 @@ double resonance_limit(const LineWaves& line, double added_mass, double canopy_b
     return 0.5 * std::pow(fifth, 0.2);
 }
 
-void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int count, double next_added_mass,
-                          SubcycledNodes& pulled, double damping, const LinePulls& lines, const Body* body) {
-    NodeMover mover(state, c, dt);
-    StepSums sums;
-    Lanes share_square = splat(0.0);
-    const auto is_canopy = [&](NodeIndex i) { return i < c.canopy_nodes; };
-    const auto inertia = [&](NodeIndex i) { return c.mass[i] + c.share[i] * state.added_mass; };
+namespace {
 
-    pulled.take_others(state);
+double inertia(const State& state, const NodeConstants& c, NodeIndex i) {
+    return c.mass[i] + c.share[i] * state.added_mass;
+}
+
+void add_moved(const NodeMover& mover, const NodeConstants& c, NodeIndex i, StepSums& sums) {
+    if (i < c.canopy_nodes)
+        mover.add_canopy(i, c, sums);
+    else
+        mover.add_other(i, c.mass[i], sums);
+}
+
+}  // namespace
+
+void give_impulse(State& state, const NodeConstants& c, double dt, int count, SubcycledNodes& pulled,
+                  const Body* body, StepSums& sums) {
+    NodeMover mover(state, c, dt);
+    Lanes share_square = splat(0.0);
     const double first_kick = subcycle(state, dt, count, 0).kick;
     std::size_t next = 0;
     for (NodeIndex i = 0; i < static_cast<NodeIndex>(c.mass.size()); ++i) {
-        if (next < pulled.nodes().size() && pulled.nodes()[next] == i) {
-            const Lanes middle =
-                mover.kick_alone(i, pulled.others(next++), c.mass[i], inertia(i), first_kick, sums);
-            share_square += c.share[i] * (middle * middle);
-            continue;
-        }
-        const Lanes middle = mover.move(i, c.mass[i], inertia(i), sums);
+        const bool apart = next < pulled.nodes().size() && pulled.nodes()[next] == i;
+        const double m = inertia(state, c, i);
+        const Lanes middle =
+            apart ? mover.kick_alone(i, pulled.others(next++), c.mass[i], m, first_kick, sums)
+                  : mover.move(i, c.mass[i], m, sums);
         share_square += c.share[i] * (middle * middle);
-        if (is_canopy(i))
-            mover.add_canopy(i, c, sums);
-        else
-            mover.add_other(i, c.mass[i], sums);
+        if (!apart) add_moved(mover, c, i, sums);
     }
     sums.share_square = sum3(share_square);
     mover.move_static_line(c, sums);
     if (body) body->impulse(state, mover.kick());
+}
 
+void drift_in_subcycle(State& state, const NodeConstants& c, const Subcycle& step,
+                       const SubcycledNodes& pulled, double damping, const Body* body, StepSums& sums) {
+    sums.line_damping += step.kick * damping;
+    NodeMover mover(state, c, step.dt);
+    for (const NodeIndex i : pulled.nodes())
+        mover.move_in_subcycle(i, inertia(state, c, i), step);
+    if (body) body->move(state, step.kick, step.dt);
+}
+
+void end_subcycles(State& state, const NodeConstants& c, double dt, int count, const SubcycledNodes& pulled,
+                   double damping, const Body* body, StepSums& sums) {
+    sums.line_damping_power = damping / count;
+    NodeMover mover(state, c, dt);
+    for (const NodeIndex i : pulled.nodes()) {
+        mover.end_subcycles(i);
+        add_moved(mover, c, i, sums);
+    }
+    if (body) body->finish(state, dt);
+}
+
+void advance_in_subcycles(State& state, const NodeConstants& c, double dt, int count, double next_added_mass,
+                          SubcycledNodes& pulled, double damping, const LinePulls& lines, const Body* body) {
+    StepSums sums;
+    pulled.take_others(state);
+    give_impulse(state, c, dt, count, pulled, body, sums);
     for (int k = 0; k < count; ++k) {
         if (k > 0) {
             damping = lines(state);
             state.in_subcycles.add(state.force[c.mass.size() - 1].value);
         }
-        const Subcycle step = subcycle(state, dt, count, k);
-        sums.line_damping += step.kick * damping;
-        for (const NodeIndex i : pulled.nodes())
-            mover.move_in_subcycle(i, inertia(i), step);
-        if (body) body->move(state, step.kick, step.dt);
+        drift_in_subcycle(state, c, subcycle(state, dt, count, k), pulled, damping, body, sums);
     }
-    sums.line_damping_power = damping / count;
-    for (const NodeIndex i : pulled.nodes()) {
-        mover.end_subcycles(i);
-        if (is_canopy(i))
-            mover.add_canopy(i, c, sums);
-        else
-            mover.add_other(i, c.mass[i], sums);
-    }
-    if (body) body->finish(state, dt);
-    finish_step(state, c, sums, mover.kick(), dt, dt / count, next_added_mass);
+    end_subcycles(state, c, dt, count, pulled, damping, body, sums);
+    finish_step(state, c, sums, 0.5 * (dt + state.dt), dt, dt / count, next_added_mass);
 }
 
 }  // namespace twinchute::fullsim

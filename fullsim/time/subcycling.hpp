@@ -71,6 +71,18 @@ private:
 /// Function of the line forces: adds them to a state's, and returns their dissipation [W].
 using LinePulls = std::function<double(State&)>;
 
+// The parts of advance_in_subcycles, each adding to `sums`.
+
+/// Everything but lines, whose forces at t are in the state alone: `pulled` has the others.
+void give_impulse(State& state, const NodeConstants& constants, double dt, int count, SubcycledNodes& pulled,
+                  const Body* body, StepSums& sums);
+/// damping: [W] that lines dissipate at the beginning of this subcycle.
+void drift_in_subcycle(State& state, const NodeConstants& constants, const Subcycle& step,
+                       const SubcycledNodes& pulled, double damping, const Body* body, StepSums& sums);
+/// damping: [W] in the last one.
+void end_subcycles(State& state, const NodeConstants& constants, double dt, int count,
+                   const SubcycledNodes& pulled, double damping, const Body* body, StepSums& sums);
+
 /// All nodes from time t to t + dt as advance in central_difference.hpp; those of `pulled` in `count` > 1
 /// subcycles, with them the payload where it is a body. The forces at t are in the state, what lines
 /// dissipate at t is `damping` [W].

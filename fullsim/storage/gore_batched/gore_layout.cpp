@@ -218,26 +218,24 @@ public:
         return bound_->steps(inverse_inertia_, loads);
     }
 
-    void advance(State& state, double dt, int subcycles, double next_added_mass) override {
-        const bool together = subcycles == 1;
-        if (together)
+    void impulse(State& state) override {
+        if (together()) {
             state.damping_power += line_damping_;
-        else
-            global_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
-        nodes_->scatter_add_shared(0, state.force);
+            nodes_->scatter_add_shared(0, state.force);
+        }
         nodes_->scatter_add_shared(1, state.aero);
-        NodeMover mover(state, constants_, dt);
+        NodeMover mover(state, constants_, dt_);
         find_inverse_inertia(state);
         step_.nodes = node_;
         step_.inverse_inertia = inverse_inertia_;
         step_.kick = mover.kick();
-        step_.dt = dt;
+        step_.dt = dt_;
         // Until snatch the air acts on every triangle; then it does through `push`, and as line drag on the
         // skirt.
         step_.first_aero = has_.air_on_fabric ? 0 : gores_.inner;
         step_.first_pulled = gores_.inner;
-        step_.together = together;
-        const GoreSubcycle first = subcycle_of(state, dt, subcycles, 0);
+        step_.together = together();
+        const GoreSubcycle first = subcycle_of(state, 0);
         step_.first_kick = first.step.kick;
         step_.weighs = state.energy.weighs;
         step_.last_dt = state.dt;
@@ -257,13 +255,13 @@ public:
         for_parts([&](const GoreFrame& part) {
             nodes_->receive_halo_forces(part.first, exchanged_);
             sums_[part.first].step = kernels_.advance(part, step_);
-            if (together)
+            if (together())
                 nodes_->send_first_gore(part.first);
             else
                 kernels_.subcycle(part, first);  // of gores alone: it asks for no forces
         });
 
-        StepSums sums;
+        StepSums sums = step_sums_;
         for (const auto& [of_row, g] : sums_) {
             add_positions(g, sums);
             sums.drag_power[2] += g.drag_power;
@@ -274,18 +272,61 @@ public:
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;
         }
-        if (together) {
+        if (together()) {
             mover.move_others(gores_.global, constants_, sums);
-            if (body_) body_->advance(state, mover.kick(), dt);
-        } else
+            if (body_) body_->advance(state, mover.kick(), dt_);
+        } else {
             for (std::size_t k = 0; k < gores_.global.size(); ++k) {
                 const NodeIndex i = gores_.global[k];
                 mover.kick_alone(i, global_nodes_.others(k), constants_.mass[i], constants_.mass[i],
                                  step_.first_kick, sums);
             }
+            if (body_) body_->impulse(state, mover.kick());
+        }
         mover.move_static_line(constants_, sums);
-        if (!together) take_subcycles(state, mover, dt, subcycles, sums);
-        finish_step(state, constants_, sums, mover.kick(), dt, dt / subcycles, next_added_mass);
+        step_sums_ = sums;
+    }
+    // Skirt, lines, links, risers and payload in subcycles; in the first, which gores have taken with the
+    // impulse, the others alone.
+    void pull(State& state, int k) override {
+        const bool last = k + 1 == subcycles_;
+        const GoreSubcycle move = subcycle_of(state, k);
+        for_parts([&](const GoreFrame& part) {
+            nodes_->gather_shared(state, part.first);
+            sums_[part.first].step = kernels_.subcycle(part, move);
+            nodes_->reduce_shared(part.first, {&nodes_->frame.force, 1});
+            if (last) nodes_->send_first_gore(part.first);
+        });
+        double dissipated = 0.0;
+        for (const SumsOfBlock& of_part : sums_) {
+            dissipated += of_part.step.dissipated;
+            state.largest.add_tension(of_part.step.largest_tension);
+        }
+        stretch_risers(state, dissipated);
+        state.in_subcycles.add(state.force[mesh_.payload()].value);
+        nodes_->scatter_add_shared(0, state.force);
+    }
+    void drift(State& state, int k) override {
+        const Subcycle step = subcycle(state, dt_, subcycles_, k);
+        step_sums_.line_damping += step.kick * line_damping_;
+        NodeMover mover(state, constants_, dt_);
+        for (const NodeIndex i : gores_.global)
+            mover.move_in_subcycle(i, constants_.mass[i], step);
+        if (body_) body_->move(state, step.kick, step.dt);
+    }
+    void end_step(State& state, double next_added_mass) override {
+        NodeMover mover(state, constants_, dt_);
+        if (!together()) {
+            for (const SumsOfBlock& of_part : sums_)
+                add_positions(of_part.step, step_sums_);
+            step_sums_.line_damping_power = line_damping_ / subcycles_;
+            for (const NodeIndex i : gores_.global) {
+                mover.end_subcycles(i);
+                mover.add_other(i, constants_.mass[i], step_sums_);
+            }
+            if (body_) body_->finish(state, dt_);
+        }
+        finish_step(state, constants_, step_sums_, mover.kick(), dt_, dt_ / subcycles_, next_added_mass);
     }
 
     void serialize(Archive& archive, const State& state) override {
@@ -294,6 +335,11 @@ public:
     }
 
 private:
+    void separate(State& state) override {
+        global_nodes_.take_others(state);  // nothing but lines acts on links by way of gores
+        nodes_->scatter_add_shared(0, state.force);
+    }
+
     /// How a block of the registry acts on batches of gores.
     struct Row {
         Block block;
@@ -409,52 +455,14 @@ private:
         sums.area_velocity += as_lanes(g.area_velocity);
     }
 
-    GoreSubcycle subcycle_of(const State& state, double dt, int count, int k) const {
+    GoreSubcycle subcycle_of(const State& state, int k) const {
         return {node_,
                 inverse_inertia_,
                 elements_.lines,
                 k == 0,
                 nodes_->halo()[gores_.inner],
-                subcycle(state, dt, count, k),
-                k + 1 == count ? 0.5 * dt : 0.0};
-    }
-
-    /// Skirt, lines, links, risers and payload, which have had the impulse of everything else; in the first,
-    /// which gores have taken, the others alone.
-    void take_subcycles(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
-        if (body_) body_->impulse(state, mover.kick());
-        for (int k = 0; k < count; ++k) {
-            const bool last = k + 1 == count;
-            const GoreSubcycle move = subcycle_of(state, dt, count, k);
-            if (k > 0) {
-                for_parts([&](const GoreFrame& part) {
-                    nodes_->gather_shared(state, part.first);
-                    sums_[part.first].step = kernels_.subcycle(part, move);
-                    nodes_->reduce_shared(part.first, {&nodes_->frame.force, 1});
-                    if (last) nodes_->send_first_gore(part.first);
-                });
-                double dissipated = 0.0;
-                for (const SumsOfBlock& of_part : sums_) {
-                    dissipated += of_part.step.dissipated;
-                    state.largest.add_tension(of_part.step.largest_tension);
-                }
-                stretch_risers(state, dissipated);
-                state.in_subcycles.add(state.force[mesh_.payload()].value);
-                nodes_->scatter_add_shared(0, state.force);
-            }
-            sums.line_damping += move.step.kick * line_damping_;
-            for (const NodeIndex i : gores_.global)
-                mover.move_in_subcycle(i, constants_.mass[i], move.step);
-            if (body_) body_->move(state, move.step.kick, move.step.dt);
-        }
-        for (const SumsOfBlock& of_part : sums_)
-            add_positions(of_part.step, sums);
-        sums.line_damping_power = line_damping_ / count;
-        for (const NodeIndex i : gores_.global) {
-            mover.end_subcycles(i);
-            mover.add_other(i, constants_.mass[i], sums);
-        }
-        if (body_) body_->finish(state, dt);
+                subcycle(state, dt_, subcycles_, k),
+                k + 1 == subcycles_ ? 0.5 * dt_ : 0.0};
     }
 
     // --- fabric ---------------------------------------------------------------------------

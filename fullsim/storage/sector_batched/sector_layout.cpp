@@ -173,20 +173,19 @@ public:
         return steps;
     }
 
-    void advance(State& state, double dt, int count, double next_added_mass) override {
+    void impulse(State& state) override {
         const NodeIndex payload = mesh_.payload();
         const double mass = constants_.mass[payload], all = sector_.count;
-        const bool only = count == 1;
-        NodeMover mover(state, constants_, dt);
-        const Subcycle first = only ? Subcycle{mover.kick(), dt} : subcycle(state, dt, count, 0);
-        StepSums sums;
+        NodeMover mover(state, constants_, dt_);
+        const Subcycle first = subcycle_of(state, 0);
+        StepSums& sums = step_sums_;
         const Lanes others = state.force[payload].value - pull_;
         state.force[payload].value = pull_;
         mover.kick_alone(payload, others, mass, mass, first.kick, sums);
         step_.kick = mover.kick();
-        step_.dt = dt;
+        step_.dt = dt_;
         step_.first = first;
-        step_.only = only;
+        step_.only = together();
         step_.weighs = state.energy.weighs;
         step_.last_dt = state.dt;
         step_.last_line_dt = state.line_dt;
@@ -206,26 +205,33 @@ public:
         state.damping_power += all * one.dissipated;
         state.accretion_power += all * one.accretion_power;
         add_positions(one, sums);
-        sums.line_damping = first.kick * line_damping_;
-        mover.move_in_subcycle(payload, mass, first);
-        for (int k = 1; k < count; ++k) {
-            place_payload(state);
-            const SectorSubcycle next{subcycle(state, dt, count, k), k + 1 == count ? 0.5 * dt : 0.0};
-            const SectorSums further = kernels_.subcycle(arrays_.frame, arrays_.plan, next);
-            add_positions(further, sums);
-            line_damping_ = all * further.dissipated;
-            sums.line_damping += next.step.kick * line_damping_;
-            state.largest.add_tension(further.largest_tension);
-            state.force[payload].value = pull_on_payload();
-            state.in_subcycles.add(state.force[payload].value);
-            mover.move_in_subcycle(payload, mass, next.step);
-        }
-        sums.line_damping_power = line_damping_ / count;
+        if (together()) drift(state, 0);
+    }
+    void pull(State& state, int k) override {
+        place_payload(state);
+        const SectorSubcycle next{subcycle_of(state, k), k + 1 == subcycles_ ? 0.5 * dt_ : 0.0};
+        const SectorSums further = kernels_.subcycle(arrays_.frame, arrays_.plan, next);
+        add_positions(further, step_sums_);
+        line_damping_ = sector_.count * further.dissipated;
+        state.largest.add_tension(further.largest_tension);
+        state.force[mesh_.payload()].value = pull_on_payload();
+        state.in_subcycles.add(state.force[mesh_.payload()].value);
+    }
+    void drift(State& state, int k) override {
+        const NodeIndex payload = mesh_.payload();
+        const Subcycle step = subcycle_of(state, k);
+        step_sums_.line_damping += step.kick * line_damping_;
+        NodeMover(state, constants_, dt_).move_in_subcycle(payload, constants_.mass[payload], step);
+    }
+    void end_step(State& state, double next_added_mass) override {
+        const NodeIndex payload = mesh_.payload();
+        NodeMover mover(state, constants_, dt_);
+        step_sums_.line_damping_power = line_damping_ / subcycles_;
         mover.end_subcycles(payload);
-        mover.add_other(payload, mass, sums);
+        mover.add_other(payload, constants_.mass[payload], step_sums_);
         place_payload(state);
         kernels_.refresh(arrays_.frame, arrays_.plan);
-        finish_step(state, constants_, sums, mover.kick(), dt, dt / count, next_added_mass);
+        finish_step(state, constants_, step_sums_, mover.kick(), dt_, dt_ / subcycles_, next_added_mass);
     }
 
     void serialize(Archive& archive, const State&) override {
@@ -235,6 +241,11 @@ public:
     }
 
 private:
+    void separate(State&) override {}  // the impulse does
+    Subcycle subcycle_of(const State& state, int k) const {
+        return together() ? Subcycle{0.5 * (dt_ + state.dt), dt_} : subcycle(state, dt_, subcycles_, k);
+    }
+
     /// How a block of the registry acts on a sector. None other may act: see check_scene.
     struct Row {
         Block block;

@@ -188,8 +188,8 @@ public:
         return steps;
     }
 
-    void advance(State& state, double dt, int subcycles, double next_added_mass) override {
-        NodeMover mover(state, constants_, dt);
+    void impulse(State& state) override {
+        NodeMover mover(state, constants_, dt_);
         step_.record = doubles(state.node);
         step_.v_half = doubles(state.v_half);
         step_.mass = constants_.mass;
@@ -198,7 +198,7 @@ public:
         step_.first_aero = static_cast<std::size_t>(first_aero_);
         step_.added_mass = state.added_mass;
         step_.kick = mover.kick();
-        step_.dt = dt;
+        step_.dt = dt_;
         step_.weighs = state.energy.weighs;
         step_.last_dt = state.dt;
         step_.gravity = constants_.gravity;
@@ -209,12 +209,12 @@ public:
         step_.wind = to_array4(node_loads_.wind);
         step_.mass_damping = node_loads_.mass_damping;
         step_.system_mean = to_array4(node_loads_.system_mean);
-        StepSums sums;
+        StepSums& sums = step_sums_;
         const std::size_t all = constants_.mass.size();
-        if (subcycles == 1) {
+        if (together()) {
             state.damping_power += line_damping_;
             move(state, 0, all, sums);
-            if (body_) body_->advance(state, mover.kick(), dt);
+            if (body_) body_->advance(state, mover.kick(), dt_);
         } else {
             std::size_t next = 0;
             for (const NodeIndex i : pulled_) {
@@ -222,10 +222,44 @@ public:
                 next = static_cast<std::size_t>(i) + 1;
             }
             move(state, next, all, sums);
-            move_in_subcycles(state, mover, dt, subcycles, sums);
+            const double first_kick = subcycle(state, dt_, subcycles_, 0).kick;
+            for (std::size_t k = 0; k < pulled_.size(); ++k) {
+                const NodeIndex i = pulled_[k];
+                const Lanes force = others_[k].value + damp_and_push(state, i);
+                const Lanes middle =
+                    mover.kick_alone(i, force, constants_.mass[i], inertia(state, i), first_kick, sums);
+                sums.share_square += constants_.share[i] * sum3(middle * middle);
+            }
+            if (body_) body_->impulse(state, mover.kick());
         }
         mover.move_static_line(constants_, sums);
-        finish_step(state, constants_, sums, mover.kick(), dt, dt / subcycles, next_added_mass);
+    }
+    void pull(State& state, int) override {
+        line_damping_ = pull_lines(state);
+        state.in_subcycles.add(state.force[mesh_.payload()].value);
+    }
+    void drift(State& state, int k) override {
+        const Subcycle step = subcycle(state, dt_, subcycles_, k);
+        step_sums_.line_damping += step.kick * line_damping_;
+        NodeMover mover(state, constants_, dt_);
+        for (const NodeIndex i : pulled_)
+            mover.move_in_subcycle(i, inertia(state, i), step);
+        if (body_) body_->move(state, step.kick, step.dt);
+    }
+    void end_step(State& state, double next_added_mass) override {
+        NodeMover mover(state, constants_, dt_);
+        if (!together()) {
+            step_sums_.line_damping_power = line_damping_ / subcycles_;
+            for (const NodeIndex i : pulled_) {
+                mover.end_subcycles(i);
+                if (mesh_.is_canopy(i))
+                    mover.add_canopy(i, constants_, step_sums_);
+                else
+                    mover.add_other(i, constants_.mass[i], step_sums_);
+            }
+            if (body_) body_->finish(state, dt_);
+        }
+        finish_step(state, constants_, step_sums_, mover.kick(), dt_, dt_ / subcycles_, next_added_mass);
     }
 
     void serialize(Archive& archive, const State&) override {
@@ -301,51 +335,24 @@ private:
         state.accretion_power += sum3(as_lanes(s.accretion_power));
     }
 
-    /// Nodes on lines and risers, as advance_in_subcycles.
-    void move_in_subcycles(State& state, NodeMover& mover, double dt, int count, StepSums& sums) {
-        std::vector<NodeVector>& others = others_;
+    double inertia(const State& state, NodeIndex i) const {
+        return constants_.mass[i] + constants_.share[i] * state.added_mass;
+    }
+    /// Nodes on lines and risers: line pulls at the time of the forces are evaluated once more, alone.
+    void separate(State& state) override {
         const NodeForces::View pull = state.force.view();
         for (std::size_t k = 0; k < pulled_.size(); ++k)
-            others[k].value = std::exchange(pull[pulled_[k]].value, splat(0.0));
+            others_[k].value = std::exchange(pull[pulled_[k]].value, splat(0.0));
         const NodeForces::View aero = state.aero.view();
         const auto first = static_cast<std::size_t>(mesh_.first_attachment()),
                    last = first + mesh_.attachments.size();
         for (std::size_t i = first; i < last; ++i)
             aero[i].value += std::exchange(pull[i].value, splat(0.0));
-        double damping = pull_lines(state);
+        line_damping_ = pull_lines(state);
         for (std::size_t i = first; i < last; ++i)
             aero[i].value -= pull[i].value;
-        const double first_kick = subcycle(state, dt, count, 0).kick;
-        const auto inertia = [&](NodeIndex i) {
-            return constants_.mass[i] + constants_.share[i] * state.added_mass;
-        };
-        for (std::size_t k = 0; k < pulled_.size(); ++k) {
-            const NodeIndex i = pulled_[k];
-            const Lanes force = others[k].value - pull[i].value + damp_and_push(state, i);
-            const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], inertia(i), first_kick, sums);
-            sums.share_square += constants_.share[i] * sum3(middle * middle);
-        }
-        if (body_) body_->impulse(state, mover.kick());
-        for (int k = 0; k < count; ++k) {
-            if (k > 0) {
-                damping = pull_lines(state);
-                state.in_subcycles.add(pull[mesh_.payload()].value);
-            }
-            const Subcycle step = subcycle(state, dt, count, k);
-            sums.line_damping += step.kick * damping;
-            for (const NodeIndex i : pulled_)
-                mover.move_in_subcycle(i, inertia(i), step);
-            if (body_) body_->move(state, step.kick, step.dt);
-        }
-        sums.line_damping_power = damping / count;
-        for (const NodeIndex i : pulled_) {
-            mover.end_subcycles(i);
-            if (mesh_.is_canopy(i))
-                mover.add_canopy(i, constants_, sums);
-            else
-                mover.add_other(i, constants_.mass[i], sums);
-        }
-        if (body_) body_->finish(state, dt);
+        for (std::size_t k = 0; k < pulled_.size(); ++k)
+            others_[k].value -= pull[pulled_[k]].value;
     }
     /// [N] of damping and accretion on one node; pressure and residual drag go to state.aero. What the
     /// kernel's node update does for all others.
