@@ -21,11 +21,21 @@ Phase first_phase(const Scene& scene, const Inflation& inflation) {
     return inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
 }
 
+Inflation inflation_from(const Scene& scene, double snatch, double speed, double density) {
+    const Parachute& chute = scene.parachutes.front();
+    Inflation inflation = make_inflation(scene, chute, snatch, speed, density);
+    if (!chute.lag.empty()) {
+        inflation.initial_time += chute.lag.front();
+        inflation.filling_time += chute.lag.front();
+    }
+    return inflation;
+}
+
 Inflation first_inflation(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     if (chute.deploy.by == DeployBy::inflated) return inflated(chute);
     if (chute.deploy.by == DeployBy::line_stretch)
-        return make_inflation(scene, chute, 0.0, release_airspeed(scene).norm(),
+        return inflation_from(scene, 0.0, release_airspeed(scene).norm(),
                               scene.environment.atmosphere.at(scene.release.altitude).density);
     Inflation inflation;
     inflation.snatch = infinity;
@@ -42,6 +52,16 @@ Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& sca
         const double air = added ? added->mass(rho, {radius, 0.0}, {1.0, 0.0}, porosity).value : 0.0;
         scaling = scale_masses(scene, share, air, mesh);
     }
+    return mesh;
+}
+
+Mesh turned(Mesh mesh, const Eigen::Quaterniond& by) {
+    if (by.angularDistance(Eigen::Quaterniond::Identity()) == 0.0) return mesh;
+    const Eigen::Matrix3d turn = by.toRotationMatrix();
+    for (auto* positions : {&mesh.position, &mesh.attachments, &mesh.static_line.position})
+        for (Vec3& x : *positions)
+            x = turn * x;
+    mesh.axis = turn * mesh.axis;
     return mesh;
 }
 

@@ -24,12 +24,13 @@ constexpr double apparent_share = 0.375;
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<const ForceBlock> blocks)
+Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<const ForceBlock> blocks,
+                       const Eigen::Quaterniond& turn)
     : scene_(scene),
       make_layout_(layout),
       blocks_(blocks),
       inflation_(first_inflation(scene)),
-      mesh_(first_mesh(scene, inflation_, mass_scaling_)),
+      mesh_(turned(first_mesh(scene, inflation_, mass_scaling_), turn)),
       inflow_(InflowBalance::of(scene, mesh_)),
       constants_(node_constants(mesh_, scene.environment.gravity)),
       body_(make_body(scene, mesh_)),
@@ -89,19 +90,58 @@ void Simulation::evaluate_forces() {
 }
 
 void Simulation::step_to(double end) {
-    const NextStep next = steps_.next(state_, end, step_inputs());  // critical time step
-    const Balance before = begin_balance();
+    begin_step(choose_step(), end);
+    layout_->move(state_);
+    end_step();
+}
 
+ChosenStep Simulation::choose_step() {
+    steps_.renew(state_, step_inputs());
+    return steps_.chosen();
+}
+
+void Simulation::begin_step(const ChosenStep& chosen, double end) {
+    next_ = steps_.take(chosen, state_.time, end);
+    balance_ = begin_balance();
     state_.in_subcycles = {};
-    layout_->advance(state_, next.dt, next.subcycles, added_mass_after(next.dt).value);
-    state_.time = next.last ? end : before.time + next.dt;
+    layout_->begin_step(state_, next_.dt, next_.subcycles);
+}
+
+void Simulation::end_step() {
+    layout_->end_step(state_, added_mass_after(next_.dt).value);
+    state_.time = next_.end;
     state_.largest_added_mass = std::max(state_.largest_added_mass, state_.added_mass);
-    state_.inflow.volume += next.dt * state_.inflow.swept;
+    state_.inflow.volume += next_.dt * state_.inflow.swept;
     state_.inflow.end_step(state_.air.pressure);
     element_steps_ +=
-        static_cast<std::int64_t>(elements_.all + (next.subcycles - 1) * elements_.in_subcycles);
+        static_cast<std::int64_t>(elements_.all + (next_.subcycles - 1) * elements_.in_subcycles);
+    book_energy(balance_);
+}
 
-    book_energy(before);
+void Simulation::follow_payload_of(const Simulation& other) {
+    const NodeIndex here = mesh_.payload(), there = other.mesh_.payload();
+    state_.node[here] = other.state_.node[there];
+    state_.v_half[here] = other.state_.v_half[there];
+}
+
+void Simulation::meet_others(double frequency) {
+    steps_.count_outer(frequency);
+    steps_.refresh(state_, step_inputs());
+}
+
+PressedNodes Simulation::canopy_nodes() const {
+    const auto count = static_cast<std::size_t>(mesh_.canopy_nodes);
+    return {std::span(synchronised().node).first(count), std::span(constants_.mass).first(count),
+            steps_.outer_frequency() * steps_.outer_frequency()};
+}
+
+void Simulation::push_canopy(std::span<const Lanes> force) {
+    const State& s = synchronised();
+    double power = 0.0;
+    for (std::size_t i = 0; i < force.size(); ++i)
+        power += sum3(force[i] * s.node[i].v);
+    layout_->push_canopy(state_, force);
+    state_.external_power += power;
 }
 
 Simulation::Balance Simulation::begin_balance() {

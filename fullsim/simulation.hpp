@@ -8,6 +8,7 @@
 #include <string>
 
 #include "fullsim/body.hpp"
+#include "fullsim/canopy_plane.hpp"
 #include "fullsim/forces/inflow.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "fullsim/storage/layout.hpp"
@@ -31,9 +32,10 @@ public:
     }
 
     /// The parachute at the scene's release: packed, at line stretch (t_s = 0) or open. `blocks`: the rows
-    /// that its force blocks are chosen from.
+    /// that its force blocks are chosen from. `turn`: of all of it about the payload, at the start.
     explicit Simulation(const Scene& scene, const LayoutMaker& layout = layout_of_one_thread,
-                        std::span<const ForceBlock> blocks = force_blocks());
+                        std::span<const ForceBlock> blocks = force_blocks(),
+                        const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
 
@@ -58,6 +60,33 @@ public:
     /// steps before an end share what is left.
     void step_to(double end);
 
+    // The parts of step_to, for parachutes that share a payload, see cluster.hpp.
+
+    /// Time step and subcycles that this parachute would take.
+    ChosenStep choose_step();
+    /// Those that it takes.
+    void begin_step(const ChosenStep& chosen, double end);
+    const NextStep& step_under_way() const { return next_; }
+    void impulse() { layout_->impulse(state_); }
+    void pull(int k) { layout_->pull(state_, k); }
+    void drift(int k) { layout_->drift(state_, k); }
+    void end_step();
+    /// Forces on the payload's node [N]: of the air, and all others.
+    Lanes& payload_drag() { return state_.aero[mesh_.payload()].value; }
+    Lanes& payload_load() { return state_.force[mesh_.payload()].value; }
+    /// As Layout::add_outer_work.
+    void add_outer_work(double work, double power) { layout_->add_outer_work(work, power); }
+    /// Takes place and velocity of the payload from another simulation of it.
+    void follow_payload_of(const Simulation& other);
+    /// Ends the current step's memory: the next is a first one, as after a change of stage.
+    void start_anew() { fullsim::start_anew(synchronised()); }
+    /// Nodes of the canopy may be pushed from outside by forces that are as stiff as `frequency` [1/s]: counts
+    /// in the critical step.
+    void meet_others(double frequency);
+    PressedNodes canopy_nodes() const;
+    /// Adds a force [N] on each node of the canopy, from outside the parachute, after evaluate_forces.
+    void push_canopy(std::span<const Lanes> force);
+
     // Equations of motion without the time step, for reference solutions by other integrators. Only nodes and
     // velocities vary in time; mesh, phase and stage stay as they are.
 
@@ -80,6 +109,8 @@ public:
     /// Whether a reefing line is there; it may be too long to hold anything.
     bool is_reefed() const { return reefing_stage_ < scene_.parachutes.front().reefing.size(); }
     void pass_kink() { ++inflation_.piece; }
+    /// [s] at which the open canopy is full; infinite as long as it is reefed.
+    double full_open() const { return is_reefed() ? infinity : inflation_.end_of(Phase::filling); }
 
     // Changes of stage at system().time, which step_to has reached exactly. Each evaluates the forces anew.
 
@@ -166,6 +197,8 @@ private:
         EnergiesAndStrains levels;                           // where either is asked for
     };
     Balance begin_balance();
+    Balance balance_;
+    NextStep next_;
     void book_energy(const Balance& before);
 
     /// M_a and its rate at system().time + dt, the shape as it is now.

@@ -37,7 +37,7 @@ bool Simulation::lines_are_taut() const {
 std::optional<RunStatus> Simulation::snatch() {
     const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
     const Inflation inflation =
-        make_inflation(scene_, scene_.parachutes.front(), state_.time, airspeed.norm(), state_.air.density);
+        inflation_from(scene_, state_.time, airspeed.norm(), state_.air.density);
     const bool sound =
         inflation.initial_time < inflation.filling_time && (inflow_ || std::isfinite(inflation.filling_time));
     if (!sound)
@@ -50,7 +50,7 @@ std::optional<RunStatus> Simulation::snatch() {
     state_.phase = first_phase(scene_, inflation_);
     if (!mesh_.static_line.cables.empty()) let_static_line_go();
     lines_ = {};
-    start_anew(synchronised());
+    start_anew();
     // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
     const double before = kinetic_energy(synchronised(), constants_);
     state_.stage = stages_of(scene_)[1];

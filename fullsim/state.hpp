@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -300,6 +301,12 @@ struct MeanForce {
 inline MeanForce mean_riser_force(const SystemState& s) {
     return {(s.in_subcycles.sum + s.riser_force) / (1.0 + s.in_subcycles.count),
             s.time - 0.5 * s.in_subcycles.count * s.line_dt};
+}
+
+/// Adds forces [N] on the first nodes.
+inline void add_to_nodes(std::span<const Lanes> force, State& state) {
+    for (std::size_t i = 0; i < force.size(); ++i)
+        state.force[i].value += force[i];
 }
 
 /// No force on any node, and nothing dissipated yet; from here on the state holds those from node `first` on.

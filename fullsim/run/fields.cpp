@@ -144,17 +144,21 @@ VtuGrid field_frame(const VtuGrid& of_mesh, const Mesh& mesh, const State& state
     return grid;
 }
 
-FieldRecorder::FieldRecorder(const Mesh& mesh, std::optional<double> rate, const Sink& sink)
-    : mesh_(mesh), sink_(sink), next_(std::numeric_limits<double>::infinity()) {
+FieldRecorder::FieldRecorder(std::vector<const Mesh*> meshes, std::optional<double> rate, const Sink& sink)
+    : meshes_(std::move(meshes)), sink_(sink), next_(std::numeric_limits<double>::infinity()) {
     if (!rate || !sink) return;
     interval_ = 1.0 / *rate;
     next_ = 0.0;
-    grid_ = mesh_grid(mesh);
+    for (const Mesh* mesh : meshes_)
+        grids_.push_back(mesh_grid(*mesh));
 }
 
-void FieldRecorder::take(const State& state) {
-    pending_.push_back(field_frame(grid_, mesh_, state));
-    next_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
+void FieldRecorder::take(std::span<const State* const> states) {
+    VtuGrid all = field_frame(grids_.front(), *meshes_.front(), *states.front());
+    for (std::size_t k = 1; k < states.size(); ++k)
+        all.append(field_frame(grids_[k], *meshes_[k], *states[k]));
+    pending_.push_back(std::move(all));
+    next_ = interval_ * (std::floor(states.front()->time / interval_ + 1e-9) + 1.0);
 }
 
 void FieldRecorder::accept() {

@@ -1,6 +1,7 @@
 // Fields of a full run at one instant, cell by cell, for VTK.
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <functional>
 #include <optional>
@@ -46,14 +47,17 @@ public:
     using Sink = std::function<void(const VtuGrid&)>;
 
     /// rate [1/s]; without one, or without a sink, nothing is ever taken. The sink must outlive this.
-    FieldRecorder(const Mesh& mesh, std::optional<double> rate, const Sink& sink);
+    FieldRecorder(std::vector<const Mesh*> meshes, std::optional<double> rate, const Sink& sink);
+    FieldRecorder(const Mesh& mesh, std::optional<double> rate, const Sink& sink)
+        : FieldRecorder(std::vector{&mesh}, rate, sink) {}
 
     /// Called once a step with the forces at state.time evaluated. A frame is due at the first step at or
     /// after a multiple of 1/rate, as a row of the history.
     bool frame_is_due(double time) const { return time >= next_; }
-    void observe(const State& state) {
-        if (frame_is_due(state.time)) take(state);
+    void observe(std::span<const State* const> states) {
+        if (frame_is_due(states.front()->time)) take(states);
     }
+    void observe(const State& state) { observe(std::array{&state}); }
     /// A check found everything sound so far.
     void accept();
     /// A check found something wrong: drops what came after the last accept().
@@ -66,12 +70,12 @@ public:
     }
 
 private:
-    void take(const State& state);
+    void take(std::span<const State* const> states);
 
-    const Mesh& mesh_;
+    std::vector<const Mesh*> meshes_;  // of each canopy
     const Sink& sink_;
     double interval_ = 0.0, next_;  // [s]
-    VtuGrid grid_;                  // what all frames share
+    std::vector<VtuGrid> grids_;    // what all frames share, of each mesh
     std::vector<VtuGrid> pending_;
 };
 

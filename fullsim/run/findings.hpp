@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "fullsim/cluster.hpp"
 #include "fullsim/run/observer.hpp"
-#include "fullsim/simulation.hpp"
 #include "lib/record/archive.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
@@ -32,22 +32,25 @@ struct Findings {
 /// A run, as results and warnings read it.
 struct RunView {
     const Scene& scene;
-    double stated_mass;  ///< [kg] of the parachute, by the scene; it weighs what its mesh does
-    const Simulation& simulation;
+    double stated_mass;  ///< [kg] of a parachute, by the scene; it weighs what its mesh does
+    const Cluster& canopies;
+    std::optional<std::size_t> which;  ///< of them; absent: all together
     const Observer& observer;
     const Findings& findings;
     const std::optional<OpeningSequence>& sequence;  ///< of a reefed parachute
 
+    /// The canopy, of several the last one to open.
+    const Simulation& simulation() const { return canopies[which.value_or(canopies.last_to_open())]; }
     const Parachute& parachute() const { return scene.parachutes.front(); }
     bool packed() const { return parachute().deploy.starts_packed(); }
     bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }
     bool snatched() const { return std::isfinite(findings.snatch); }
-    bool reefed() const { return simulation.is_reefed(); }
+    bool reefed() const { return simulation().is_reefed(); }
     /// [s] of the open canopy; infinite as long as it is reefed.
-    double full_open() const { return reefed() ? infinity : simulation.inflation().end_of(Phase::filling); }
+    double full_open() const { return simulation().full_open(); }
     /// [s] from which on the drag area is steady; infinite as long as the canopy is reefed.
     double drag_area_steady() const {
-        return reefed() ? infinity : simulation.inflation().end_of(Phase::overshoot);
+        return reefed() ? infinity : simulation().inflation().end_of(Phase::overshoot);
     }
     /// [s] where filling to the full area begins: a mouth that is held together does not keep all of the
     /// canopy from that.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 namespace twinchute::fullsim {
 namespace {
@@ -51,31 +52,38 @@ ShapeCableKind shape_kind(CableKind kind) {
 
 }  // namespace
 
-FrameRecorder::FrameRecorder(const Mesh& mesh, bool wanted, int sectors)
-    : mesh_(mesh),
-      law_(membrane_law(mesh.fabric, 0.0)),
+FrameRecorder::FrameRecorder(std::vector<const Mesh*> meshes, bool wanted, int sectors)
+    : meshes_(std::move(meshes)),
+      law_(membrane_law(meshes_.front()->fabric, 0.0)),
       wanted_(wanted),
       most_frames_(0),
       sectors_(static_cast<std::size_t>(sectors)),
-      tether_nodes_(mesh.static_line.position.size()),
       next_(std::numeric_limits<double>::infinity()) {
     if (!wanted) return;
-    const auto node = [](NodeIndex i) { return static_cast<std::uint32_t>(i); };
+    for (const Mesh* mesh : meshes_)
+        add_mesh(*mesh);
+    shape_.payload = static_cast<std::uint32_t>(meshes_.front()->payload());
+    most_frames_ = std::max(fewest_frames, most_memory / bytes_per_frame(shape_));
+}
+
+void FrameRecorder::add_mesh(const Mesh& mesh) {
+    const std::uint32_t first = shape_.nodes;
+    const auto node = [&](NodeIndex i) { return first + static_cast<std::uint32_t>(i); };
     // The dummy has no place in a frame: what comes after it moves up by one.
     // Risers are drawn to the middle of a body.
     const auto moved_up = [&](NodeIndex i) {
         const NodeIndex tether = mesh.first_static_line_node();
         return node(i >= tether ? i - tether + mesh.node_count() : std::min(i, mesh.payload()));
     };
-    shape_.nodes = node(mesh.node_count()) + static_cast<std::uint32_t>(tether_nodes_);
-    shape_.payload = node(mesh.payload());
+    const std::size_t tether_nodes = mesh.static_line.position.size();
+    shape_.nodes = node(mesh.node_count()) + static_cast<std::uint32_t>(tether_nodes);
     for (const Triangle& t : mesh.triangles)
         shape_.triangles.push_back({node(t.node[0]), node(t.node[1]), node(t.node[2])});
     for (const auto* cables : {&mesh.cables, &mesh.static_line.cables})
         for (const Cable& c : *cables)
             shape_.cables.push_back({{moved_up(c.node[0]), moved_up(c.node[1])}, shape_kind(c.kind)});
-    if (tether_nodes_ > 0) apex_ = mesh.static_line.cables.front().node[0];
-    most_frames_ = std::max(fewest_frames, most_memory / bytes_per_frame(shape_));
+    tether_nodes_.push_back(tether_nodes);
+    apex_.push_back(tether_nodes > 0 ? mesh.static_line.cables.front().node[0] : 0);
 }
 
 void FrameRecorder::begin(double time, const FrameStretch& stretch) {
@@ -86,24 +94,38 @@ void FrameRecorder::begin(double time, const FrameStretch& stretch) {
     // Frames of an earlier stretch that are not yet accepted are no longer thinned.
 }
 
-void FrameRecorder::take(const State& state) {
-    if (!shape_.frames.empty() && !(state.time > shape_.frames.back().time)) return;
+void FrameRecorder::take(std::span<const State* const> states) {
+    const double time = states.front()->time;
+    if (!shape_.frames.empty() && !(time > shape_.frames.back().time)) return;
     place_.clear();
-    const auto add = [&](NodeIndex i) {
-        for (int k = 0; k < 3; ++k)
-            place_.push_back(state.node[i].x[k]);
-    };
-    for (NodeIndex i = 0; i < mesh_.node_count(); ++i)
-        add(i);
-    // A static line that has let go is a point at the apex.
-    const bool tethered = !mesh_.static_line.cables.empty();
-    for (std::size_t k = 0; k < tether_nodes_; ++k)
-        add(tethered ? mesh_.first_static_line_node() + static_cast<NodeIndex>(k) : apex_);
     stress_.clear();
     std::vector<FabricFolds> folds;
-    folds.reserve(mesh_.triangles.size());
-    const std::size_t first_sector = mesh_.triangles.size() / sectors_;
-    for (const Triangle& t : std::span(mesh_.triangles).first(first_sector)) {
+    folds.reserve(shape_.triangles.size());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        add_places(*states[k], k);
+        add_stresses(*states[k], *meshes_[k], folds);
+    }
+    shape_.frames.push_back(quantised(time, place_, stress_, std::move(folds)));
+    next_ = begin_ + stretch_.interval * (std::floor((time - begin_) / stretch_.interval + 1e-9) + 1.0);
+}
+
+void FrameRecorder::add_places(const State& state, std::size_t k) {
+    const Mesh& mesh = *meshes_[k];
+    const auto add = [&](NodeIndex i) {
+        for (int c = 0; c < 3; ++c)
+            place_.push_back(state.node[i].x[c]);
+    };
+    for (NodeIndex i = 0; i < mesh.node_count(); ++i)
+        add(i);
+    // A static line that has let go is a point at the apex.
+    const bool tethered = !mesh.static_line.cables.empty();
+    for (std::size_t n = 0; n < tether_nodes_[k]; ++n)
+        add(tethered ? mesh.first_static_line_node() + static_cast<NodeIndex>(n) : apex_[k]);
+}
+
+void FrameRecorder::add_stresses(const State& state, const Mesh& mesh, std::vector<FabricFolds>& folds) {
+    const std::size_t first_sector = mesh.triangles.size() / sectors_, before = stress_.size();
+    for (const Triangle& t : std::span(mesh.triangles).first(first_sector)) {
         FabricState wrinkling{};
         const PlaneTensor stress = membrane_stress(
             law_,
@@ -113,12 +135,10 @@ void FrameRecorder::take(const State& state) {
         stress_.push_back(state.fe_weight * first_principal(stress));
         folds.push_back(folds_of(wrinkling));
     }
-    for (std::size_t t = first_sector; t < mesh_.triangles.size(); ++t) {
-        stress_.push_back(stress_[t - first_sector]);
-        folds.push_back(folds[t - first_sector]);
+    for (std::size_t t = first_sector; t < mesh.triangles.size(); ++t) {
+        stress_.push_back(stress_[before + t - first_sector]);
+        folds.push_back(folds[before + t - first_sector]);
     }
-    shape_.frames.push_back(quantised(state.time, place_, stress_, std::move(folds)));
-    next_ = begin_ + stretch_.interval * (std::floor((state.time - begin_) / stretch_.interval + 1e-9) + 1.0);
 }
 
 void FrameRecorder::accept() {

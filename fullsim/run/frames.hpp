@@ -1,7 +1,9 @@
 // The shapes of a full run that its report draws.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "fullsim/forces/membrane.hpp"
@@ -21,10 +23,12 @@ struct FrameStretch {
 /// nobody knows beforehand how long a deployment or a descent lasts.
 class FrameRecorder {
 public:
-    /// Unless `wanted`, nothing is ever taken. `mesh` with the static line that it starts with; `sectors`:
-    /// parts of its canopy that are congruent (Layout::sectors), of which one is looked at for
-    /// stresses.
-    FrameRecorder(const Mesh& mesh, bool wanted, int sectors = 1);
+    /// Unless `wanted`, nothing is ever taken. `meshes`: of each canopy, with the static line that it starts
+    /// with; `sectors`: parts of its canopy that are congruent (Layout::sectors), of which one is looked at
+    /// for stresses.
+    FrameRecorder(std::vector<const Mesh*> meshes, bool wanted, int sectors = 1);
+    FrameRecorder(const Mesh& mesh, bool wanted, int sectors = 1)
+        : FrameRecorder(std::vector{&mesh}, wanted, sectors) {}
 
     /// From `time` [s] on frames are taken as `stretch` says; those before stay.
     void begin(double time, const FrameStretch& stretch);
@@ -32,9 +36,10 @@ public:
     /// As FieldRecorder: a frame is due at the first step at or after a multiple of the interval from the
     /// begin of the stretch. Needs all nodes of the state.
     bool frame_is_due(double time) const { return time >= next_; }
-    void observe(const State& state) {
-        if (frame_is_due(state.time)) take(state);
+    void observe(std::span<const State* const> states) {
+        if (frame_is_due(states.front()->time)) take(states);
     }
+    void observe(const State& state) { observe(std::array{&state}); }
     /// A check found everything sound so far.
     void accept();
     /// A check found something wrong: drops what came after the last accept().
@@ -50,14 +55,18 @@ public:
     void serialize(Archive& archive);
 
 private:
-    void take(const State& state);
+    void take(std::span<const State* const> states);
+    void add_mesh(const Mesh& mesh);
+    void add_places(const State& state, std::size_t k);
+    void add_stresses(const State& state, const Mesh& mesh, std::vector<FabricFolds>& folds);
 
-    const Mesh& mesh_;
+    std::vector<const Mesh*> meshes_;
     MembraneLaw law_;
     bool wanted_;
     std::size_t most_frames_;  // that memory is given to
-    std::size_t sectors_, tether_nodes_;
-    NodeIndex apex_ = 0;  // where the static line is fixed
+    std::size_t sectors_;
+    std::vector<std::size_t> tether_nodes_;  // of each mesh,
+    std::vector<NodeIndex> apex_;            // where its static line is fixed
     FrameStretch stretch_{1.0, 2};
     double begin_ = 0.0, next_;             // [s]
     std::size_t first_ = 0, accepted_ = 0;  // frames: of the stretch, sound

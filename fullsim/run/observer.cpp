@@ -59,11 +59,30 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
     return shape;
 }
 
-Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sectors)
+HistoryRow row_of_all(std::span<const HistoryRow> rows) {
+    HistoryRow all = rows.front();
+    const auto count = static_cast<double>(rows.size());
+    for (const HistoryRow& row : rows.subspan(1)) {
+        for (auto sum : {&HistoryRow::force_raw, &HistoryRow::drag_area, &HistoryRow::projected_area,
+                         &HistoryRow::signed_area, &HistoryRow::added_mass, &HistoryRow::volume,
+                         &HistoryRow::mouth_area, &HistoryRow::dynamic_pressure, &HistoryRow::pressure,
+                         &HistoryRow::airspeed, &HistoryRow::seam_diameter, &HistoryRow::depth,
+                         &HistoryRow::inflow_ratio})
+            all.*sum += row.*sum;
+        if (std::abs(row.turns - 1.0) > std::abs(all.turns - 1.0)) all.turns = row.turns;
+    }
+    for (auto mean : {&HistoryRow::dynamic_pressure, &HistoryRow::pressure, &HistoryRow::airspeed,
+                      &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
+        all.*mean /= count;
+    return all;
+}
+
+Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sectors, int payload_parts)
     : mesh_(mesh),
       sectors_(sectors),
       gravity_(gravity),
       interval_(1.0 / output_rate),
+      payload_mass_(payload_parts * mesh.mass[mesh.payload()]),
       force_(filter_window),
       acceleration_(filter_window),
       opening_(filter_window) {
@@ -77,7 +96,7 @@ void Observer::observe(const SystemState& state, const Vec3& payload_force) {
     const Vec3 others = payload_force - state.riser_force;
     const Vec3 load = others + pull.value;
     // The payload node also carries half a riser element.
-    const Vec3 acceleration = load / mesh_.mass[mesh_.payload()] - gravity_ * Vec3::UnitZ();
+    const Vec3 acceleration = load / payload_mass_ - gravity_ * Vec3::UnitZ();
     force_.push(pull.time, mean);
     acceleration_.push(pull.time, acceleration.norm());
     Extremes& most = extremes_;
@@ -95,7 +114,6 @@ void Observer::observe(const SystemState& state, const Vec3& payload_force) {
 }
 
 void Observer::add_row(const State& state) {
-    if (row_is_due(state.time)) next_row_ = interval_ * (std::floor(state.time / interval_ + 1e-9) + 1.0);
     const NodeRecord& payload = state.node[mesh_.payload()];
     const CanopyShape shape = canopy_shape(state, mesh_, sectors_);
     HistoryRow row{};
@@ -117,6 +135,11 @@ void Observer::add_row(const State& state) {
     row.volume = state.inflow.volume;
     row.mouth_area = state.inflow.mouth;
     row.inflow_ratio = state.inflow.ratio;
+    add_row(row);
+}
+
+void Observer::add_row(const HistoryRow& row) {
+    if (row_is_due(row.time)) next_row_ = interval_ * (std::floor(row.time / interval_ + 1e-9) + 1.0);
     rows_.push_back(row);
 }
 

@@ -24,6 +24,10 @@ struct HistoryRow {
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
 };
 
+/// The row of canopies on one payload at one time: forces and areas add up, speeds and pressures are means,
+/// turns are those furthest from 1. force_raw: the sum of the sizes, of forces that need not be parallel.
+HistoryRow row_of_all(std::span<const HistoryRow> rows);
+
 /// Shape of a canopy; one sector is measured where `sectors` are congruent (Layout::sectors).
 struct CanopyShape {
     double seam_diameter;  ///< [m] mean of the widest seam ring
@@ -35,8 +39,9 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
 
 class Observer {
 public:
-    /// gravity [m/s^2]; output_rate: rows per second; sectors as canopy_shape.
-    Observer(const Mesh& mesh, double gravity, double output_rate, int sectors = 1);
+    /// gravity [m/s^2]; output_rate: rows per second; sectors as canopy_shape; payload_parts: as many as the
+    /// payload of the mesh is one of (cluster.hpp).
+    Observer(const Mesh& mesh, double gravity, double output_rate, int sectors = 1, int payload_parts = 1);
 
     /// Largest forces from here on [s] are the opening's, those before the snatch's. At or after the time of
     /// the last observation; 0 at first.
@@ -54,6 +59,8 @@ public:
     /// Then, where a row is due: add_row with all nodes.
     bool row_is_due(double time) const { return time >= next_row_; }
     void add_row(const State& state);
+    /// A row of now that others have made, its filtered columns open.
+    void add_row(const HistoryRow& row);
     /// A check found everything sound so far.
     void accept() { accepted_ = {rows_.size(), unsettled_, extremes_}; }
     /// A check found something wrong: drops what came after the last accept().
@@ -102,7 +109,7 @@ private:
 
     const Mesh& mesh_;
     int sectors_;
-    double gravity_, interval_;
+    double gravity_, interval_, payload_mass_;
     double next_row_ = 0.0;
     std::vector<HistoryRow> rows_;
     std::size_t unsettled_ = 0;  // first row whose filtered columns are still open

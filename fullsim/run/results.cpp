@@ -83,6 +83,66 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
     return result;
 }
 
+/// The largest force of any one canopy, while the peak force counts and over all of the run.
+void add_canopy_peaks(const RunView& run, std::span<const RunView> each, OpeningResult& result) {
+    const auto note = [&](std::size_t k, double time) {
+        return fmt::format("canopy {} of {} {}, at t = {:.4g} s", k + 1, each.size(), run.parachute().name,
+                           time);
+    };
+    for (std::size_t k = 0; k < each.size(); ++k) {
+        const Observer::Peak peak = each[k].largest_peak(), &snatch = each[k].observer.snatch_peak();
+        const Observer::Peak& most = snatch.value > peak.value ? snatch : peak;
+        if (result.peak_force && peak.value > 0.0 &&
+            (!result.peak_canopy_force || peak.value > result.peak_canopy_force->force))
+            result.peak_canopy_force = {peak.value, note(k, peak.time)};
+        if (!result.max_canopy_force || most.value > result.max_canopy_force->force)
+            result.max_canopy_force = {most.value, note(k, most.time)};
+    }
+}
+
+/// Channels and metrics of each canopy: canopy_2_force, canopy_2_peak_force_N.
+void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& record) {
+    Channel largest{"canopy_force", "N", {}};
+    for (const HistoryRow& row : each.front().observer.rows())
+        largest.values.push_back(row.force);
+    for (std::size_t k = 1; k < each.size(); ++k)
+        for (std::size_t i = 0; i < largest.values.size(); ++i)
+            largest.values[i] = std::max(largest.values[i], each[k].observer.rows()[i].force);
+    record.channels.push_back(std::move(largest));
+    for (std::size_t k = 0; k < each.size(); ++k) {
+        const RunView& one = each[k];
+        const std::string head = fmt::format("canopy_{}_", k + 1);
+        const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
+            Channel c{head + name, unit, {}};
+            for (const HistoryRow& row : one.observer.rows())
+                c.values.push_back(row.*column);
+            record.channels.push_back(std::move(c));
+        };
+        channel("force", "N", &HistoryRow::force);
+        channel("drag_area", "m^2", &HistoryRow::drag_area);
+        channel("projected_area", "m^2", &HistoryRow::projected_area);
+        if (const Observer::Peak peak = one.largest_peak(); peak.value > 0.0 && !still_fills(one, record.status))
+            record.add_metric(head + "peak_force_N", peak.value, MetricKind::result,
+                              fmt::format("of its riser, at t = {:.4g} s", peak.time));
+        const auto steady = steady_area_of(one);
+        if (!steady || one.inflated()) continue;
+        if (const auto filled = one.observer.first_time_of_area(filled_share * *steady, one.last_stage()))
+            record.add_metric(head + "filling_time_s", *filled - one.findings.snatch, MetricKind::result,
+                              fmt::format("projected area first at {:g} % of its steady mean",
+                                          100.0 * filled_share));
+    }
+    double force = 0.0, deepest = 0.0;
+    for (const CanopyPlane& plane : run.canopies.planes()) {
+        force = std::max(force, plane.largest_force());
+        deepest = std::max(deepest, plane.deepest());
+    }
+    record.add_metric("max_canopy_contact_force_N", force, MetricKind::result,
+                      force > 0.0 ? fmt::format("between two canopies, along a plane; fabric at most {:.2g} m "
+                                                "behind it",
+                                                deepest)
+                                  : "canopies never touched");
+}
+
 /// Events that only a look back at the history shows.
 void add_past_events(const RunView& run, const OpeningResult& result, RunRecord& record) {
     const auto& rows = run.observer.rows();
@@ -110,7 +170,7 @@ void add_shape(const RunView& run, double steady_area, RunRecord& record) {
                       "1 when no gore lies inside out");
 }
 
-std::vector<NeverOpened> unopened(const RunView& run) {
+std::vector<NeverOpened> unopened_of_one(const RunView& run) {
     if (run.sequence) return never_opened(*run.sequence);
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
@@ -124,6 +184,20 @@ std::vector<NeverOpened> unopened(const RunView& run) {
                  true}};
     if (run.snatched()) return {};
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
+}
+
+/// Those of a cluster that failed for one reason together.
+std::vector<NeverOpened> unopened(std::span<const RunView> each) {
+    std::vector<NeverOpened> all;
+    for (const RunView& run : each)
+        for (NeverOpened& one : unopened_of_one(run)) {
+            const auto same = std::ranges::find(all, one.why, &NeverOpened::why);
+            if (same == all.end())
+                all.push_back(std::move(one));
+            else
+                same->count += one.count;
+        }
+    return all;
 }
 
 Reached reached_by(const RunView& run, bool has_filling_time) {
@@ -144,16 +218,17 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
 }  // namespace
 
 bool went_through_itself(const RunView& run) {
-    return run.simulation.system().phase == Phase::open &&
+    return run.simulation().system().phase == Phase::open &&
            run.observer.rows().back().time >= run.full_open() + shape_average &&
            run.observer.crosses_itself(shape_average);
 }
 
-void fill_results(const RunView& run, RunRecord& record) {
+void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
-    const OpeningResult result = opening_of(run, record.status, steady_area);
+    OpeningResult result = opening_of(run, record.status, steady_area);
+    if (each.size() > 1) add_canopy_peaks(run, each, result);
     const Filling& choice = run.parachute().filling;
-    const double lasts = run.simulation.inflation().filling_time;
+    const double lasts = run.simulation().inflation().filling_time;
     const Metric filling{
         "", 0.0, MetricKind::result,
         choice.is_predicted()
@@ -176,16 +251,17 @@ void fill_results(const RunView& run, RunRecord& record) {
     add_past_events(run, result, record);
     if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
         add_shape(run, *steady_area, record);
-    record.add_metric("max_line_tension_N", run.simulation.largest_loads().line_tension, MetricKind::result,
+    record.add_metric("max_line_tension_N", run.canopies.largest_loads().line_tension, MetricKind::result,
                       "elastic, of all lines and steps");
-    record.add_metric("max_membrane_stress_N_m", run.simulation.largest_loads().fabric_stress,
+    record.add_metric("max_membrane_stress_N_m", run.canopies.largest_loads().fabric_stress,
                       MetricKind::result,
                       "first principal, elastic, of all triangles and steps; larger on finer meshes");
     Parachute of_sheet = run.parachute();
     of_sheet.fabric = meshed_fabric(of_sheet);
     add_strength_margins(record, of_sheet);
-    record.energy = run.simulation.ledger();
+    record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();
+    if (each.size() > 1) add_canopies(run, each, record);
     add_drag_area_times(record, run.scene, result,
                         choice.is_predicted() ? MetricKind::result : MetricKind::input);
     add_reefed_drag_areas(record, run.scene, result);
@@ -193,10 +269,10 @@ void fill_results(const RunView& run, RunRecord& record) {
     add_validity(record, run.scene, result);
     add_warnings(run, steady_area, record);
     const Reached reached = reached_by(run, result.filling_time.has_value());
-    note_never_opened(record, run.scene, unopened(run), reached);
+    note_never_opened(record, run.scene, unopened(each), reached);
     note_missing_metrics(record, run.scene, reached);
     record.left_out = left_out_of(parts_of(run.scene));
-    if (const MassScaling& scaling = run.simulation.mass_scaling(); scaling.nodes > 0)
+    if (const MassScaling& scaling = run.simulation().mass_scaling(); scaling.nodes > 0)
         record.left_out.push_back(
             {fmt::format("true mass of {} canopy nodes", scaling.nodes),
              fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "

@@ -1,6 +1,8 @@
 // The record of a full run that has ended: metrics, events found afterwards, warnings, what was left out.
 #pragma once
 
+#include <span>
+
 #include "fullsim/run/findings.hpp"
 #include "lib/record/run_record.hpp"
 
@@ -15,7 +17,8 @@ inline constexpr double filled_share = 0.98;
 
 /// Metrics, channels, ledger, warnings and left-out physics, into the record of a run with its status, events
 /// and cost.
-void fill_results(const RunView& run, RunRecord& record);
+/// `each`: of the canopies, or the only one.
+void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& record);
 
 /// Warnings of the full model. steady_area: [m^2] projected, where the run has seen it.
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record);

@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/run/canopy_run.hpp"
 #include "fullsim/run/checkpoint_clock.hpp"
 #include "fullsim/run/fields.hpp"
-#include "fullsim/run/findings.hpp"
 #include "fullsim/run/frames.hpp"
 #include "fullsim/run/plan.hpp"
 #include "fullsim/run/results.hpp"
@@ -24,17 +27,11 @@ namespace {
 
 constexpr int steps_between_falls = 10;  // samples of the fall: some ten a bounce, of lines that are short
 constexpr int steps_between_reports = 500;
-// How long lines have to stay taut, since flailing ones do not, over the time that a wave takes along them:
-// 2 ms of a C-9's line (7.31 m of 462 kg/m^3 and 0.97 GPa).
-const double taut_hold = 2e-3 / (7.31 * std::sqrt(462.0 / 9.7e8));
 // Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
 constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
 constexpr std::size_t opening_frames = 48;
 constexpr double opening_and_breathing = 2.0;   // filling times, from snatch
 constexpr double expected_fill_constant = 8.0;  // of a filling that is predicted, for frames alone
-// A canopy squids that has grown by less than this share of its area over so many diameters of travel.
-constexpr double least_growth = 0.01, squid_travel = 5.0;
-constexpr double least_drag_area = 0.5;  // over (C_D S)_0, of a canopy that is still open at the end
 
 /// Runs of the same scene before this one, of longer steps: their energy did not add up.
 struct Attempts {
@@ -66,30 +63,26 @@ public:
           scene_(scene),
           run_(run),
           record_(begin_record(scene, "full")),
-          simulation_(scene,
-                      [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
-                                                                            const NodeConstants& constants) {
-                          return any ? make_unstructured_layout(s, mesh, constants)
-                                     : make_layout(s, mesh, constants, threads);
-                      }),
-          observer_(simulation_.mesh(), scene.environment.gravity, scene.full.output_rate,
-                    simulation_.sectors()),
-          view_{scene, stated_mass, simulation_, observer_, found_, sequence_},
+          cluster_(scene,
+                   [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
+                                                                         const NodeConstants& constants) {
+                       return any ? make_unstructured_layout(s, mesh, constants)
+                                  : make_layout(s, mesh, constants, threads);
+                   }),
+          stated_mass_(stated_mass),
           fall_(scene.environment),
-          fields_(simulation_.mesh(), scene.full.fields_rate, run.fields),
-          frames_(simulation_.mesh(), static_cast<bool>(run.frames), simulation_.sectors()),
+          fields_(meshes(), scene.full.fields_rate, run.fields),
+          frames_(meshes(), static_cast<bool>(run.frames), cluster_.front().sectors()),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight),
           clock_(run, scene.full.checkpoint_interval) {
-        if (!scene.parachutes.front().reefing.empty()) {
-            sequence_.emplace(scene);
-            sequence_->release(flight_state());
-        }
-        if (view_.packed()) {
-            found_.snatch = infinity;
-            observer_.count_peak_from(infinity);
+        for (std::size_t k = 0; k < cluster_.size(); ++k)
+            canopies_.push_back(
+                std::make_unique<CanopyRun>(cluster_.scene(k), stated_mass, cluster_, k));
+        if (cluster_.size() > 1) together_.emplace(scene, stated_mass, cluster_);
+        if (view().packed()) {
             frames_.begin(0.0, deployment_frames);
-        } else if (view_.inflated()) {
+        } else if (view().inflated()) {
             begin_descent_frames();
         } else {
             begin_opening_frames();
@@ -101,14 +94,14 @@ public:
         while (!ended_) {
             // Right after a check no frame of the fields waits for the next one.
             if (system().step % Simulation::steps_between_checks == 1) save_if_due();
-            simulation_.evaluate_forces();
+            cluster_.evaluate_forces();
             observe();
             look_for_events();
             // An end between two checks must not hide what the next one would have found.
             if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
             if (ended_) break;
-            simulation_.step_to(next_stop());
-            if (simulation_.was_checked()) check();
+            cluster_.step_to(next_stop());
+            if (cluster_.front().was_checked()) check();
         }
     }
     const RunStatus& status() const { return record_.status; }
@@ -117,51 +110,121 @@ public:
     /// Once, after fly().
     RunRecord finish() {
         // The rest of the fall begins where this ends, not at the last row before.
-        if (!scene_.then.empty() && record_.status.code == StatusCode::completed)
-            observer_.observe_end(simulation_.synchronised_state());
-        observer_.finish();
+        if (!scene_.then.empty() && record_.status.code == StatusCode::completed &&
+            system().time > observer().rows().back().time)
+            add_rows();
+        for (const auto& canopy : canopies_)
+            canopy->observer().finish();
+        if (together_) together_->observer.finish();
         note_squid();
         fields_.accept();
         frames_.accept();
         if (run_.frames) run_.frames(frames_.finish());
-        const Layout& layout = simulation_.layout();
+        const Layout& layout = cluster_.front().layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
         record_.provenance.threads = layout.threads();
         fill_cost();
         // The end of the run is steady, too, or its last window says that it is not.
         if (const auto last = judge_fall()) {
-            found_.last_window = last;
-            if (found_.descent && last->is_steady()) found_.descent = last;
+            found().last_window = last;
+            if (found().descent && last->is_steady()) found().descent = last;
         }
-        if (went_through_itself(view_)) found_.descent.reset();
-        fill_results(view_, record_);
+        if (went_through_itself(view())) found().descent.reset();
+        std::vector<RunView> each;
+        for (const auto& canopy : canopies_)
+            each.push_back(canopy->view());
+        fill_results(view(), each, record_);
         note_attempts();
         return std::move(record_);
     }
 
 private:
-    const SystemState& system() const { return simulation_.system(); }
+    /// What canopies of a cluster do together.
+    struct Together {
+        Observer observer;
+        Findings found;
+        RunView view;
+
+        Together(const Scene& scene, double stated_mass, const Cluster& cluster)
+            : observer(cluster.front().mesh(), scene.environment.gravity, scene.full.output_rate, 1,
+                       static_cast<int>(cluster.size())),
+              view{scene, stated_mass, cluster, {}, observer, found, none} {
+            if (!view.packed()) return;
+            found.snatch = infinity;
+            observer.count_peak_from(infinity);
+        }
+        Together(const Together&) = delete;
+        Together& operator=(const Together&) = delete;
+        const std::optional<OpeningSequence> none = {};
+    };
+
+    const SystemState& system() const { return cluster_.front().system(); }
+    CanopyRun& only() { return *canopies_.front(); }
+    const CanopyRun& only() const { return *canopies_.front(); }
+    const RunView& view() const { return together_ ? together_->view : only().view(); }
+    Findings& found() { return together_ ? together_->found : only().found(); }
+    Observer& observer() { return together_ ? together_->observer : only().observer(); }
+    std::vector<const Mesh*> meshes() const {
+        std::vector<const Mesh*> all;
+        for (std::size_t k = 0; k < cluster_.size(); ++k)
+            all.push_back(&cluster_[k].mesh());
+        return all;
+    }
+    std::vector<const State*> synchronised_states() const {
+        std::vector<const State*> all;
+        for (std::size_t k = 0; k < cluster_.size(); ++k)
+            all.push_back(&cluster_[k].synchronised_state());
+        return all;
+    }
 
     void begin() {
         if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
-        add_event(view_.packed() ? "release" : view_.inflated() ? "full-open" : "line-stretch");
-        if (!view_.packed()) met(view_.inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+        add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
+        if (!view().packed()) met(view().inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
     }
 
     void observe() {
         const double now = system().time;
-        observer_.observe(system(), simulation_.payload_force());
-        if (observer_.row_is_due(now)) observer_.add_row(simulation_.synchronised_state());
-        if (fields_.frame_is_due(now)) fields_.observe(simulation_.synchronised_state());
+        const bool row = observer().row_is_due(now);
+        for (const auto& canopy : canopies_)
+            canopy->observe(row);
+        if (together_) {
+            observe_all();
+            if (row) add_row_of_all();
+        }
+        if (fields_.frame_is_due(now)) fields_.observe(synchronised_states());
         if (now >= descent_frames_from_) begin_descent_frames();
-        if (frames_.frame_is_due(now)) frames_.observe(simulation_.synchronised_state());
+        if (frames_.frame_is_due(now)) frames_.observe(synchronised_states());
     }
-
-    const Deployment& deploy() const { return scene_.parachutes.front().deploy; }
-    FlightState flight_state() const {
-        const NodeRecord& payload = simulation_.payload();
-        return {system().time, payload.x[2], payload.v[2],
-                (system().sums.system_velocity - system().air.wind).norm(), system().air.density};
+    /// The forces of all canopies on the payload.
+    void observe_all() {
+        SystemState sum;
+        sum.time = system().time;
+        sum.line_dt = system().line_dt;
+        sum.in_subcycles.count = system().in_subcycles.count;
+        Vec3 on_payload = Vec3::Zero();
+        for (std::size_t k = 0; k < cluster_.size(); ++k) {
+            sum.riser_force += cluster_[k].system().riser_force;
+            sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
+            on_payload += cluster_[k].payload_force();
+        }
+        together_->observer.observe(sum, on_payload);
+    }
+    void add_row_of_all() {
+        std::vector<HistoryRow> rows;
+        Vec3 pull = Vec3::Zero();
+        for (const auto& canopy : canopies_) {
+            rows.push_back(canopy->observer().rows().back());
+            pull += canopy->system().riser_force;
+        }
+        HistoryRow row = row_of_all(rows);
+        row.force_raw = pull.norm();
+        together_->observer.add_row(row);
+    }
+    void add_rows() {
+        for (const auto& canopy : canopies_)
+            canopy->observer().observe_end(canopy->simulation().synchronised_state());
+        if (together_) add_row_of_all();
     }
 
     void end(StatusCode code, std::string detail) {
@@ -169,37 +232,24 @@ private:
         ended_ = true;
     }
 
-    void add_event(const char* name, double time, const Vec3& position, const Vec3& velocity) {
-        record_.events.push_back({name, time, position.z(), velocity.norm()});
-    }
-
     void add_event(const char* name) {
-        const NodeRecord& payload = simulation_.payload();
-        add_event(name, system().time, to_vec3(payload.x), to_vec3(payload.v));
+        const NodeRecord& payload = cluster_.front().payload();
+        record_.events.push_back({name, system().time, payload.x[2], to_vec3(payload.v).norm()});
     }
 
     /// Next time [s] that no step may cross.
     double next_stop() const {
-        const double deployed = system().stage == Stage::deployment
-                                    ? std::min({hold_end_, longest_deployment, next_load_change()})
-                                    : std::min(simulation_.inflation().end_of(system().phase),
-                                               simulation_.inflation().next_kink());
-        const double cut = sequence_ ? sequence_->next_time() : infinity;
-        return std::min({deployed, cut, simulation_.ramp_end(), stop_time_, event_stop_});
-    }
-
-    /// The next time at which the extraction force is not smooth.
-    double next_load_change() const {
-        const ForceHistory& force = deploy().extraction;
-        double next = force.duration > system().time ? force.duration : infinity;
-        for (const double t : force.time)
-            if (t > system().time) next = std::min(next, t);
-        return force.time.empty() ? infinity : next;
+        double next = std::min(stop_time_, event_stop_);
+        for (const auto& canopy : canopies_)
+            next = std::min(next, canopy->next_stop());
+        return next;
     }
 
     /// Ends the run and drops all that came after the last check that found nothing wrong.
     void fail(const RunStatus& fault) {
-        observer_.forget();
+        for (const auto& canopy : canopies_)
+            canopy->observer().forget();
+        if (together_) together_->observer.forget();
         record_.events.resize(sound_events_);
         fields_.forget();
         frames_.forget();
@@ -207,8 +257,10 @@ private:
     }
 
     void check() {
-        if (const auto& fault = simulation_.fault()) return fail(*fault);
-        observer_.accept();
+        if (const auto fault = cluster_.fault()) return fail(*fault);
+        for (const auto& canopy : canopies_)
+            canopy->observer().accept();
+        if (together_) together_->observer.accept();
         sound_events_ = record_.events.size();
         fields_.accept();
         frames_.accept();
@@ -219,8 +271,8 @@ private:
     }
 
     void check_end() {
-        if (const auto fault = simulation_.find_fault()) {
-            found_.landing_time.reset();
+        if (const auto fault = cluster_.find_fault()) {
+            found().landing_time.reset();
             fail(*fault);
         }
     }
@@ -228,7 +280,7 @@ private:
     /// Rows and shapes that have come since it was called last.
     void tell_watchers() {
         if (run_.rows) {
-            const std::span<const HistoryRow> rows = observer_.final_rows();
+            const std::span<const HistoryRow> rows = observer().final_rows();
             for (; told_rows_ < rows.size(); ++told_rows_)
                 run_.rows({rows[told_rows_].time, rows[told_rows_].force, rows[told_rows_].velocity.norm()});
         }
@@ -263,10 +315,10 @@ private:
     void serialize(Archive& archive);
 
     void begin_opening_frames() {
-        const Inflation& inflation = simulation_.inflation();
-        const double filling = simulation_.predicts_filling()
+        const Inflation& inflation = view().simulation().inflation();
+        const double filling = cluster_.front().predicts_filling()
                                    ? expected_fill_constant * scene_.parachutes.front().nominal_diameter /
-                                         std::max(1.0, flight_state().airspeed)
+                                         std::max(1.0, only().flight_state().airspeed)
                                    : inflation.end_of(Phase::filling) - inflation.snatch;
         const double lasts = opening_and_breathing * filling;
         frames_.begin(system().time, {lasts / opening_frames, opening_frames});
@@ -277,8 +329,9 @@ private:
         descent_frames_from_ = infinity;
     }
     std::string_view stage_name() const {
-        if (system().stage == Stage::deployment) return "deployment";
-        switch (system().phase) {
+        const SystemState& s = view().simulation().system();
+        if (any_deploys()) return "deployment";
+        switch (s.phase) {
             case Phase::initial:
                 return "initial phase";
             case Phase::filling:
@@ -290,163 +343,115 @@ private:
         }
         return "descent";
     }
+    bool any_deploys() const {
+        return std::ranges::any_of(canopies_, [](const auto& canopy) { return canopy->deploys(); });
+    }
+    bool all_open() const {
+        return std::ranges::all_of(
+            canopies_, [](const auto& canopy) { return canopy->system().phase == Phase::open; });
+    }
 
     /// A descent is usually steady four filling times after snatch; for the progress line only.
     double expected_share() const {
         if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, system().time / stop_time_);
-        if (system().stage == Stage::deployment) return 0.0;
-        const Inflation& inflation = simulation_.inflation();
+        if (any_deploys()) return 0.0;
+        const Inflation& inflation = view().simulation().inflation();
         return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
     }
 
     void look_for_events() {
-        if (system().stage == Stage::deployment)
-            look_for_snatch();
-        else
-            look_for_opening();
+        const bool waits = std::ranges::any_of(
+            canopies_, [](const auto& canopy) { return canopy->waits_for_steady_descent(); });
+        const bool steady = waits && falls_steadily();
+        for (const auto& canopy : canopies_) {
+            for (const char* name : canopy->look(steady))
+                happened(*canopy, name);
+            if (canopy->ending() && !ended_) end(canopy->ending()->code, canopy->ending()->detail);
+        }
+        if (!ended_ && !any_deploys()) look_for_descent();
         if (!ended_) look_for_ground();
         if (!ended_) look_for_stop();
     }
 
-    /// [s]
-    double hold() const {
-        const Parachute& chute = scene_.parachutes.front();
-        return taut_hold * (chute.line_length * std::sqrt(chute.line.density / chute.line.youngs_modulus));
-    }
-
-    /// Lines count as taut once they have stayed so for a while; the end of that is the snatch.
-    void look_for_snatch() {
-        const double now = system().time;
-        if (!simulation_.lines_are_taut()) {
-            hold_end_ = infinity;
-        } else if (hold_end_ == infinity) {
-            hold_end_ = now + hold();
-        }
-        if (now < hold_end_) {
-            if (now >= longest_deployment)
-                end(StatusCode::time_limit,
-                    fmt::format(
-                        "the lines never came taut within {:g} s of release, check parachute.deploy and "
-                        "payload.drag_area, or end the run before by stop.time",
-                        longest_deployment));
+    /// An event of one canopy is one of the run once all have come to it.
+    void happened(const CanopyRun& canopy, const char* name) {
+        std::vector<std::string>& own = past_.at(index_of(canopy));
+        own.emplace_back(name);
+        const auto times = std::ranges::count(own, name);
+        if (std::ranges::any_of(
+                past_, [&](const auto& of_one) { return std::ranges::count(of_one, name) < times; }))
             return;
-        }
-        found_.line_stretch_time = now - hold();
-        found_.payload_snatch_speed =
-            (to_vec3(simulation_.payload().v) - system().air.wind_at_payload).norm();
-        const Vec3 airspeed = system().sums.system_velocity - system().air.wind;
-        found_.snatch_speed = airspeed.norm();
-        found_.snatch_path_angle = angle_below_horizon(airspeed);
-        found_.snatch_density = system().air.density;
-        if (const auto refused = simulation_.snatch()) return end(refused->code, refused->detail);
-        if (sequence_) sequence_->snatched(0, flight_state());
-        found_.snatch = now;
-        add_event("snatch");
+        add_event(name);
+        const std::string_view what = name;
+        if (what == "snatch") snatched();
+        if (what == "disreef") disreefed();
+        if ((what == "full-open" || what == "reefed-open") && together_ && !found().stages.back().full)
+            found().stages.back().full = system().time;
+        if (what == "full-open") met(Trigger::Kind::full_open);
+    }
+    std::size_t index_of(const CanopyRun& canopy) const {
+        return static_cast<std::size_t>(
+            std::ranges::find(canopies_, &canopy, [](const auto& c) { return c.get(); }) - canopies_.begin());
+    }
+    void snatched() {
         begin_opening_frames();
         met(Trigger::Kind::line_stretch);
-        observer_.count_peak_from(now + simulation_.inflation().initial_time);
+        if (!together_) return;
+        // All are out with the last of them.
+        const Findings& last = canopies_.at(last_snatched())->found();
+        Findings& all = together_->found;
+        all.line_stretch_time = last.line_stretch_time;
+        all.snatch = last.snatch;
+        all.snatch_speed = last.snatch_speed;
+        all.payload_snatch_speed = last.payload_snatch_speed;
+        all.snatch_path_angle = last.snatch_path_angle;
+        all.snatch_density = last.snatch_density;
+        double soonest = infinity;
+        for (const auto& canopy : canopies_)
+            soonest = std::min(soonest, canopy->simulation().inflation().initial_time);
+        together_->observer.count_peak_from(system().time + soonest);
+    }
+    std::size_t last_snatched() const {
+        const auto last = std::ranges::max_element(
+            canopies_, {}, [](const auto& canopy) { return canopy->found().snatch; });
+        return static_cast<std::size_t>(last - canopies_.begin());
+    }
+    void disreefed() {
+        begin_opening_frames();
+        if (!together_) return;
+        together_->found.stages.push_back({system().time});
+        together_->observer.begin_stage(system().time);
     }
 
-    void look_for_opening() {
+    void look_for_descent() {
         const double now = system().time;
-        bool opens = false;
-        if (simulation_.has_filled()) {
-            simulation_.end_filling();
-            if (sequence_) {
-                sequence_->grown(0, {}, false, system().air.drag_area);
-                sequence_->fills_up(0, now, !system().inflow.has_been_full);
-            }
-        }
-        watch_growth();
-        while (now >= simulation_.inflation().next_kink())
-            simulation_.pass_kink();
-        if (now >= simulation_.inflation().end_of(system().phase)) {
-            opens = system().phase == Phase::filling;
-            if (opens && !found_.stages.empty() && !found_.stages.back().full)
-                found_.stages.back().full = now;
-            if (system().phase != Phase::overshoot)
-                add_event(!opens ? "end-of-initial-phase" : view_.reefed() ? "reefed-open" : "full-open");
-            if (opens && !view_.reefed()) met(Trigger::Kind::full_open);
-            // Drag area and phi are continuous here, only their rates jump: the forces just
-            // evaluated are those of the phase that begins, too.
-            simulation_.begin(simulation_.inflation().after(system().phase));
-        }
-        if (sequence_) look_for_disreef();
-        if (system().stage == Stage::springs && (opens || simulation_.mouth_is_open())) {
-            found_.switched_late = opens && !simulation_.mouth_is_open();
-            simulation_.begin_ramp();
-            add_event("switch");
-        } else if (now >= simulation_.ramp_end()) {
-            simulation_.end_ramp();
-            add_event("finite-elements-alone");
-        }
         look_at_fall();
         // Not before there is a shape to report.
-        if (system().phase == Phase::open && !found_.descent_altitude &&
-            now >= view_.drag_area_steady() + shape_average && falls_steadily()) {
+        if (all_open() && !found().descent_altitude && now >= view().drag_area_steady() + shape_average &&
+            falls_steadily()) {
             add_event("steady-descent");
-            found_.descent = found_.last_window;
-            found_.descent_altitude = simulation_.payload().x[2];
+            found().descent = found().last_window;
+            found().descent_altitude = cluster_.front().payload().x[2];
             if (scene_.stop.kind == Trigger::Kind::steady_descent ||
                 scene_.stop.kind == Trigger::Kind::peak_force)
                 event_stop_ = now + scene_.stop.delay;
         }
         if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
-            now > view_.drag_area_steady() && observer_.filtered_force() < past_peak * observer_.peak().value)
+            now > view().drag_area_steady() &&
+            observer().filtered_force() < past_peak * observer().peak().value)
             event_stop_ = now + scene_.stop.delay;
     }
 
-    /// Whether a canopy whose filling is predicted still grows.
-    void watch_growth() {
-        if (!simulation_.predicts_filling() || system().phase == Phase::open) return;
-        growth_.travelled += system().dt * system().air.airspeed;
-        if (growth_.travelled < squid_travel * scene_.parachutes.front().nominal_diameter) return;
-        const double area = system().air.projected_area;
-        growth_ = {0.0, area, area < (1.0 + least_growth) * growth_.area};
-    }
-    /// A canopy that still squids at the end of a run has not opened, whatever ended it; nor has one that was
-    /// full and fell in.
     void note_squid() {
         const StatusCode code = record_.status.code;
-        if (!simulation_.predicts_filling() ||
-            (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
-             code != StatusCode::time_limit))
+        if (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
+            code != StatusCode::time_limit)
             return;
-        const bool open = system().phase == Phase::open;
-        const bool fell_in = open && system().time >= view_.full_open() + shape_average &&
-                             observer_.mean(&HistoryRow::drag_area, shape_average) <
-                                 least_drag_area * simulation_.inflation().steady_drag_area;
-        if (!fell_in && (open || !growth_.stands)) return;
-        const auto critical = filling_canopy(scene_.parachutes.front()).critical_speed(system().air.density);
-        const std::string opens =
-            !critical ? "by the reduced-order balance it opens at any subsonic speed"
-            : *critical == 0.0
-                ? "by the reduced-order balance it opens at no speed"
-                : fmt::format("by the reduced-order balance it opens below {:.4g} m/s", *critical);
-        end(StatusCode::squids,
-            fmt::format("{}: at {:.4g} m/s the canopy {} {:.3g} m^2 of projected area; {}; a larger "
-                        "parachute.filling.initial_mouth fills it sooner",
-                        record_.status.detail, system().air.airspeed,
-                        fell_in ? "was full and fell in to" : "stands at", system().air.projected_area,
-                        opens));
-    }
-
-    /// The canopies know when a line is cut; drag area and added mass go on from where they are.
-    void look_for_disreef() {
-        if (sequence_->waits_for_steady_descent() && system().phase == Phase::open && falls_steadily()) {
-            add_event("steady-descent");
-            sequence_->descends_steadily(flight_state());
-        }
-        for (const OpeningEvent& what : sequence_->advance(flight_state())) {
-            if (what.kind != OpeningEvent::Kind::disreef) continue;
-            const Canopy& canopy = sequence_->all().front();
-            add_event("disreef");
-            found_.stages.push_back({system().time});
-            observer_.begin_stage(system().time);
-            simulation_.disreef(canopy.inflation, canopy.stage);
-            if (canopy.phase == Phase::initial) simulation_.begin(Phase::initial);
-            begin_opening_frames();
-        }
+        for (std::size_t k = 0; k < canopies_.size(); ++k)
+            if (const auto why = canopies_[k]->squids())
+                return end(StatusCode::squids,
+                           fmt::format("{}: {}{}", record_.status.detail,
+                                       together_ ? fmt::format("canopy {}: ", k + 1) : "", *why));
     }
 
     void note_attempts() {
@@ -464,41 +469,48 @@ private:
 
     /// A sample of the fall, while the drag area is steady.
     void look_at_fall() {
-        if (system().phase != Phase::open) return fall_.restart();
+        if (!all_open()) return fall_.restart();
         if (system().step % steps_between_falls == 0) fall_.add(fall_now());
     }
     /// Judged now and then.
     bool falls_steadily() {
         if (system().step % Simulation::steps_between_checks != 0) return false;
-        found_.last_window = judge_fall();
-        return found_.last_window && found_.last_window->is_steady();
+        found().last_window = judge_fall();
+        return found().last_window && found().last_window->is_steady();
     }
     std::optional<DescentWindow> judge_fall() {
-        auto window = fall_.judge(simulation_.payload().x[2]);
-        if (window && window->is_steady()) window->turns = observer_.turns_since(window->from);
+        auto window = fall_.judge(cluster_.front().payload().x[2]);
+        if (window && window->is_steady()) window->turns = observer().turns_since(window->from);
         return window;
     }
+    /// Of several canopies the mean, which swings as one.
     FallSample fall_now() const {
-        const SystemState& s = system();
-        const double material = simulation_.constants().system_mass, gravity = scene_.environment.gravity;
-        const Vec3 air = s.air.airspeed * s.air.direction;  // relative to the canopy
-        const Vec3 arm = s.sums.canopy_position - to_vec3(simulation_.payload().x);
-        const double length = arm.norm(), sink = air.z();
+        const double gravity = scene_.environment.gravity;
+        const auto count = static_cast<double>(cluster_.size());
         FallSample now;
-        now.time = s.time;
-        now.density = s.air.density;
+        Vec3 air = Vec3::Zero(), arm = Vec3::Zero();
+        for (std::size_t k = 0; k < cluster_.size(); ++k) {
+            const Simulation& canopy = cluster_[k];
+            const SystemState& s = canopy.system();
+            const double material = canopy.constants().system_mass;
+            air += s.air.airspeed * s.air.direction / count;  // relative to the canopy
+            arm += (s.sums.canopy_position - to_vec3(canopy.payload().x)) / count;
+            now.density += s.air.density / count;
+            now.airspeed += s.air.airspeed / count;
+            now.updraft += s.air.wind.z() / count;
+            now.system_sink -= s.sums.system_velocity.z() / count;
+            now.air_sink -= s.sums.canopy_area_velocity.z() / count;
+            now.added_mass_ratio += s.added_mass / material / count;
+            now.accretion += accretes_ ? s.accretion() / material / count : 0.0;
+            now.growth += accretes_ ? s.added_mass_rate / material / count : 0.0;
+            now.area += s.air.projected_area / count;
+        }
+        const double length = arm.norm(), sink = air.z();
+        now.time = system().time;
         now.sink = sink;
-        now.airspeed = s.air.airspeed;
-        now.updraft = s.air.wind.z();
-        now.system_sink = -s.sums.system_velocity.z();
-        now.air_sink = -s.sums.canopy_area_velocity.z();
-        now.added_mass_ratio = s.added_mass / material;
-        now.accretion = accretes_ ? s.accretion() / material : 0.0;
-        now.growth = accretes_ ? s.added_mass_rate / material : 0.0;
         now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
         now.period = 2.0 * pi * std::sqrt(length / gravity);
         now.across = {air.x(), air.y()};
-        now.area = s.air.projected_area;
         return now;
     }
 
@@ -508,10 +520,10 @@ private:
     }
 
     void look_for_ground() {
-        if (simulation_.payload().x[2] > scene_.environment.ground) return;
+        if (cluster_.front().payload().x[2] > scene_.environment.ground) return;
         add_event("ground");
-        found_.landing_time = system().time;
-        if (system().stage == Stage::deployment)
+        found().landing_time = system().time;
+        if (any_deploys())
             return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
         return scene_.stop.kind == Trigger::Kind::ground
                    ? end(StatusCode::completed, "ground reached")
@@ -521,7 +533,7 @@ private:
     void look_for_stop() {
         const double now = system().time;
         if (scene_.stop.kind == Trigger::Kind::altitude && event_stop_ == longest_flight &&
-            simulation_.payload().x[2] <= scene_.stop.value)
+            cluster_.front().payload().x[2] <= scene_.stop.value)
             met(Trigger::Kind::altitude);
         if (now < std::min(stop_time_, event_stop_)) return;
         if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
@@ -539,23 +551,24 @@ private:
         cost.cpu_s = clock_.cpu();
         cost.steps = system().step;
         cost.rhs_calls = system().step;
-        cost.dt_min_s = cost.steps > 0 ? simulation_.steps().dt_min() : 0.0;
-        cost.dt_max_s = simulation_.steps().dt_max();
-        cost.element_steps = simulation_.element_steps();
+        cost.dt_min_s = cost.steps > 0 ? cluster_.front().steps().dt_min() : 0.0;
+        cost.dt_max_s = cluster_.front().steps().dt_max();
+        cost.element_steps = cluster_.element_steps();
         if (cost.element_steps > 0)
             cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
-        cost.blocks = simulation_.block_costs();
+        cost.blocks = cluster_.block_costs();
     }
 
     Attempts before_;
     const Scene& scene_;
     Run& run_;
     RunRecord record_;
-    Simulation simulation_;
-    Observer observer_;
-    Findings found_;
-    std::optional<OpeningSequence> sequence_;  // of a reefed parachute
-    const RunView view_;
+    Cluster cluster_;
+    double stated_mass_;
+    std::vector<std::unique_ptr<CanopyRun>> canopies_;
+    std::optional<Together> together_;  // of several
+    std::vector<std::vector<std::string>> past_ =
+        std::vector<std::vector<std::string>>(cluster_.size());  // events of each canopy
     SteadyDescent fall_;
     FieldRecorder fields_;
     FrameRecorder frames_;
@@ -563,15 +576,8 @@ private:
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
-    std::size_t told_rows_ = 0;  // to who watches
-    double told_frame_ = -1.0;   // [s] the last shape
-    /// Progress of a predicted filling: distance travelled [m] since a projected area [m^2], and whether that
-    /// area stood still over the stretch before.
-    struct Growth {
-        double travelled = 0.0, area = 0.0;
-        bool stands = false;
-    } growth_;
-    double hold_end_ = infinity;    // [s] at which lines that are taut now will have been so long enough
+    std::size_t told_rows_ = 0;     // to who watches
+    double told_frame_ = -1.0;      // [s] the last shape
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
     const bool accretes_ = scene_.aerodynamics.added_mass &&
                            scene_.aerodynamics.added_mass->momentum == AddedMassMomentum::accreting;
@@ -581,12 +587,21 @@ private:
 /// Saves or restores the run, without the parts that the constructor makes anew.
 void FullRun::serialize(Archive& archive) {
     before_.serialize(archive);
-    simulation_.serialize(archive);
-    observer_.serialize(archive);
+    cluster_.serialize(archive);
+    for (const auto& canopy : canopies_)
+        canopy->serialize(archive);
+    if (together_) {
+        together_->observer.serialize(archive);
+        together_->found.serialize(archive);
+    }
+    for (std::vector<std::string>& of_one : past_) {
+        archive.length("past events", of_one, 1'000'000);
+        for (std::string& name : of_one)
+            archive.text("past event", name);
+    }
     fall_.serialize(archive);
     fields_.serialize(archive);
     frames_.serialize(archive);
-    if (sequence_) sequence_->serialize(archive);
     archive.length("events", record_.events, 1'000'000);
     for (Event& event : record_.events) {
         auto& [name, time, altitude, speed] = event;
@@ -595,10 +610,8 @@ void FullRun::serialize(Archive& archive) {
             archive.number("event", *x);
     }
     archive.whole("sound events", sound_events_, 0, record_.events.size());
-    archive.flag("stands", growth_.stands);
-    for (double* x : {&descent_frames_from_, &event_stop_, &hold_end_, &growth_.travelled, &growth_.area})
+    for (double* x : {&descent_frames_from_, &event_stop_})
         archive.number("run", *x);
-    found_.serialize(archive);
     clock_.serialize(archive);
     archive.numbers("resumed at", record_.cost.resumed_at);
 }
@@ -609,8 +622,9 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
     const Parachute& chute = scene.parachutes.front();
     std::vector<std::string> keys;
-    if (chute.count > 1) keys.emplace_back("parachute.count");
-    if (chute.cluster_drag_ratio != 1.0) keys.emplace_back("parachute.cluster_drag_ratio");
+    if (chute.count > 1 && scene.payload.body) keys.emplace_back("parachute.count");
+    if (chute.count > 1 && scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
+    if (!chute.lag.empty() && chute.filling.is_predicted()) keys.emplace_back("parachute.lag");
     if (chute.deploy_when) keys.emplace_back("parachute.deploy.when");
     if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
         keys.emplace_back("parachute.deploy.by");

@@ -25,7 +25,7 @@ constexpr double ringing = 1.02;  // raw over filtered peak force; a sound openi
 
 /// [m^2] at a time [s] of the opening: as prescribed, or as it was.
 double drag_area_at(const RunView& run, double time) {
-    const Inflation& inflation = run.simulation.inflation();
+    const Inflation& inflation = run.simulation().inflation();
     if (!run.parachute().filling.is_predicted())
         return inflation.steady_drag_area * inflation.drag_area_ratio(inflation.phase_at(time), time).value;
     const auto& rows = run.observer.rows();
@@ -41,16 +41,16 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         record.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
     const bool opened = run.snatched();
-    const SystemState& state = run.simulation.system();
+    const SystemState& state = run.simulation().system();
     if (opened && !run.inflated() && !run.sequence)
-        add_opening_warnings(record, run.scene, run.parachute(), run.simulation.inflation(),
+        add_opening_warnings(record, run.scene, run.parachute(), run.simulation().inflation(),
                              run.snatch_speed(), run.snatch_density());
     add_scene_warnings(record, run.scene);
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
              "give it line drag, a static line, an extraction force, or more height");
     if (run.packed() && opened && !run.sequence && record.metric("peak_force_N")) {
-        const Inflation& inflation = run.simulation.inflation();
+        const Inflation& inflation = run.simulation().inflation();
         const double time = run.largest_peak().time;
         if (const double ratio = drag_area_at(run, time) / inflation.steady_drag_area; ratio < early_peak)
             warn(
@@ -61,10 +61,10 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                 "take it for a snatch force, or give full.alpha a value");
     }
     if (const double filtered = run.largest_peak().value, raw = run.observer.raw_peak().value;
-        filtered > 0.0 && raw > ringing * filtered && run.simulation.steps().most_subcycles() > 1)
+        filtered > 0.0 && raw > ringing * filtered && run.simulation().steps().most_subcycles() > 1)
         warn(fmt::format(
                  "the raw peak force is {:.1f} % above the filtered one, lines took up to {} subcycles",
-                 100.0 * (raw / filtered - 1.0), run.simulation.steps().most_subcycles()),
+                 100.0 * (raw / filtered - 1.0), run.simulation().steps().most_subcycles()),
              "where a step of the canopy is half a period of the lines they may ring "
              "(docs/theory/full-model.md)",
              "compare with full.line_substeps = 1; the filtered peak is the one that counts");
@@ -73,7 +73,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              fmt::format("the mouth never reached {:g} of the steady projected area",
                          run.scene.full.switch_area_ratio),
              "look at the shape; a smaller full.switch_area_ratio hands over earlier");
-    const double meshed = run.simulation.mesh().parachute_mass();
+    const double meshed = run.simulation().mesh().parachute_mass();
     if (std::abs(meshed - run.stated_mass) > 0.02 * run.stated_mass)
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, run.stated_mass),
              "the full model takes its mass from fabric, tapes and lines",
@@ -121,7 +121,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
             warn(fmt::format("the canopy over-inflates to {:.2f} of its steady radius", growth),
                  fmt::format("no test shows more than {:g}", largest_over_inflation),
                  "treat the force after full open as an upper bound");
-        const double told = run.simulation.inflation().steady_drag_area;
+        const double told = run.simulation().inflation().steady_drag_area;
         if (const double has = run.observer.mean(&HistoryRow::drag_area, shape_average);
             has < sound_drag_area * told)
             warn(fmt::format("the open canopy drags with {:.4g} of its {:.4g} m^2", has, told),

@@ -72,6 +72,9 @@ public:
         weights_.renew(state);
         return fullsim::critical_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
     }
+    void push_canopy(State& state, std::span<const Lanes> force) const override {
+        add_to_nodes(force, state);
+    }
     void impulse(State& state) override {
         if (!together()) return give_impulse(state, constants_, dt_, subcycles_, pulled_, body_, step_sums_);
         state.damping_power += line_damping_;

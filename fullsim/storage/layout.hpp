@@ -4,6 +4,7 @@
 
 #include <boost/container/static_vector.hpp>
 #include <chrono>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -126,11 +127,7 @@ public:
     /// state.in_subcycles, which is empty.
     void advance(State& state, double dt, int subcycles, double next_added_mass) {
         begin_step(state, dt, subcycles);
-        impulse(state);
-        for (int k = 0; k < subcycles && subcycles > 1; ++k) {
-            if (k > 0) pull(state, k);
-            drift(state, k);
-        }
+        move(state);
         end_step(state, next_added_mass);
     }
 
@@ -144,6 +141,16 @@ public:
         subcycles_ = subcycles;
         step_sums_ = {};
         if (!together()) separate(state);
+    }
+    /// All of the following but end_step.
+    void move(State& state) {
+        impulse(state);
+        if (together()) return;
+        drift(state, 0);
+        for (int k = 1; k < subcycles_; ++k) {
+            pull(state, k);
+            drift(state, k);
+        }
     }
     /// What takes no subcycles goes from t to t + dt, lines get the impulse of all other forces.
     virtual void impulse(State& state) = 0;
@@ -164,6 +171,9 @@ public:
     /// the same bits. `state` is kept; restored data have the name and instruction set of this layout, and go
     /// in after begin.
     virtual void serialize(Archive& archive, const State& state) = 0;
+
+    /// Adds `force` [N] on each node of the canopy after evaluate.
+    virtual void push_canopy(State& state, std::span<const Lanes> force) const = 0;
 
 protected:
     virtual void separate(State& state) = 0;

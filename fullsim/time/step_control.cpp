@@ -49,6 +49,9 @@ bool StepControl::comes_taut(const State& state, const Layout& layout) {
 
 ChosenStep StepControl::choose(const State& state, const StepInputs& inputs, double share) const {
     CriticalSteps stable = inputs.layout.critical_steps(state);
+    if (outer_frequency_ > 0.0)
+        for (double* step : {&stable.all, &stable.canopy})
+            *step = 1.0 / std::hypot(1.0 / *step, 0.5 * outer_frequency_);
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
     rules.chatters = chatters_in(state);
@@ -83,21 +86,25 @@ void StepControl::refresh(const State& state, const StepInputs& inputs) {
     subcycles_ = chosen.subcycles;
 }
 
-NextStep StepControl::next(State& state, double end, const StepInputs& inputs) {
+void StepControl::renew(State& state, const StepInputs& inputs) {
     if (state.folded && comes_taut(state, inputs.layout)) {
         state.folded = false;
         impacts_.expect();
         refresh(state, inputs);
     }
     if (state.step > 0 && state.step % steps_between_bounds == 0) refresh(state, inputs);
-    const double left = end - state.time;
-    NextStep step{left, subcycles_, left <= step_};
-    if (!step.last) {
-        step.dt = std::min(step_, 0.5 * left);
+}
+
+NextStep StepControl::take(const ChosenStep& chosen, double time, double end) {
+    const double left = end - time;
+    NextStep step{left, chosen.subcycles, end};
+    if (left > chosen.dt) {
+        step.dt = std::min(chosen.dt, 0.5 * left);
+        step.end = time + step.dt;
         dt_min_ = std::min(dt_min_, step.dt);
     }
     dt_max_ = std::max(dt_max_, step.dt);
-    most_subcycles_ = std::max(most_subcycles_, subcycles_);
+    most_subcycles_ = std::max(most_subcycles_, chosen.subcycles);
     return step;
 }
 

@@ -17,11 +17,11 @@ struct StepInputs {
     const Body* body;  ///< the payload, where it is one
 };
 
-/// The next step: `dt` [s] in `subcycles` of lines; `last` where it reaches the end that it was given.
+/// The next step: `dt` [s] in `subcycles` of lines, to `end` [s].
 struct NextStep {
     double dt = 0.0;
     int subcycles = 1;
-    bool last = false;
+    double end = 0.0;
 };
 
 class StepControl {
@@ -32,10 +32,12 @@ public:
     bool begin_deployment(const State& state, const Layout& layout);
     /// Bound and subcycles for `state`.
     void refresh(const State& state, const StepInputs& inputs);
-    /// The next step toward `end` [s], refreshed where that is due. The last two steps before an end share
-    /// what is left, so that it is reached exactly and none is tiny. Sets state.folded to false where fabric
-    /// could come taut now; the bound counts it from here on.
-    NextStep next(State& state, double end, const StepInputs& inputs);
+    /// Refreshes bound and subcycles where that is due. Sets state.folded to false where fabric could come
+    /// taut now; the bound counts it from here on.
+    void renew(State& state, const StepInputs& inputs);
+    /// The next step from `time` toward `end` [s]. The last two before an end share what is left, so that it
+    /// is reached exactly and none is tiny.
+    NextStep take(const ChosenStep& chosen, double time, double end);
     /// Time step for another state, e.g. with more added mass. For forecasts: weights of the bound may change
     /// with it.
     ChosenStep forecast(const State& state, const StepInputs& inputs) const;
@@ -45,6 +47,11 @@ public:
     /// Shortens steps whose impacts bring the residual near its limit. used_up: the residual over the
     /// largest one at which a run goes on.
     void watch_impacts(double used_up, double damping);
+
+    /// Forces from outside on the canopy's nodes, as stiff as this [1/s] over their mass, count from the next
+    /// refresh on.
+    void count_outer(double frequency) { outer_frequency_ = frequency; }
+    double outer_frequency() const { return outer_frequency_; }
 
     /// [s] bound times factor, as last refreshed.
     ChosenStep chosen() const { return {step_, subcycles_}; }
@@ -79,6 +86,7 @@ private:
     double system_mass_;            // [kg]
     double riser_stiffness_ = 0.0;  // [N/m] of the stiffest element on a body
     LineWaves line_waves_;
+    double outer_frequency_ = 0.0;  // [1/s]
     ImpactWatch impacts_;
     double step_ = 0.0;                                // [s] bound times factor, as last refreshed
     int subcycles_ = 1, most_subcycles_ = 1;           // of lines, in each step

@@ -107,7 +107,7 @@ LineWaves line_waves(const Mesh& mesh, const NodeConstants& constants, double li
 double resonance_limit(const LineWaves& line, double added_mass, double canopy_bound);
 
 /// The subcycle number `k` of as many in a step of `dt` [s].
-inline Subcycle subcycle(const State& state, double dt, int count, int k) {
+inline Subcycle subcycle(const SystemState& state, double dt, int count, int k) {
     const double length = dt / count;
     return {k == 0 ? 0.5 * (length + state.line_dt) : length, length};
 }

@@ -147,6 +147,29 @@ void VtuGrid::add_cell(VtuCell shape, std::span<const std::int32_t> of_points) {
     cells.push_back(shape);
 }
 
+void VtuGrid::append(const VtuGrid& other) {
+    const auto first = static_cast<std::int32_t>(points.size() / 3),
+               cells_before = static_cast<std::int32_t>(connectivity.size());
+    points.insert(points.end(), other.points.begin(), other.points.end());
+    for (const std::int32_t point : other.connectivity)
+        connectivity.push_back(first + point);
+    for (const std::int32_t end : other.offsets)
+        offsets.push_back(cells_before + end);
+    cells.insert(cells.end(), other.cells.begin(), other.cells.end());
+    const auto join = [](std::vector<VtuArray>& arrays, const std::vector<VtuArray>& more) {
+        assert(arrays.size() == more.size());
+        for (std::size_t k = 0; k < arrays.size(); ++k)
+            std::visit(
+                [&](auto& values) {
+                    const auto& others = std::get<std::decay_t<decltype(values)>>(more[k].values);
+                    values.insert(values.end(), others.begin(), others.end());
+                },
+                arrays[k].values);
+    };
+    join(point_data, other.point_data);
+    join(cell_data, other.cell_data);
+}
+
 std::string vtu_text(const VtuGrid& grid) {
     assert(grid.note.find("--") == std::string::npos && "it would end the comment");
     const std::size_t points = grid.points.size() / 3;

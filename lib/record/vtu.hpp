@@ -30,6 +30,8 @@ struct VtuGrid {
     std::vector<VtuCell> cells;
     std::vector<VtuArray> point_data, cell_data;
 
+    /// Points and cells of another grid with the same arrays, after those of this one.
+    void append(const VtuGrid& other);
     void add_cell(VtuCell shape, std::span<const std::int32_t> of_points);
 };
 

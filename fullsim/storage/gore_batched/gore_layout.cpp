@@ -218,6 +218,9 @@ public:
         return bound_->steps(inverse_inertia_, loads);
     }
 
+    void push_canopy(State&, std::span<const Lanes> force) const override {
+        nodes_->add_to_canopy(force);
+    }
     void impulse(State& state) override {
         if (together()) {
             state.damping_power += line_damping_;

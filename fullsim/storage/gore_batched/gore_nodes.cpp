@@ -171,6 +171,15 @@ void GoreNodes::scatter_add_forces(State& state) const {
         }
 }
 
+void GoreNodes::add_to_canopy(std::span<const Lanes> force) const {
+    for (LocalNode n = 0; n < gores_.canopy; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            const Lanes f = force[static_cast<std::size_t>(gores_.node[gore * gores_.own + n])];
+            for (int c = 0; c < 3; ++c)
+                at(frame.force, n, gore, c) += f[c];
+        }
+}
+
 void GoreNodes::gather_shared(const State& state, int block) const {
     for (const Sharing& s : shared_[block]) {
         const NodeRecord& node = state.node[s.node];

@@ -50,6 +50,8 @@ public:
     void store(State& state) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
+    /// Adds forces [N] on the canopy's nodes, in the order of the mesh.
+    void add_to_canopy(std::span<const Lanes> force) const;
 
     // The next gore's seam as gores see it. Within a block the kernels see to it. Between the last gore of
     // one and the first of the next it goes through a few lines of memory that one block writes and another

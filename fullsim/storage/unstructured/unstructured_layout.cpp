@@ -188,6 +188,9 @@ public:
         return steps;
     }
 
+    void push_canopy(State& state, std::span<const Lanes> force) const override {
+        add_to_nodes(force, state);
+    }
     void impulse(State& state) override {
         NodeMover mover(state, constants_, dt_);
         step_.record = doubles(state.node);

@@ -1,0 +1,254 @@
+#include "fullsim/cluster.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fullsim/initial_state.hpp"
+#include "fullsim/time/energy.hpp"
+#include "fullsim/time/subcycling.hpp"
+#include "lib/scene/scene_error.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+/// w of contact between canopies over the highest frequency of their fabric at the start: it costs 3 % of the
+/// step at most, and a pressure of 300 Pa on 45 g/m^2 goes some tenths of a millimetre deep.
+constexpr double contact_frequency = 0.25;
+constexpr double clearance = 1.02;     // of neighbours at the start
+constexpr double widest_lean = 0.9;    // sine of it
+constexpr double near_share = 0.005;   // of D0, within which a pair is looked at in every step
+
+}  // namespace
+
+Scene scene_of_canopy(const Scene& scene, int k) {
+    Scene one = scene;
+    Parachute& chute = one.parachutes.front();
+    const double count = chute.count;
+    one.payload.mass /= count;
+    if (one.payload.drag_area) *one.payload.drag_area /= count;
+    chute.lag = chute.lag.empty() ? std::vector<double>{}
+                                  : std::vector{chute.lag[static_cast<std::size_t>(k)]};
+    chute.count = 1;
+    if (one.full.noise) one.full.noise->seed += static_cast<std::uint64_t>(k);
+    return one;
+}
+
+double outward_lean(const Scene& scene) {
+    const int count = scene.parachutes.front().count;
+    if (count == 1) return 0.0;
+    const Scene one = scene_of_canopy(scene, 0);
+    MassScaling scaling;
+    const Mesh mesh = first_mesh(one, first_inflation(one), scaling);
+    double widest = 0.0;
+    for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i) {
+        const Vec3& x = mesh.position[static_cast<std::size_t>(i)];
+        const double along = x.dot(mesh.axis);
+        widest = std::max(widest, (x - along * mesh.axis).norm() / along);
+    }
+    const double sine = clearance * widest / std::sin(pi / count);
+    if (!(sine < widest_lean))
+        throw SceneError({scene.file.string()}, "parachute.count",
+                         fmt::format("{} canopies have no place beside each other", count),
+                         "as wide as they start, they would have to lean out by more than 64 deg",
+                         "give fewer, longer lines, or start them at line stretch");
+    return std::asin(sine);
+}
+
+Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout) {
+    const int count = scene.parachutes.front().count;
+    if (count == 1) {
+        scenes_.push_back(&scene);
+        canopies_.push_back(std::make_unique<Simulation>(scene, layout));
+        return;
+    }
+    const double lean = outward_lean(scene);
+    for (int k = 0; k < count; ++k) {
+        made_.push_back(std::make_unique<Scene>(scene_of_canopy(scene, k)));
+        scenes_.push_back(made_.back().get());
+    }
+    MassScaling scaling;
+    const Vec3 axis = first_mesh(*scenes_.front(), first_inflation(*scenes_.front()), scaling).axis;
+    for (int k = 0; k < count; ++k) {
+        const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
+        canopies_.push_back(std::make_unique<Simulation>(*scenes_[static_cast<std::size_t>(k)], layout,
+                                                         force_blocks(), Eigen::Quaterniond(around * out)));
+        Simulation& canopy = *canopies_.back();
+        canopy.meet_others(contact_frequency * 2.0 / canopy.bound().dt);
+        push_.emplace_back(static_cast<std::size_t>(canopy.mesh().canopy_nodes), splat(0.0));
+    }
+    const double near = near_share * scene.parachutes.front().nominal_diameter;
+    for (std::size_t i = 0; i < canopies_.size(); ++i)
+        for (std::size_t j = i + 1; j < canopies_.size(); ++j)
+            planes_.emplace_back(i, j, near);
+}
+
+void Cluster::evaluate_forces() {
+    for (const auto& canopy : canopies_)
+        canopy->evaluate_forces();
+}
+
+void Cluster::push_apart() {
+    bool pushed = false;
+    for (CanopyPlane& plane : planes_) {
+        Simulation &a = *canopies_[plane.first()], &b = *canopies_[plane.second()];
+        const SystemState& now = a.system();
+        if (!plane.is_due(now.time, now.step)) continue;
+        if (!pushed)
+            for (auto& on : push_)
+                std::ranges::fill(on, splat(0.0));
+        pushed = true;
+        plane.note(press_apart(a.canopy_nodes(), b.canopy_nodes(), push_[plane.first()],
+                               push_[plane.second()]),
+                   now.time, now.step);
+    }
+    if (!pushed) return;
+    for (std::size_t k = 0; k < size(); ++k)
+        canopies_[k]->push_canopy(push_[k]);
+}
+
+/// The mean of one force on the payload over all canopies.
+template <class Force>
+Lanes Cluster::mean_of(Force&& force) const {
+    Lanes sum = splat(0.0);
+    for (std::size_t k = 0; k < size(); ++k)
+        sum += force(k);
+    return sum / splat(static_cast<double>(size()));
+}
+
+void Cluster::share_pulls(double kick, int subcycles) {
+    const Lanes mean = mean_of([&](std::size_t k) { return canopies_[k]->payload_load(); });
+    for (const auto& canopy : canopies_) {
+        const double power = sum3((mean - canopy->payload_load()) * canopy->payload().v);
+        canopy->add_outer_work(kick * power, power / subcycles);
+        canopy->payload_load() = mean;
+    }
+}
+
+void Cluster::step_to(double end) {
+    if (size() == 1) return front().step_to(end);
+    push_apart();
+    ChosenStep chosen{infinity, 1};
+    for (const auto& canopy : canopies_) {
+        const ChosenStep own = canopy->choose_step();
+        chosen.dt = std::min(chosen.dt, own.dt);
+        chosen.subcycles = std::max(chosen.subcycles, own.subcycles);
+    }
+    std::vector<Lanes> rest;  // on the payload but for the air and, in subcycles, the risers
+    for (const auto& canopy : canopies_)
+        rest.push_back(canopy->payload_load());
+    for (const auto& canopy : canopies_)
+        canopy->begin_step(chosen, end);
+    const int count = chosen.subcycles;
+    for (std::size_t k = 0; k < size(); ++k)
+        rest[k] = count == 1 ? splat(0.0) : rest[k] - canopies_[k]->payload_load();
+    const Lanes mean_rest = mean_of([&](std::size_t k) { return rest[k]; });
+    const Lanes mean_drag = mean_of([&](std::size_t k) { return canopies_[k]->payload_drag(); });
+    for (std::size_t k = 0; k < size(); ++k)
+        canopies_[k]->payload_drag() = mean_drag + (mean_rest - rest[k]);
+
+    const double dt = front().step_under_way().dt;
+    const auto kick_of = [&](int k) {
+        const SystemState& s = front().system();
+        return count == 1 ? 0.5 * (dt + s.dt) : subcycle(s, dt, count, k).kick;
+    };
+    share_pulls(kick_of(0), count);
+    for (const auto& canopy : canopies_)
+        canopy->impulse();
+    for (int k = 0; k < count && count > 1; ++k) {
+        if (k > 0) {
+            for (const auto& canopy : canopies_)
+                canopy->pull(k);
+            share_pulls(kick_of(k), count);
+        }
+        for (const auto& canopy : canopies_)
+            canopy->drift(k);
+    }
+    for (const auto& canopy : canopies_)
+        canopy->end_step();
+    // To the last bit: the rest of the loads came by way of a difference.
+    for (std::size_t k = 1; k < size(); ++k)
+        canopies_[k]->follow_payload_of(front());
+}
+
+std::size_t Cluster::last_to_open() const {
+    std::size_t last = 0;
+    for (std::size_t k = 1; k < size(); ++k)
+        if (canopies_[k]->full_open() > canopies_[last]->full_open()) last = k;
+    return last;
+}
+
+void Cluster::start_anew_but(std::size_t changed) {
+    for (std::size_t k = 0; k < size(); ++k)
+        if (k != changed) canopies_[k]->start_anew();
+}
+
+EnergyLedger Cluster::ledger() const {
+    EnergyLedger sum = front().ledger();
+    if (size() == 1) return sum;
+    for (std::size_t k = 1; k < size(); ++k) {
+        const EnergyLedger one = canopies_[k]->ledger();
+        for (auto part : {&EnergyLedger::kinetic, &EnergyLedger::elastic, &EnergyLedger::gravity_work,
+                          &EnergyLedger::drag_work, &EnergyLedger::damping, &EnergyLedger::added_mass,
+                          &EnergyLedger::ramp, &EnergyLedger::external_work, &EnergyLedger::air_loss})
+            sum.*part += one.*part;
+    }
+    const double scale = std::abs(sum.drag_work);
+    sum.residual_fraction = scale > 0.0 ? residual(sum) / scale : 0.0;
+    return sum;
+}
+
+LargestLoads Cluster::largest_loads() const {
+    LargestLoads most;
+    for (const auto& canopy : canopies_) {
+        most.add_tension(canopy->largest_loads().line_tension);
+        most.add_stress(canopy->largest_loads().fabric_stress);
+    }
+    return most;
+}
+
+std::int64_t Cluster::element_steps() const {
+    std::int64_t sum = 0;
+    for (const auto& canopy : canopies_)
+        sum += canopy->element_steps();
+    return sum;
+}
+
+std::vector<BlockCost> Cluster::block_costs() const {
+    std::vector<BlockCost> sum = front().block_costs();
+    for (std::size_t k = 1; k < size(); ++k)
+        for (const BlockCost& one : canopies_[k]->block_costs()) {
+            const auto same = std::ranges::find(sum, one.name, &BlockCost::name);
+            if (same == sum.end())
+                sum.push_back(one);
+            else
+                same->seconds += one.seconds;
+        }
+    return sum;
+}
+
+std::optional<RunStatus> Cluster::of_first(
+    const std::function<std::optional<RunStatus>(std::size_t)>& fault) const {
+    for (std::size_t k = 0; k < size(); ++k)
+        if (auto found = fault(k)) {
+            if (size() > 1) found->detail = fmt::format("canopy {}: {}", k + 1, found->detail);
+            return found;
+        }
+    return std::nullopt;
+}
+std::optional<RunStatus> Cluster::fault() const {
+    return of_first([&](std::size_t k) { return canopies_[k]->fault(); });
+}
+std::optional<RunStatus> Cluster::find_fault() {
+    return of_first([&](std::size_t k) { return canopies_[k]->find_fault(); });
+}
+
+void Cluster::serialize(Archive& archive) {
+    for (const auto& canopy : canopies_)
+        canopy->serialize(archive);
+    for (CanopyPlane& plane : planes_)
+        plane.serialize(archive);
+}
+
+}  // namespace twinchute::fullsim
