@@ -10,6 +10,8 @@
 // that half slips under another meets it along a plane here, too. Without friction.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -18,11 +20,13 @@
 
 namespace twinchute::fullsim {
 
-/// The nodes of one canopy.
+/// Nodes of one canopy, or those of them that may be behind the plane.
 struct PressedNodes {
     std::span<const NodeRecord> node;
-    std::span<const double> mass;  ///< [kg] material
+    std::span<const double> mass;  ///< [kg] material, of each
     double stiffness = 0.0;        ///< w^2 [1/s^2], over mass
+    Lanes centre = splat(0.0);     ///< [m] of mass, of the whole canopy
+    double canopy_mass = 0.0;      ///< [kg] likewise
 };
 
 /// Contact of two canopies at one instant.
@@ -32,32 +36,40 @@ struct PlaneContact {
     double force = 0.0;    ///< [N] by which each pushes the other
     double energy = 0.0;   ///< [J]
     double depth = 0.0;    ///< [m] deepest node behind the plane
+    /// [N] on the first canopy as a whole, spread over its nodes by their masses; on the second the opposite.
+    Lanes on_first = splat(0.0);
 };
 
 /// Adds the forces [N] on the nodes of each to `on_a` and `on_b`, which have one for each node.
 PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span<Lanes> on_a,
                          std::span<Lanes> on_b);
 
-/// A pair of a cluster's canopies, and when it has to be looked at again.
+/// Which of all nodes of either canopy are within `reach` [m] of the other's nearest: the only ones that may
+/// touch soon.
+std::array<std::vector<NodeIndex>, 2> near_nodes(const PressedNodes& a, const PressedNodes& b, double reach);
+
+/// A pair of a cluster's canopies: nodes that may touch, and what contact has been so far.
 class CanopyPlane {
 public:
-    CanopyPlane(std::size_t first, std::size_t second, double near) : first_(first), second_(second), near_(near) {}
+    CanopyPlane(std::size_t first, std::size_t second) : first_(first), second_(second) {}
 
     std::size_t first() const { return first_; }
     std::size_t second() const { return second_; }
-    /// Whether they may touch at `time` [s].
-    bool is_due(double time, std::int64_t step) const {
-        return step >= looked_at_ + longest_wait || last_.gap - last_.closing * (time - time_) < near_;
-    }
-    void note(const PlaneContact& contact, double time, std::int64_t step) {
-        last_ = contact;
-        time_ = time;
-        looked_at_ = step;
-        if (contact.force > largest_force_) largest_force_ = contact.force;
-        if (contact.depth > deepest_) deepest_ = contact.depth;
+    /// Fabric is seldom faster than some metres a second: every so many steps all nodes are looked at.
+    static constexpr std::int64_t steps_between_searches = 20;
+
+    /// Notes who may touch until the next search; `meanwhile`: [s] until then, `least`: [m] within which nodes
+    /// always count.
+    void search(const PressedNodes& a, const PressedNodes& b, double meanwhile, double least);
+    const std::vector<NodeIndex>& near_first() const { return near_[0]; }
+    const std::vector<NodeIndex>& near_second() const { return near_[1]; }
+    bool may_touch() const { return !near_[0].empty() && !near_[1].empty(); }
+
+    void note(const PlaneContact& contact, double time) {
+        largest_force_ = std::max(largest_force_, contact.force);
+        deepest_ = std::max(deepest_, contact.depth);
         if (contact.force > 0.0 && first_touch_ < 0.0) first_touch_ = time;
     }
-    const PlaneContact& last() const { return last_; }
     double largest_force() const { return largest_force_; }  ///< [N]
     double deepest() const { return deepest_; }              ///< [m]
     double first_touch() const { return first_touch_; }      ///< [s]; below zero: they never did
@@ -65,13 +77,8 @@ public:
     void serialize(Archive& archive);
 
 private:
-    static constexpr std::int64_t longest_wait = 10;  // steps: fabric is seldom faster than some metres a second
-
     std::size_t first_, second_;
-    double near_;  // [m]
-    PlaneContact last_{};
-    double time_ = 0.0;
-    std::int64_t looked_at_ = -longest_wait;
+    std::array<std::vector<NodeIndex>, 2> near_;
     double largest_force_ = 0.0, deepest_ = 0.0, first_touch_ = -1.0;
 };
 

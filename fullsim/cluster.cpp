@@ -13,12 +13,12 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// w of contact between canopies over the highest frequency of their fabric at the start: it costs 3 % of the
-/// step at most, and a pressure of 300 Pa on 45 g/m^2 goes some tenths of a millimetre deep.
-constexpr double contact_frequency = 0.25;
+/// w of contact between canopies over the highest frequency of their fabric at the start: it costs a per cent
+/// of the step, and the fabric of a C-9 goes some millimetres behind the plane.
+constexpr double contact_frequency = 0.15;
 constexpr double clearance = 1.02;     // of neighbours at the start
 constexpr double widest_lean = 0.9;    // sine of it
-constexpr double near_share = 0.005;   // of D0, within which a pair is looked at in every step
+constexpr double near_share = 0.005;   // of D0, within which nodes are looked at in every step
 
 }  // namespace
 
@@ -56,8 +56,10 @@ double outward_lean(const Scene& scene) {
     return std::asin(sine);
 }
 
-Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout) {
+Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int threads)
+    : tuner_(std::min(threads, scene.parachutes.front().count)) {
     const int count = scene.parachutes.front().count;
+    if (count > 1 && tuner_.most() > 1) threads_ = std::make_unique<WorkerPool>(tuner_.most() - 1);
     if (count == 1) {
         scenes_.push_back(&scene);
         canopies_.push_back(std::make_unique<Simulation>(scene, layout));
@@ -75,37 +77,56 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout) {
         canopies_.push_back(std::make_unique<Simulation>(*scenes_[static_cast<std::size_t>(k)], layout,
                                                          force_blocks(), Eigen::Quaterniond(around * out)));
         Simulation& canopy = *canopies_.back();
-        canopy.meet_others(contact_frequency * 2.0 / canopy.bound().dt);
-        push_.emplace_back(static_cast<std::size_t>(canopy.mesh().canopy_nodes), splat(0.0));
+        canopy.meet_others(contact_frequency);
     }
-    const double near = near_share * scene.parachutes.front().nominal_diameter;
+    near_ = near_share * scene.parachutes.front().nominal_diameter;
     for (std::size_t i = 0; i < canopies_.size(); ++i)
         for (std::size_t j = i + 1; j < canopies_.size(); ++j)
-            planes_.emplace_back(i, j, near);
+            planes_.emplace_back(i, j);
+}
+
+/// work(canopy) for each. What it reads of others it must not write.
+template <class Work>
+void Cluster::for_each(Work&& work) {
+    const auto one = [&](int k) { work(*canopies_[static_cast<std::size_t>(k)]); };
+    const auto count = static_cast<int>(size());
+    if (threads_ && tuner_.now() > 1) return threads_->share(count, one);
+    for (int k = 0; k < count; ++k)
+        one(k);
 }
 
 void Cluster::evaluate_forces() {
-    for (const auto& canopy : canopies_)
-        canopy->evaluate_forces();
+    count_time();
+    for_each([](Simulation& canopy) { canopy.evaluate_forces(); });
+}
+
+void Cluster::count_time() {
+    if (!threads_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (step_began_) tuner_.took(std::chrono::duration<double>(now - *step_began_).count());
+    step_began_ = now;
 }
 
 void Cluster::push_apart() {
-    bool pushed = false;
+    const SystemState& now = front().system();
+    const bool searches = now.step % CanopyPlane::steps_between_searches == 0;
     for (CanopyPlane& plane : planes_) {
         Simulation &a = *canopies_[plane.first()], &b = *canopies_[plane.second()];
-        const SystemState& now = a.system();
-        if (!plane.is_due(now.time, now.step)) continue;
-        if (!pushed)
-            for (auto& on : push_)
-                std::ranges::fill(on, splat(0.0));
-        pushed = true;
-        plane.note(press_apart(a.canopy_nodes(), b.canopy_nodes(), push_[plane.first()],
-                               push_[plane.second()]),
-                   now.time, now.step);
+        if (searches)
+            plane.search(a.canopy_nodes(), b.canopy_nodes(), CanopyPlane::steps_between_searches * now.dt,
+                         near_);
+        if (!plane.may_touch()) continue;
+        Touching &of_a = touching_[0], &of_b = touching_[1];
+        const PressedNodes nodes_a = a.canopy_nodes(plane.near_first(), of_a.node, of_a.mass),
+                           nodes_b = b.canopy_nodes(plane.near_second(), of_b.node, of_b.mass);
+        of_a.force.assign(of_a.node.size(), splat(0.0));
+        of_b.force.assign(of_b.node.size(), splat(0.0));
+        const PlaneContact contact = press_apart(nodes_a, nodes_b, of_a.force, of_b.force);
+        plane.note(contact, now.time);
+        if (!(contact.force > 0.0)) continue;
+        a.push_canopy(plane.near_first(), of_a.node, of_a.force, contact.on_first);
+        b.push_canopy(plane.near_second(), of_b.node, of_b.force, -contact.on_first);
     }
-    if (!pushed) return;
-    for (std::size_t k = 0; k < size(); ++k)
-        canopies_[k]->push_canopy(push_[k]);
 }
 
 /// The mean of one force on the payload over all canopies.
@@ -130,16 +151,16 @@ void Cluster::step_to(double end) {
     if (size() == 1) return front().step_to(end);
     push_apart();
     ChosenStep chosen{infinity, 1};
+    for_each([](Simulation& canopy) { canopy.choose_step(); });
     for (const auto& canopy : canopies_) {
-        const ChosenStep own = canopy->choose_step();
+        const ChosenStep own = canopy->step();
         chosen.dt = std::min(chosen.dt, own.dt);
         chosen.subcycles = std::max(chosen.subcycles, own.subcycles);
     }
     std::vector<Lanes> rest;  // on the payload but for the air and, in subcycles, the risers
     for (const auto& canopy : canopies_)
         rest.push_back(canopy->payload_load());
-    for (const auto& canopy : canopies_)
-        canopy->begin_step(chosen, end);
+    for_each([&](Simulation& canopy) { canopy.begin_step(chosen, end); });
     const int count = chosen.subcycles;
     for (std::size_t k = 0; k < size(); ++k)
         rest[k] = count == 1 ? splat(0.0) : rest[k] - canopies_[k]->payload_load();
@@ -154,19 +175,18 @@ void Cluster::step_to(double end) {
         return count == 1 ? 0.5 * (dt + s.dt) : subcycle(s, dt, count, k).kick;
     };
     share_pulls(kick_of(0), count);
-    for (const auto& canopy : canopies_)
-        canopy->impulse();
-    for (int k = 0; k < count && count > 1; ++k) {
-        if (k > 0) {
-            for (const auto& canopy : canopies_)
-                canopy->pull(k);
-            share_pulls(kick_of(k), count);
-        }
-        for (const auto& canopy : canopies_)
-            canopy->drift(k);
+    // As Layout::move; what one canopy does before the next pulls are shared goes together.
+    for (int k = 1; k <= count; ++k) {
+        for_each([&](Simulation& canopy) {
+            if (k == 1) canopy.impulse();
+            if (count > 1) canopy.drift(k - 1);
+            if (k < count)
+                canopy.pull(k);
+            else
+                canopy.end_step();
+        });
+        if (k < count) share_pulls(kick_of(k), count);
     }
-    for (const auto& canopy : canopies_)
-        canopy->end_step();
     // To the last bit: the rest of the loads came by way of a difference.
     for (std::size_t k = 1; k < size(); ++k)
         canopies_[k]->follow_payload_of(front());

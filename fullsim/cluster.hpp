@@ -10,12 +10,17 @@
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "fullsim/canopy_plane.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
+#include "fullsim/storage/gore_batched/worker_pool.hpp"
 
 namespace twinchute::fullsim {
 
@@ -29,9 +34,12 @@ double outward_lean(const Scene& scene);
 class Cluster {
 public:
     /// The scene outlives it. One parachute is a simulation as any other.
+    /// Several share as many threads at most; nothing that they compute depends on these.
     explicit Cluster(const Scene& scene,
-                     const Simulation::LayoutMaker& layout = Simulation::layout_of_one_thread);
+                     const Simulation::LayoutMaker& layout = Simulation::layout_of_one_thread,
+                     int threads = 1);
 
+    int threads() const { return threads_ ? tuner_.most() : 1; }
     std::size_t size() const { return canopies_.size(); }
     Simulation& operator[](std::size_t k) { return *canopies_[k]; }
     const Simulation& operator[](std::size_t k) const { return *canopies_[k]; }
@@ -62,6 +70,9 @@ public:
     void serialize(Archive& archive);
 
 private:
+    template <class Work>
+    void for_each(Work&& work);
+    void count_time();
     void push_apart();
     void share_pulls(double kick, int subcycles);
     template <class Force>
@@ -73,7 +84,16 @@ private:
     std::vector<const Scene*> scenes_;
     std::vector<std::unique_ptr<Simulation>> canopies_;
     std::vector<CanopyPlane> planes_;
-    std::vector<std::vector<Lanes>> push_;  // [N] on the nodes of each canopy
+    double near_ = 0.0;  // [m] see CanopyPlane::search
+    struct Touching {
+        std::vector<NodeRecord> node;
+        std::vector<double> mass;
+        std::vector<Lanes> force;
+    };
+    std::array<Touching, 2> touching_;  // of the pair at hand
+    ThreadCountTuner tuner_;
+    std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
+    std::optional<std::chrono::steady_clock::time_point> step_began_;
 };
 
 }  // namespace twinchute::fullsim

@@ -124,23 +124,47 @@ void Simulation::follow_payload_of(const Simulation& other) {
     state_.v_half[here] = other.state_.v_half[there];
 }
 
-void Simulation::meet_others(double frequency) {
-    steps_.count_outer(frequency);
+void Simulation::meet_others(double share) {
+    steps_.count_outer(share * 2.0 / layout_->critical_steps(state_).canopy);
     steps_.refresh(state_, step_inputs());
 }
 
 PressedNodes Simulation::canopy_nodes() const {
     const auto count = static_cast<std::size_t>(mesh_.canopy_nodes);
-    return {std::span(synchronised().node).first(count), std::span(constants_.mass).first(count),
-            steps_.outer_frequency() * steps_.outer_frequency()};
+    PressedNodes all = canopy_nodes_but_nodes();
+    all.node = std::span(synchronised().node).first(count);
+    all.mass = std::span(constants_.mass).first(count);
+    return all;
 }
 
-void Simulation::push_canopy(std::span<const Lanes> force) {
-    const State& s = synchronised();
-    double power = 0.0;
-    for (std::size_t i = 0; i < force.size(); ++i)
-        power += sum3(force[i] * s.node[i].v);
-    layout_->push_canopy(state_, force);
+PressedNodes Simulation::canopy_nodes(std::span<const NodeIndex> nodes, std::vector<NodeRecord>& record,
+                                      std::vector<double>& mass) const {
+    record.resize(nodes.size());
+    layout_->read(state_, nodes, record);
+    mass.clear();
+    for (const NodeIndex i : nodes)
+        mass.push_back(constants_.mass[i]);
+    PressedNodes some = canopy_nodes_but_nodes();
+    some.node = record;
+    some.mass = mass;
+    return some;
+}
+
+PressedNodes Simulation::canopy_nodes_but_nodes() const {
+    return {{},
+            {},
+            steps_.outer_frequency() * steps_.outer_frequency(),
+            to_lanes(state_.sums.canopy_position),
+            constants_.canopy_mass};
+}
+
+void Simulation::push_canopy(std::span<const NodeIndex> nodes, std::span<const NodeRecord> of,
+                             std::span<const Lanes> force, Lanes on_all) {
+    double power = to_vec3(on_all).dot(state_.sums.canopy_velocity);
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+        power += sum3(force[k] * of[k].v);
+    layout_->push(state_, nodes, force);
+    layout_->accelerate(to_vec3(on_all) / constants_.canopy_mass);
     state_.external_power += power;
 }
 

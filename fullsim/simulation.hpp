@@ -80,12 +80,17 @@ public:
     void follow_payload_of(const Simulation& other);
     /// Ends the current step's memory: the next is a first one, as after a change of stage.
     void start_anew() { fullsim::start_anew(synchronised()); }
-    /// Nodes of the canopy may be pushed from outside by forces that are as stiff as `frequency` [1/s]: counts
-    /// in the critical step.
-    void meet_others(double frequency);
+    /// Nodes of the canopy may be pushed from outside by forces as stiff as this share of the fabric's highest
+    /// frequency now: counts in the critical step from here on.
+    void meet_others(double share);
+    /// All nodes of the canopy, or some of them, read into `record` and `mass`.
     PressedNodes canopy_nodes() const;
-    /// Adds a force [N] on each node of the canopy, from outside the parachute, after evaluate_forces.
-    void push_canopy(std::span<const Lanes> force);
+    PressedNodes canopy_nodes(std::span<const NodeIndex> nodes, std::vector<NodeRecord>& record,
+                              std::vector<double>& mass) const;
+    /// Adds forces [N] on some nodes of the canopy, and on it as a whole, from outside the parachute, after
+    /// evaluate_forces. `of`: as canopy_nodes has read them.
+    void push_canopy(std::span<const NodeIndex> nodes, std::span<const NodeRecord> of,
+                     std::span<const Lanes> force, Lanes on_all);
 
     // Equations of motion without the time step, for reference solutions by other integrators. Only nodes and
     // velocities vary in time; mesh, phase and stage stay as they are.
@@ -176,6 +181,7 @@ public:
     static constexpr int steps_between_checks = 50;  ///< for faults
 
 private:
+    PressedNodes canopy_nodes_but_nodes() const;
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at system().time.

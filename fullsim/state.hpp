@@ -303,12 +303,6 @@ inline MeanForce mean_riser_force(const SystemState& s) {
             s.time - 0.5 * s.in_subcycles.count * s.line_dt};
 }
 
-/// Adds forces [N] on the first nodes.
-inline void add_to_nodes(std::span<const Lanes> force, State& state) {
-    for (std::size_t i = 0; i < force.size(); ++i)
-        state.force[i].value += force[i];
-}
-
 /// No force on any node, and nothing dissipated yet; from here on the state holds those from node `first` on.
 inline void clear_forces(State& state, std::size_t first = 0) {
     for (NodeForces* forces : {&state.force, &state.aero})

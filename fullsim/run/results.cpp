@@ -157,7 +157,8 @@ void add_past_events(const RunView& run, const OpeningResult& result, RunRecord&
 }
 
 void add_shape(const RunView& run, double steady_area, RunRecord& record) {
-    const double nominal = run.parachute().nominal_diameter, diameter = 2.0 * std::sqrt(steady_area / pi);
+    const double nominal = run.parachute().nominal_diameter,
+                 diameter = 2.0 * std::sqrt(steady_area / run.parachute().count / pi);
     const auto mean = [&](double HistoryRow::*column) { return run.observer.mean(column, shape_average); };
     record.add_metric("projected_diameter_ratio", diameter / nominal, MetricKind::result,
                       "equal-area diameter over D0, mean of the last 2 s");

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "fullsim/fidelity.hpp"
@@ -64,11 +65,13 @@ public:
           run_(run),
           record_(begin_record(scene, "full")),
           cluster_(scene,
-                   [threads = run.threads, any = run.force_unstructured](const Scene& s, const Mesh& mesh,
-                                                                         const NodeConstants& constants) {
+                   [threads = scene.parachutes.front().count > 1 ? 1 : run.threads,
+                    any = run.force_unstructured](const Scene& s, const Mesh& mesh,
+                                                  const NodeConstants& constants) {
                        return any ? make_unstructured_layout(s, mesh, constants)
                                   : make_layout(s, mesh, constants, threads);
-                   }),
+                   },
+                   run.threads),
           stated_mass_(stated_mass),
           fall_(scene.environment),
           fields_(meshes(), scene.full.fields_rate, run.fields),
@@ -120,9 +123,9 @@ public:
         fields_.accept();
         frames_.accept();
         if (run_.frames) run_.frames(frames_.finish());
-        const Layout& layout = cluster_.front().layout();
+        const Layout& layout = std::as_const(cluster_).front().layout();
         record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
-        record_.provenance.threads = layout.threads();
+        record_.provenance.threads = std::max(layout.threads(), cluster_.threads());
         fill_cost();
         // The end of the run is steady, too, or its last window says that it is not.
         if (const auto last = judge_fall()) {

@@ -72,10 +72,11 @@ public:
         weights_.renew(state);
         return fullsim::critical_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
     }
-    void push_canopy(State& state, std::span<const Lanes> force) const override {
-        add_to_nodes(force, state);
-    }
+    void accelerate(const Vec3& acceleration) override { acceleration_ = acceleration; }
     void impulse(State& state) override {
+        for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
+            state.force[i].value += constants_.mass[i] * to_lanes(acceleration_);
+        acceleration_ = Vec3::Zero();
         if (!together()) return give_impulse(state, constants_, dt_, subcycles_, pulled_, body_, step_sums_);
         state.damping_power += line_damping_;
         const double kick = 0.5 * (dt_ + state.dt);
@@ -115,10 +116,20 @@ private:
     const ForceModel* lines_ = nullptr;
     SubcycledNodes pulled_;
     PerronScaling weights_;
-    double line_damping_ = 0.0;  // [W]
+    double line_damping_ = 0.0;             // [W]
+    Vec3 acceleration_ = Vec3::Zero();  // [m/s^2] of the canopy in this step, by others
 };
 
 }  // namespace
+
+void Layout::read(const State& state, std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const {
+    std::ranges::transform(nodes, to.begin(), [&](NodeIndex i) { return state.node[i]; });
+}
+
+void Layout::push(State& state, std::span<const NodeIndex> nodes, std::span<const Lanes> force) const {
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+        state.force[nodes[k]].value += force[k];
+}
 
 EnergiesAndStrains levels_of(const State& state, const NodeConstants& constants,
                              const ForceModels& structure) {

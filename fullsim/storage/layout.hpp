@@ -172,8 +172,14 @@ public:
     /// in after begin.
     virtual void serialize(Archive& archive, const State& state) = 0;
 
-    /// Adds `force` [N] on each node of the canopy after evaluate.
-    virtual void push_canopy(State& state, std::span<const Lanes> force) const = 0;
+    // Other canopies push nodes of this one (cluster.hpp), after evaluate.
+
+    /// Some nodes of the canopy as they are now.
+    virtual void read(const State& state, std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const;
+    /// Adds forces [N] on them.
+    virtual void push(State& state, std::span<const NodeIndex> nodes, std::span<const Lanes> force) const;
+    /// Accelerates all of the canopy [m/s^2], in this step.
+    virtual void accelerate(const Vec3& acceleration) = 0;
 
 protected:
     virtual void separate(State& state) = 0;

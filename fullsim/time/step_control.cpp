@@ -22,6 +22,8 @@ StepControl::StepControl(const Scene& scene, const Mesh& mesh, const NodeConstan
         if (std::max(c.node[0], c.node[1]) >= mesh.first_attachment())
             riser_stiffness_ =
                 std::max(riser_stiffness_, c.strands * mesh.cord(c.kind).axial_stiffness() / c.rest_length);
+    for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+        least_air_ = std::min(least_air_, constants.share[i] / constants.mass[i]);
     line_waves_ = line_waves(mesh, constants, scene.parachutes.front().line_length, scene.full.bulk_viscosity,
                              scene.full.beta);
 }
@@ -51,7 +53,8 @@ ChosenStep StepControl::choose(const State& state, const StepInputs& inputs, dou
     CriticalSteps stable = inputs.layout.critical_steps(state);
     if (outer_frequency_ > 0.0)
         for (double* step : {&stable.all, &stable.canopy})
-            *step = 1.0 / std::hypot(1.0 / *step, 0.5 * outer_frequency_);
+            *step = 1.0 / std::hypot(1.0 / *step,
+                                     0.5 * outer_frequency_ / std::sqrt(1.0 + least_air_ * state.added_mass));
     StepRules rules;
     rules.factor = scene_.full.time_step_factor;
     rules.chatters = chatters_in(state);

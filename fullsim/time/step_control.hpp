@@ -48,8 +48,8 @@ public:
     /// largest one at which a run goes on.
     void watch_impacts(double used_up, double damping);
 
-    /// Forces from outside on the canopy's nodes, as stiff as this [1/s] over their mass, count from the next
-    /// refresh on.
+    /// Forces from outside on the canopy's nodes, as stiff as this [1/s] over their material mass, count from
+    /// the next refresh on.
     void count_outer(double frequency) { outer_frequency_ = frequency; }
     double outer_frequency() const { return outer_frequency_; }
 
@@ -87,6 +87,7 @@ private:
     double riser_stiffness_ = 0.0;  // [N/m] of the stiffest element on a body
     LineWaves line_waves_;
     double outer_frequency_ = 0.0;  // [1/s]
+    double least_air_ = infinity;   // [1/kg] share of the added mass over mass, of the canopy's nodes
     ImpactWatch impacts_;
     double step_ = 0.0;                                // [s] bound times factor, as last refreshed
     int subcycles_ = 1, most_subcycles_ = 1;           // of lines, in each step

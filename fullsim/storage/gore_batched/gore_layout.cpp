@@ -160,6 +160,7 @@ public:
         count_time();
         use_air(state);
         node_loads_ = {};
+        step_.contact_reaction = {};
         const auto work = [this](const Row* row, const GoreFrame& part) {
             ElementSums& sums = sums_[part.first].of_row[row - rows.data()];
             sums = row->work ? (this->*row->work)(part) : ElementSums{};
@@ -218,8 +219,16 @@ public:
         return bound_->steps(inverse_inertia_, loads);
     }
 
-    void push_canopy(State&, std::span<const Lanes> force) const override {
-        nodes_->add_to_canopy(force);
+    void read(const State&, std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const override {
+        nodes_->read(nodes, to);
+    }
+    void push(State&, std::span<const NodeIndex> nodes, std::span<const Lanes> force) const override {
+        nodes_->push(nodes, force);
+    }
+    void accelerate(const Vec3& acceleration) override {
+        step_.has_contact_reaction = true;
+        for (std::size_t c = 0; c < 3; ++c)
+            step_.contact_reaction[c] += acceleration[static_cast<int>(c)];
     }
     void impulse(State& state) override {
         if (together()) {

@@ -171,13 +171,34 @@ void GoreNodes::scatter_add_forces(State& state) const {
         }
 }
 
-void GoreNodes::add_to_canopy(std::span<const Lanes> force) const {
+const std::vector<std::size_t>& GoreNodes::places() const {
+    if (!place_.empty()) return place_;
     for (LocalNode n = 0; n < gores_.canopy; ++n)
         for (int gore = 0; gore < gores_.count; ++gore) {
-            const Lanes f = force[static_cast<std::size_t>(gores_.node[gore * gores_.own + n])];
-            for (int c = 0; c < 3; ++c)
-                at(frame.force, n, gore, c) += f[c];
+            const auto i = static_cast<std::size_t>(gores_.node[gore * gores_.own + n]);
+            if (i >= place_.size()) place_.resize(i + 1);
+            place_[i] = static_cast<std::size_t>(&at(frame.x, n, gore, 0) - frame.x);
         }
+    return place_;
+}
+
+void GoreNodes::read(std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const {
+    const std::vector<std::size_t>& place = places();
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        to[k] = {splat(0.0), splat(0.0)};
+        for (int c = 0; c < 3; ++c) {
+            const std::size_t from = place[nodes[k]] + static_cast<std::size_t>(c * frame.lanes);
+            to[k].x[c] = frame.x[from];
+            to[k].v[c] = frame.v[from];
+        }
+    }
+}
+
+void GoreNodes::push(std::span<const NodeIndex> nodes, std::span<const Lanes> force) const {
+    const std::vector<std::size_t>& place = places();
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (int c = 0; c < 3; ++c)
+            frame.force[place[nodes[k]] + static_cast<std::size_t>(c * frame.lanes)] += force[k][c];
 }
 
 void GoreNodes::gather_shared(const State& state, int block) const {

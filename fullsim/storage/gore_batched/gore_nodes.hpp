@@ -50,8 +50,10 @@ public:
     void store(State& state) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
-    /// Adds forces [N] on the canopy's nodes, in the order of the mesh.
-    void add_to_canopy(std::span<const Lanes> force) const;
+    /// Some of the canopy's nodes, by their numbers in the mesh: positions and velocities, and forces [N] that
+    /// are added.
+    void read(std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const;
+    void push(std::span<const NodeIndex> nodes, std::span<const Lanes> force) const;
 
     // The next gore's seam as gores see it. Within a block the kernels see to it. Between the last gore of
     // one and the first of the next it goes through a few lines of memory that one block writes and another
@@ -117,6 +119,9 @@ private:
     std::size_t edge_length_ = 0;
     std::vector<std::size_t> first_;  // where the first node of a gore is, by gore, and of lanes without one
     std::vector<std::int32_t> halo_;
+    /// Where each node of the canopy is in an array; made when it is first asked for, by clusters alone.
+    mutable std::vector<std::size_t> place_;
+    const std::vector<std::size_t>& places() const;
 };
 
 }  // namespace twinchute::fullsim

@@ -173,7 +173,7 @@ public:
         return steps;
     }
 
-    void push_canopy(State&, std::span<const Lanes>) const override {}  // a sector stands alone
+    void accelerate(const Vec3&) override {}  // one sector stands alone: scenes of several are refused
     void impulse(State& state) override {
         const NodeIndex payload = mesh_.payload();
         const double mass = constants_.mass[payload], all = sector_.count;

@@ -119,6 +119,7 @@ public:
 
     void evaluate(State& state, BlockClock& clock) override {
         node_loads_ = {};
+        step_.contact = {};
         for (std::size_t k = 0; k < acts_.size(); ++k) {
             if (k == structure_->size()) state.riser_force = to_vec3(state.force[mesh_.payload()].value);
             const Acting& block = acts_[k];
@@ -188,8 +189,9 @@ public:
         return steps;
     }
 
-    void push_canopy(State& state, std::span<const Lanes> force) const override {
-        add_to_nodes(force, state);
+    void accelerate(const Vec3& acceleration) override {
+        for (std::size_t c = 0; c < 3; ++c)
+            step_.contact[c] += acceleration[static_cast<int>(c)];
     }
     void impulse(State& state) override {
         NodeMover mover(state, constants_, dt_);
