@@ -25,7 +25,8 @@ struct Candidate {
     double along, stiffness;  // [m], [N/m]
 };
 
-/// Nodes of a canopy that are beyond `other` [m], seen from its side: +1 for the one that the normal comes from.
+/// Nodes of a canopy that are beyond `other` [m], seen from its side: +1 for the one that the normal comes
+/// from.
 std::vector<Candidate> beyond(const PressedNodes& canopy, const Line& line, double side, double other) {
     std::vector<Candidate> found;
     for (std::size_t i = 0; i < canopy.node.size(); ++i) {
@@ -82,8 +83,7 @@ PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span
     contact.closing = from_a.speed + from_b.speed;
     if (!(contact.gap < 0.0)) return contact;
 
-    const std::vector<Candidate> behind_a = beyond(a, line, 1.0, low),
-                                 behind_b = beyond(b, line, -1.0, high);
+    const std::vector<Candidate> behind_a = beyond(a, line, 1.0, low), behind_b = beyond(b, line, -1.0, high);
     const double place = balanced(behind_a, behind_b, low, high);
     Lanes turning = splat(0.0);  // dU/dn
     const auto push = [&](const PressedNodes& canopy, const std::vector<Candidate>& behind, double side,

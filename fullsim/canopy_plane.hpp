@@ -1,10 +1,10 @@
 // Contact of two canopies of a cluster along a plane between them.
 //
-// Nodes behind the plane are pushed back in proportion to their depth and mass. The plane is at right angles to
-// the line between the canopies' centres of mass, and where the pushes of both sides are as large as each other:
-// it has no mass. All forces are the gradient of one energy, U = 1/2 sum m_i w^2 d_i^2, that turns and shifts of
-// everything leave as it is; with what it does to the centres, momentum, angular momentum and energy of the two
-// are kept whatever shape they have.
+// Nodes behind the plane are pushed back in proportion to their depth and mass. The plane is at right angles
+// to the line between the canopies' centres of mass, and where the pushes of both sides are as large as each
+// other: it has no mass. All forces are the gradient of one energy, U = 1/2 sum m_i w^2 d_i^2, that turns and
+// shifts of everything leave as it is; with what it does to the centres, momentum, angular momentum and
+// energy of the two are kept whatever shape they have.
 //
 // Round canopies that press on each other do meet along a plane, as two soap bubbles of one size do. A canopy
 // that half slips under another meets it along a plane here, too. Without friction.
@@ -58,8 +58,8 @@ public:
     /// Fabric is seldom faster than some metres a second: every so many steps all nodes are looked at.
     static constexpr std::int64_t steps_between_searches = 20;
 
-    /// Notes who may touch until the next search; `meanwhile`: [s] until then, `least`: [m] within which nodes
-    /// always count.
+    /// Notes who may touch until the next search; `meanwhile`: [s] until then, `least`: [m] within which
+    /// nodes always count.
     void search(const PressedNodes& a, const PressedNodes& b, double meanwhile, double least);
     const std::vector<NodeIndex>& near_first() const { return near_[0]; }
     const std::vector<NodeIndex>& near_second() const { return near_[1]; }

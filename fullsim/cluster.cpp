@@ -16,9 +16,9 @@ namespace {
 /// w of contact between canopies over the highest frequency of their fabric at the start: it costs a per cent
 /// of the step, and the fabric of a C-9 goes some millimetres behind the plane.
 constexpr double contact_frequency = 0.15;
-constexpr double clearance = 1.02;     // of neighbours at the start
-constexpr double widest_lean = 0.9;    // sine of it
-constexpr double near_share = 0.005;   // of D0, within which nodes are looked at in every step
+constexpr double clearance = 1.02;    // of neighbours at the start
+constexpr double widest_lean = 0.9;   // sine of it
+constexpr double near_share = 0.005;  // of D0, within which nodes are looked at in every step
 
 }  // namespace
 
@@ -28,8 +28,8 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     const double count = chute.count;
     one.payload.mass /= count;
     if (one.payload.drag_area) *one.payload.drag_area /= count;
-    chute.lag = chute.lag.empty() ? std::vector<double>{}
-                                  : std::vector{chute.lag[static_cast<std::size_t>(k)]};
+    chute.lag =
+        chute.lag.empty() ? std::vector<double>{} : std::vector{chute.lag[static_cast<std::size_t>(k)]};
     chute.count = 1;
     if (one.full.noise) one.full.noise->seed += static_cast<std::uint64_t>(k);
     return one;

@@ -1,10 +1,10 @@
 // Parachutes that carry one payload together: each is a simulation of its own with its share of the payload,
 // and all of them take their steps together.
 //
-// Of N canopies each carries the payload's N-th part, as a node with an N-th of its mass and drag. Before these
-// nodes move, in subcycles before each of them, the force on each becomes the mean of all: they move as one
-// body of the whole mass under all forces, and momentum and energy are those of the whole. Steps and subcycles
-// are the smallest that any of them asks for.
+// Of N canopies each carries the payload's N-th part, as a node with an N-th of its mass and drag. Before
+// these nodes move, in subcycles before each of them, the force on each becomes the mean of all: they move as
+// one body of the whole mass under all forces, and momentum and energy are those of the whole. Steps and
+// subcycles are the smallest that any of them asks for.
 //
 // Canopies do not pass through each other: two that touch do so along a plane between them, see
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
@@ -27,8 +27,8 @@ namespace twinchute::fullsim {
 /// The scene of canopy number `k` of a cluster alone: with its share of the payload, its lag, its noise.
 Scene scene_of_canopy(const Scene& scene, int k);
 
-/// [rad] by which the canopies of a cluster lean outward at the start, so far that neighbours just stay clear of
-/// each other. Throws SceneError where they would not even side by side.
+/// [rad] by which the canopies of a cluster lean outward at the start, so far that neighbours just stay clear
+/// of each other. Throws SceneError where they would not even side by side.
 double outward_lean(const Scene& scene);
 
 class Cluster {

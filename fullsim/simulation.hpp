@@ -80,8 +80,8 @@ public:
     void follow_payload_of(const Simulation& other);
     /// Ends the current step's memory: the next is a first one, as after a change of stage.
     void start_anew() { fullsim::start_anew(synchronised()); }
-    /// Nodes of the canopy may be pushed from outside by forces as stiff as this share of the fabric's highest
-    /// frequency now: counts in the critical step from here on.
+    /// Nodes of the canopy may be pushed from outside by forces as stiff as this share of the fabric's
+    /// highest frequency now: counts in the critical step from here on.
     void meet_others(double share);
     /// All nodes of the canopy, or some of them, read into `record` and `mass`.
     PressedNodes canopy_nodes() const;

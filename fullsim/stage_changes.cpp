@@ -36,8 +36,7 @@ bool Simulation::lines_are_taut() const {
 
 std::optional<RunStatus> Simulation::snatch() {
     const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
-    const Inflation inflation =
-        inflation_from(scene_, state_.time, airspeed.norm(), state_.air.density);
+    const Inflation inflation = inflation_from(scene_, state_.time, airspeed.norm(), state_.air.density);
     const bool sound =
         inflation.initial_time < inflation.filling_time && (inflow_ || std::isfinite(inflation.filling_time));
     if (!sound)

@@ -73,9 +73,8 @@ std::vector<const char*> CanopyRun::look(bool falls_steadily) {
         look_for_opening();
         if (sequence_) look_for_disreef(falls_steadily);
         const double now = system().time;
-        const bool opens = std::ranges::any_of(happened_, [](std::string_view name) {
-            return name == "full-open" || name == "reefed-open";
-        });
+        const bool opens = std::ranges::any_of(
+            happened_, [](std::string_view name) { return name == "full-open" || name == "reefed-open"; });
         if (system().stage == Stage::springs && (opens || simulation().mouth_is_open())) {
             found_.switched_late = opens && !simulation().mouth_is_open();
             simulation().begin_ramp();
@@ -112,8 +111,7 @@ void CanopyRun::look_for_snatch() {
         return;
     }
     found_.line_stretch_time = now - hold();
-    found_.payload_snatch_speed =
-        (to_vec3(simulation().payload().v) - system().air.wind_at_payload).norm();
+    found_.payload_snatch_speed = (to_vec3(simulation().payload().v) - system().air.wind_at_payload).norm();
     const Vec3 airspeed = system().sums.system_velocity - system().air.wind;
     found_.snatch_speed = airspeed.norm();
     found_.snatch_path_angle = angle_below_horizon(airspeed);
@@ -145,9 +143,7 @@ void CanopyRun::look_for_opening() {
     const bool opens = system().phase == Phase::filling;
     if (opens && !found_.stages.back().full) found_.stages.back().full = now;
     if (system().phase != Phase::overshoot)
-        happened_.push_back(!opens           ? "end-of-initial-phase"
-                            : view_.reefed() ? "reefed-open"
-                                             : "full-open");
+        happened_.push_back(!opens ? "end-of-initial-phase" : view_.reefed() ? "reefed-open" : "full-open");
     // Drag area and phi are continuous here, only their rates jump: the forces just evaluated are those of
     // the phase that begins, too.
     simulation().begin(simulation().inflation().after(system().phase));
@@ -192,10 +188,11 @@ std::optional<std::string> CanopyRun::squids() const {
         !critical          ? "by the reduced-order balance it opens at any subsonic speed"
         : *critical == 0.0 ? "by the reduced-order balance it opens at no speed"
                            : fmt::format("by the reduced-order balance it opens below {:.4g} m/s", *critical);
-    return fmt::format("at {:.4g} m/s the canopy {} {:.3g} m^2 of projected area; {}; a larger "
-                       "parachute.filling.initial_mouth fills it sooner",
-                       system().air.airspeed, fell_in ? "was full and fell in to" : "stands at",
-                       system().air.projected_area, opens);
+    return fmt::format(
+        "at {:.4g} m/s the canopy {} {:.3g} m^2 of projected area; {}; a larger "
+        "parachute.filling.initial_mouth fills it sooner",
+        system().air.airspeed, fell_in ? "was full and fell in to" : "stands at", system().air.projected_area,
+        opens);
 }
 
 void CanopyRun::serialize(Archive& archive) {

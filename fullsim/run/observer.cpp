@@ -63,11 +63,11 @@ HistoryRow row_of_all(std::span<const HistoryRow> rows) {
     HistoryRow all = rows.front();
     const auto count = static_cast<double>(rows.size());
     for (const HistoryRow& row : rows.subspan(1)) {
-        for (auto sum : {&HistoryRow::force_raw, &HistoryRow::drag_area, &HistoryRow::projected_area,
-                         &HistoryRow::signed_area, &HistoryRow::added_mass, &HistoryRow::volume,
-                         &HistoryRow::mouth_area, &HistoryRow::dynamic_pressure, &HistoryRow::pressure,
-                         &HistoryRow::airspeed, &HistoryRow::seam_diameter, &HistoryRow::depth,
-                         &HistoryRow::inflow_ratio})
+        for (auto sum :
+             {&HistoryRow::force_raw, &HistoryRow::drag_area, &HistoryRow::projected_area,
+              &HistoryRow::signed_area, &HistoryRow::added_mass, &HistoryRow::volume, &HistoryRow::mouth_area,
+              &HistoryRow::dynamic_pressure, &HistoryRow::pressure, &HistoryRow::airspeed,
+              &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
             all.*sum += row.*sum;
         if (std::abs(row.turns - 1.0) > std::abs(all.turns - 1.0)) all.turns = row.turns;
     }

@@ -115,6 +115,9 @@ constexpr std::array parts_of_runs{
              if (!s.payload.body) return std::string("payload.body is absent: a point mass hangs straight");
              return given("payload.drag_area_table", true);
          }},
+    Part{physics, "contact between canopies", "along a plane, without friction",
+         [](const Scene& s) { return s.parachutes.front().count > 1; },
+         [](const Scene& s) { return fmt::format("parachute.count is {}", s.parachutes.front().count); }},
     Part{physics, "initial noise", "the canopy's nodes start a little displaced",
          [](const Scene& s) { return s.full.noise.has_value(); },
          [](const Scene& s) { return given("full.noise", s.full.noise.has_value()); }},

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "fullsim/cluster.hpp"
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/run/observer.hpp"
 #include "fullsim/run/parts.hpp"
@@ -340,7 +341,22 @@ private:
 
 Plan plan_full(const Scene& scene, const PlanBasis& basis) {
     const Scene meshed = weighed(scene);
-    return Forecast(meshed, basis).make();
+    const int count = scene.parachutes.front().count;
+    if (count == 1) return Forecast(meshed, basis).make();
+    // Canopies of a cluster take the same steps; the last one to open says when they are done.
+    const auto& lag = scene.parachutes.front().lag;
+    const auto last = lag.empty() ? 0 : std::ranges::max_element(lag) - lag.begin();
+    const Scene one = scene_of_canopy(meshed, static_cast<int>(last));
+    PlanBasis alone = basis;
+    alone.threads = 1;
+    Plan plan = Forecast(one, alone).make();
+    plan.parts = parts_of(scene);
+    for (PlanStage& stage : plan.stages)
+        stage.seconds *= count;
+    for (PlanArray& array : plan.arrays)
+        array.bytes *= static_cast<std::size_t>(count);
+    plan.how += fmt::format("; {} times one canopy of the cluster, on one thread", count);
+    return plan;
 }
 
 }  // namespace twinchute::fullsim

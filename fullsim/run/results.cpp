@@ -121,15 +121,16 @@ void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& 
         channel("force", "N", &HistoryRow::force);
         channel("drag_area", "m^2", &HistoryRow::drag_area);
         channel("projected_area", "m^2", &HistoryRow::projected_area);
-        if (const Observer::Peak peak = one.largest_peak(); peak.value > 0.0 && !still_fills(one, record.status))
+        if (const Observer::Peak peak = one.largest_peak();
+            peak.value > 0.0 && !still_fills(one, record.status))
             record.add_metric(head + "peak_force_N", peak.value, MetricKind::result,
                               fmt::format("of its riser, at t = {:.4g} s", peak.time));
         const auto steady = steady_area_of(one);
         if (!steady || one.inflated()) continue;
         if (const auto filled = one.observer.first_time_of_area(filled_share * *steady, one.last_stage()))
-            record.add_metric(head + "filling_time_s", *filled - one.findings.snatch, MetricKind::result,
-                              fmt::format("projected area first at {:g} % of its steady mean",
-                                          100.0 * filled_share));
+            record.add_metric(
+                head + "filling_time_s", *filled - one.findings.snatch, MetricKind::result,
+                fmt::format("projected area first at {:g} % of its steady mean", 100.0 * filled_share));
     }
     double force = 0.0, deepest = 0.0;
     for (const CanopyPlane& plane : run.canopies.planes()) {
@@ -137,10 +138,10 @@ void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& 
         deepest = std::max(deepest, plane.deepest());
     }
     record.add_metric("max_canopy_contact_force_N", force, MetricKind::result,
-                      force > 0.0 ? fmt::format("between two canopies, along a plane; fabric at most {:.2g} m "
-                                                "behind it",
-                                                deepest)
-                                  : "canopies never touched");
+                      force > 0.0 ? "between two canopies, along a plane" : "canopies never touched");
+    if (force > 0.0)
+        record.add_metric("max_canopy_contact_depth_m", deepest, MetricKind::result,
+                          "of fabric behind the plane along which two canopies touch");
 }
 
 /// Events that only a look back at the history shows.
@@ -273,6 +274,10 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
     note_never_opened(record, run.scene, unopened(each), reached);
     note_missing_metrics(record, run.scene, reached);
     record.left_out = left_out_of(parts_of(run.scene));
+    if (each.size() > 1)
+        record.left_out.push_back({"the air of one canopy around the others",
+                                   "each meets the air as if it were alone: parachute.cluster_drag_ratio is "
+                                   "all that a cluster takes off"});
     if (const MassScaling& scaling = run.simulation().mass_scaling(); scaling.nodes > 0)
         record.left_out.push_back(
             {fmt::format("true mass of {} canopy nodes", scaling.nodes),

@@ -64,14 +64,14 @@ public:
           scene_(scene),
           run_(run),
           record_(begin_record(scene, "full")),
-          cluster_(scene,
-                   [threads = scene.parachutes.front().count > 1 ? 1 : run.threads,
-                    any = run.force_unstructured](const Scene& s, const Mesh& mesh,
-                                                  const NodeConstants& constants) {
-                       return any ? make_unstructured_layout(s, mesh, constants)
-                                  : make_layout(s, mesh, constants, threads);
-                   },
-                   run.threads),
+          cluster_(
+              scene,
+              [threads = scene.parachutes.front().count > 1 ? 1 : run.threads, any = run.force_unstructured](
+                  const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+                  return any ? make_unstructured_layout(s, mesh, constants)
+                             : make_layout(s, mesh, constants, threads);
+              },
+              run.threads),
           stated_mass_(stated_mass),
           fall_(scene.environment),
           fields_(meshes(), scene.full.fields_rate, run.fields),
@@ -80,8 +80,7 @@ public:
                                                             : longest_flight),
           clock_(run, scene.full.checkpoint_interval) {
         for (std::size_t k = 0; k < cluster_.size(); ++k)
-            canopies_.push_back(
-                std::make_unique<CanopyRun>(cluster_.scene(k), stated_mass, cluster_, k));
+            canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_mass, cluster_, k));
         if (cluster_.size() > 1) together_.emplace(scene, stated_mass, cluster_);
         if (view().packed()) {
             frames_.begin(0.0, deployment_frames);
@@ -350,8 +349,8 @@ private:
         return std::ranges::any_of(canopies_, [](const auto& canopy) { return canopy->deploys(); });
     }
     bool all_open() const {
-        return std::ranges::all_of(
-            canopies_, [](const auto& canopy) { return canopy->system().phase == Phase::open; });
+        return std::ranges::all_of(canopies_,
+                                   [](const auto& canopy) { return canopy->system().phase == Phase::open; });
     }
 
     /// A descent is usually steady four filling times after snatch; for the progress line only.
@@ -381,8 +380,8 @@ private:
         std::vector<std::string>& own = past_.at(index_of(canopy));
         own.emplace_back(name);
         const auto times = std::ranges::count(own, name);
-        if (std::ranges::any_of(
-                past_, [&](const auto& of_one) { return std::ranges::count(of_one, name) < times; }))
+        if (std::ranges::any_of(past_,
+                                [&](const auto& of_one) { return std::ranges::count(of_one, name) < times; }))
             return;
         add_event(name);
         const std::string_view what = name;
@@ -415,8 +414,8 @@ private:
         together_->observer.count_peak_from(system().time + soonest);
     }
     std::size_t last_snatched() const {
-        const auto last = std::ranges::max_element(
-            canopies_, {}, [](const auto& canopy) { return canopy->found().snatch; });
+        const auto last = std::ranges::max_element(canopies_, {},
+                                                   [](const auto& canopy) { return canopy->found().snatch; });
         return static_cast<std::size_t>(last - canopies_.begin());
     }
     void disreefed() {
@@ -625,7 +624,8 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
     const Parachute& chute = scene.parachutes.front();
     std::vector<std::string> keys;
-    if (chute.count > 1 && scene.payload.body) keys.emplace_back("parachute.count");
+    // Canopies of a cluster lean, and meet at one point.
+    if (chute.count > 1 && scene.payload.body) keys.emplace_back("payload.body.shape");
     if (chute.count > 1 && scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
     if (!chute.lag.empty() && chute.filling.is_predicted()) keys.emplace_back("parachute.lag");
     if (chute.deploy_when) keys.emplace_back("parachute.deploy.when");
@@ -646,6 +646,7 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
         Mesh mesh = unloaded_mesh(scene);
         if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
     }
+    if (keys.empty()) outward_lean(scene);
     return keys;
 }
 

@@ -116,7 +116,7 @@ private:
     const ForceModel* lines_ = nullptr;
     SubcycledNodes pulled_;
     PerronScaling weights_;
-    double line_damping_ = 0.0;             // [W]
+    double line_damping_ = 0.0;         // [W]
     Vec3 acceleration_ = Vec3::Zero();  // [m/s^2] of the canopy in this step, by others
 };
 

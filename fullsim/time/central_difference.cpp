@@ -65,7 +65,8 @@ TWINCHUTE_FOR_EACH_CPU void NodeMover::move_static_line(const NodeConstants& c, 
     force_[last].value = splat(0.0);
 }
 
-TWINCHUTE_FOR_EACH_CPU void move_all(State& state, const NodeConstants& c, double dt, StepSums& sums_of_step) {
+TWINCHUTE_FOR_EACH_CPU void move_all(State& state, const NodeConstants& c, double dt,
+                                     StepSums& sums_of_step) {
     NodeMover mover(state, c, dt);
     StepSums sums = sums_of_step;
     Lanes share_square = splat(0.0);

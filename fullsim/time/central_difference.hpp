@@ -28,10 +28,10 @@ struct StepSums {
     Lanes other_position = splat(0.0), other_velocity = splat(0.0);    ///< of what is not canopy
     Lanes area_velocity = splat(0.0);                                  ///< times share
     Lanes drag_power = splat(0.0), momentum = splat(0.0);  ///< by component, at the time of the forces
-    double share_square = 0.0;        ///< of share times speed squared, likewise [m^2/s^2]
-    double kinetic = 0.0;             ///< [J] likewise, where State.energy.weighs
-    double line_damping = 0.0;        ///< [J] by lines and risers in subcycles
-    double line_damping_power = 0.0;  ///< [W] in the last of them, by its part of the step
+    double share_square = 0.0;                   ///< of share times speed squared, likewise [m^2/s^2]
+    double kinetic = 0.0;                        ///< [J] likewise, where State.energy.weighs
+    double line_damping = 0.0;                   ///< [J] by lines and risers in subcycles
+    double line_damping_power = 0.0;             ///< [W] in the last of them, by its part of the step
     double outer_work = 0.0, outer_power = 0.0;  ///< [J], [W] of other parachutes on the payload
 };
 

@@ -59,9 +59,9 @@ void give_impulse(State& state, const NodeConstants& c, double dt, int count, Su
     for (NodeIndex i = 0; i < static_cast<NodeIndex>(c.mass.size()); ++i) {
         const bool apart = next < pulled.nodes().size() && pulled.nodes()[next] == i;
         const double m = inertia(state, c, i);
-        const Lanes middle =
-            apart ? mover.kick_alone(i, pulled.others(next++), c.mass[i], m, first_kick, sums)
-                  : mover.move(i, c.mass[i], m, sums);
+        const Lanes middle = apart
+                                 ? mover.kick_alone(i, pulled.others(next++), c.mass[i], m, first_kick, sums)
+                                 : mover.move(i, c.mass[i], m, sums);
         share_square += c.share[i] * (middle * middle);
         if (!apart) add_moved(mover, c, i, sums);
     }

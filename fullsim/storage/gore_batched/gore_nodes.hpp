@@ -50,8 +50,8 @@ public:
     void store(State& state) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
-    /// Some of the canopy's nodes, by their numbers in the mesh: positions and velocities, and forces [N] that
-    /// are added.
+    /// Some of the canopy's nodes, by their numbers in the mesh: positions and velocities, and forces [N]
+    /// that are added.
     void read(std::span<const NodeIndex> nodes, std::span<NodeRecord> to) const;
     void push(std::span<const NodeIndex> nodes, std::span<const Lanes> force) const;
 
