@@ -30,6 +30,8 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     if (one.payload.drag_area) *one.payload.drag_area /= count;
     chute.lag =
         chute.lag.empty() ? std::vector<double>{} : std::vector{chute.lag[static_cast<std::size_t>(k)]};
+    if (k < chute.skips_reefing) chute.reefing.clear();
+    chute.skips_reefing = 0;
     chute.count = 1;
     if (one.full.noise) one.full.noise->seed += static_cast<std::uint64_t>(k);
     return one;

@@ -33,8 +33,8 @@ CanopyPeak Openings::take_canopy_peak() {
     const Canopy& whose = sequence_.all()[canopy];
     std::string note = fmt::format("{} at t = {:.4g} s", whose.chute->name, peak.at);
     if (whose.chute->count > whose.count)
-        note = fmt::format("{} of {} {}, lag {:g} s, at t = {:.4g} s", whose.count, whose.chute->count,
-                           whose.chute->name, whose.lag, peak.at);
+        note = fmt::format("{} of {} {}, lag {:g} s{}, at t = {:.4g} s", whose.count, whose.chute->count,
+                           whose.chute->name, whose.lag, whose.skips_reefing ? ", not reefed" : "", peak.at);
     return {peak.value, std::move(note)};
 }
 

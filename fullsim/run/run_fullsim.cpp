@@ -81,7 +81,8 @@ public:
           clock_(run, scene.full.checkpoint_interval) {
         for (std::size_t k = 0; k < cluster_.size(); ++k)
             canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_mass, cluster_, k));
-        if (cluster_.size() > 1) together_.emplace(scene, stated_mass, cluster_);
+        if (cluster_.size() > 1)
+            together_.emplace(scene, stated_mass, cluster_, canopies_.back()->sequence());
         if (view().packed()) {
             frames_.begin(0.0, deployment_frames);
         } else if (view().inflated()) {
@@ -147,17 +148,18 @@ private:
         Findings found;
         RunView view;
 
-        Together(const Scene& scene, double stated_mass, const Cluster& cluster)
+        /// sequence: of the last canopy, which is reefed if any is.
+        Together(const Scene& scene, double stated_mass, const Cluster& cluster,
+                 const std::optional<OpeningSequence>& sequence)
             : observer(cluster.front().mesh(), scene.environment.gravity, scene.full.output_rate, 1,
                        static_cast<int>(cluster.size())),
-              view{scene, stated_mass, cluster, {}, observer, found, none} {
+              view{scene, stated_mass, cluster, {}, observer, found, sequence} {
             if (!view.packed()) return;
             found.snatch = infinity;
             observer.count_peak_from(infinity);
         }
         Together(const Together&) = delete;
         Together& operator=(const Together&) = delete;
-        const std::optional<OpeningSequence> none = {};
     };
 
     const SystemState& system() const { return cluster_.front().system(); }
@@ -380,11 +382,12 @@ private:
         std::vector<std::string>& own = past_.at(index_of(canopy));
         own.emplace_back(name);
         const auto times = std::ranges::count(own, name);
-        if (std::ranges::any_of(past_,
-                                [&](const auto& of_one) { return std::ranges::count(of_one, name) < times; }))
-            return;
-        add_event(name);
         const std::string_view what = name;
+        const bool of_reefed = what == "disreef" || what == "reefed-open" || what == "steady-descent";
+        for (std::size_t k = 0; k < canopies_.size(); ++k)
+            if ((canopies_[k]->sequence() || !of_reefed) && std::ranges::count(past_[k], name) < times)
+                return;
+        add_event(name);
         if (what == "snatch") snatched();
         if (what == "disreef") disreefed();
         if ((what == "full-open" || what == "reefed-open") && together_ && !found().stages.back().full)
@@ -709,7 +712,9 @@ RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
-    const Scene meshed = weighed(scene);
+    Scene meshed = weighed(scene);
+    Parachute& chute = meshed.parachutes.front();
+    if (chute.count == 1 && chute.skips_reefing == 1) chute.reefing.clear();
     const double stated_mass = scene.parachutes.front().mass;
     RunRecord record = fly(meshed, stated_mass, run);
     const bool ended = record.status.code == StatusCode::completed ||

@@ -100,6 +100,7 @@ std::string parachute_text(const Scene& scene, const RunRecord& record, const Pa
     left_out(chute.deploy.starts_packed(), "deployment from the pack; its time is not in lag");
     left_out(chute.drag_area_mach_table.has_value(), "drag area by Mach number");
     left_out(!chute.lag.empty(), "lags within the cluster");
+    left_out(chute.skips_reefing > 0, "canopies that skip their reefing");
     left_out(chute.calibration.has_value(), "calibration of the reduced-order model against full runs");
     left_out(!filling, "filling time: the parachute does not open in this scene");
     const double drag_area = chute.count * chute.cluster_drag_ratio * chute.drag_area;

@@ -488,6 +488,13 @@ void check_cluster(const Parachute& p, const Complain& complain) {
                        "each has its own", "give as many as parachute.count");
     if (!p.lag.empty() && p.deploy.by == DeployBy::inflated)
         complain.about("parachute.lag.1", "canopies that start open have no lag", "", "take it out");
+    if (p.skips_reefing > p.count)
+        complain.about("parachute.skips_reefing",
+                       fmt::format("{} of {} parachutes", p.skips_reefing, p.count), "",
+                       "give parachute.count at most");
+    if (p.skips_reefing > 0 && p.reefing.empty())
+        complain.about("parachute.skips_reefing", "no canopy is reefed", "parachute.reefing is absent",
+                       "take it out, or give parachute.reefing");
 }
 
 /// The name of one of several parachutes is part of keys and metrics.

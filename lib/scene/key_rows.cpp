@@ -313,6 +313,8 @@ constexpr Key scene_rows[] = {
      .meaning = "parachutes of this kind that open together, a cluster; all other keys are those of one"},
     {.path = "parachute.lag", .binding = member<&Parachute::lag>, .kind = quantities, .unit = "s", .need = optional, .fallback = "none", .range = from(0, 1000),
      .meaning = "of each in a cluster: by how much later its filling begins; as many as there are"},
+    {.path = "parachute.skips_reefing", .binding = member<&Parachute::skips_reefing>, .kind = integer, .need = defaulted, .fallback = "0", .range = from(0, 100),
+     .meaning = "canopies, the first of the cluster, whose reefing lines do not hold: they fill at once, a failure to size for"},
     {.path = "parachute.cluster_drag_ratio", .binding = member<&Parachute::cluster_drag_ratio>, .unit = "1", .need = defaulted, .fallback = "1", .range = above(0, 1.5),
      .meaning = "drag coefficient of one in the cluster over that of one alone", .source = "nothing taken off: our assumption; spread canopies lose some drag"},
     {.path = "parachute.nominal_diameter", .binding = member<&Parachute::nominal_diameter>, .unit = "m", .range = above(0, 200), .meaning = "D0"},

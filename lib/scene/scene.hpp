@@ -186,6 +186,7 @@ struct Parachute {
 
     int count = 1;                    ///< of a cluster
     std::vector<double> lag;          ///< [s] of each in a cluster; empty: none
+    int skips_reefing = 0;            ///< canopies, the first of a cluster, whose reefing lines do not hold
     double cluster_drag_ratio = 1.0;  ///< drag coefficient in the cluster over that of one alone [-]
 
     Deployment deploy;

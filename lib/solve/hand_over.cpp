@@ -147,6 +147,7 @@ Scene continued_from(const Scene& scene, const RunRecord& record) {
     chute.deploy_when.reset();
     chute.reefing.clear();
     chute.lag.clear();
+    chute.skips_reefing = 0;
     return rest;
 }
 

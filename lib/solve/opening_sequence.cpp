@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
+#include <utility>
 
 #include "lib/scene/trigger.hpp"
 #include "lib/solve/opening.hpp"
@@ -34,13 +36,11 @@ bool is_filling(const Canopy& c) {
 OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
         const Parachute& chute = scene.parachutes[k];
-        std::map<double, int> alike;  // those of one lag do the same
-        if (chute.lag.empty())
-            alike[0.0] = chute.count;
-        else
-            for (const double lag : chute.lag)
-                ++alike[lag];
-        for (const auto& [lag, count] : alike) {
+        std::map<std::pair<double, bool>, int> alike;  // those of one lag do the same, reefed or not
+        for (int i = 0; i < chute.count; ++i)
+            ++alike[{chute.lag.empty() ? 0.0 : chute.lag[static_cast<std::size_t>(i)],
+                     i < chute.skips_reefing}];
+        for (const auto& [kind, count] : alike) {
             Canopy c;
             c.chute = &chute;
             c.index = k;
@@ -49,7 +49,8 @@ OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
             c.porosity = chute.geometric_porosity;
             if (chute.filling.is_predicted())
                 c.filling = std::make_shared<const FillingCanopy>(filling_canopy(chute));
-            c.lag = lag;
+            std::tie(c.lag, c.skips_reefing) = kind;
+            if (c.skips_reefing) c.stage = chute.reefing.size();
             all_.push_back(c);
         }
     }
@@ -353,7 +354,7 @@ void OpeningSequence::act(const Wait& wait, const FlightState& now, std::vector<
                 if (was_full) c.inflation.filling_time = 0.0;
             }
             if (std::ranges::none_of(all_, [&](const Canopy& o) {
-                    return &o != &c && o.index == c.index && o.stage >= c.stage;
+                    return &o != &c && o.index == c.index && !o.skips_reefing && o.stage >= c.stage;
                 }))
                 done.push_back({OpeningEvent::Kind::disreef, c.index, c.stage});
             if (c.is_reefed())
@@ -379,7 +380,9 @@ void OpeningSequence::end_phase(Canopy& c, const FlightState& now, std::vector<O
     }
     c.phase = c.inflation.after(c.phase);
     if (c.is_reefed()) {
-        if (!others([&](const Canopy& o) { return o.stage == c.stage && o.phase != Phase::open; }))
+        if (!others([&](const Canopy& o) {
+                return !o.skips_reefing && o.stage == c.stage && o.phase != Phase::open;
+            }))
             done.push_back({OpeningEvent::Kind::reefed_open, c.index, c.stage});
         const auto own = static_cast<std::size_t>(&c - all_.data());
         for (Wait& wait : waits_)  // "full-open" of a stage is its own
@@ -404,8 +407,9 @@ void OpeningSequence::open(std::size_t index, const FlightState& now, std::vecto
         c.state = Canopy::State::open;
         c.snatch_speed = now.airspeed;
         c.snatch_density = now.density;
-        c.inflation = is_open ? inflated(*c.chute)
-                              : make_inflation(*scene_, *c.chute, now.time, now.airspeed, now.density);
+        c.inflation = is_open
+                          ? inflated(*c.chute)
+                          : make_inflation(*scene_, *c.chute, now.time, now.airspeed, now.density, c.stage);
         c.inflation.initial_time += c.lag;
         c.inflation.filling_time += c.lag;
         c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;

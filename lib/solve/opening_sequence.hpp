@@ -32,7 +32,8 @@ struct Canopy {
     const Parachute* chute = nullptr;
     std::size_t index = 0;  ///< of its parachute in the scene
     int count = 1;
-    double lag = 0.0;  ///< [s] by which its filling begins later
+    double lag = 0.0;            ///< [s] by which its filling begins later
+    bool skips_reefing = false;  ///< its reefing lines do not hold: stage is the open canopy's from the first
     State state = State::packed;
     std::size_t stage = 0;  ///< below reefing.size(): reefed
     Phase phase = Phase::initial;

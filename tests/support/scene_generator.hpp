@@ -353,6 +353,7 @@ inline void SceneGenerator::put_sequence(const std::string& by) {
                               ratio, one_of(conditions));
     }
     put("parachute.reefing", "[" + stages + "]");
+    if (random_bool(0.2)) put("parachute.skips_reefing", "1");
 }
 
 /// A predicted filling, in place of what prescribes one; the lines have to fit its shapes.
@@ -414,6 +415,7 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "full.symmetry",
                                                     "full.contact",
                                                     "parachute.count",
+                                                    "parachute.skips_reefing",
                                                     "parachute.deploy.force",
                                                     "parachute.deploy.force_table",
                                                     "parachute.calibration",

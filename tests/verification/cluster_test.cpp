@@ -7,6 +7,7 @@
 #include "fullsim/cluster.hpp"
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
@@ -176,6 +177,30 @@ TEST(Clusters, TheFirstToOpenCarriesMore) {
                &second = full.find_channel("canopy_2_force")->values;
     for (std::size_t i = 0; i < sum.size(); ++i)
         EXPECT_LE(sum[i], 1.3 * (first[i] + second[i]) + 50.0) << i;
+}
+
+TEST(Clusters, OneThatSkipsItsReefingCarriesTheOthers) {
+    // The first of two fills at once, the other behind its line for 2 s. Loads as in the reduced-order model,
+    // within what reefed openings of one canopy differ by (7 %, tests/verification/reefing_test.cpp).
+    Scene scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-reefed.toml",
+                             {"parachute.count=2", "parachute.skips_reefing=1", "stop.time=5",
+                              "parachute.reefing=[{drag_area_ratio=0.1,until={at='line-stretch',delay=2}}]"});
+    scene.payload.mass *= 2.0;
+    const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
+    ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
+    for (const char* metric : {"stage_1_peak_force_N", "stage_2_peak_force_N", "peak_canopy_force_N"})
+        EXPECT_NEAR(*full.metric(metric), *rom.metric(metric), 0.07 * *rom.metric(metric)) << metric;
+    EXPECT_EQ(full.find_event("disreef")->time, 2.0);
+    EXPECT_EQ(rom.find_event("disreef")->time, 2.0);
+    // Both reefed, each pulls less than half of that.
+    scene.parachutes.front().skips_reefing = 0;
+    const RunRecord reefed = test::run_rom(scene);
+    EXPECT_LT(*reefed.metric("peak_canopy_force_N"), 0.7 * *rom.metric("peak_canopy_force_N"));
+    // All skip it: a cluster that is not reefed at all.
+    Scene open = scene;
+    scene.parachutes.front().skips_reefing = 2;
+    open.parachutes.front().reefing.clear();
+    EXPECT_EQ(*test::run_rom(scene).metric("max_force_N"), *test::run_rom(open).metric("max_force_N"));
 }
 
 TEST(Clusters, ComeFromTheirPacks) {
