@@ -100,7 +100,7 @@ public:
         add_bytes(all, "tapes", tapes_.bytes());
         add_bytes(all, "lines", lines_.bytes() + risers_.bytes() + bytes_of(pulled_));
         add_bytes(all, "static line", cords_.bytes());
-        add_bytes(all, "lines", bytes_of(others_));
+        add_bytes(all, "lines", bytes_of(others_) + bytes_of(inverse_inertia_));
         add_bytes(all, "pushed areas", bytes_of(push_));
         for (const GershgorinSums* sums : {&sums_, &pulled_sums_})
             add_bytes(all, "bound on the step",
@@ -287,7 +287,9 @@ private:
     void move(State& state, std::size_t first, std::size_t last, StepSums& sums) {
         if (first >= last) return;
         step_.first = first, step_.last = last;
-        const unstructured::Sums s = kernels_.advance(nodes_of(state), step_);
+        add(kernels_.advance(nodes_of(state), step_), state, sums);
+    }
+    static void add(const unstructured::Sums& s, State& state, StepSums& sums) {
         sums.canopy_position += as_lanes(s.canopy_position);
         sums.canopy_velocity += as_lanes(s.canopy_velocity);
         sums.other_position += as_lanes(s.other_position);
@@ -316,15 +318,26 @@ private:
         for (std::size_t i = first; i < last; ++i)
             aero[i].value -= pull[i].value;
         const double first_kick = subcycle(state, dt, count, 0).kick;
-        const auto inertia = [&](NodeIndex i) {
-            return constants_.mass[i] + constants_.share[i] * state.added_mass;
-        };
+        inverse_inertia_.resize(pulled_.size());
         for (std::size_t k = 0; k < pulled_.size(); ++k) {
             const NodeIndex i = pulled_[k];
+            inverse_inertia_[k] = 1.0 / (constants_.mass[i] + constants_.share[i] * state.added_mass);
+        }
+        const auto of_canopy = static_cast<std::size_t>(
+            std::ranges::lower_bound(pulled_, constants_.canopy_nodes) - pulled_.begin());
+        for (std::size_t k = 0; k < of_canopy; ++k) {
+            const NodeIndex i = pulled_[k];
             const Lanes force = others[k].value - pull[i].value + damp_and_push(state, i);
-            const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], inertia(i), first_kick, sums);
+            const Lanes middle =
+                mover.kick_alone(i, force, constants_.mass[i], 1.0 / inverse_inertia_[k], first_kick, sums);
             sums.share_square += constants_.share[i] * sum3(middle * middle);
         }
+        unstructured::Subcycled pulled{pulled_, inverse_inertia_, nullptr, step_.record, step_.v_half};
+        unstructured::Subcycled lines = pulled;
+        lines.node = lines.node.subspan(of_canopy);
+        lines.inverse_inertia = lines.inverse_inertia.subspan(of_canopy);
+        lines.others = doubles(others) + 4 * of_canopy;
+        add(kernels_.kick(nodes_of(state), step_, lines, first_kick, state.line_dt), state, sums);
         if (body_) body_->impulse(state, mover.kick());
         for (int k = 0; k < count; ++k) {
             if (k > 0) {
@@ -333,18 +346,15 @@ private:
             }
             const Subcycle step = subcycle(state, dt, count, k);
             sums.line_damping += step.kick * damping;
-            for (const NodeIndex i : pulled_)
-                mover.move_in_subcycle(i, inertia(i), step);
+            kernels_.subcycle(nodes_of(state), pulled, step.kick, step.dt);
             if (body_) body_->move(state, step.kick, step.dt);
         }
         sums.line_damping_power = damping / count;
-        for (const NodeIndex i : pulled_) {
-            mover.end_subcycles(i);
-            if (mesh_.is_canopy(i))
-                mover.add_canopy(i, constants_, sums);
-            else
-                mover.add_other(i, constants_.mass[i], sums);
+        for (std::size_t k = 0; k < of_canopy; ++k) {
+            mover.end_subcycles(pulled_[k]);
+            mover.add_canopy(pulled_[k], constants_, sums);
         }
+        add(kernels_.end_subcycles(nodes_of(state), lines, dt, constants_.mass), state, sums);
         if (body_) body_->finish(state, dt);
     }
     /// [N] of damping and accretion on one node; pressure and residual drag go to state.aero. What the
@@ -529,6 +539,7 @@ private:
         pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
         pulled_.shrink_to_fit();
         others_.assign(pulled_.size(), {splat(0.0)});
+        inverse_inertia_.assign(pulled_.size(), 0.0);
     }
     bool drag_acts(const State& state) const {
         return has_.line_drag && state.air.density > 0.0;  // no Reynolds number without air
@@ -587,10 +598,11 @@ private:
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
     unstructured::ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
-    std::vector<NodeIndex> pulled_;      // nodes on lines and risers, which may take subcycles
-    std::vector<NodeVector> others_;     // [N] on them, of everything but lines and risers
-    GershgorinSums sums_, pulled_sums_;  // of the bound: all, and of lines and risers alone
-    double line_damping_ = 0.0;          // [W] by lines and risers
+    std::vector<NodeIndex> pulled_;        // nodes on lines and risers, which may take subcycles
+    std::vector<NodeVector> others_;       // [N] on them, of everything but lines and risers
+    std::vector<double> inverse_inertia_;  // [1/kg] of them
+    GershgorinSums sums_, pulled_sums_;    // of the bound: all, and of lines and risers alone
+    double line_damping_ = 0.0;            // [W] by lines and risers
     PerronScaling weights_;
     MembranePass fabric_;
     ElementSums fabric_sums_;
