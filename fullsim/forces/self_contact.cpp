@@ -88,6 +88,9 @@ public:
         return bytes;
     }
 
+    void prepare(State& state) const override {
+        if (state.contact.looked_at.empty()) search(state);
+    }
     void add_forces(State& state) const override {
         SelfContactState& contact = state.contact;
         if (!contact.listed) list(contact);
@@ -100,7 +103,7 @@ public:
             look(state);
         }
         PairColumns& awake = contact.awake;
-        std::vector<std::uint32_t>& attention = state.contact.attention;
+        std::vector<std::uint32_t>& attention = contact.attention;
         attention.resize(awake.node.size() / (4 * lanes()));
         const self_contact::Pushed pushed =
             kernels_.push(records_of(state), reinterpret_cast<double*>(&state.force.view()[0]),
@@ -467,7 +470,7 @@ private:
     }
 
     const Mesh& mesh_;
-    const self_contact::Kernels& kernels_ = self_contact::kernels();
+    const self_contact::Kernels& kernels_ = self_contact::all_kernels().front();
     double friction_;   // [-]
     double stiffness_;  // [N/m]
     std::vector<std::vector<NodeIndex>> neighbours_;

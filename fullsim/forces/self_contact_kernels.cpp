@@ -183,10 +183,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace twinchute::fullsim::self_contact {
 
-const Kernels& kernels() {
+std::span<const Kernels> all_kernels() {
     static const std::vector<Kernels> sets =
         TWINCHUTE_SETS_OF_THIS_MACHINE(Kernels, self_contact_kernels_here);
-    return sets.front();
+    return sets;
 }
 
 }  // namespace twinchute::fullsim::self_contact

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace twinchute::fullsim::self_contact {
@@ -55,7 +56,7 @@ struct Kernels {
                        const std::array<double, 3>& centre);
 };
 
-/// The best that this machine has.
-const Kernels& kernels();
+/// One for each instruction set that is compiled in and that this machine has, the best first.
+std::span<const Kernels> all_kernels();
 
 }  // namespace twinchute::fullsim::self_contact
