@@ -113,6 +113,16 @@ TEST(Layouts, AgreeWhereGoresTouch) {
                       12'000);
 }
 
+TEST(Layouts, AgreeWhereFoldsTouch) {
+    // Nodes of fabric, and of lines, wherever they meet fabric.
+    for (const char* subcycles : {"1", "4"})
+        compare_along(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                                 {"full.contact='self'", "full.mesh.gore_columns=3", "full.mesh.gore_rows=6",
+                                  "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
+                                  std::string("full.line_substeps=") + subcycles}),
+                      12'000);
+}
+
 TEST(Layouts, AgreeAboveABody) {
     // Swinging from an oblique opening, and from the pack: rigid and deformable, its attachments with it.
     const std::string elastic = "payload.body.elasticity.youngs_modulus='50 MPa'";

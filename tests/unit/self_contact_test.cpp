@@ -690,7 +690,7 @@ void take_steps(Simulation& simulation, int count) {
 TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
     const Scene scene = coarse_scene();
     Simulation whole(scene);
-    EXPECT_EQ(whole.layout().name(), "unstructured");
+    EXPECT_EQ(whole.layout().name(), "gore-batched");
     take_steps(whole, 1500);
     Archive out;
     whole.serialize(out);

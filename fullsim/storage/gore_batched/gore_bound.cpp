@@ -22,6 +22,7 @@ void GoreBound::begin(const State& state, const ForceModels& structure, double m
 }
 
 void GoreBound::renew(const State& state, double mass_damping) {
+    contact_step_ = infinity;
     if (weights_.renew(state) || state.folded != folded_) weigh_rows(state, mass_damping);
     const GoreFrame& sums = rows_.frame;
     for (LocalNode n = 0; n < sums.nodes; ++n)
@@ -33,6 +34,20 @@ void GoreBound::add_rows(const GoreFrame& part, const MembranePass& fabric, cons
         kernels_.membrane_rows(part, elements_.membrane, triangle_rows_, fabric.weight, rows_.frame);
     if (elements_.springs_act)
         kernels_.spring_rows(part, elements_.springs, edges, spring_columns_, rows_.frame);
+}
+
+void GoreBound::add_contact(const GershgorinSums& of_contact) {
+    for (LocalNode n = 0; n < gores_.canopy; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            const NodeIndex i = gores_.node[gore * gores_.own + n];
+            rows_.at(rows_.frame.x, n, gore, 0) += of_contact.stiffness[i];
+            rows_.at(rows_.frame.x, n, gore, 1) += of_contact.damping[i];
+        }
+    for (NodeIndex i = constants_.canopy_nodes; i < static_cast<NodeIndex>(constants_.mass.size()); ++i)
+        if (of_contact.stiffness[i] > 0.0)
+            contact_step_ = std::min(
+                contact_step_,
+                critical_step_of(of_contact.stiffness[i], of_contact.damping[i], constants_.mass[i]));
 }
 
 CriticalSteps GoreBound::steps(std::span<const double> inverse_inertia, const NodeLoads& loads) {
@@ -53,6 +68,10 @@ CriticalSteps GoreBound::steps(std::span<const double> inverse_inertia, const No
         add_rows(n, line_rows_[n]);
     }
     steps.all = std::min({inner, bound(gores_.inner, gores_.canopy), line_step_});
+    // Contact acts once a step, whatever lines do within it. Both together: no longer than this.
+    steps.canopy = std::min(steps.canopy, contact_step_);
+    if (contact_step_ < infinity)
+        steps.all = std::min(steps.all, 1.0 / (1.0 / line_step_ + 1.0 / contact_step_));
     return steps;
 }
 

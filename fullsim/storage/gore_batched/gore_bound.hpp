@@ -27,6 +27,8 @@ public:
     void renew(const State& state, double mass_damping);
     /// Row sums of the tangents of a block's membranes and springs.
     void add_rows(const GoreFrame& part, const MembranePass& fabric, const SpringPass& edges) const;
+    /// Row sums of contact by node of the mesh, after those of blocks.
+    void add_contact(const GershgorinSums& of_contact);
     CriticalSteps steps(std::span<const double> inverse_inertia, const NodeLoads& loads);
 
     /// Weights of the nodes of the mesh, renewed where that is due.
@@ -65,6 +67,7 @@ private:
     std::vector<double> node_damping_;             // [N s/m] of loads
     double line_step_ = 0.0;                       // [s] bound of line, link and riser nodes
     double static_line_step_ = 0.0;                // [s] of its nodes
+    double contact_step_ = infinity;               // [s] of nodes of lines that touch fabric, by that alone
 };
 
 }  // namespace twinchute::fullsim

@@ -82,7 +82,10 @@ public:
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
                                              what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
-        clear_forces(state, has_.own_loops ? 0 : first_held());
+        self_contact_ = find_block(structure, Block::self_contact);
+        places_stored_at_ = -1;
+        contact_power_ = 0.0;
+        clear_forces(state, has_.own_loops || self_contact_ ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
@@ -214,6 +217,11 @@ public:
             nodes_->gather_halo(part.first);
             bound_->add_rows(part, fabric_, edges());
         });
+        if (self_contact_) {
+            GershgorinSums of_contact = no_rows(state, bound_->weights(state));
+            self_contact_->add_row_sums(with_places(state), of_contact);
+            bound_->add_contact(of_contact);
+        }
         find_inverse_inertia(state);
         return bound_->steps(inverse_inertia_, loads);
     }
@@ -274,6 +282,7 @@ public:
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;
         }
+        sums.drag_power[2] -= contact_power_;
         if (together) {
             mover.move_others(gores_.global, constants_, sums);
             if (body_) body_->advance(state, mover.kick(), dt);
@@ -303,7 +312,7 @@ private:
         void (GoreLayout::*finish)(State&, const ElementSums&);
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 13> rows;
+    static const std::array<Row, 14> rows;
     const Row* row_of(Block block) const {
         // Tetrahedra act on nodes of the state, where there is a body at all.
         if (block == Block::payload_tetrahedra && mesh_.attachments.empty()) return nullptr;
@@ -320,7 +329,7 @@ private:
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
-        std::array<ElementSums, 13> of_row{};  // of the last pass of each row of the table
+        std::array<ElementSums, 14> of_row{};  // of the last pass of each row of the table
         GoreSums step;
     };
 
@@ -562,6 +571,29 @@ private:
 
     // --- contact --------------------------------------------------------------------------
 
+    /// Any node may meet any triangle: that is left to the block itself, on the records of the state.
+    void prepare_self_contact(const ForceModel&) {}
+    void push_folds(State& state, const ElementSums&) {
+        nodes_->store_places(state);
+        places_stored_at_ = state.step;
+        self_contact_->add_forces(state);
+        const std::vector<std::int32_t>& awake = state.contact.awake.index;
+        const auto is_on_line = [&](std::int32_t k) {
+            return state.contact.pairs[k].node >= constants_.canopy_nodes;
+        };
+        contact_power_ =
+            awake.empty() ? 0.0 : nodes_->scatter_add_contact(state, std::ranges::any_of(awake, is_on_line));
+    }
+    EnergyAndStrain self_contact_levels(const State& state) const {
+        return {self_contact_->energy(with_places(state)), 0.0};
+    }
+    /// Itself where the records of its nodes are those of now.
+    const State& with_places(const State& state) const {
+        if (places_stored_at_ == state.step) return state;
+        stored_ = std::make_unique<State>(stored(state));
+        return *stored_;
+    }
+
     void prepare_contacts(const ForceModel&) { elements_.contacts = gore_contact_pairs(gores_, mesh_); }
     CanopyAxis axis(const State& state) const {
         return canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
@@ -726,11 +758,15 @@ private:
     const Row* lines_row_ = nullptr;
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
+    const ForceModel* self_contact_ = nullptr;
+    std::int64_t places_stored_at_ = -1;     // step whose places the records of the state have
+    mutable std::unique_ptr<State> stored_;  // with the places of now, where they have not
+    double contact_power_ = 0.0;             // [W] on nodes of lines, among the forces of the air
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *tetrahedra_ = nullptr,
                      *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
+const std::array<GoreLayout::Row, 14> GoreLayout::rows{{
     {Block::membrane, &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane,
      &GoreLayout::finish_membrane, &GoreLayout::fabric_levels},
     {Block::fabric_springs, &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
@@ -743,6 +779,8 @@ const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
      &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
     {Block::gore_contact, &GoreLayout::prepare_contacts, &GoreLayout::push_apart,
      &GoreLayout::finish_contacts, &GoreLayout::contact_levels},
+    {Block::self_contact, &GoreLayout::prepare_self_contact, nullptr, &GoreLayout::push_folds,
+     &GoreLayout::self_contact_levels},
     {Block::payload_tetrahedra, &GoreLayout::prepare_tetrahedra, nullptr, &GoreLayout::finish_tetrahedra,
      &GoreLayout::tetrahedra_levels},
     {Block::canopy_pressure, &GoreLayout::prepare_fabric, &GoreLayout::find_areas,

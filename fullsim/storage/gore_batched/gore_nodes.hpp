@@ -48,6 +48,12 @@ public:
     /// From and to a state: positions and velocities, those half a step before, too.
     void load(const State& state) const;
     void store(State& state) const;
+    /// Positions and velocities alone.
+    void store_places(State& state) const;
+    /// Adds the forces of the state on own nodes, which are cleared there: on the canopy to the forces of
+    /// gores, on lines, whose forces are those of their cables alone, to those of the air. Returns the power of
+    /// the latter [W]. on_lines: whether there may be any.
+    double scatter_add_contact(State& state, bool on_lines) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
 
