@@ -703,6 +703,10 @@ TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
     in.end();
     ASSERT_GT(resumed.system().contact.pairs.size(), 0u);
     const auto searches = whole.system().contact.searches;
+    take_steps(whole, 1);
+    take_steps(resumed, 1);
+    EXPECT_EQ(whole.system().contact.awake.index, resumed.system().contact.awake.index);
+    EXPECT_EQ(whole.system().contact.awake.number, resumed.system().contact.awake.number);
     take_steps(whole, 1500);
     take_steps(resumed, 1500);
     EXPECT_GT(whole.system().contact.searches, searches);  // pairs have been found anew in between

@@ -84,7 +84,7 @@ public:
                                              what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
         self_contact_ = find_block(structure, Block::self_contact);
         places_stored_at_ = -1;
-        contact_power_ = 0.0;
+        contact_on_lines_.clear();
         clear_forces(state, has_.own_loops || self_contact_ ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
@@ -220,7 +220,7 @@ public:
         if (self_contact_) {
             GershgorinSums of_contact = no_rows(state, bound_->weights(state));
             self_contact_->add_row_sums(with_places(state), of_contact);
-            bound_->add_contact(of_contact);
+            bound_->add_contact(of_contact, node_loads_at(state).mass_damping);
         }
         find_inverse_inertia(state);
         return bound_->steps(inverse_inertia_, loads);
@@ -262,6 +262,8 @@ public:
         step_.mass_damping = node_loads_.mass_damping;
         step_.system_mean = to_array(node_loads_.system_mean);
         step_.halo_aero = has_.air_on_fabric;
+        StepSums sums;
+        take_out_contact(sums);
         for_parts([&](const GoreFrame& part) {
             nodes_->receive_halo_forces(part.first, exchanged_);
             sums_[part.first].step = kernels_.advance(part, step_);
@@ -271,7 +273,6 @@ public:
                 kernels_.subcycle(part, first);  // of gores alone: it asks for no forces
         });
 
-        StepSums sums;
         for (const auto& [of_row, g] : sums_) {
             add_positions(g, sums);
             sums.drag_power[2] += g.drag_power;
@@ -282,7 +283,6 @@ public:
             state.accretion_power += g.accretion_power;
             state.external_power += g.external_power;
         }
-        sums.drag_power[2] -= contact_power_;
         if (together) {
             mover.move_others(gores_.global, constants_, sums);
             if (body_) body_->advance(state, mover.kick(), dt);
@@ -581,8 +581,30 @@ private:
         const auto is_on_line = [&](std::int32_t k) {
             return state.contact.pairs[k].node >= constants_.canopy_nodes;
         };
-        contact_power_ =
-            awake.empty() ? 0.0 : nodes_->scatter_add_contact(state, std::ranges::any_of(awake, is_on_line));
+        contact_on_lines_.clear();
+        if (!awake.empty())
+            nodes_->scatter_add_contact(state, std::ranges::any_of(awake, is_on_line), contact_on_lines_);
+    }
+    /// Contact on lines is no drag: with the velocity that the kernel's node update will book it at.
+    void take_out_contact(StepSums& sums) const {
+        for (const auto& [n, gore, force] : contact_on_lines_) {
+            const auto row = [&, n = n, gore = gore](double* array) {
+                return Lanes{nodes_->at(array, n, gore, 0), nodes_->at(array, n, gore, 1),
+                             nodes_->at(array, n, gore, 2), 0.0};
+            };
+            const Lanes pull = row(nodes_->frame.force);
+            const double mass = node_[n].mass, inverse = inverse_inertia_[n];
+            Lanes others = row(nodes_->frame.aero), none = splat(0.0);
+            others[2] -= mass * step_.gravity;
+            law::resist(step_.mass_damping * mass, row(nodes_->frame.v) - as_lanes(step_.system_mean), others,
+                        none);
+            const Lanes before{nodes_->half_at(n, gore, 0), nodes_->half_at(n, gore, 1),
+                               nodes_->half_at(n, gore, 2), 0.0};
+            const double pulled = step_.together ? step_.kick : step_.first_kick;
+            const Lanes change = 0.5 * inverse * (step_.kick * others + pulled * pull);
+            sums.drag_power -= work(force, before + change);
+            if (step_.weighs) sums.kinetic -= 0.5 * step_.last_dt * sum3(work(force, change));
+        }
     }
     EnergyAndStrain self_contact_levels(const State& state) const {
         return {self_contact_->energy(with_places(state)), 0.0};
@@ -759,9 +781,9 @@ private:
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
     const ForceModel* self_contact_ = nullptr;
-    std::int64_t places_stored_at_ = -1;     // step whose places the records of the state have
-    mutable std::unique_ptr<State> stored_;  // with the places of now, where they have not
-    double contact_power_ = 0.0;             // [W] on nodes of lines, among the forces of the air
+    std::int64_t places_stored_at_ = -1;               // step whose places the records of the state have
+    mutable std::unique_ptr<State> stored_;            // with the places of now, where they have not
+    std::vector<GoreNodes::OnLine> contact_on_lines_;  // of the step, among the forces of the air
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *tetrahedra_ = nullptr,
                      *payload_drag_ = nullptr;
 };

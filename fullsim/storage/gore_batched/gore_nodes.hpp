@@ -50,10 +50,16 @@ public:
     void store(State& state) const;
     /// Positions and velocities alone.
     void store_places(State& state) const;
+    /// A force on an own node of a line [N].
+    struct OnLine {
+        LocalNode node;
+        int gore;
+        Lanes force;
+    };
     /// Adds the forces of the state on own nodes, which are cleared there: on the canopy to the forces of
-    /// gores, on lines, whose forces are those of their cables alone, to those of the air. Returns the power of
-    /// the latter [W]. on_lines: whether there may be any.
-    double scatter_add_contact(State& state, bool on_lines) const;
+    /// gores; on lines, whose forces are those of their cables alone, to those of the air, and says which.
+    /// lines_touch: whether there may be any.
+    void scatter_add_contact(State& state, bool lines_touch, std::vector<OnLine>& on_lines) const;
     /// Adds the forces of the state on own nodes, which are cleared there. Not where `What` is pushed alone.
     void scatter_add_forces(State& state) const;
 
