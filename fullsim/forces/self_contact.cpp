@@ -110,12 +110,20 @@ public:
                           columns(awake), {stiffness_, friction_}, attention.data());
         state.damping_power += pushed.dissipated;
         contact.deepest = std::max(contact.deepest, thickness_share * pushed.deepest);
-        for (std::size_t g = 0; g < attention.size(); ++g)
-            for (std::uint32_t left = attention[g]; left != 0; left &= left - 1) {
-                const std::size_t slot = g * lanes() + static_cast<std::size_t>(std::countr_zero(left));
-                attend(state, awake.index[slot]);
-                set_kept(awake, slot, contact.pairs[awake.index[slot]]);
-            }
+        // A side that one pair takes may tell another its own: until none does, so that forces follow from
+        // places and sides, not from the order of pairs.
+        for (bool changes = true; changes;) {
+            changes = false;
+            for (std::size_t g = 0; g < attention.size(); ++g)
+                for (std::uint32_t left = attention[g]; left != 0; left &= left - 1) {
+                    const std::size_t slot = g * lanes() + static_cast<std::size_t>(std::countr_zero(left));
+                    const NearPair& pair = contact.pairs[awake.index[slot]];
+                    const int before = pair.side;
+                    attend(state, awake.index[slot]);
+                    set_kept(awake, slot, pair);
+                    changes = changes || pair.side != before;
+                }
+        }
     }
 
     /// Counts pairs that touch, and those that are within another thickness of it.
