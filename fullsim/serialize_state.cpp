@@ -54,7 +54,10 @@ constexpr auto energy_members = [](EnergyTotals& totals, auto&& each) {
 };
 
 void serialize_contact(Archive& archive, SelfContactState& contact) {
-    auto& [pairs, by_slack, searched_at, searches, skin, passed, deepest] = contact;
+    auto& [pairs, looked_at, searches, skin, spent, passed, deepest, listed, all, awake, attention,
+           measured] = contact;
+    static_cast<void>(all), static_cast<void>(awake), static_cast<void>(attention),
+        static_cast<void>(measured);
     archive.length("near pairs", pairs, most_near_pairs);
     for (NearPair& pair : pairs) {
         auto& [node, triangle, side, thickness, slack] = pair;
@@ -64,12 +67,13 @@ void serialize_contact(Archive& archive, SelfContactState& contact) {
         archive.number("thickness", thickness);
         archive.number("slack", slack);
     }
-    archive.rows("nodes at the search", searched_at, [](Vec3& x, auto&& each) { each(x); });
+    archive.numbers("nodes at the last look", looked_at);
     archive.whole("searches", searches, 0);
     archive.number("skin", skin);
+    archive.number("spent", spent);
     archive.whole("passed", passed, 0);
     archive.number("deepest", deepest);
-    if (archive.reads()) order_by_slack(contact);
+    if (archive.reads()) listed = false;
 }
 
 /// Records of whole rows of doubles.

@@ -58,6 +58,8 @@ Simulation::Simulation(const Scene& scene, const LayoutMaker& layout, std::span<
                 .value;
     state_.energy.kinetic_start = kinetic_energy(state_, constants_);
     state_.energy.elastic_start = elastic_energy(state_, structure_);
+    for (const auto& model : structure_)
+        model->prepare(state_);
     steps_.refresh(state_, step_inputs());
 }
 

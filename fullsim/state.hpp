@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -222,26 +221,35 @@ struct NearPair {
     std::int32_t triangle = 0;
     int side = 0;            ///< of the triangle's normal, on which the node has to stay; 0: not decided yet
     double thickness = 0.0;  ///< [m] gap below which both push each other off
-    double slack = 0.0;  ///< [m] by which both have to come closer, since the search, before they can touch
+    double slack =
+        0.0;  ///< [m] by which both have to come closer, since the last look, before they can touch
 };
 
-/// Self-contact: which nodes are near which triangles, and on which side.
+/// Near pairs side by side, as the kernels of self-contact want them (self_contact_kernels.hpp).
+struct PairColumns {
+    std::vector<std::int32_t> index;  ///< of the pairs, in SelfContactState
+    std::vector<std::int32_t> node;   ///< offsets of node and corners
+    std::vector<double> number;       ///< constants, side and thickness
+
+    void clear() { index.clear(), node.clear(), number.clear(); }
+};
+
+/// Self-contact: which nodes are near which triangles, and on which side. Nodes are searched for new pairs
+/// now and then, and more often looked at: pairs that cannot touch before the next look sleep.
 struct SelfContactState {
-    std::vector<NearPair> pairs;         ///< in the order of nodes, then triangles
-    std::vector<std::int32_t> by_slack;  ///< their indices, those that touch first at the head
-    std::vector<Vec3> searched_at;       ///< [m] nodes when pairs were found, from the mean of the canopy;
-    std::int64_t searches = 0;           ///< empty before the first search
-    double skin = 0.0;                   ///< [m] more than that closer, and another search is due
-    std::int64_t passed = 0;             ///< nodes that went through fabric and were let go
-    double deepest = 0.0;                ///< [-] farthest that a node was on the wrong side, over an edge
+    std::vector<NearPair> pairs;    ///< in the order of nodes, then triangles
+    std::vector<double> looked_at;  ///< [m] nodes at the last look, from the mean of the canopy: all x, all
+                                    ///< y, all z, filled up with the last one; empty before the first search
+    std::int64_t searches = 0;
+    double skin = 0.0;        ///< [m] more than that closer since the search, and another one is due
+    double spent = 0.0;       ///< [m] of it, up to the last look
+    std::int64_t passed = 0;  ///< nodes that went through fabric and were let go
+    double deepest = 0.0;     ///< [-] farthest that a node was on the wrong side, over an edge
+    bool listed = false;      ///< the columns below are those of the pairs; made anew after a checkpoint
+    PairColumns all, awake;   ///< all pairs; those that may touch before the next look
+    std::vector<std::uint32_t> attention = {};  ///< of the step, as the kernel says
+    std::vector<double> measured = {};          ///< [m] of the last look
 };
-
-/// Sets by_slack: slack, then place in the list.
-inline void order_by_slack(SelfContactState& contact) {
-    contact.by_slack.resize(contact.pairs.size());
-    std::iota(contact.by_slack.begin(), contact.by_slack.end(), 0);
-    std::ranges::stable_sort(contact.by_slack, {}, [&](std::int32_t k) { return contact.pairs[k].slack; });
-}
 
 /// Everything that changes with time but nodes: current after every step at no cost.
 struct SystemState {

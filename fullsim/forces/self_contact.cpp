@@ -1,10 +1,14 @@
 // Self-contact: nodes of fabric and lines do not pass through triangles of fabric.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/forces/self_contact_kernels.hpp"
+#include "fullsim/forces/triangle_bins.hpp"
 #include "fullsim/laws/self_contact.hpp"
 #include "fullsim/mesh/mesh.hpp"
 #include "lib/solve/plan.hpp"
@@ -12,13 +16,14 @@
 namespace twinchute::fullsim {
 namespace {
 
+using self_contact::thickness_now, self_contact::touching;
+
 /// Choices of this toolkit (docs/theory/full-model.md).
 constexpr double stiffness_share = 0.5;   // of the fabric's E t
 constexpr double thickness_share = 0.03;  // of a triangle's edge
-constexpr double thickness_now = 0.25;    // at most, of its longest edge as it is: a pack is small
 constexpr double damping_share = 0.5;     // of sqrt(k m): viscosity of friction where slip is slow
 constexpr double skin_share = 0.15;       // of the mean longest edge, from one search to the next
-constexpr double touching = 1e-3;         // of the thickness: nearer than that a node has no side yet
+constexpr double reach_share = 0.15;      // of that, from one look to the next
 constexpr double sliver = 0.3;            // area over longest edge squared, over the same without strain
 constexpr double entering = 0.02;         // window below which a node has just come over the triangle
 /// Shortening of a distance to a triangle's window per distance that nodes have moved: by the node, and by a
@@ -83,52 +88,49 @@ public:
         return bytes;
     }
 
+    void prepare(State& state) const override {
+        if (state.contact.looked_at.empty()) search(state);
+    }
     void add_forces(State& state) const override {
         SelfContactState& contact = state.contact;
-        double closer = closer_since_search(state);
-        if (contact.searched_at.empty() || closer > contact.skin) {
+        if (!contact.listed) list(contact);
+        const double closer = closer_since_look(state);
+        // Not below: once a node is nowhere, the run is lost, and its checks will say so.
+        if (contact.looked_at.empty() || !(contact.spent + closer <= contact.skin)) {
             search(state);
-            closer = 0.0;
+        } else if (closer > reach_share * contact.skin) {
+            contact.spent += closer;
+            look(state);
         }
-        const NodeForces::View force = state.force.view();
-        for (const std::int32_t k : contact.by_slack) {
-            NearPair& pair = contact.pairs[k];
-            if (pair.slack > closer) break;
-            const auto at = where(state, pair);
-            if (!at) {
-                if (pair.side != 0) let_go(state, pair);
-                continue;
-            }
-            if (at->window <= 0.0) {
-                pair.side = 0;
-                continue;
-            }
-            const double thickest = thickness_of(state, pair.triangle);
-            if (pair.side == 0) {
-                if (!decide(state, k, *at, thickest)) continue;
-                state.energy.ramp += energy_of(state, pair);  // of a node that a neighbour hands over
-            }
-            const double overlap = overlap_of(*at, pair.side, pair.thickness);
-            if (overlap <= 0.0) {
-                pair.thickness = std::max(pair.thickness, std::min(thickest, pair.side * at->gap));
-                continue;
-            }
-            if (at->window > 0.5)
-                contact.deepest =
-                    std::max(contact.deepest, (overlap - pair.thickness) / edge_of(pair.triangle));
-            const Triangle& t = mesh_.triangles[pair.triangle];
-            const SelfContactForce f =
-                self_contact_force(law_of(pair), *at, pair.side, overlap, velocities(state, pair));
-            force[pair.node].value += to_lanes(f.on.node);
-            for (int i = 0; i < 3; ++i)
-                force[t.node[i]].value += to_lanes(f.on.corner[i]);
-            state.damping_power += f.dissipated;
+        PairColumns& awake = contact.awake;
+        std::vector<std::uint32_t>& attention = contact.attention;
+        attention.resize(awake.node.size() / (4 * lanes()));
+        const self_contact::Pushed pushed =
+            kernels_.push(records_of(state), reinterpret_cast<double*>(&state.force.view()[0]),
+                          columns(awake), {stiffness_, friction_}, attention.data());
+        state.damping_power += pushed.dissipated;
+        contact.deepest = std::max(contact.deepest, thickness_share * pushed.deepest);
+        // A side that one pair takes may tell another its own: until none does, so that forces follow from
+        // places and sides, not from the order of pairs.
+        for (bool changes = true; changes;) {
+            changes = false;
+            for (std::size_t g = 0; g < attention.size(); ++g)
+                for (std::uint32_t left = attention[g]; left != 0; left &= left - 1) {
+                    const std::size_t slot = g * lanes() + static_cast<std::size_t>(std::countr_zero(left));
+                    const NearPair& pair = contact.pairs[awake.index[slot]];
+                    const int before = pair.side;
+                    attend(state, awake.index[slot]);
+                    set_kept(awake, slot, pair);
+                    changes = changes || pair.side != before;
+                }
         }
     }
 
     /// Counts pairs that touch, and those that are within another thickness of it.
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
+        const double closer = closer_since_look(state);
         for (const NearPair& pair : state.contact.pairs) {
+            if (pair.slack - closer > thickness_share * edge_of(pair.triangle)) continue;
             const auto at = where(state, pair);
             if (!at || at->window <= 0.0) continue;
             const double thickness = std::max(pair.thickness, thickness_share * edge_of(pair.triangle));
@@ -157,8 +159,9 @@ public:
 
     double energy(const State& state) const override {
         double total = 0.0;
+        const double closer = closer_since_look(state);
         for (const NearPair& pair : state.contact.pairs)
-            total += energy_of(state, pair);
+            if (pair.slack <= closer) total += energy_of(state, pair);
         return total;
     }
 
@@ -185,9 +188,6 @@ private:
         if (!(at.twice_area > fullness_[pair.triangle] * longest_edge_squared(x))) return std::nullopt;
         return at;
     }
-    double gap_of(const State& state, const NearPair& pair) const {
-        return over_triangle(places(state, pair)).gap;
-    }
     /// [m] of the unstrained triangle
     double edge_of(std::int32_t triangle) const {
         const Triangle& t = mesh_.triangles[triangle];
@@ -209,7 +209,7 @@ private:
         const OverTriangle at = over_triangle(places(state, pair));
         if (!(at.twice_area > 0.0)) return 0.0;
         const double overlap = std::max(0.0, overlap_of(at, pair.side, pair.thickness));
-        return 0.5 * stiffness_ * at.window * overlap * overlap;
+        return self_contact_energy(stiffness_, at, overlap);
     }
     /// The pair holds nothing any more; its energy is lost.
     void let_go(State& state, NearPair& pair) const {
@@ -268,137 +268,207 @@ private:
         return found;
     }
 
-    /// [m] by which a node and a triangle may have come closer since the search.
-    double closer_since_search(const State& state) const {
-        const Vec3& centre = state.sums.canopy_position;
-        double most = 0.0;
-        const std::vector<Vec3>& at = state.contact.searched_at;
-        for (std::size_t i = 0; i < at.size(); ++i)
-            most = std::max(most, (place(state, static_cast<NodeIndex>(i)) - centre - at[i]).squaredNorm());
-        return closing * std::sqrt(most);
+    /// What a pair that the kernel does not push wants: a side, to be let go, or more thickness.
+    void attend(State& state, std::int32_t k) const {
+        SelfContactState& contact = state.contact;
+        NearPair& pair = contact.pairs[k];
+        const auto at = where(state, pair);
+        if (!at) {
+            if (pair.side != 0) let_go(state, pair);
+            return;
+        }
+        if (at->window <= 0.0) {
+            pair.side = 0;
+            return;
+        }
+        const double thickest = thickness_of(state, pair.triangle);
+        if (pair.side != 0) {
+            pair.thickness = std::max(pair.thickness, std::min(thickest, pair.side * at->gap));
+            return;
+        }
+        if (!decide(state, k, *at, thickest)) return;
+        const double overlap = overlap_of(*at, pair.side, pair.thickness);
+        if (overlap <= 0.0) return;
+        state.energy.ramp += energy_of(state, pair);  // of a node that a neighbour hands over
+        const NodeForces::View force = state.force.view();
+        const Triangle& t = mesh_.triangles[pair.triangle];
+        const SelfContactForce f =
+            self_contact_force(law_of(pair), *at, pair.side, overlap, velocities(state, pair));
+        force[pair.node].value += to_lanes(f.on.node);
+        for (int i = 0; i < 3; ++i)
+            force[t.node[i]].value += to_lanes(f.on.corner[i]);
+        state.damping_power += f.dissipated;
     }
 
-    /// Finds pairs anew, by bins; those that stay keep their side and thickness.
+    // --- which pairs are awake --------------------------------------------------------------
+
+    static const double* records_of(const State& state) {
+        return reinterpret_cast<const double*>(state.node.data());
+    }
+    std::size_t lanes() const { return static_cast<std::size_t>(kernels_.lanes); }
+    self_contact::Pairs columns(const PairColumns& pairs) const {
+        return {pairs.node.size() / (4 * lanes()), pairs.node.data(), pairs.number.data()};
+    }
+    double* number_of(PairColumns& columns, std::size_t slot, self_contact::PairNumber which) const {
+        return &columns
+                    .number[(slot / lanes() * self_contact::pair_numbers + which) * lanes() + slot % lanes()];
+    }
+    void set_kept(PairColumns& columns, std::size_t slot, const NearPair& pair) const {
+        *number_of(columns, slot, self_contact::kept_side) = pair.side;
+        *number_of(columns, slot, self_contact::kept_thickness) = pair.thickness;
+    }
+    /// Columns of the pairs in columns.index.
+    void fill(PairColumns& columns, const std::vector<NearPair>& pairs) const {
+        const std::size_t count = columns.index.size(), groups = (count + lanes() - 1) / lanes();
+        columns.node.assign(groups * 4 * lanes(), 0);
+        columns.number.assign(groups * self_contact::pair_numbers * lanes(), 0.0);
+        for (std::size_t slot = 0; slot < groups * lanes(); ++slot) {
+            *number_of(columns, slot, self_contact::fullness) = infinity;  // padding
+            if (slot >= count) continue;
+            const NearPair& pair = pairs[columns.index[slot]];
+            const auto& corner = mesh_.triangles[pair.triangle].node;
+            std::int32_t* node = &columns.node[slot / lanes() * 4 * lanes() + slot % lanes()];
+            constexpr auto row = static_cast<std::int32_t>(sizeof(NodeVector));
+            node[0] = pair.node * row;
+            for (std::size_t i = 0; i < 3; ++i)
+                node[(1 + i) * lanes()] = corner[i] * row;
+            *number_of(columns, slot, self_contact::fullness) = fullness_[pair.triangle];
+            *number_of(columns, slot, self_contact::most_thickness) =
+                thickness_share * edge_of(pair.triangle);
+            *number_of(columns, slot, self_contact::slow_viscosity) = law_of(pair).viscosity;
+            set_kept(columns, slot, pair);
+        }
+    }
+    /// Makes the columns anew: those that touch first, so that they push side by side, then those that may.
+    void list(SelfContactState& contact) const {
+        contact.all.index.resize(contact.pairs.size());
+        std::iota(contact.all.index.begin(), contact.all.index.end(), 0);
+        fill(contact.all, contact.pairs);
+        wake(contact);
+        contact.listed = true;
+    }
+    void wake(SelfContactState& contact) const {
+        const double reach = reach_share * contact.skin;
+        contact.awake.clear();
+        std::vector<std::int32_t>& index = contact.awake.index;
+        for (const bool touch : {true, false})
+            for (std::size_t k = 0; k < contact.pairs.size(); ++k) {
+                const double slack = contact.pairs[k].slack;
+                if (slack <= reach && (slack <= 0.0) == touch) index.push_back(static_cast<std::int32_t>(k));
+            }
+        fill(contact.awake, contact.pairs);
+    }
+
+    /// [m] by which a node and a triangle may have come closer since the last look.
+    double closer_since_look(const State& state) const {
+        const std::vector<double>& before = state.contact.looked_at;
+        if (before.empty()) return 0.0;
+        const Vec3& centre = state.sums.canopy_position;
+        return closing * std::sqrt(kernels_.farthest(records_of(state), before.data(), before.size() / 3,
+                                                     static_cast<std::size_t>(mesh_.payload()) - 1,
+                                                     {centre.x(), centre.y(), centre.z()}));
+    }
+    void note_places(State& state) const {
+        const auto nodes = static_cast<std::size_t>(mesh_.payload());
+        const std::size_t count = (nodes + lanes() - 1) / lanes() * lanes();
+        std::vector<double>& at = state.contact.looked_at;
+        at.resize(3 * count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 x = from_centre(state, static_cast<NodeIndex>(std::min(i, nodes - 1)));
+            for (std::size_t c = 0; c < 3; ++c)
+                at[c * count + i] = x[static_cast<Eigen::Index>(c)];
+        }
+    }
+    static Vec3 from_centre(const State& state, NodeIndex i) {
+        return place(state, i) - state.sums.canopy_position;
+    }
+
+    /// Which of the near pairs may touch soon.
+    void look(State& state) const {
+        SelfContactState& contact = state.contact;
+        note_places(state);
+        const std::size_t slots = contact.all.node.size() / 4;
+        std::vector<double>& measured = contact.measured;
+        measured.resize(2 * slots);
+        double* const gap = measured.data() + slots;
+        kernels_.measure(records_of(state), columns(contact.all), measured.data(), gap);
+        for (std::size_t k = 0; k < contact.pairs.size(); ++k) {
+            NearPair& pair = contact.pairs[k];
+            // One that is behind the triangle is held, however far.
+            const bool held = pair.side != 0 && !(pair.side * gap[k] > 0.0);
+            pair.slack = held ? 0.0 : std::max(0.0, measured[k] - thickness_share * edge_of(pair.triangle));
+        }
+        wake(contact);
+    }
+
+    // --- which pairs are near -----------------------------------------------------------------
+
+    /// Finds pairs anew; those that stay keep their side and thickness.
     void search(State& state) const {
         SelfContactState& contact = state.contact;
         ++contact.searches;
-        const auto nodes = static_cast<std::size_t>(mesh_.payload());
-        const std::size_t triangles = mesh_.triangles.size();
-        contact.searched_at.resize(nodes);
-        for (std::size_t i = 0; i < nodes; ++i)
-            contact.searched_at[i] = place(state, static_cast<NodeIndex>(i)) - state.sums.canopy_position;
-        const std::vector<Vec3>& x = contact.searched_at;
-
-        std::vector<double> longest(triangles);
+        contact.spent = 0.0;
+        std::vector<Vec3> x(static_cast<std::size_t>(mesh_.payload()));
+        for (std::size_t i = 0; i < x.size(); ++i)
+            x[i] = from_centre(state, static_cast<NodeIndex>(i));
+        std::vector<double> longest(mesh_.triangles.size());
         double mean = 0.0;
-        for (std::size_t t = 0; t < triangles; ++t) {
+        for (std::size_t t = 0; t < longest.size(); ++t) {
             const auto& n = mesh_.triangles[t].node;
             longest[t] = std::sqrt(longest_edge_squared({Vec3(), {x[n[0]], x[n[1]], x[n[2]]}}));
-            mean += longest[t] / static_cast<double>(triangles);
+            mean += longest[t] / static_cast<double>(longest.size());
         }
         contact.skin = skin_share * mean;
-        if (!std::isfinite(mean)) {  // the run is lost, and its checks will say so
-            contact.pairs.clear();
-            contact.by_slack.clear();
-            return;
+        std::vector<NearPair> before = std::exchange(contact.pairs, {});
+        if (std::isfinite(mean)) {
+            contact.pairs.reserve(before.size());
+            find_pairs(state, x, longest, before);
         }
-        const auto thickness = [&](std::size_t t) {
-            return std::min(thickness_share * edge_of(static_cast<std::int32_t>(t)),
-                            thickness_now * longest[t]);
-        };
-        /// Corners of the triangle over which its window is open.
-        const auto widened = [&](std::size_t t) {
-            const auto& n = mesh_.triangles[t].node;
-            const Vec3 sum = x[n[0]] + x[n[1]] + x[n[2]];
-            std::array<Vec3, 3> corner;
-            for (int i = 0; i < 3; ++i)
-                corner[i] = (1.0 + 3.0 * window_half_width) * x[n[i]] - window_half_width * sum;
-            return corner;
-        };
-
-        // Bins that hold the triangles whose boxes, with their reach, overlap them.
-        struct Box {
-            Vec3 low, high;
-        };
-        std::vector<Box> boxes(triangles);
-        Vec3 low = Vec3::Constant(infinity), high = -low;
-        double size = 0.0;
-        for (std::size_t t = 0; t < triangles; ++t) {
-            const auto corner = widened(t);
-            const Vec3 margin = Vec3::Constant(thickness(t) + contact.skin);
+        list(contact);
+        look(state);
+    }
+    /// Corners of the triangle over which its window is open.
+    std::array<Vec3, 3> widened(const std::vector<Vec3>& x, std::size_t t) const {
+        const auto& n = mesh_.triangles[t].node;
+        const Vec3 sum = x[n[0]] + x[n[1]] + x[n[2]];
+        std::array<Vec3, 3> corner;
+        for (int i = 0; i < 3; ++i)
+            corner[i] = (1.0 + 3.0 * window_half_width) * x[n[i]] - window_half_width * sum;
+        return corner;
+    }
+    /// x: places of the nodes, longest: edge of each triangle [m]; before: pairs of the last search.
+    void find_pairs(State& state, const std::vector<Vec3>& x, const std::vector<double>& longest,
+                    std::vector<NearPair>& before) const {
+        SelfContactState& contact = state.contact;
+        std::vector<double> reach(longest.size());  // [m] of a triangle until the next search
+        std::vector<Box> boxes(longest.size());
+        for (std::size_t t = 0; t < longest.size(); ++t) {
+            reach[t] = contact.skin + std::min(thickness_share * edge_of(static_cast<std::int32_t>(t)),
+                                               thickness_now * longest[t]);
+            const auto corner = widened(x, t);
+            const Vec3 margin = Vec3::Constant(reach[t]);
             boxes[t] = {corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - margin,
                         corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + margin};
-            low = low.cwiseMin(boxes[t].low), high = high.cwiseMax(boxes[t].high);
-            size += (boxes[t].high - boxes[t].low).maxCoeff() / static_cast<double>(triangles);
         }
-        const double most_bins = 8.0 * static_cast<double>(triangles) + 64.0;
-        const auto counts_of = [&] { return Vec3(((high - low) / size).array().floor() + 1.0); };
-        while (counts_of().prod() > most_bins)
-            size *= 1.25;
-        const Vec3 counts = counts_of();
-        const auto bin = [&](const Vec3& p) {
-            return Eigen::Vector3i(
-                (((p - low) / size).array().floor()).max(0.0).min(counts.array() - 1.0).cast<int>());
-        };
-        const auto nx = static_cast<int>(counts.x()), ny = static_cast<int>(counts.y()),
-                   nz = static_cast<int>(counts.z());
-        const auto index = [&](int i, int j, int k) {
-            return (static_cast<std::size_t>(i) * static_cast<std::size_t>(ny) +
-                    static_cast<std::size_t>(j)) *
-                       static_cast<std::size_t>(nz) +
-                   static_cast<std::size_t>(k);
-        };
-        std::vector<std::int32_t> first(
-            static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz) + 2,
-            0);
-        const auto each_bin = [&](std::size_t t, auto&& visit) {
-            const Eigen::Vector3i a = bin(boxes[t].low), b = bin(boxes[t].high);
-            for (int i = a.x(); i <= b.x(); ++i)
-                for (int j = a.y(); j <= b.y(); ++j)
-                    for (int k = a.z(); k <= b.z(); ++k)
-                        visit(index(i, j, k));
-        };
-        for (std::size_t t = 0; t < triangles; ++t)
-            each_bin(t, [&](std::size_t b) { ++first[b + 2]; });
-        for (std::size_t b = 2; b < first.size(); ++b)
-            first[b] += first[b - 1];
-        std::vector<std::int32_t> in_bins(static_cast<std::size_t>(first.back()));
-        for (std::size_t t = 0; t < triangles; ++t)
-            each_bin(t, [&](std::size_t b) { in_bins[first[b + 1]++] = static_cast<std::int32_t>(t); });
-
-        std::vector<NearPair> before = std::exchange(contact.pairs, {});
-        contact.pairs.reserve(before.size());
+        const TriangleBins bins(boxes);
         auto old = before.begin();
         const auto drop_until = [&](NodeIndex node, std::int32_t triangle) {
             for (; old != before.end() && std::pair(old->node, old->triangle) < std::pair(node, triangle);
                  ++old)
                 if (old->side != 0) let_go(state, *old);
         };
-        for (std::size_t i = 0; i < nodes; ++i) {
-            if (!((x[i].array() >= low.array()).all() && (x[i].array() <= high.array()).all())) continue;
+        for (std::size_t i = 0; i < x.size(); ++i) {
             const auto node = static_cast<NodeIndex>(i);
-            const Eigen::Vector3i at = bin(x[i]);
-            const std::size_t b = index(at.x(), at.y(), at.z());
-            for (std::int32_t m = first[b]; m < first[b + 1]; ++m) {
-                const std::int32_t t = in_bins[m];
-                const Box& box = boxes[t];
-                if (!((x[i].array() >= box.low.array()).all() && (x[i].array() <= box.high.array()).all()))
-                    continue;
-                if (touches(node, mesh_.triangles[t].node)) continue;
-                const auto corner = widened(static_cast<std::size_t>(t));
-                const double distance = std::sqrt(squared_distance(x[i], corner[0], corner[1], corner[2]));
-                const double slack = std::max(0.0, distance - thickness(static_cast<std::size_t>(t)));
-                if (slack > contact.skin) continue;
+            bins.each_that_holds(x[i], [&](std::int32_t t) {
+                if (touches(node, mesh_.triangles[t].node)) return;
+                const auto corner = widened(x, static_cast<std::size_t>(t));
+                if (squared_distance(x[i], corner[0], corner[1], corner[2]) > reach[t] * reach[t]) return;
                 drop_until(node, t);
-                NearPair pair{node, t};
-                if (old != before.end() && old->node == node && old->triangle == t) pair = *old++;
-                // One that is behind the triangle is held, however far.
-                pair.slack = pair.side == 0 || pair.side * gap_of(state, pair) > 0.0 ? slack : 0.0;
-                contact.pairs.push_back(pair);
-            }
+                const bool stays = old != before.end() && old->node == node && old->triangle == t;
+                contact.pairs.push_back(stays ? *old++ : NearPair{node, t});
+            });
         }
         drop_until(std::numeric_limits<NodeIndex>::max(), 0);
-        order_by_slack(contact);
     }
     /// Whether the node is a corner or one edge, or cable, from one.
     bool touches(NodeIndex node, const std::array<NodeIndex, 3>& corner) const {
@@ -408,6 +478,7 @@ private:
     }
 
     const Mesh& mesh_;
+    const self_contact::Kernels& kernels_ = self_contact::all_kernels().front();
     double friction_;   // [-]
     double stiffness_;  // [N/m]
     std::vector<std::vector<NodeIndex>> neighbours_;

@@ -194,8 +194,6 @@ std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const 
                              why, "leave full.symmetry out");
         return sector;
     }
-    // Any node may meet any triangle: gores have no row for that, and would copy all nodes in each step.
-    if (scene.full.contact == Contact::self) return make_unstructured_layout(scene, mesh, constants);
     auto gores = make_gore_layout(scene, mesh, constants, nullptr, threads);
     return gores ? std::move(gores) : make_unstructured_layout(scene, mesh, constants);
 }

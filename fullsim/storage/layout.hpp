@@ -204,8 +204,8 @@ std::unique_ptr<Layout> make_unstructured_layout(const Scene& scene, const Mesh&
 /// The force blocks themselves, one after the other, on the same records: what other layouts are held to.
 std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants);
 
-/// One sector where the scene asks for it, else gore-batched where gores are alike, unstructured otherwise
-/// and with self-contact. Throws SceneError where a sector is asked for that the mesh has not.
+/// One sector where the scene asks for it, else gore-batched where gores are alike, unstructured otherwise.
+/// Throws SceneError where a sector is asked for that the mesh has not.
 std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
                                     int threads = 1);
 

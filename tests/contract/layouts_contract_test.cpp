@@ -113,6 +113,71 @@ TEST(Layouts, AgreeWhereGoresTouch) {
                       12'000);
 }
 
+TEST(Layouts, AgreeWhereFoldsTouch) {
+    // Nodes of fabric wherever they meet fabric; pleats are full triangles.
+    for (const char* subcycles : {"1", "4"})
+        compare_along(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                                 {"full.contact='self'", "full.mesh.gore_columns=4", "full.mesh.gore_rows=6",
+                                  "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
+                                  std::string("full.line_substeps=") + subcycles}),
+                      12'000);
+}
+
+TEST(Layouts, AgreeWhereLinesTouchFabric) {
+    // Which they do too seldom to wait for it: one node of a line is put on the fabric of the next gore.
+    for (const char* subcycles : {"1", "4"}) {
+        const Scene scene =
+            read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                       {"full.contact='self'", "full.mesh.gore_columns=4", "full.mesh.gore_rows=6",
+                        "full.mesh.line_elements=20", std::string("full.line_substeps=") + subcycles});
+        Simulation simulation(scene);
+        for (int step = 0; step < 200; ++step) {
+            simulation.evaluate_forces();
+            simulation.step_to(1e9);
+        }
+        const Mesh& mesh = simulation.mesh();
+        State state = simulation.synchronised_state();
+        const auto line = std::ranges::find_if(mesh.cables, [&](const Cable& c) {
+            return c.kind == CableKind::line && !mesh.is_canopy(c.node[0]) && !mesh.is_canopy(c.node[1]);
+        });
+        ASSERT_NE(line, mesh.cables.end());
+        const NodeIndex node = line->node[1];
+        // The nearest triangle that is not folded.
+        const auto corner = [&](const Triangle& t, int i) { return to_vec3(state.node[t.node[i]].x); };
+        const auto area_of = [&](const Triangle& t) {
+            return Vec3((corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)));
+        };
+        const auto centre_of = [&](const Triangle& t) {
+            return Vec3((corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0);
+        };
+        const auto nearest = std::ranges::min_element(mesh.triangles, {}, [&](const Triangle& t) {
+            const bool is_folded = area_of(t).norm() < 0.8 * t.a * t.c;
+            return is_folded ? infinity : (centre_of(t) - to_vec3(state.node[node].x)).norm();
+        });
+        const Vec3 normal = area_of(*nearest).normalized();
+        state.node[node].x = to_lanes(centre_of(*nearest) + 0.001 * normal);
+        const ForceModels structure = make_structure(scene, mesh, state.stage);
+        const ForceModel* contact = find_block(structure, Block::self_contact);
+        state.contact = {};
+        contact->prepare(state);
+        const auto pair = std::ranges::find_if(state.contact.pairs, [&](const NearPair& p) {
+            return p.node == node && p.triangle == nearest - mesh.triangles.begin();
+        });
+        ASSERT_NE(pair, state.contact.pairs.end());
+        pair->side = 1, pair->thickness = 0.004;  // 3 mm of overlap
+        state.contact.listed = false;
+        const double energy = contact->energy(state);
+        EXPECT_GT(energy, 1e-3);
+        {
+            State pushed = state;
+            clear_forces(pushed);
+            contact->add_forces(pushed);
+            EXPECT_GT(to_vec3(pushed.force[node].value).norm(), 1.0);
+        }
+        compare_all(scene, mesh, simulation.constants(), state, true);
+    }
+}
+
 TEST(Layouts, AgreeAboveABody) {
     // Swinging from an oblique opening, and from the pack: rigid and deformable, its attachments with it.
     const std::string elastic = "payload.body.elasticity.youngs_modulus='50 MPa'";

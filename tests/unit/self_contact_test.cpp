@@ -8,6 +8,8 @@
 #include <random>
 
 #include "fullsim/forces/registry.hpp"
+#include "fullsim/forces/self_contact_kernels.hpp"
+#include "fullsim/forces/triangle_bins.hpp"
 #include "fullsim/laws/self_contact.hpp"
 #include "fullsim/serialize_state.hpp"
 #include "fullsim/simulation.hpp"
@@ -189,6 +191,195 @@ TEST(SelfContactLaw, TangentBoundsTheSecondDerivative) {
         closest = std::max(closest, norm / bound);
     }
     EXPECT_GT(closest, 0.3);  // no bound far from what it bounds
+}
+
+// --- pairs side by side ---------------------------------------------------------------------------
+
+/// Nodes and triangles that lie anywhere within 20 cm, as many as make up some groups of any width and a part
+/// of one: pushed and not, over and beside, on the wrong side and without one, slivers.
+struct Jumble {
+    static constexpr std::size_t count = 70;
+    static constexpr double fullness_of_sliver = 0.1, most = 0.03, viscosity = 2.0;
+
+    explicit Jumble(int lanes_of_group) : lanes(static_cast<std::size_t>(lanes_of_group)) {
+        std::mt19937 generator(11);
+        std::uniform_real_distribution<double> one(-0.1, 0.1);
+        const auto vector = [&](double scale) {
+            return Vec3(scale * one(generator), scale * one(generator), scale * one(generator));
+        };
+        const std::size_t groups = (count + lanes - 1) / lanes;
+        node.assign(4 * groups * lanes, 0);
+        number.assign(self_contact::pair_numbers * groups * lanes, 0.0);
+        for (std::size_t k = 0; k < groups * lanes; ++k) {
+            set(k, self_contact::fullness, infinity);
+            if (k >= count) continue;
+            NodeAndTriangle at{Vec3::Zero(), {vector(1.0), vector(1.0), vector(1.0)}};
+            at.node = (at.corner[0] + at.corner[1] + at.corner[2]) / 3.0 + vector(k % 2 == 0 ? 0.2 : 1.0);
+            x.push_back(at);
+            v.push_back({vector(30.0), {vector(30.0), vector(30.0), vector(30.0)}});
+            side.push_back(static_cast<int>(k % 3) - 1);
+            thickness.push_back(0.005 + 0.1 * std::abs(one(generator)));
+            for (int i = 0; i < 4; ++i) {
+                node[(k / lanes * 4 + i) * lanes + k % lanes] =
+                    static_cast<std::int32_t>(records.size() * sizeof(NodeVector));
+                records.push_back({to_lanes(point(x.back(), i)), to_lanes(point(v.back(), i))});
+            }
+            set(k, self_contact::fullness, fullness_of_sliver);
+            set(k, self_contact::most_thickness, most);
+            set(k, self_contact::slow_viscosity, viscosity);
+            set(k, self_contact::kept_side, side.back());
+            set(k, self_contact::kept_thickness, thickness.back());
+        }
+        force.resize(records.size(), {splat(0.0)});
+    }
+    void set(std::size_t k, self_contact::PairNumber which, double value) {
+        number[(k / lanes * self_contact::pair_numbers + which) * lanes + k % lanes] = value;
+    }
+    self_contact::Pairs pairs() const { return {node.size() / (4 * lanes), node.data(), number.data()}; }
+    const double* record() const { return reinterpret_cast<const double*>(records.data()); }
+    static double longest_edge(const NodeAndTriangle& at) {
+        const auto& c = at.corner;
+        return std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+    }
+    bool is_sliver(std::size_t k) const {
+        return over_triangle(x[k]).twice_area <= fullness_of_sliver * std::pow(longest_edge(x[k]), 2);
+    }
+
+    std::size_t lanes;
+    std::vector<NodeAndTriangle> x, v;
+    std::vector<int> side;
+    std::vector<double> thickness;
+    std::vector<NodeRecord> records;
+    std::vector<NodeVector> force;
+    std::vector<std::int32_t> node;
+    std::vector<double> number;
+};
+
+TEST(SelfContactKernels, PushAsTheLawDoesPairByPair) {
+    for (const self_contact::Kernels& kernels : self_contact::all_kernels()) {
+        SCOPED_TRACE(kernels.instruction_set);
+        Jumble jumble(kernels.lanes);
+        std::vector<std::uint32_t> attention(jumble.pairs().groups);
+        const self_contact::Pushed pushed =
+            kernels.push(jumble.record(), reinterpret_cast<double*>(jumble.force.data()), jumble.pairs(),
+                         {law_of_pair.stiffness, law_of_pair.friction}, attention.data());
+        double dissipated = 0.0, deepest = 0.0;
+        int pushing = 0, attended = 0, slivers = 0;
+        for (std::size_t k = 0; k < Jumble::count; ++k) {
+            const OverTriangle at = over_triangle(jumble.x[k]);
+            const int side = jumble.side[k];
+            const double gap = side * at.gap, overlap = overlap_of(at, side, jumble.thickness[k]);
+            const double thickest = std::min(Jumble::most, 0.25 * Jumble::longest_edge(jumble.x[k]));
+            const bool sliver = jumble.is_sliver(k), open = !sliver && at.window > 0.0;
+            const bool pushes = open && side != 0 && overlap > 0.0;
+            // Sides are taken and lost, thickness grows, where nothing pushes.
+            const bool wants = side == 0
+                                   ? open && std::abs(at.gap) > 1e-3 * thickest
+                                   : !open || (!pushes && std::min(thickest, gap) > jumble.thickness[k]);
+            EXPECT_EQ(attention[k / jumble.lanes] >> (k % jumble.lanes) & 1U, wants ? 1U : 0U) << k;
+            slivers += sliver, attended += wants, pushing += pushes;
+            SelfContactForce f{};
+            for (int i = 0; i < 4; ++i)
+                point(f.on, i) = Vec3::Zero();
+            if (pushes) {
+                f = self_contact_force(law_of_pair, at, side, overlap, jumble.v[k]);
+                if (at.window > 0.5) deepest = std::max(deepest, -gap / Jumble::most);
+            }
+            dissipated += f.dissipated;
+            // Rounding, and a sliver's gradients.
+            for (int i = 0; i < 4; ++i)
+                EXPECT_LT((to_vec3(jumble.force[4 * k + i].value) - point(f.on, i)).norm(),
+                          1e-12 * f.on.node.norm() + 1e-13)
+                    << k;
+        }
+        EXPECT_GT(pushing, 10);
+        EXPECT_GT(attended, 10);
+        EXPECT_GT(slivers, 2);
+        EXPECT_GT(deepest, 0.0);
+        EXPECT_NEAR(pushed.dissipated, dissipated, 1e-12 * dissipated);
+        EXPECT_NEAR(pushed.deepest, deepest, 1e-12 * deepest);
+    }
+}
+
+TEST(SelfContactKernels, NeverMeasureMoreThanTheDistance) {
+    for (const self_contact::Kernels& kernels : self_contact::all_kernels()) {
+        SCOPED_TRACE(kernels.instruction_set);
+        const Jumble jumble(kernels.lanes);
+        const std::size_t slots = jumble.pairs().groups * jumble.lanes;
+        std::vector<double> distance(slots), gap(slots);
+        kernels.measure(jumble.record(), jumble.pairs(), distance.data(), gap.data());
+        double tightest = 0.0;
+        for (std::size_t k = 0; k < Jumble::count; ++k) {
+            if (jumble.is_sliver(k)) {
+                EXPECT_EQ(distance[k], 0.0);
+                continue;
+            }
+            const NodeAndTriangle& at = jumble.x[k];
+            EXPECT_NEAR(gap[k], over_triangle(at).gap, 1e-14);
+            // The nearest of many points of the triangle over which the window is open.
+            const double e = window_half_width;
+            double nearest = infinity;
+            constexpr int fine = 200;
+            for (int i = 0; i <= fine; ++i)
+                for (int j = 0; i + j <= fine; ++j) {
+                    const double b1 = (1.0 + 3.0 * e) * i / fine - e, b2 = (1.0 + 3.0 * e) * j / fine - e;
+                    const Vec3 p = (1.0 - b1 - b2) * at.corner[0] + b1 * at.corner[1] + b2 * at.corner[2];
+                    nearest = std::min(nearest, (at.node - p).norm());
+                }
+            EXPECT_LT(distance[k], nearest + 1e-14) << k;
+            tightest = std::max(tightest, distance[k] / nearest);
+        }
+        EXPECT_GT(tightest, 0.99);  // beside an edge it is the distance
+    }
+}
+
+TEST(SelfContactKernels, FindTheNodeThatHasGoneFarthest) {
+    for (const self_contact::Kernels& kernels : self_contact::all_kernels()) {
+        SCOPED_TRACE(kernels.instruction_set);
+        const Jumble jumble(kernels.lanes);
+        const std::size_t nodes = jumble.records.size() - 3;  // the last of them fills up a group
+        const std::size_t count = (nodes + jumble.lanes - 1) / jumble.lanes * jumble.lanes;
+        const Vec3 centre(0.02, -0.03, 0.5), drift(0.3, 0.2, 0.1);
+        std::vector<double> before(3 * count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 x = to_vec3(jumble.records[std::min(i, nodes - 1)].x) - drift;
+            for (std::size_t c = 0; c < 3; ++c)
+                before[c * count + i] = x[static_cast<Eigen::Index>(c)];
+        }
+        const auto farthest = [&](const Vec3& now) {
+            return kernels.farthest(jumble.record(), before.data(), count, nodes - 1,
+                                    {now.x(), now.y(), now.z()});
+        };
+        EXPECT_NEAR(farthest(drift), 0.0, 1e-30);
+        EXPECT_NEAR(farthest(centre), (drift - centre).squaredNorm(), 1e-15);
+        before[count + nodes / 2] += 1.0;  // one of them, by y
+        EXPECT_NEAR(farthest(drift), 1.0, 1e-14);
+        before[nodes / 3] = std::nan("");
+        EXPECT_TRUE(std::isnan(farthest(drift)));
+    }
+}
+
+TEST(TriangleBins, FindEveryBoxThatHoldsAPoint) {
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<double> one(0.0, 1.0);
+    const auto vector = [&] { return Vec3(3.0 * one(generator), one(generator), 0.2 * one(generator)); };
+    std::vector<Box> boxes;
+    for (int k = 0; k < 200; ++k) {
+        const Vec3 low = vector();
+        boxes.push_back({low, low + 0.6 * vector()});
+    }
+    const TriangleBins bins(boxes);
+    int held = 0;
+    for (int k = 0; k < 500; ++k) {
+        const Vec3 x = 1.2 * vector() - Vec3::Constant(0.02);  // some of them outside of all
+        std::vector<std::int32_t> expected, found;
+        for (std::size_t t = 0; t < boxes.size(); ++t)
+            if (boxes[t].holds(x)) expected.push_back(static_cast<std::int32_t>(t));
+        bins.each_that_holds(x, [&](std::int32_t t) { found.push_back(t); });
+        EXPECT_EQ(found, expected);
+        held += static_cast<int>(found.size());
+    }
+    EXPECT_GT(held, 500);
 }
 
 // --- sheets ----------------------------------------------------------------------------------------
@@ -499,7 +690,7 @@ void take_steps(Simulation& simulation, int count) {
 TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
     const Scene scene = coarse_scene();
     Simulation whole(scene);
-    EXPECT_EQ(whole.layout().name(), "unstructured");
+    EXPECT_EQ(whole.layout().name(), "gore-batched");
     take_steps(whole, 1500);
     Archive out;
     whole.serialize(out);
@@ -512,12 +703,56 @@ TEST(SelfContact, ARunGoesOnToTheSameBitsWithAnyNumberOfThreads) {
     in.end();
     ASSERT_GT(resumed.system().contact.pairs.size(), 0u);
     const auto searches = whole.system().contact.searches;
+    take_steps(whole, 1);
+    take_steps(resumed, 1);
+    EXPECT_EQ(whole.system().contact.awake.index, resumed.system().contact.awake.index);
+    EXPECT_EQ(whole.system().contact.awake.number, resumed.system().contact.awake.number);
     take_steps(whole, 1500);
     take_steps(resumed, 1500);
     EXPECT_GT(whole.system().contact.searches, searches);  // pairs have been found anew in between
     EXPECT_EQ(whole.system().contact.searches, resumed.system().contact.searches);
     EXPECT_EQ(whole.unknowns(), resumed.unknowns());
     EXPECT_EQ(whole.system().energy.damping, resumed.system().energy.damping);
+}
+
+TEST(SelfContact, PairsThatSleepDoNotTouch) {
+    const Scene scene = coarse_scene();
+    Simulation simulation(scene);
+    const Mesh& mesh = simulation.mesh();
+    std::int64_t asleep = 0, held = 0;
+    for (int look = 0; look < 300; ++look) {
+        take_steps(simulation, 7);
+        simulation.evaluate_forces();
+        const State& s = simulation.synchronised_state();
+        std::vector<bool> awake(s.contact.pairs.size());
+        for (const std::int32_t k : s.contact.awake.index)
+            awake[k] = true;
+        for (std::size_t k = 0; k < awake.size(); ++k) {
+            const NearPair& pair = s.contact.pairs[k];
+            if (awake[k]) continue;
+            ++asleep;
+            if (pair.side == 0) continue;
+            const auto& n = mesh.triangles[pair.triangle].node;
+            const auto x = [&](NodeIndex i) { return to_vec3(s.node[i].x); };
+            const OverTriangle at = over_triangle({x(pair.node), {x(n[0]), x(n[1]), x(n[2])}});
+            const bool touches = at.window > 0.0 && overlap_of(at, pair.side, pair.thickness) > 0.0;
+            EXPECT_FALSE(touches) << pair.node << ' ' << pair.triangle << ' ' << s.time;
+            ++held;
+        }
+        simulation.step_to(1.0);
+    }
+    EXPECT_GT(asleep, 1000);
+    EXPECT_GT(held, 100);
+}
+
+TEST(SelfContact, IsKnownToTheBoundOfTheFirstStep) {
+    // Folds of a canopy at line stretch are near each other.
+    Scene scene = coarse_scene();
+    const Simulation simulation(scene);
+    EXPECT_EQ(simulation.system().contact.searches, 1);
+    scene.full.contact = Contact::none;
+    const Simulation without(scene);
+    EXPECT_LT(simulation.bound().dt, without.bound().dt);
 }
 
 TEST(SelfContact, NeedsAStartThatIsDrawnOutAndTheWholeCanopy) {

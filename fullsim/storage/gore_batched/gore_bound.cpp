@@ -22,6 +22,7 @@ void GoreBound::begin(const State& state, const ForceModels& structure, double m
 }
 
 void GoreBound::renew(const State& state, double mass_damping) {
+    contact_ = {infinity, infinity, infinity};
     if (weights_.renew(state) || state.folded != folded_) weigh_rows(state, mass_damping);
     const GoreFrame& sums = rows_.frame;
     for (LocalNode n = 0; n < sums.nodes; ++n)
@@ -33,6 +34,30 @@ void GoreBound::add_rows(const GoreFrame& part, const MembranePass& fabric, cons
         kernels_.membrane_rows(part, elements_.membrane, triangle_rows_, fabric.weight, rows_.frame);
     if (elements_.springs_act)
         kernels_.spring_rows(part, elements_.springs, edges, spring_columns_, rows_.frame);
+}
+
+void GoreBound::add_contact(const GershgorinSums& of_contact, double mass_damping) {
+    // Contact acts once a step, whatever lines do within it.
+    const auto bound = [&](NodeIndex i, const NodeRows& of_lines) {
+        const double k = of_contact.stiffness[i], mass = constants_.mass[i],
+                     c = of_contact.damping[i] + mass_damping * mass;
+        if (!(k > 0.0)) return;
+        contact_.canopy = std::min(contact_.canopy, critical_step_of(k, c, mass));
+        contact_.lines = std::min(contact_.lines, critical_step_of(of_lines[0], of_lines[1] + c, mass));
+        contact_.all = std::min(contact_.all, critical_step_of(k + of_lines[0], of_lines[1] + c, mass));
+    };
+    for (LocalNode n = 0; n < gores_.own; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            const NodeIndex i = gores_.node[gore * gores_.own + n];
+            if (n >= gores_.canopy) {
+                bound(i, line_rows_[n]);
+                continue;
+            }
+            rows_.at(rows_.frame.x, n, gore, 0) += of_contact.stiffness[i];
+            rows_.at(rows_.frame.x, n, gore, 1) += of_contact.damping[i];
+        }
+    for (const auto& [i, of_lines] : global_rows_)
+        bound(i, of_lines);
 }
 
 CriticalSteps GoreBound::steps(std::span<const double> inverse_inertia, const NodeLoads& loads) {
@@ -53,7 +78,8 @@ CriticalSteps GoreBound::steps(std::span<const double> inverse_inertia, const No
         add_rows(n, line_rows_[n]);
     }
     steps.all = std::min({inner, bound(gores_.inner, gores_.canopy), line_step_});
-    return steps;
+    return {std::min(steps.all, contact_.all), std::min(steps.canopy, contact_.canopy),
+            std::min(steps.lines, contact_.lines)};
 }
 
 void GoreBound::serialize(Archive& archive, const State& state, double mass_damping) {
@@ -142,6 +168,9 @@ void GoreBound::bound_cables(const State& state, double mass_damping) {
             global.damping[i] += slow_rows_[n][1] + line_rows_[n][1];
         }
     }
+    global_rows_.clear();
+    for (const NodeIndex i : gores_.global)
+        global_rows_[i] = {global.stiffness[i], global.damping[i]};
     line_step_ = static_line_step_ = std::numeric_limits<double>::infinity();
     for (LocalNode n = gores_.canopy; n < gores_.own; ++n)
         line_step_ = std::min(

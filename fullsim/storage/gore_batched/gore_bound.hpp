@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,8 @@ public:
     void renew(const State& state, double mass_damping);
     /// Row sums of the tangents of a block's membranes and springs.
     void add_rows(const GoreFrame& part, const MembranePass& fabric, const SpringPass& edges) const;
+    /// Row sums of contact by node of the mesh, after those of blocks. mass_damping: [1/s] as NodeLoads.
+    void add_contact(const GershgorinSums& of_contact, double mass_damping);
     CriticalSteps steps(std::span<const double> inverse_inertia, const NodeLoads& loads);
 
     /// Weights of the nodes of the mesh, renewed where that is due.
@@ -63,8 +66,10 @@ private:
     std::vector<std::array<double, 2>> spring_columns_;
     std::vector<NodeRows> slow_rows_, line_rows_;  // of each local node: tapes and cords, lines
     std::vector<double> node_damping_;             // [N s/m] of loads
+    std::map<NodeIndex, NodeRows> global_rows_;    // of nodes that belong to no gore
     double line_step_ = 0.0;                       // [s] bound of line, link and riser nodes
     double static_line_step_ = 0.0;                // [s] of its nodes
+    CriticalSteps contact_;                        // of nodes that touch fabric and are not of the canopy
 };
 
 }  // namespace twinchute::fullsim

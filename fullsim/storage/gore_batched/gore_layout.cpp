@@ -82,7 +82,10 @@ public:
         has_.air_on_fabric = acts(Block::fabric_drag) || has_.own_loops;
         nodes_ = std::make_unique<GoreNodes>(gores_, kernels_.lanes,
                                              what_air_does(acts(Block::canopy_pressure), has_.air_on_fabric));
-        clear_forces(state, has_.own_loops ? 0 : first_held());
+        self_contact_ = find_block(structure, Block::self_contact);
+        places_stored_at_ = -1;
+        contact_on_lines_.clear();
+        clear_forces(state, has_.own_loops || self_contact_ ? 0 : first_held());
         nodes_->load(state);
         step_ = {};
         inertia_with_ = -1.0;
@@ -215,6 +218,11 @@ public:
             nodes_->gather_halo(part.first);
             bound_->add_rows(part, fabric_, edges());
         });
+        if (self_contact_) {
+            GershgorinSums of_contact = no_rows(state, bound_->weights(state));
+            self_contact_->add_row_sums(with_places(state), of_contact);
+            bound_->add_contact(of_contact, node_loads_at(state).mass_damping);
+        }
         find_inverse_inertia(state);
         return bound_->steps(inverse_inertia_, loads);
     }
@@ -264,6 +272,8 @@ public:
         step_.mass_damping = node_loads_.mass_damping;
         step_.system_mean = to_array(node_loads_.system_mean);
         step_.halo_aero = has_.air_on_fabric;
+        StepSums sums = step_sums_;
+        take_out_contact(sums);
         for_parts([&](const GoreFrame& part) {
             nodes_->receive_halo_forces(part.first, exchanged_);
             sums_[part.first].step = kernels_.advance(part, step_);
@@ -273,7 +283,6 @@ public:
                 kernels_.subcycle(part, first);  // of gores alone: it asks for no forces
         });
 
-        StepSums sums = step_sums_;
         for (const auto& [of_row, g] : sums_) {
             add_positions(g, sums);
             sums.drag_power[2] += g.drag_power;
@@ -361,7 +370,7 @@ private:
         void (GoreLayout::*finish)(State&, const ElementSums&);
         EnergyAndStrain (GoreLayout::*levels)(const State&) const = nullptr;  // of structure
     };
-    static const std::array<Row, 13> rows;
+    static const std::array<Row, 14> rows;
     const Row* row_of(Block block) const {
         // Tetrahedra act on nodes of the state, where there is a body at all.
         if (block == Block::payload_tetrahedra && mesh_.attachments.empty()) return nullptr;
@@ -378,7 +387,7 @@ private:
 
     /// On lines of its own, since another thread writes those of the next block.
     struct alignas(128) SumsOfBlock {
-        std::array<ElementSums, 13> of_row{};  // of the last pass of each row of the table
+        std::array<ElementSums, 14> of_row{};  // of the last pass of each row of the table
         GoreSums step;
     };
 
@@ -582,6 +591,51 @@ private:
 
     // --- contact --------------------------------------------------------------------------
 
+    /// Any node may meet any triangle: that is left to the block itself, on the records of the state.
+    void prepare_self_contact(const ForceModel&) {}
+    void push_folds(State& state, const ElementSums&) {
+        nodes_->store_places(state);
+        places_stored_at_ = state.step;
+        self_contact_->add_forces(state);
+        const std::vector<std::int32_t>& awake = state.contact.awake.index;
+        const auto is_on_line = [&](std::int32_t k) {
+            return state.contact.pairs[k].node >= constants_.canopy_nodes;
+        };
+        contact_on_lines_.clear();
+        if (!awake.empty())
+            nodes_->scatter_add_contact(state, std::ranges::any_of(awake, is_on_line), contact_on_lines_);
+    }
+    /// Contact on lines is no drag: with the velocity that the kernel's node update will book it at.
+    void take_out_contact(StepSums& sums) const {
+        for (const auto& [n, gore, force] : contact_on_lines_) {
+            const auto row = [&, n = n, gore = gore](double* array) {
+                return Lanes{nodes_->at(array, n, gore, 0), nodes_->at(array, n, gore, 1),
+                             nodes_->at(array, n, gore, 2), 0.0};
+            };
+            const Lanes pull = row(nodes_->frame.force);
+            const double mass = node_[n].mass, inverse = inverse_inertia_[n];
+            Lanes others = row(nodes_->frame.aero), none = splat(0.0);
+            others[2] -= mass * step_.gravity;
+            law::resist(step_.mass_damping * mass, row(nodes_->frame.v) - as_lanes(step_.system_mean), others,
+                        none);
+            const Lanes before{nodes_->half_at(n, gore, 0), nodes_->half_at(n, gore, 1),
+                               nodes_->half_at(n, gore, 2), 0.0};
+            const double pulled = step_.together ? step_.kick : step_.first_kick;
+            const Lanes change = 0.5 * inverse * (step_.kick * others + pulled * pull);
+            sums.drag_power -= work(force, before + change);
+            if (step_.weighs) sums.kinetic -= 0.5 * step_.last_dt * sum3(work(force, change));
+        }
+    }
+    EnergyAndStrain self_contact_levels(const State& state) const {
+        return {self_contact_->energy(with_places(state)), 0.0};
+    }
+    /// Itself where the records of its nodes are those of now.
+    const State& with_places(const State& state) const {
+        if (places_stored_at_ == state.step) return state;
+        stored_ = std::make_unique<State>(stored(state));
+        return *stored_;
+    }
+
     void prepare_contacts(const ForceModel&) { elements_.contacts = gore_contact_pairs(gores_, mesh_); }
     CanopyAxis axis(const State& state) const {
         return canopy_axis(state.sums.canopy_position, to_vec3(state.node[mesh_.payload()].x));
@@ -746,11 +800,15 @@ private:
     const Row* lines_row_ = nullptr;
     SubcycledNodes global_nodes_;
     double line_damping_ = 0.0;  // [W] of lines and risers
+    const ForceModel* self_contact_ = nullptr;
+    std::int64_t places_stored_at_ = -1;               // step whose places the records of the state have
+    mutable std::unique_ptr<State> stored_;            // with the places of now, where they have not
+    std::vector<GoreNodes::OnLine> contact_on_lines_;  // of the step, among the forces of the air
     const ForceModel *risers_ = nullptr, *static_line_ = nullptr, *tetrahedra_ = nullptr,
                      *payload_drag_ = nullptr;
 };
 
-const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
+const std::array<GoreLayout::Row, 14> GoreLayout::rows{{
     {Block::membrane, &GoreLayout::prepare_fabric, &GoreLayout::stretch_membrane,
      &GoreLayout::finish_membrane, &GoreLayout::fabric_levels},
     {Block::fabric_springs, &GoreLayout::prepare_springs, &GoreLayout::stretch_edges, &GoreLayout::book,
@@ -763,6 +821,8 @@ const std::array<GoreLayout::Row, 13> GoreLayout::rows{{
      &GoreLayout::finish_static_line, &GoreLayout::static_line_levels},
     {Block::gore_contact, &GoreLayout::prepare_contacts, &GoreLayout::push_apart,
      &GoreLayout::finish_contacts, &GoreLayout::contact_levels},
+    {Block::self_contact, &GoreLayout::prepare_self_contact, nullptr, &GoreLayout::push_folds,
+     &GoreLayout::self_contact_levels},
     {Block::payload_tetrahedra, &GoreLayout::prepare_tetrahedra, nullptr, &GoreLayout::finish_tetrahedra,
      &GoreLayout::tetrahedra_levels},
     {Block::canopy_pressure, &GoreLayout::prepare_fabric, &GoreLayout::find_areas,

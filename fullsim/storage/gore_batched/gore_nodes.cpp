@@ -158,6 +158,34 @@ void GoreNodes::store(State& state) const {
         }
 }
 
+void GoreNodes::store_places(State& state) const {
+    for (LocalNode n = 0; n < gores_.own; ++n)
+        for (int gore = 0; gore < gores_.count; ++gore) {
+            NodeRecord& node = state.node[gores_.node[gore * gores_.own + n]];
+            for (int c = 0; c < 3; ++c) {
+                node.x[c] = at(frame.x, n, gore, c);
+                node.v[c] = at(frame.v, n, gore, c);
+            }
+        }
+}
+
+void GoreNodes::scatter_add_contact(State& state, bool lines_touch, std::vector<OnLine>& on_lines) const {
+    const NodeForces::View force = state.force.view();
+    on_lines.clear();
+    // Node by node within a gore: forces on neighbours lie side by side, and most are none.
+    for (int gore = 0; gore < gores_.count; ++gore)
+        for (LocalNode n = 0; n < (lines_touch ? gores_.own : gores_.canopy); ++n) {
+            const NodeIndex i = gores_.node[gore * gores_.own + n];
+            const Lanes push = force[i].value;
+            if (push[0] == 0.0 && push[1] == 0.0 && push[2] == 0.0) continue;
+            force[i].value = splat(0.0);
+            const bool on_line = n >= gores_.canopy;
+            if (on_line) on_lines.push_back({n, gore, push});
+            for (int c = 0; c < 3; ++c)
+                at(on_line ? frame.aero : frame.force, n, gore, c) += push[c];
+        }
+}
+
 void GoreNodes::scatter_add_forces(State& state) const {
     for (LocalNode n = 0; n < gores_.own; ++n)
         for (int gore = 0; gore < gores_.count; ++gore) {

@@ -520,6 +520,73 @@ Sums advance(Nodes nodes, const Advance& step) {
                                                            : advance_all<false>(nodes, step);
 }
 
+Sums kick(Nodes nodes, const Advance& step, const Subcycled& list, double first_kick, double last_line_dt) {
+    const Row none = row_of(0.0), by_all = row_of(step.kick), by_pull = row_of(first_kick);
+    const Row fall = row_from({0.0, 0.0, -step.gravity, 0.0}), system_mean = row_from(step.system_mean);
+    RowSums4 sums{none, none, none, none, none, none, none, none, none};
+    for (std::size_t k = 0; k < list.node.size(); ++k) {
+        const auto i = static_cast<std::size_t>(list.node[k]);
+        const double mass = step.mass[i];
+        const Row m = row_of(mass), inverse = row_of(list.inverse_inertia[k]);
+        const Row aero = load_row(nodes.aero + 4 * i), pull = load_row(nodes.force + 4 * i);
+        Row force = load_row(list.others + 4 * k);
+        if (step.mass_damping > 0.0)
+            resist(step.mass_damping * mass, load_row(list.record + 8 * i + 4) - system_mean, force,
+                   sums.dissipated);
+        const Row acceleration = inverse * (force + aero + m * fall), by_lines = inverse * pull;
+        const Row before = load_row(list.v_half + 4 * i), after = kicked(before, acceleration, by_all);
+        const Row middle = middle_of(before, after + by_pull * by_lines);
+        sums.drag_power += work(aero, middle);
+        sums.momentum += m * middle;
+        if (step.weighs)
+            sums.kinetic += twice_kinetic(mass, before, step.last_dt * acceleration + last_line_dt * by_lines,
+                                          step.last_dt, aero + m * fall, middle);
+        store_row(after, list.v_half + 4 * i);
+        store_row(acceleration, nodes.aero + 4 * i);
+    }
+    Sums of{};
+    of.drag_power = to_array(sums.drag_power);
+    of.momentum = to_array(sums.momentum);
+    of.dissipated = to_array(sums.dissipated);
+    of.kinetic = to_array(sums.kinetic);
+    return of;
+}
+
+void subcycle(Nodes nodes, const Subcycled& list, double kick, double dt) {
+    const Row none = row_of(0.0), by_pull = row_of(kick), whole = row_of(dt), half = row_of(0.5 * dt);
+    for (std::size_t k = 0; k < list.node.size(); ++k) {
+        const auto i = static_cast<std::size_t>(list.node[k]);
+        double *const force = nodes.force + 4 * i, *const v_half = list.v_half + 4 * i,
+                      *const record = list.record + 8 * i;
+        const Row acceleration = list.inverse_inertia[k] * load_row(force);
+        const Row after = kicked(load_row(v_half), acceleration, by_pull);
+        Row x = load_row(record);
+        const Row now = drift(x, after, acceleration, whole, half);
+        store_row(after, v_half);
+        store_row(x, record);
+        store_row(now, record + 4);
+        store_row(none, force);
+    }
+}
+
+Sums end_subcycles(Nodes nodes, const Subcycled& list, double dt, std::span<const double> mass) {
+    const Row none = row_of(0.0), half = row_of(0.5 * dt);
+    Row position = none, velocity = none;
+    for (const std::int32_t node : list.node) {
+        const auto i = static_cast<std::size_t>(node);
+        double *const aero = nodes.aero + 4 * i, *const v = list.record + 8 * i + 4;
+        const Row now = load_row(v) + half * load_row(aero), m = row_of(mass[i]);
+        store_row(now, v);
+        store_row(none, aero);
+        position += m * load_row(list.record + 8 * i);
+        velocity += m * now;
+    }
+    Sums of{};
+    of.other_position = to_array(position);
+    of.other_velocity = to_array(velocity);
+    return of;
+}
+
 }  // namespace
 
 unstructured::Kernels unstructured_kernels_here() {
@@ -539,7 +606,10 @@ unstructured::Kernels unstructured_kernels_here() {
             rows_of_springs,
             rows_of_cables,
             critical_step,
-            advance};
+            advance,
+            kick,
+            end_subcycles,
+            subcycle};
 }
 
 }  // namespace twinchute::fullsim::HWY_NAMESPACE

@@ -71,6 +71,14 @@ struct Advance {
     std::array<double, 4> canopy_mean{}, wind{}, system_mean{};   ///< likewise [m/s]
 };
 
+/// Nodes that take subcycles within a step.
+struct Subcycled {
+    std::span<const std::int32_t> node;           ///< numbers
+    std::span<const double> inverse_inertia;      ///< [1/kg] of each
+    const double* others = nullptr;               ///< [N] 4 each: of everything but lines and risers
+    double *record = nullptr, *v_half = nullptr;  ///< as Advance
+};
+
 /// By component, times mass or share as StepSums.
 struct Sums {
     using Row = std::array<double, 4>;
@@ -99,6 +107,13 @@ struct Kernels {
     /// The least bound on the step [s].
     double (*critical_step)(Rows, const Bound&);
     Sums (*advance)(Nodes, const Advance&);
+    // Of nodes that are not of the canopy, as NodeMover has it for one node (fullsim/time/node_mover.hpp):
+    /// kick_alone. first_kick [s]: of the first subcycle, under nodes.force.
+    Sums (*kick)(Nodes, const Advance&, const Subcycled&, double first_kick, double last_line_dt);
+    /// end_subcycles, dt [s] of the step.
+    Sums (*end_subcycles)(Nodes, const Subcycled&, double dt, std::span<const double> mass);
+    /// move_in_subcycle, of canopy nodes, too. kick, dt [s] of the subcycle.
+    void (*subcycle)(Nodes, const Subcycled&, double kick, double dt);
 };
 
 /// One for each instruction set that is compiled in and that this machine has, the best first.

@@ -100,7 +100,7 @@ public:
         add_bytes(all, "tapes", tapes_.bytes());
         add_bytes(all, "lines", lines_.bytes() + risers_.bytes() + bytes_of(pulled_));
         add_bytes(all, "static line", cords_.bytes());
-        add_bytes(all, "lines", bytes_of(others_));
+        add_bytes(all, "lines", bytes_of(others_) + bytes_of(inverse_inertia_));
         add_bytes(all, "pushed areas", bytes_of(push_));
         for (const GershgorinSums* sums : {&sums_, &pulled_sums_})
             add_bytes(all, "bound on the step",
@@ -228,13 +228,20 @@ public:
             }
             move(state, next, all, sums);
             const double first_kick = subcycle(state, dt_, subcycles_, 0).kick;
+            inverse_inertia_.resize(pulled_.size());
             for (std::size_t k = 0; k < pulled_.size(); ++k) {
                 const NodeIndex i = pulled_[k];
+                inverse_inertia_[k] = 1.0 / (constants_.mass[i] + constants_.share[i] * state.added_mass);
+            }
+            for (std::size_t k = 0; k < pulled_of_canopy(); ++k) {
+                const NodeIndex i = pulled_[k];
                 const Lanes force = others_[k].value + damp_and_push(state, i);
-                const Lanes middle =
-                    mover.kick_alone(i, force, constants_.mass[i], inertia(state, i), first_kick, sums);
+                const Lanes middle = mover.kick_alone(i, force, constants_.mass[i], 1.0 / inverse_inertia_[k],
+                                                      first_kick, sums);
                 sums.share_square += constants_.share[i] * sum3(middle * middle);
             }
+            add(kernels_.kick(nodes_of(state), step_, pulled_lines(), first_kick, state.line_dt), state,
+                sums);
             if (body_) body_->impulse(state, mover.kick());
         }
         mover.move_static_line(constants_, sums);
@@ -246,22 +253,19 @@ public:
     void drift(State& state, int k) override {
         const Subcycle step = subcycle(state, dt_, subcycles_, k);
         step_sums_.line_damping += step.kick * line_damping_;
-        NodeMover mover(state, constants_, dt_);
-        for (const NodeIndex i : pulled_)
-            mover.move_in_subcycle(i, inertia(state, i), step);
+        kernels_.subcycle(nodes_of(state), pulled(), step.kick, step.dt);
         if (body_) body_->move(state, step.kick, step.dt);
     }
     void end_step(State& state, double next_added_mass) override {
         NodeMover mover(state, constants_, dt_);
         if (!together()) {
             step_sums_.line_damping_power = line_damping_ / subcycles_;
-            for (const NodeIndex i : pulled_) {
-                mover.end_subcycles(i);
-                if (mesh_.is_canopy(i))
-                    mover.add_canopy(i, constants_, step_sums_);
-                else
-                    mover.add_other(i, constants_.mass[i], step_sums_);
+            for (std::size_t k = 0; k < pulled_of_canopy(); ++k) {
+                mover.end_subcycles(pulled_[k]);
+                mover.add_canopy(pulled_[k], constants_, step_sums_);
             }
+            add(kernels_.end_subcycles(nodes_of(state), pulled_lines(), dt_, constants_.mass), state,
+                step_sums_);
             if (body_) body_->finish(state, dt_);
         }
         finish_step(state, constants_, step_sums_, mover.kick(), dt_, dt_ / subcycles_, next_added_mass);
@@ -326,7 +330,9 @@ private:
     void move(State& state, std::size_t first, std::size_t last, StepSums& sums) {
         if (first >= last) return;
         step_.first = first, step_.last = last;
-        const unstructured::Sums s = kernels_.advance(nodes_of(state), step_);
+        add(kernels_.advance(nodes_of(state), step_), state, sums);
+    }
+    static void add(const unstructured::Sums& s, State& state, StepSums& sums) {
         sums.canopy_position += as_lanes(s.canopy_position);
         sums.canopy_velocity += as_lanes(s.canopy_velocity);
         sums.other_position += as_lanes(s.other_position);
@@ -340,8 +346,21 @@ private:
         state.accretion_power += sum3(as_lanes(s.accretion_power));
     }
 
-    double inertia(const State& state, NodeIndex i) const {
-        return constants_.mass[i] + constants_.share[i] * state.added_mass;
+    /// Of the nodes in subcycles those of the canopy come first.
+    std::size_t pulled_of_canopy() const {
+        return static_cast<std::size_t>(std::ranges::lower_bound(pulled_, constants_.canopy_nodes) -
+                                        pulled_.begin());
+    }
+    unstructured::Subcycled pulled() {
+        return {pulled_, inverse_inertia_, doubles(others_), step_.record, step_.v_half};
+    }
+    /// But for those.
+    unstructured::Subcycled pulled_lines() {
+        unstructured::Subcycled lines = pulled();
+        lines.node = lines.node.subspan(pulled_of_canopy());
+        lines.inverse_inertia = lines.inverse_inertia.subspan(pulled_of_canopy());
+        lines.others += 4 * pulled_of_canopy();
+        return lines;
     }
     /// Nodes on lines and risers: line pulls at the time of the forces are evaluated once more, alone.
     void separate(State& state) override {
@@ -541,6 +560,7 @@ private:
         pulled_.erase(std::unique(pulled_.begin(), pulled_.end()), pulled_.end());
         pulled_.shrink_to_fit();
         others_.assign(pulled_.size(), {splat(0.0)});
+        inverse_inertia_.assign(pulled_.size(), 0.0);
     }
     bool drag_acts(const State& state) const {
         return has_.line_drag && state.air.density > 0.0;  // no Reynolds number without air
@@ -599,10 +619,11 @@ private:
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
     unstructured::ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
-    std::vector<NodeIndex> pulled_;      // nodes on lines and risers, which may take subcycles
-    std::vector<NodeVector> others_;     // [N] on them, of everything but lines and risers
-    GershgorinSums sums_, pulled_sums_;  // of the bound: all, and of lines and risers alone
-    double line_damping_ = 0.0;          // [W] by lines and risers
+    std::vector<NodeIndex> pulled_;        // nodes on lines and risers, which may take subcycles
+    std::vector<NodeVector> others_;       // [N] on them, of everything but lines and risers
+    std::vector<double> inverse_inertia_;  // [1/kg] of them
+    GershgorinSums sums_, pulled_sums_;    // of the bound: all, and of lines and risers alone
+    double line_damping_ = 0.0;            // [W] by lines and risers
     PerronScaling weights_;
     MembranePass fabric_;
     ElementSums fabric_sums_;
