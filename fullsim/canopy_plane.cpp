@@ -25,27 +25,39 @@ struct Candidate {
     double along, stiffness;  // [m], [N/m]
 };
 
-/// Nodes of a canopy that are beyond `other` [m], seen from its side: +1 for the one that the normal comes
-/// from.
-std::vector<Candidate> beyond(const PressedNodes& canopy, const Line& line, double side, double other) {
-    std::vector<Candidate> found;
-    for (std::size_t i = 0; i < canopy.node.size(); ++i) {
-        const double along = sum3((canopy.node[i].x - line.origin) * line.normal);
-        if (side * (along - other) > 0.0) found.push_back({i, along, canopy.stiffness * canopy.mass[i]});
+/// Nodes of a canopy along the normal [m], from the origin, and the farthest of them by side * normal: side
+/// is +1 for the canopy that the normal comes from.
+struct Projection {
+    std::vector<double> along;
+    double reach = -std::numeric_limits<double>::infinity();
+};
+
+Projection project(const PressedNodes& canopy, const Line& line, double side) {
+    Projection nodes;
+    nodes.along.reserve(canopy.node.size());
+    for (const NodeRecord& node : canopy.node) {
+        nodes.along.push_back(sum3((node.x - line.origin) * line.normal));
+        nodes.reach = std::max(nodes.reach, side * nodes.along.back());
     }
+    return nodes;
+}
+
+/// Those beyond `other` [m], seen from their side.
+std::vector<Candidate> beyond(const PressedNodes& canopy, const Projection& nodes, double side,
+                              double other) {
+    std::vector<Candidate> found;
+    found.reserve(nodes.along.size());
+    for (std::size_t i = 0; i < nodes.along.size(); ++i)
+        if (side * (nodes.along[i] - other) > 0.0)
+            found.push_back({i, nodes.along[i], canopy.stiffness * canopy.mass[i]});
     return found;
 }
 
-struct Extent {
-    double reach, speed;  // [m], [m/s] along side * normal, the largest of all nodes
-};
-
-Extent extent_of(const PressedNodes& canopy, const Line& line, double side) {
-    Extent most{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const NodeRecord& node : canopy.node) {
-        most.reach = std::max(most.reach, side * sum3((node.x - line.origin) * line.normal));
-        most.speed = std::max(most.speed, side * sum3(node.v * line.normal));
-    }
+/// [m/s] of the fastest node by side * normal.
+double fastest(const PressedNodes& canopy, const Line& line, double side) {
+    double most = -std::numeric_limits<double>::infinity();
+    for (const NodeRecord& node : canopy.node)
+        most = std::max(most, side * sum3(node.v * line.normal));
     return most;
 }
 
@@ -77,13 +89,12 @@ PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span
     PlaneContact contact;
     const Line line = line_of(a, b);
     if (a.node.empty() || b.node.empty() || !(line.distance > 0.0)) return contact;
-    const Extent from_a = extent_of(a, line, 1.0), from_b = extent_of(b, line, -1.0);
-    const double high = from_a.reach, low = -from_b.reach;
+    const Projection of_a = project(a, line, 1.0), of_b = project(b, line, -1.0);
+    const double high = of_a.reach, low = -of_b.reach;
     contact.gap = low - high;
-    contact.closing = from_a.speed + from_b.speed;
     if (!(contact.gap < 0.0)) return contact;
 
-    const std::vector<Candidate> behind_a = beyond(a, line, 1.0, low), behind_b = beyond(b, line, -1.0, high);
+    const std::vector<Candidate> behind_a = beyond(a, of_a, 1.0, low), behind_b = beyond(b, of_b, -1.0, high);
     const double place = balanced(behind_a, behind_b, low, high);
     Lanes turning = splat(0.0);  // dU/dn
     const auto push = [&](const PressedNodes& canopy, const std::vector<Candidate>& behind, double side,
@@ -111,30 +122,28 @@ PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span
 std::array<std::vector<NodeIndex>, 2> near_nodes(const PressedNodes& a, const PressedNodes& b, double reach) {
     const Line line = line_of(a, b);
     if (!(line.distance > 0.0)) return {};
-    const double high = extent_of(a, line, 1.0).reach, low = -extent_of(b, line, -1.0).reach;
+    const Projection of_a = project(a, line, 1.0), of_b = project(b, line, -1.0);
     std::array<std::vector<NodeIndex>, 2> near;
-    const auto find = [&](const PressedNodes& canopy, double side, double other, std::vector<NodeIndex>& to) {
-        for (const Candidate& c : beyond(canopy, line, side, other - side * reach))
-            to.push_back(static_cast<NodeIndex>(c.node));
-    };
-    find(a, 1.0, low, near[0]);
-    find(b, -1.0, high, near[1]);
+    for (const Candidate& c : beyond(a, of_a, 1.0, -of_b.reach - reach))
+        near[0].push_back(static_cast<NodeIndex>(c.node));
+    for (const Candidate& c : beyond(b, of_b, -1.0, of_a.reach + reach))
+        near[1].push_back(static_cast<NodeIndex>(c.node));
     return near;
 }
 
 void CanopyPlane::search(const PressedNodes& a, const PressedNodes& b, double meanwhile, double least) {
     const Line line = line_of(a, b);
-    const double closing = extent_of(a, line, 1.0).speed + extent_of(b, line, -1.0).speed;
+    const double closing = fastest(a, line, 1.0) + fastest(b, line, -1.0);
     near_ = near_nodes(a, b, least + std::max(0.0, closing) * meanwhile);
 }
 
-void CanopyPlane::serialize(Archive& archive) {
+void CanopyPlane::serialize(Archive& archive, const std::array<NodeIndex, 2>& nodes_of) {
     for (double* x : {&largest_force_, &deepest_, &first_touch_})
         archive.number("plane between canopies", *x);
-    for (std::vector<NodeIndex>& nodes : near_) {
-        archive.length("nodes near a plane", nodes, 100'000'000);
-        for (NodeIndex& i : nodes)
-            archive.whole("node near a plane", i, 0);
+    for (std::size_t side = 0; side < near_.size(); ++side) {
+        archive.length("nodes near a plane", near_[side], static_cast<std::size_t>(nodes_of[side]));
+        for (NodeIndex& i : near_[side])
+            archive.whole("node near a plane", i, 0, nodes_of[side] - 1);
     }
 }
 

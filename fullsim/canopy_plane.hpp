@@ -31,11 +31,10 @@ struct PressedNodes {
 
 /// Contact of two canopies at one instant.
 struct PlaneContact {
-    double gap = 0.0;      ///< [m] along the line of centres; below zero where they touch
-    double closing = 0.0;  ///< [m/s] rate at which it shrinks, if the fastest nodes of both are the nearest
-    double force = 0.0;    ///< [N] by which each pushes the other
-    double energy = 0.0;   ///< [J]
-    double depth = 0.0;    ///< [m] deepest node behind the plane
+    double gap = 0.0;     ///< [m] along the line of centres; below zero where they touch
+    double force = 0.0;   ///< [N] by which each pushes the other
+    double energy = 0.0;  ///< [J]
+    double depth = 0.0;   ///< [m] deepest node behind the plane
     /// [N] on the first canopy as a whole, spread over its nodes by their masses; on the second the opposite.
     Lanes on_first = splat(0.0);
 };
@@ -74,7 +73,8 @@ public:
     double deepest() const { return deepest_; }              ///< [m]
     double first_touch() const { return first_touch_; }      ///< [s]; below zero: they never did
 
-    void serialize(Archive& archive);
+    /// nodes_of: how many either canopy has.
+    void serialize(Archive& archive, const std::array<NodeIndex, 2>& nodes_of);
 
 private:
     std::size_t first_, second_;

@@ -33,7 +33,8 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     if (k < chute.skips_reefing) chute.reefing.clear();
     chute.skips_reefing = 0;
     chute.count = 1;
-    if (one.full.noise) one.full.noise->seed += static_cast<std::uint64_t>(k);
+    // Far apart, so that runs of neighbouring seeds have no canopy in common.
+    if (one.full.noise) one.full.noise->seed += 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(k);
     return one;
 }
 
@@ -270,7 +271,8 @@ void Cluster::serialize(Archive& archive) {
     for (const auto& canopy : canopies_)
         canopy->serialize(archive);
     for (CanopyPlane& plane : planes_)
-        plane.serialize(archive);
+        plane.serialize(archive, {canopies_[plane.first()]->mesh().canopy_nodes,
+                                  canopies_[plane.second()]->mesh().canopy_nodes});
 }
 
 }  // namespace twinchute::fullsim

@@ -3,8 +3,8 @@
 //
 // Of N canopies each carries the payload's N-th part, as a node with an N-th of its mass and drag. Before
 // these nodes move, in subcycles before each of them, the force on each becomes the mean of all: they move as
-// one body of the whole mass under all forces, and momentum and energy are those of the whole. Steps and
-// subcycles are the smallest that any of them asks for.
+// one body of the whole mass under all forces, and momentum and energy are those of the whole. All take the
+// smallest step and the most subcycles that any of them asks for.
 //
 // Canopies do not pass through each other: two that touch do so along a plane between them, see
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
@@ -43,7 +43,7 @@ public:
     std::size_t size() const { return canopies_.size(); }
     Simulation& operator[](std::size_t k) { return *canopies_[k]; }
     const Simulation& operator[](std::size_t k) const { return *canopies_[k]; }
-    /// Of one canopy, as it was constructed with.
+    /// Scene of one canopy alone.
     const Scene& scene(std::size_t k) const { return *scenes_[k]; }
     Simulation& front() { return *canopies_.front(); }
     const Simulation& front() const { return *canopies_.front(); }
@@ -56,7 +56,7 @@ public:
     /// A stage of one canopy has changed, with a new first step: all take one.
     void start_anew_but(std::size_t changed);
 
-    /// Of each two canopies.
+    /// Contact of each two canopies.
     const std::vector<CanopyPlane>& planes() const { return planes_; }
     /// Sum over all [J].
     EnergyLedger ledger() const;

@@ -64,7 +64,7 @@ public:
 
     /// Time step and subcycles that this parachute would take.
     ChosenStep choose_step();
-    /// Those that it takes.
+    /// Begins the step that it takes, toward `end` [s].
     void begin_step(const ChosenStep& chosen, double end);
     const NextStep& step_under_way() const { return next_; }
     void impulse() { layout_->impulse(state_); }

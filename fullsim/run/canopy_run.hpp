@@ -28,7 +28,7 @@ public:
     const std::optional<OpeningSequence>& sequence() const { return sequence_; }
     FlightState flight_state() const;
 
-    /// What the forces at this time show, before look().
+    /// Forces, and a row of the history where one is due; before look().
     void observe(bool row_is_due);
     /// Changes of phase and stage that are due now: their names, in order. Ends the run where one cannot go
     /// on: then `ending` says so.

@@ -355,7 +355,8 @@ Plan plan_full(const Scene& scene, const PlanBasis& basis) {
         stage.seconds *= count;
     for (PlanArray& array : plan.arrays)
         array.bytes *= static_cast<std::size_t>(count);
-    plan.how += fmt::format("; {} times one canopy of the cluster, on one thread", count);
+    plan.how += fmt::format(
+        "; {} times one canopy of the cluster, on one thread, without what they do to each other", count);
     return plan;
 }
 

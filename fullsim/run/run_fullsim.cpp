@@ -142,7 +142,7 @@ public:
     }
 
 private:
-    /// What canopies of a cluster do together.
+    /// The canopies of a cluster as one.
     struct Together {
         Observer observer;
         Findings found;
@@ -488,7 +488,7 @@ private:
         if (window && window->is_steady()) window->turns = observer().turns_since(window->from);
         return window;
     }
-    /// Of several canopies the mean, which swings as one.
+    /// A sample of the fall, of several canopies their mean, which swings as one.
     FallSample fall_now() const {
         const double gravity = scene_.environment.gravity;
         const auto count = static_cast<double>(cluster_.size());

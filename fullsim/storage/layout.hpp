@@ -152,7 +152,7 @@ public:
             drift(state, k);
         }
     }
-    /// What takes no subcycles goes from t to t + dt, lines get the impulse of all other forces.
+    /// Moves all that takes no subcycles from t to t + dt; lines get the impulse of all other forces.
     virtual void impulse(State& state) = 0;
     /// Forces of lines in subcycle k > 0.
     virtual void pull(State& state, int k) = 0;
