@@ -120,6 +120,12 @@ void Simulation::end_step() {
     book_energy(balance_);
 }
 
+void Simulation::start_anew() {
+    fullsim::start_anew(synchronised());
+    layout_->begin(state_, structure_, loads_, body_.get());
+    evaluate_forces();
+}
+
 void Simulation::follow_payload_of(const Simulation& other) {
     const NodeIndex here = mesh_.payload(), there = other.mesh_.payload();
     state_.node[here] = other.state_.node[there];

@@ -78,8 +78,9 @@ public:
     void add_outer_work(double work, double power) { layout_->add_outer_work(work, power); }
     /// Takes place and velocity of the payload from another simulation of it.
     void follow_payload_of(const Simulation& other);
-    /// Ends the current step's memory: the next is a first one, as after a change of stage.
-    void start_anew() { fullsim::start_anew(synchronised()); }
+    /// The next step is a first one, as after a change of stage: velocities count from now, not from half a
+    /// step before. Evaluates the forces anew.
+    void start_anew();
     /// Nodes of the canopy may be pushed from outside by forces as stiff as this share of the fabric's
     /// highest frequency now: counts in the critical step from here on.
     void meet_others(double share);

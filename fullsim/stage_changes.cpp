@@ -49,7 +49,7 @@ std::optional<RunStatus> Simulation::snatch() {
     state_.phase = first_phase(scene_, inflation_);
     if (!mesh_.static_line.cables.empty()) let_static_line_go();
     lines_ = {};
-    start_anew();
+    fullsim::start_anew(synchronised());
     // The air that the canopy holds from now on is at its speed: booked as work of the added mass.
     const double before = kinetic_energy(synchronised(), constants_);
     state_.stage = stages_of(scene_)[1];
