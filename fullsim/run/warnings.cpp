@@ -33,6 +33,26 @@ double drag_area_at(const RunView& run, double time) {
     return row == rows.end() ? rows.back().drag_area : row->drag_area;
 }
 
+/// The opening of a canopy that fills last, as it would be without its lag.
+Inflation without_lag(const RunView& run) {
+    Inflation inflation = run.simulation().inflation();
+    const std::size_t k = run.which.value_or(run.canopies.last_to_open());
+    if (const auto& lag = run.canopies.scene(k).parachutes.front().lag; !lag.empty()) {
+        inflation.initial_time -= lag.front();
+        inflation.filling_time -= lag.front();
+    }
+    return inflation;
+}
+
+/// The canopy in which something is largest.
+template <class Of>
+const SystemState& worst_of(const RunView& run, Of&& of) {
+    std::size_t worst = 0;
+    for (std::size_t k = 1; k < run.canopies.size(); ++k)
+        if (of(run.canopies[k].system()) > of(run.canopies[worst].system())) worst = k;
+    return run.canopies[worst].system();
+}
+
 }  // namespace
 
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
@@ -41,10 +61,9 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         record.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
     const bool opened = run.snatched();
-    const SystemState& state = run.simulation().system();
     if (opened && !run.inflated() && !run.sequence)
-        add_opening_warnings(record, run.scene, run.parachute(), run.simulation().inflation(),
-                             run.snatch_speed(), run.snatch_density());
+        add_opening_warnings(record, run.scene, run.parachute(), without_lag(run), run.snatch_speed(),
+                             run.snatch_density());
     add_scene_warnings(record, run.scene);
     if (!opened)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
@@ -98,7 +117,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
                    "in order"
                  : "look at the shape before trusting the loads");
-    if (const SelfContactState& contact = state.contact;
+    if (const SelfContactState& contact =
+            worst_of(run, [](const SystemState& s) { return s.contact.deepest; }).contact;
         contact.passed > 0 || contact.deepest > sound_penetration)
         warn(fmt::format("nodes went through fabric that they had touched: {} were let go, the deepest was "
                          "{:.2f} of an edge behind it",
@@ -128,6 +148,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "its fabric and openings let out more than its mouth takes in at this speed",
                  "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
+    const SystemState& state =
+        worst_of(run, [](const SystemState& s) { return static_cast<double>(s.capped_steps); });
     if (state.capped_steps > 0)
         warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
                          100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
