@@ -13,12 +13,17 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// w of contact between canopies over the highest frequency of their fabric at the start: it costs a per cent
-/// of the step, and the fabric of a C-9 goes some millimetres behind the plane.
-constexpr double contact_frequency = 0.15;
 constexpr double clearance = 1.02;    // of neighbours at the start
 constexpr double widest_lean = 0.9;   // sine of it
 constexpr double near_share = 0.005;  // of D0, within which nodes are looked at in every step
+
+/// w [1/s] of contact between canopies: that of waves in taut fabric across an element of mean size. It costs
+/// some per cent of the step, and the fabric of a C-9 goes some millimetres behind the plane.
+double contact_frequency(const Mesh& mesh) {
+    const double wave = std::sqrt(mesh.fabric.youngs_modulus / mesh.fabric.density);
+    const double mean_area = mesh.fabric_area() / static_cast<double>(mesh.triangles.size());
+    return wave / std::sqrt(4.0 / std::sqrt(3.0) * mean_area);
+}
 
 }  // namespace
 
@@ -80,7 +85,7 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
         canopies_.push_back(std::make_unique<Simulation>(*scenes_[static_cast<std::size_t>(k)], layout,
                                                          force_blocks(), Eigen::Quaterniond(around * out)));
         Simulation& canopy = *canopies_.back();
-        canopy.meet_others(contact_frequency);
+        canopy.meet_others(contact_frequency(canopy.mesh()));
     }
     near_ = near_share * scene.parachutes.front().nominal_diameter;
     for (std::size_t i = 0; i < canopies_.size(); ++i)

@@ -132,8 +132,8 @@ void Simulation::follow_payload_of(const Simulation& other) {
     state_.v_half[here] = other.state_.v_half[there];
 }
 
-void Simulation::meet_others(double share) {
-    steps_.count_outer(share * 2.0 / layout_->critical_steps(state_).canopy);
+void Simulation::meet_others(double frequency) {
+    steps_.count_outer(frequency);
     steps_.refresh(state_, step_inputs());
 }
 

@@ -81,9 +81,9 @@ public:
     /// The next step is a first one, as after a change of stage: velocities count from now, not from half a
     /// step before. Evaluates the forces anew.
     void start_anew();
-    /// Nodes of the canopy may be pushed from outside by forces as stiff as this share of the fabric's
-    /// highest frequency now: counts in the critical step from here on.
-    void meet_others(double share);
+    /// Nodes of the canopy may be pushed from outside by forces as stiff as `frequency` [1/s] over their
+    /// material mass: counts in the critical step from here on.
+    void meet_others(double frequency);
     /// All nodes of the canopy, or some of them, read into `record` and `mass`.
     PressedNodes canopy_nodes() const;
     PressedNodes canopy_nodes(std::span<const NodeIndex> nodes, std::vector<NodeRecord>& record,
