@@ -143,8 +143,7 @@ TEST(Clusters, LayoutsAndThreadsAgree) {
 }
 
 TEST(Clusters, EachDescendsAsOneWithItsShareDoes) {
-    // Drag areas are told, and what leans costs nothing of them: the rate of one alone. Found 0.3 % below for
-    // two, 0.5 % for three.
+    // Drag areas are told, and what leans costs nothing of them: the rate of one alone. Found 0.2 % below.
     Scene one = cluster_of(1), two = cluster_of(2);
     for (Scene* scene : {&one, &two})
         scene->stop = {Trigger::Kind::steady_descent, 0.0, 0.0};
