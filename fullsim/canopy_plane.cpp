@@ -42,7 +42,7 @@ Projection project(const PressedNodes& canopy, const Line& line, double side) {
     return nodes;
 }
 
-/// Those beyond `other` [m], seen from their side.
+/// Nodes beyond `other` [m], seen from their side.
 std::vector<Candidate> beyond(const PressedNodes& canopy, const Projection& nodes, double side,
                               double other) {
     std::vector<Candidate> found;
@@ -138,7 +138,7 @@ void CanopyPlane::search(const PressedNodes& a, const PressedNodes& b, double me
 }
 
 void CanopyPlane::serialize(Archive& archive, const std::array<NodeIndex, 2>& nodes_of) {
-    for (double* x : {&largest_force_, &deepest_, &first_touch_})
+    for (double* x : {&largest_force_, &deepest_})
         archive.number("plane between canopies", *x);
     for (std::size_t side = 0; side < near_.size(); ++side) {
         archive.length("nodes near a plane", near_[side], static_cast<std::size_t>(nodes_of[side]));

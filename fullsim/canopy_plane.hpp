@@ -64,14 +64,12 @@ public:
     const std::vector<NodeIndex>& near_second() const { return near_[1]; }
     bool may_touch() const { return !near_[0].empty() && !near_[1].empty(); }
 
-    void note(const PlaneContact& contact, double time) {
+    void note(const PlaneContact& contact) {
         largest_force_ = std::max(largest_force_, contact.force);
         deepest_ = std::max(deepest_, contact.depth);
-        if (contact.force > 0.0 && first_touch_ < 0.0) first_touch_ = time;
     }
     double largest_force() const { return largest_force_; }  ///< [N]
     double deepest() const { return deepest_; }              ///< [m]
-    double first_touch() const { return first_touch_; }      ///< [s]; below zero: they never did
 
     /// nodes_of: how many either canopy has.
     void serialize(Archive& archive, const std::array<NodeIndex, 2>& nodes_of);
@@ -79,7 +77,7 @@ public:
 private:
     std::size_t first_, second_;
     std::array<std::vector<NodeIndex>, 2> near_;
-    double largest_force_ = 0.0, deepest_ = 0.0, first_touch_ = -1.0;
+    double largest_force_ = 0.0, deepest_ = 0.0;
 };
 
 }  // namespace twinchute::fullsim

@@ -25,7 +25,35 @@ double contact_frequency(const Mesh& mesh) {
     return wave / std::sqrt(4.0 / std::sqrt(3.0) * mean_area);
 }
 
+/// Mesh of one canopy, along the axis of all.
+Mesh upright_mesh(const Scene& one) {
+    MassScaling scaling;
+    return first_mesh(one, first_inflation(one), scaling);
+}
+
+double lean_of(const Scene& scene, const Mesh& upright) {
+    const int count = scene.parachutes.front().count;
+    double widest = 0.0;
+    for (NodeIndex i = 0; i < upright.canopy_nodes; ++i) {
+        const Vec3& x = upright.position[static_cast<std::size_t>(i)];
+        const double along = x.dot(upright.axis);
+        widest = std::max(widest, (x - along * upright.axis).norm() / along);
+    }
+    const double sine = clearance * widest / std::sin(pi / count);
+    if (!(sine < widest_lean))
+        throw SceneError({scene.file.string()}, "parachute.count",
+                         fmt::format("{} canopies have no place beside each other", count),
+                         "as wide as they start, they would have to lean out by more than 64 deg",
+                         "give fewer, longer lines, or start them at line stretch");
+    return std::asin(sine);
+}
+
 }  // namespace
+
+double outward_lean(const Scene& scene) {
+    if (scene.parachutes.front().count == 1) return 0.0;
+    return lean_of(scene, upright_mesh(scene_of_canopy(scene, 0)));
+}
 
 Scene scene_of_canopy(const Scene& scene, int k) {
     Scene one = scene;
@@ -43,27 +71,6 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     return one;
 }
 
-double outward_lean(const Scene& scene) {
-    const int count = scene.parachutes.front().count;
-    if (count == 1) return 0.0;
-    const Scene one = scene_of_canopy(scene, 0);
-    MassScaling scaling;
-    const Mesh mesh = first_mesh(one, first_inflation(one), scaling);
-    double widest = 0.0;
-    for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i) {
-        const Vec3& x = mesh.position[static_cast<std::size_t>(i)];
-        const double along = x.dot(mesh.axis);
-        widest = std::max(widest, (x - along * mesh.axis).norm() / along);
-    }
-    const double sine = clearance * widest / std::sin(pi / count);
-    if (!(sine < widest_lean))
-        throw SceneError({scene.file.string()}, "parachute.count",
-                         fmt::format("{} canopies have no place beside each other", count),
-                         "as wide as they start, they would have to lean out by more than 64 deg",
-                         "give fewer, longer lines, or start them at line stretch");
-    return std::asin(sine);
-}
-
 Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int threads)
     : tuner_(std::min(threads, scene.parachutes.front().count)) {
     const int count = scene.parachutes.front().count;
@@ -73,13 +80,13 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
         canopies_.push_back(std::make_unique<Simulation>(scene, layout));
         return;
     }
-    const double lean = outward_lean(scene);
     for (int k = 0; k < count; ++k) {
         made_.push_back(std::make_unique<Scene>(scene_of_canopy(scene, k)));
         scenes_.push_back(made_.back().get());
     }
-    MassScaling scaling;
-    const Vec3 axis = first_mesh(*scenes_.front(), first_inflation(*scenes_.front()), scaling).axis;
+    const Mesh upright = upright_mesh(*scenes_.front());
+    const double lean = lean_of(scene, upright);
+    const Vec3& axis = upright.axis;
     for (int k = 0; k < count; ++k) {
         const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
         canopies_.push_back(std::make_unique<Simulation>(*scenes_[static_cast<std::size_t>(k)], layout,
@@ -130,7 +137,7 @@ void Cluster::push_apart() {
         of_a.force.assign(of_a.node.size(), splat(0.0));
         of_b.force.assign(of_b.node.size(), splat(0.0));
         const PlaneContact contact = press_apart(nodes_a, nodes_b, of_a.force, of_b.force);
-        plane.note(contact, now.time);
+        plane.note(contact);
         if (!(contact.force > 0.0)) continue;
         a.push_canopy(plane.near_first(), of_a.node, of_a.force, contact.on_first);
         b.push_canopy(plane.near_second(), of_b.node, of_b.force, -contact.on_first);
@@ -165,17 +172,17 @@ void Cluster::step_to(double end) {
         chosen.dt = std::min(chosen.dt, own.dt);
         chosen.subcycles = std::max(chosen.subcycles, own.subcycles);
     }
-    std::vector<Lanes> rest;  // on the payload but for the air and, in subcycles, the risers
+    rest_.clear();
     for (const auto& canopy : canopies_)
-        rest.push_back(canopy->payload_load());
+        rest_.push_back(canopy->payload_load());
     for_each([&](Simulation& canopy) { canopy.begin_step(chosen, end); });
     const int count = chosen.subcycles;
     for (std::size_t k = 0; k < size(); ++k)
-        rest[k] = count == 1 ? splat(0.0) : rest[k] - canopies_[k]->payload_load();
-    const Lanes mean_rest = mean_of([&](std::size_t k) { return rest[k]; });
+        rest_[k] = count == 1 ? splat(0.0) : rest_[k] - canopies_[k]->payload_load();
+    const Lanes mean_rest = mean_of([&](std::size_t k) { return rest_[k]; });
     const Lanes mean_drag = mean_of([&](std::size_t k) { return canopies_[k]->payload_drag(); });
     for (std::size_t k = 0; k < size(); ++k)
-        canopies_[k]->payload_drag() = mean_drag + (mean_rest - rest[k]);
+        canopies_[k]->payload_drag() = mean_drag + (mean_rest - rest_[k]);
 
     const double dt = front().step_under_way().dt;
     const auto kick_of = [&](int k) {

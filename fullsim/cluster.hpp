@@ -1,7 +1,7 @@
 // Parachutes that carry one payload together: each is a simulation of its own with its share of the payload,
 // and all of them take their steps together.
 //
-// Of N canopies each carries the payload's N-th part, as a node with an N-th of its mass and drag. Before
+// Each of N canopies carries the payload's N-th part, as a node with an N-th of its mass and drag. Before
 // these nodes move, in subcycles before each of them, the force on each becomes the mean of all: they move as
 // one body of the whole mass under all forces, and momentum and energy are those of the whole. All take the
 // smallest step and the most subcycles that any of them asks for.
@@ -83,6 +83,7 @@ private:
     std::vector<std::unique_ptr<Scene>> made_;  // scenes of several canopies
     std::vector<const Scene*> scenes_;
     std::vector<std::unique_ptr<Simulation>> canopies_;
+    std::vector<Lanes> rest_;  // [N] on each part of the payload but for air and, in subcycles, risers
     std::vector<CanopyPlane> planes_;
     double near_ = 0.0;  // [m] see CanopyPlane::search
     struct Touching {

@@ -139,7 +139,7 @@ void Simulation::meet_others(double frequency) {
 
 PressedNodes Simulation::canopy_nodes() const {
     const auto count = static_cast<std::size_t>(mesh_.canopy_nodes);
-    PressedNodes all = canopy_nodes_but_nodes();
+    PressedNodes all = pressed();
     all.node = std::span(synchronised().node).first(count);
     all.mass = std::span(constants_.mass).first(count);
     return all;
@@ -152,13 +152,13 @@ PressedNodes Simulation::canopy_nodes(std::span<const NodeIndex> nodes, std::vec
     mass.clear();
     for (const NodeIndex i : nodes)
         mass.push_back(constants_.mass[i]);
-    PressedNodes some = canopy_nodes_but_nodes();
+    PressedNodes some = pressed();
     some.node = record;
     some.mass = mass;
     return some;
 }
 
-PressedNodes Simulation::canopy_nodes_but_nodes() const {
+PressedNodes Simulation::pressed() const {
     return {{},
             {},
             steps_.outer_frequency() * steps_.outer_frequency(),

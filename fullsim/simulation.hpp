@@ -182,7 +182,8 @@ public:
     static constexpr int steps_between_checks = 50;  ///< for faults
 
 private:
-    PressedNodes canopy_nodes_but_nodes() const;
+    /// Canopy as a whole, without its nodes.
+    PressedNodes pressed() const;
     void change_stage(Stage stage);
     void build_blocks();
     /// The air as the nodes meet it at system().time.

@@ -37,7 +37,7 @@ public:
     virtual ~ForceModel() = default;
 
     virtual Block block() const = 0;
-    /// What its bound on the step has to know before forces are evaluated for the first time.
+    /// Prepares the state for its bound on the step, before forces are evaluated for the first time.
     virtual void prepare(State&) const {}
     std::string_view name() const { return block_name(block()); }
     /// Adds its forces at state.time to state.force or state.aero, and what it dissipates [W] to

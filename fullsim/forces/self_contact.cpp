@@ -268,7 +268,7 @@ private:
         return found;
     }
 
-    /// What a pair that the kernel does not push wants: a side, to be let go, or more thickness.
+    /// Sees to a pair that the kernel does not push: it takes a side, is let go, or gets thicker.
     void attend(State& state, std::int32_t k) const {
         SelfContactState& contact = state.contact;
         NearPair& pair = contact.pairs[k];

@@ -13,7 +13,7 @@ namespace twinchute::fullsim::self_contact {
 constexpr double thickness_now = 0.25;  // at most, of a triangle's longest edge as it is: a pack is small
 constexpr double touching = 1e-3;       // of the thickness: nearer than that a node has no side yet
 
-/// What is known of a pair, in their order.
+/// Numbers known of a pair, in their order.
 enum PairNumber {
     fullness,        ///< [-] double area over longest edge squared; a sliver has less
     most_thickness,  ///< [m] that a triangle of this size ever has

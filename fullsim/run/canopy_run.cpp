@@ -65,7 +65,7 @@ double CanopyRun::next_load_change() const {
     return force.time.empty() ? infinity : next;
 }
 
-std::vector<const char*> CanopyRun::look(bool falls_steadily) {
+const std::vector<const char*>& CanopyRun::look(bool falls_steadily) {
     happened_.clear();
     if (deploys()) {
         look_for_snatch();

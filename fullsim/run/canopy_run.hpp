@@ -32,7 +32,7 @@ public:
     void observe(bool row_is_due);
     /// Changes of phase and stage that are due now: their names, in order. Ends the run where one cannot go
     /// on: then `ending` says so.
-    std::vector<const char*> look(bool falls_steadily);
+    const std::vector<const char*>& look(bool falls_steadily);
     const std::optional<RunStatus>& ending() const { return ending_; }
     /// Next time [s] at which something is due.
     double next_stop() const;

@@ -342,7 +342,7 @@ private:
 Plan plan_full(const Scene& scene, const PlanBasis& basis) {
     const Scene meshed = weighed(scene);
     const int count = scene.parachutes.front().count;
-    if (count == 1) return Forecast(meshed, basis).make();
+    if (count == 1) return Forecast(scene_of_canopy(meshed, 0), basis).make();
     // Canopies of a cluster take the same steps; the last one to open says when they are done.
     const auto& lag = scene.parachutes.front().lag;
     const auto last = lag.empty() ? 0 : std::ranges::max_element(lag) - lag.begin();

@@ -188,7 +188,7 @@ std::vector<NeverOpened> unopened_of_one(const RunView& run) {
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }
 
-/// Those of a cluster that failed for one reason together.
+/// Canopies that failed, of a cluster those of one reason together.
 std::vector<NeverOpened> unopened(std::span<const RunView> each) {
     std::vector<NeverOpened> all;
     for (const RunView& run : each)

@@ -383,6 +383,7 @@ private:
         own.emplace_back(name);
         const auto times = std::ranges::count(own, name);
         const std::string_view what = name;
+        if (together_ && what == "switch") together_->found.switched_late |= canopy.found().switched_late;
         const bool of_reefed = what == "disreef" || what == "reefed-open" || what == "steady-descent";
         for (std::size_t k = 0; k < canopies_.size(); ++k)
             if ((canopies_[k]->sequence() || !of_reefed) && std::ranges::count(past_[k], name) < times)
@@ -403,14 +404,7 @@ private:
         met(Trigger::Kind::line_stretch);
         if (!together_) return;
         // All are out with the last of them.
-        const Findings& last = canopies_.at(last_snatched())->found();
-        Findings& all = together_->found;
-        all.line_stretch_time = last.line_stretch_time;
-        all.snatch = last.snatch;
-        all.snatch_speed = last.snatch_speed;
-        all.payload_snatch_speed = last.payload_snatch_speed;
-        all.snatch_path_angle = last.snatch_path_angle;
-        all.snatch_density = last.snatch_density;
+        together_->found = canopies_.at(last_snatched())->found();
         double soonest = infinity;
         for (const auto& canopy : canopies_)
             soonest = std::min(soonest, canopy->simulation().inflation().initial_time);
@@ -712,9 +706,8 @@ RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
 }  // namespace
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
-    Scene meshed = weighed(scene);
-    Parachute& chute = meshed.parachutes.front();
-    if (chute.count == 1 && chute.skips_reefing == 1) chute.reefing.clear();
+    const Scene heavy = weighed(scene);
+    const Scene meshed = scene.parachutes.front().count == 1 ? scene_of_canopy(heavy, 0) : heavy;
     const double stated_mass = scene.parachutes.front().mass;
     RunRecord record = fly(meshed, stated_mass, run);
     const bool ended = record.status.code == StatusCode::completed ||

@@ -117,8 +117,12 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
                    "in order"
                  : "look at the shape before trusting the loads");
-    if (const SelfContactState& contact =
-            worst_of(run, [](const SystemState& s) { return s.contact.deepest; }).contact;
+    if (const SelfContactState& contact = worst_of(run,
+                                                   [](const SystemState& s) {
+                                                       return static_cast<double>(s.contact.passed) +
+                                                              s.contact.deepest;
+                                                   })
+                                              .contact;
         contact.passed > 0 || contact.deepest > sound_penetration)
         warn(fmt::format("nodes went through fabric that they had touched: {} were let go, the deepest was "
                          "{:.2f} of an edge behind it",

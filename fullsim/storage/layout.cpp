@@ -72,7 +72,7 @@ public:
         weights_.renew(state);
         return fullsim::critical_steps(state, constants_, *structure_, *loads_, lines_, weights_.by_node());
     }
-    void accelerate(const Vec3& acceleration) override { acceleration_ = acceleration; }
+    void accelerate(const Vec3& acceleration) override { acceleration_ += acceleration; }
     void impulse(State& state) override {
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i)
             state.force[i].value += constants_.mass[i] * to_lanes(acceleration_);

@@ -49,7 +49,7 @@ void finish_step(State& state, const NodeConstants& constants, const StepSums& s
 /// All nodes from time t to t + dt with the forces in state.force and state.aero at t; adds to `sums`.
 void move_all(State& state, const NodeConstants& constants, double dt, StepSums& sums);
 
-/// That, and finish_step.
+/// All of move_all, and finish_step.
 void advance(State& state, const NodeConstants& constants, double dt, double next_added_mass);
 
 /// state.sums from the node records.

@@ -206,6 +206,11 @@ TEST(Clusters, OneThatSkipsItsReefingCarriesTheOthers) {
     scene.parachutes.front().skips_reefing = 2;
     open.parachutes.front().reefing.clear();
     EXPECT_EQ(*test::run_rom(scene).metric("max_force_N"), *test::run_rom(open).metric("max_force_N"));
+    // So does one that is alone, in the full model, too.
+    scene.parachutes.front().count = scene.parachutes.front().skips_reefing = open.parachutes.front().count =
+        1;
+    scene.stop.value = open.stop.value = 1.0;
+    EXPECT_EQ(*test::run_full(scene).metric("max_force_N"), *test::run_full(open).metric("max_force_N"));
 }
 
 TEST(Clusters, ComeFromTheirPacks) {

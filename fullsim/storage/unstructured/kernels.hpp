@@ -107,7 +107,7 @@ struct Kernels {
     /// The least bound on the step [s].
     double (*critical_step)(Rows, const Bound&);
     Sums (*advance)(Nodes, const Advance&);
-    // Of nodes that are not of the canopy, as NodeMover has it for one node (fullsim/time/node_mover.hpp):
+    // Nodes outside the canopy, as NodeMover has it for one node (fullsim/time/node_mover.hpp):
     /// kick_alone. first_kick [s]: of the first subcycle, under nodes.force.
     Sums (*kick)(Nodes, const Advance&, const Subcycled&, double first_kick, double last_line_dt);
     /// end_subcycles, dt [s] of the step.

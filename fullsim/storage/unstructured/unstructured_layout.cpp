@@ -346,7 +346,7 @@ private:
         state.accretion_power += sum3(as_lanes(s.accretion_power));
     }
 
-    /// Of the nodes in subcycles those of the canopy come first.
+    /// Number of nodes in subcycles that are of the canopy; they come first.
     std::size_t pulled_of_canopy() const {
         return static_cast<std::size_t>(std::ranges::lower_bound(pulled_, constants_.canopy_nodes) -
                                         pulled_.begin());
@@ -354,7 +354,7 @@ private:
     unstructured::Subcycled pulled() {
         return {pulled_, inverse_inertia_, doubles(others_), step_.record, step_.v_half};
     }
-    /// But for those.
+    /// Nodes in subcycles outside the canopy.
     unstructured::Subcycled pulled_lines() {
         unstructured::Subcycled lines = pulled();
         lines.node = lines.node.subspan(pulled_of_canopy());
