@@ -95,6 +95,32 @@ ToleranceOrigin origin_of(std::string_view name, const Names& of_command_line) {
     return of_command_line.contains(name) ? ToleranceOrigin::command_line : ToleranceOrigin::scene;
 }
 
+/// Rows of the table, then those of each of several parachutes, by the names of events, and of anything else
+/// that has a tolerance.
+std::vector<const MetricRow*> rows_of(const RunRecord& reference, const RunRecord& candidate,
+                                      const std::map<std::string, Tolerance>& tolerances) {
+    std::vector<const MetricRow*> rows;
+    for (const MetricRow& row : metric_rows())
+        rows.push_back(&row);
+    std::vector<std::string> heads;
+    for (const RunRecord* record : {&reference, &candidate})
+        for (const Event& event : record->events)
+            if (const auto dot = event.name.find('.'); dot != std::string::npos) {
+                std::string head = metric_head(event.name.substr(0, dot));
+                if (std::ranges::find(heads, head) == heads.end()) heads.push_back(std::move(head));
+            }
+    for (const std::string& head : heads)
+        for (const MetricRow& row : metric_rows())
+            if (const MetricRow* own = find_judgeable_row(head + std::string(row.name));
+                std::ranges::find(rows, own) == rows.end())
+                rows.push_back(own);
+    for (const auto& [name, tolerance] : tolerances) {
+        const MetricRow* row = find_judgeable_row(name);
+        if (row && !row->is_history() && std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+    }
+    return rows;
+}
+
 std::vector<HistoryGap> histories_of(const RunRecord& reference, const RunRecord& candidate,
                                      const std::map<std::string, Tolerance>& tolerances,
                                      const Names& of_command_line, bool both_ended) {
@@ -151,7 +177,8 @@ FidelityGap measure_gap(const RunRecord& reference, const RunRecord& candidate,
                         const std::map<std::string, Tolerance>& tolerances, const Names& of_command_line) {
     FidelityGap gap;
     const bool both_ended = is_judged(reference) && is_judged(candidate);
-    for (const MetricRow& row : metric_rows()) {
+    for (const MetricRow* const which : rows_of(reference, candidate, tolerances)) {
+        const MetricRow& row = *which;
         MetricGap metric;
         metric.row = &row;
         metric.reference = side_value(reference, row.key);

@@ -61,6 +61,13 @@ Curve combined(const Curve& a, const Curve* b, double from, double to) {
 const Event* event_of(const RunRecord& record, std::initializer_list<const char*> names) {
     for (const char* name : names)
         if (const Event* event = record.find_event(name)) return event;
+    // Of several parachutes it is that of the first to come out.
+    for (const Event& first : record.events) {
+        const auto dot = first.name.find('.');
+        if (dot == std::string::npos) continue;
+        for (const char* name : names)
+            if (const Event* event = record.find_event(first.name.substr(0, dot + 1) + name)) return event;
+    }
     return nullptr;
 }
 

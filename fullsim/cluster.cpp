@@ -71,26 +71,53 @@ Scene scene_of_canopy(const Scene& scene, int k) {
     return one;
 }
 
+bool has_stages(const Scene& scene) {
+    return scene.parachutes.size() > 1 || scene.parachutes.front().deploy_when ||
+           scene.parachutes.front().cut;
+}
+
+Scene scene_in_flight(const Scene& scene, std::size_t parachute, const PayloadFlight& at) {
+    Scene one = scene;
+    one.parachutes = {scene.parachutes[parachute]};
+    one.parachutes.front().deploy_when.reset();
+    one.parachutes.front().cut.reset();
+    one.payload.mass = at.mass;
+    const Vec3& v = at.velocity;
+    one.release.altitude = at.position.z();
+    one.release.speed = v.norm();
+    one.release.path_angle = std::atan2(-v.z(), std::hypot(v.x(), v.y()));
+    if (std::hypot(v.x(), v.y()) > 0.0) one.release.heading = std::atan2(v.x(), v.y());
+    one.release.time = at.time;
+    one.release.east = at.position.x();
+    one.release.north = at.position.y();
+    // As in scene_of_canopy: no canopy of one run is that of a neighbouring seed.
+    if (one.full.noise) one.full.noise->seed += 0x9E3779B97F4A7C15u * parachute;
+    return one;
+}
+
 Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int threads)
-    : tuner_(std::min(threads, scene.parachutes.front().count)) {
+    : scene_(scene),
+      make_layout_(layout),
+      staged_(has_stages(scene)),
+      alone_(released_payload(scene)),
+      payload_mass_(alone_.mass),
+      tuner_(std::min(threads,
+                      std::max(scene.parachutes.front().count, static_cast<int>(scene.parachutes.size())))) {
     const int count = scene.parachutes.front().count;
-    if (count > 1 && tuner_.most() > 1) threads_ = std::make_unique<WorkerPool>(tuner_.most() - 1);
+    if (tuner_.most() > 1) threads_ = std::make_unique<WorkerPool>(tuner_.most() - 1);
+    if (staged_) return;
     if (count == 1) {
         scenes_.push_back(&scene);
         canopies_.push_back(std::make_unique<Simulation>(scene, layout));
+        out_.push_back(0);
         return;
     }
-    for (int k = 0; k < count; ++k) {
-        made_.push_back(std::make_unique<Scene>(scene_of_canopy(scene, k)));
-        scenes_.push_back(made_.back().get());
-    }
-    const Mesh upright = upright_mesh(*scenes_.front());
+    const Mesh upright = upright_mesh(scene_of_canopy(scene, 0));
     const double lean = lean_of(scene, upright);
     const Vec3& axis = upright.axis;
     for (int k = 0; k < count; ++k) {
         const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
-        canopies_.push_back(std::make_unique<Simulation>(*scenes_[static_cast<std::size_t>(k)], layout,
-                                                         force_blocks(), Eigen::Quaterniond(around * out)));
+        add(std::make_unique<Scene>(scene_of_canopy(scene, k)), Eigen::Quaterniond(around * out));
         Simulation& canopy = *canopies_.back();
         canopy.meet_others(contact_frequency(canopy.mesh()));
     }
@@ -100,12 +127,78 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
             planes_.emplace_back(i, j);
 }
 
-/// work(canopy) for each. What it reads of others it must not write.
+void Cluster::add(std::unique_ptr<Scene> scene, const Eigen::Quaterniond& turn) {
+    made_.push_back(std::move(scene));
+    scenes_.push_back(made_.back().get());
+    out_.push_back(canopies_.size());
+    canopies_.push_back(std::make_unique<Simulation>(*scenes_.back(), make_layout_, force_blocks(), turn));
+}
+
+PayloadFlight Cluster::payload() const {
+    if (out_.empty()) return alone_;
+    const NodeRecord& node = front().payload();
+    return {time(), to_vec3(node.x), to_vec3(node.v), payload_mass_};
+}
+
+bool Cluster::was_checked() const {
+    return out_.empty() ? checked_alone_ : front().was_checked();
+}
+
+std::size_t Cluster::join(std::size_t parachute, double left) {
+    const std::int64_t step = this->step();
+    payload_mass_ = left;
+    const PayloadFlight now = payload();
+    auto scene = std::make_unique<Scene>(scene_in_flight(scene_, parachute, now));
+    scene->payload.mass = left;
+    members_.push_back({parachute, scene->release, left, 0.0});
+    add(std::move(scene));
+    Simulation& newcomer = *canopies_.back();
+    members_.back().riser_mass = newcomer.payload_node_mass() - left;
+    newcomer.begin_at(now.position, now.velocity, step);
+    if (out_.size() == 1)
+        newcomer.evaluate_forces();
+    else  // a mortar throws the payload back, with what all others carry of their risers
+        share_payload(now.velocity + newcomer.payload_node_mass() / payload_nodes_mass() *
+                                         (to_vec3(newcomer.payload().v) - now.velocity));
+    return size() - 1;
+}
+
+void Cluster::leave(std::size_t k) {
+    const PayloadFlight now = payload();
+    step_alone_ = step();
+    std::erase(out_, k);
+    if (!out_.empty()) return share_payload(now.velocity);
+    alone_ = now;
+    alone_.acceleration = free_acceleration(scene_, now.mass, now.position, now.velocity);
+}
+
+/// [kg] of all nodes of the payload: it, its packs, and what they carry of the risers.
+double Cluster::payload_nodes_mass() const {
+    double mass = payload_mass_;
+    for (const std::size_t k : out_)
+        mass += members_[k].riser_mass;
+    return mass;
+}
+
+/// An even share of the payload, with all that it carries, for each that is out. Nodes that are to move as
+/// one under even forces have to weigh the same.
+void Cluster::share_payload(const Vec3& velocity) {
+    const auto count = static_cast<double>(out_.size());
+    const double node_mass = payload_nodes_mass() / count;
+    for (const std::size_t k : out_) {
+        Payload& part = made_[k]->payload;
+        part.mass = payload_mass_ / count;
+        if (part.drag_area) part.drag_area = *scene_.payload.drag_area / count;
+        canopies_[k]->bear(node_mass, velocity);
+    }
+}
+
+/// work(canopy) for each that is out. What it reads of others it must not write.
 template <class Work>
 void Cluster::for_each(Work&& work) {
-    const auto one = [&](int k) { work(*canopies_[static_cast<std::size_t>(k)]); };
-    const auto count = static_cast<int>(size());
-    if (threads_ && tuner_.now() > 1) return threads_->share(count, one);
+    const auto one = [&](int k) { work(*canopies_[out_[static_cast<std::size_t>(k)]]); };
+    const auto count = static_cast<int>(out_.size());
+    if (threads_ && count > 1 && tuner_.now() > 1) return threads_->share(count, one);
     for (int k = 0; k < count; ++k)
         one(k);
 }
@@ -123,6 +216,7 @@ void Cluster::count_time() {
 }
 
 void Cluster::push_apart() {
+    if (planes_.empty()) return;
     const SystemState& now = front().system();
     const bool searches = now.step % CanopyPlane::steps_between_searches == 0;
     for (CanopyPlane& plane : planes_) {
@@ -144,45 +238,53 @@ void Cluster::push_apart() {
     }
 }
 
-/// The mean of one force on the payload over all canopies.
+/// The mean of one force on the payload over all canopies that are out.
 template <class Force>
 Lanes Cluster::mean_of(Force&& force) const {
     Lanes sum = splat(0.0);
-    for (std::size_t k = 0; k < size(); ++k)
-        sum += force(k);
-    return sum / splat(static_cast<double>(size()));
+    for (std::size_t i = 0; i < out_.size(); ++i)
+        sum += force(i);
+    return sum / splat(static_cast<double>(out_.size()));
 }
 
 void Cluster::share_pulls(double kick, int subcycles) {
-    const Lanes mean = mean_of([&](std::size_t k) { return canopies_[k]->payload_load(); });
-    for (const auto& canopy : canopies_) {
-        const double power = sum3((mean - canopy->payload_load()) * canopy->payload().v);
-        canopy->add_outer_work(kick * power, power / subcycles);
-        canopy->payload_load() = mean;
+    const Lanes mean = mean_of([&](std::size_t i) { return canopies_[out_[i]]->payload_load(); });
+    for (const std::size_t k : out_) {
+        Simulation& canopy = *canopies_[k];
+        const double power = sum3((mean - canopy.payload_load()) * canopy.payload().v);
+        canopy.add_outer_work(kick * power, power / subcycles);
+        canopy.payload_load() = mean;
     }
 }
 
+void Cluster::fly_alone(double end) {
+    checked_alone_ = step_alone_ % Simulation::steps_between_checks == 0;
+    ++step_alone_;
+    alone_ = fly_free(scene_, alone_, end, watch_);
+}
+
 void Cluster::step_to(double end) {
-    if (size() == 1) return front().step_to(end);
+    if (out_.empty()) return fly_alone(end);
+    if (out_.size() == 1) return front().step_to(end);
     push_apart();
     ChosenStep chosen{infinity, 1};
     for_each([](Simulation& canopy) { canopy.choose_step(); });
-    for (const auto& canopy : canopies_) {
-        const ChosenStep own = canopy->step();
+    for (const std::size_t k : out_) {
+        const ChosenStep own = canopies_[k]->step();
         chosen.dt = std::min(chosen.dt, own.dt);
         chosen.subcycles = std::max(chosen.subcycles, own.subcycles);
     }
     rest_.clear();
-    for (const auto& canopy : canopies_)
-        rest_.push_back(canopy->payload_load());
+    for (const std::size_t k : out_)
+        rest_.push_back(canopies_[k]->payload_load());
     for_each([&](Simulation& canopy) { canopy.begin_step(chosen, end); });
     const int count = chosen.subcycles;
-    for (std::size_t k = 0; k < size(); ++k)
-        rest_[k] = count == 1 ? splat(0.0) : rest_[k] - canopies_[k]->payload_load();
-    const Lanes mean_rest = mean_of([&](std::size_t k) { return rest_[k]; });
-    const Lanes mean_drag = mean_of([&](std::size_t k) { return canopies_[k]->payload_drag(); });
-    for (std::size_t k = 0; k < size(); ++k)
-        canopies_[k]->payload_drag() = mean_drag + (mean_rest - rest_[k]);
+    for (std::size_t i = 0; i < out_.size(); ++i)
+        rest_[i] = count == 1 ? splat(0.0) : rest_[i] - canopies_[out_[i]]->payload_load();
+    const Lanes mean_rest = mean_of([&](std::size_t i) { return rest_[i]; });
+    const Lanes mean_drag = mean_of([&](std::size_t i) { return canopies_[out_[i]]->payload_drag(); });
+    for (std::size_t i = 0; i < out_.size(); ++i)
+        canopies_[out_[i]]->payload_drag() = mean_drag + (mean_rest - rest_[i]);
 
     const double dt = front().step_under_way().dt;
     const auto kick_of = [&](int k) {
@@ -203,8 +305,8 @@ void Cluster::step_to(double end) {
         if (k < count) share_pulls(kick_of(k), count);
     }
     // To the last bit: the rest of the loads came by way of a difference.
-    for (std::size_t k = 1; k < size(); ++k)
-        canopies_[k]->follow_payload_of(front());
+    for (const std::size_t k : out_)
+        if (k != out_.front()) canopies_[k]->follow_payload_of(front());
 }
 
 std::size_t Cluster::last_to_open() const {
@@ -215,12 +317,13 @@ std::size_t Cluster::last_to_open() const {
 }
 
 void Cluster::start_anew_but(std::size_t changed) {
-    for (std::size_t k = 0; k < size(); ++k)
+    for (const std::size_t k : out_)
         if (k != changed) canopies_[k]->start_anew();
 }
 
 EnergyLedger Cluster::ledger() const {
-    EnergyLedger sum = front().ledger();
+    if (canopies_.empty()) return {};
+    EnergyLedger sum = canopies_.front()->ledger();
     if (size() == 1) return sum;
     for (std::size_t k = 1; k < size(); ++k) {
         const EnergyLedger one = canopies_[k]->ledger();
@@ -251,7 +354,8 @@ std::int64_t Cluster::element_steps() const {
 }
 
 std::vector<BlockCost> Cluster::block_costs() const {
-    std::vector<BlockCost> sum = front().block_costs();
+    if (canopies_.empty()) return {};
+    std::vector<BlockCost> sum = canopies_.front()->block_costs();
     for (std::size_t k = 1; k < size(); ++k)
         for (const BlockCost& one : canopies_[k]->block_costs()) {
             const auto same = std::ranges::find(sum, one.name, &BlockCost::name);
@@ -265,9 +369,12 @@ std::vector<BlockCost> Cluster::block_costs() const {
 
 std::optional<RunStatus> Cluster::of_first(
     const std::function<std::optional<RunStatus>(std::size_t)>& fault) const {
-    for (std::size_t k = 0; k < size(); ++k)
+    for (const std::size_t k : out_)
         if (auto found = fault(k)) {
-            if (size() > 1) found->detail = fmt::format("canopy {}: {}", k + 1, found->detail);
+            if (scene_.parachutes.size() > 1)
+                found->detail = fmt::format("{}: {}", scenes_[k]->parachutes.front().name, found->detail);
+            else if (size() > 1)
+                found->detail = fmt::format("canopy {}: {}", k + 1, found->detail);
             return found;
         }
     return std::nullopt;
@@ -279,7 +386,47 @@ std::optional<RunStatus> Cluster::find_fault() {
     return of_first([&](std::size_t k) { return canopies_[k]->find_fault(); });
 }
 
+/// Those of a scene with stages, which nobody has made yet where they are read.
+void Cluster::serialize_members(Archive& archive) {
+    archive.number("payload's mass", payload_mass_);
+    for (double* x : {&alone_.time, &alone_.mass})
+        archive.number("payload alone", *x);
+    for (Vec3* vector : {&alone_.position, &alone_.velocity, &alone_.acceleration})
+        for (double& x : *vector)
+            archive.number("payload alone", x);
+    archive.whole("steps", step_alone_, 0);
+    archive.flag("checked", checked_alone_);
+    std::size_t count = members_.size();
+    archive.whole("parachutes that have left their packs", count, 0, scene_.parachutes.size());
+    if (archive.reads()) out_.clear();
+    for (std::size_t k = 0; k < count; ++k) {
+        Member member = archive.reads() ? Member{} : members_[k];
+        Scene one = archive.reads() ? Scene{} : *scenes_[k];
+        double node_mass = archive.reads() ? 0.0 : canopies_[k]->payload_node_mass();
+        bool out = archive.reads() || is_out(k);
+        Release& release = member.release;
+        archive.whole("parachute", member.parachute, 0, scene_.parachutes.size() - 1);
+        for (double* x : {&release.altitude, &release.speed, &release.path_angle, &release.heading,
+                          &release.time, &release.east, &release.north, &member.payload_mass,
+                          &member.riser_mass, &node_mass, &one.payload.mass})
+            archive.number("parachute", *x);
+        archive.number("payload's drag area", one.payload.drag_area);
+        archive.flag("is out", out);
+        if (!archive.reads()) continue;
+        auto made = std::make_unique<Scene>(scene_in_flight(scene_, member.parachute, {}));
+        made->release = release;
+        made->payload.mass = member.payload_mass;
+        members_.push_back(member);
+        add(std::move(made));
+        made_.back()->payload.mass = one.payload.mass;
+        made_.back()->payload.drag_area = one.payload.drag_area;
+        canopies_.back()->weigh_payload(node_mass);
+        if (!out) out_.pop_back();
+    }
+}
+
 void Cluster::serialize(Archive& archive) {
+    if (staged_) serialize_members(archive);
     for (const auto& canopy : canopies_)
         canopy->serialize(archive);
     for (CanopyPlane& plane : planes_)

@@ -1,15 +1,20 @@
-// Parachutes that carry one payload together: each is a simulation of its own with its share of the payload,
-// and all of them take their steps together.
+// Parachutes that carry one payload, together or one after the other: each is a simulation of its own with
+// its share of the payload, and all that are out take their steps together.
 //
 // Each of N canopies carries the payload's N-th part, as a node with an N-th of its mass and drag. Before
 // these nodes move, in subcycles before each of them, the force on each becomes the mean of all: they move as
 // one body of the whole mass under all forces, and momentum and energy are those of the whole. All take the
 // smallest step and the most subcycles that any of them asks for.
 //
-// Canopies do not pass through each other: two that touch do so along a plane between them, see
+// Canopies of a cluster do not pass through each other: two that touch do so along a plane between them, see
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
+//
+// Of a scene with stages (has_stages) each parachute joins when it leaves its pack, and leaves when it is
+// cut. Shares are even, and change with that; while none is out the payload flies by itself
+// (free_flight.hpp).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <functional>
@@ -18,6 +23,7 @@
 #include <vector>
 
 #include "fullsim/canopy_plane.hpp"
+#include "fullsim/free_flight.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
 #include "fullsim/storage/gore_batched/worker_pool.hpp"
@@ -27,28 +33,57 @@ namespace twinchute::fullsim {
 /// The scene of canopy number `k` of a cluster alone: with its share of the payload, its lag, its noise.
 Scene scene_of_canopy(const Scene& scene, int k);
 
+/// Whether parachutes come out one after the other, in flight, or are cut.
+bool has_stages(const Scene& scene);
+
+/// The scene of one parachute of several alone, from where it leaves its pack: with all of the payload.
+Scene scene_in_flight(const Scene& scene, std::size_t parachute, const PayloadFlight& at);
+
 /// [rad] by which the canopies of a cluster lean outward at the start, so far that neighbours just stay clear
 /// of each other. Throws SceneError where they would not even side by side.
 double outward_lean(const Scene& scene);
 
 class Cluster {
 public:
-    /// The scene outlives it. One parachute is a simulation as any other.
+    /// The scene outlives it. One parachute is a simulation as any other. Of a scene with stages none is out.
     /// Several share as many threads at most; nothing that they compute depends on these.
     explicit Cluster(const Scene& scene,
                      const Simulation::LayoutMaker& layout = Simulation::layout_of_one_thread,
                      int threads = 1);
 
+    bool is_staged() const { return staged_; }
+    bool is_of_several() const { return scene_.parachutes.size() > 1; }  ///< parachutes
     int threads() const { return threads_ ? tuner_.most() : 1; }
+    /// Canopies that are out or have been.
     std::size_t size() const { return canopies_.size(); }
+    /// Those that are out, in rising order.
+    const std::vector<std::size_t>& out() const { return out_; }
+    bool is_out(std::size_t k) const { return std::ranges::binary_search(out_, k); }
     Simulation& operator[](std::size_t k) { return *canopies_[k]; }
     const Simulation& operator[](std::size_t k) const { return *canopies_[k]; }
     /// Scene of one canopy alone.
     const Scene& scene(std::size_t k) const { return *scenes_[k]; }
-    Simulation& front() { return *canopies_.front(); }
-    const Simulation& front() const { return *canopies_.front(); }
+    /// The first that is out; there is one.
+    Simulation& front() { return *canopies_[out_.front()]; }
+    const Simulation& front() const { return *canopies_[out_.front()]; }
 
-    /// As Simulation, for all.
+    double time() const { return out_.empty() ? alone_.time : front().system().time; }  ///< [s]
+    std::int64_t step() const { return out_.empty() ? step_alone_ : front().system().step; }
+    /// The payload now; its acceleration only where it flies alone.
+    PayloadFlight payload() const;
+    /// A check of the last step has looked for faults.
+    bool was_checked() const;
+
+    /// A parachute of the scene leaves its pack: the payload weighs `left` [kg] without it. Its number here.
+    std::size_t join(std::size_t parachute, double left);
+    /// Parachute of the scene that canopy k is.
+    std::size_t parachute(std::size_t k) const { return staged_ ? members_[k].parachute : 0; }
+    /// A parachute is cut, and no longer moves.
+    void leave(std::size_t k);
+    /// What ends a free flight before its end.
+    void watch(FlightWatch watch) { watch_ = std::move(watch); }
+
+    /// As Simulation, for all that are out.
     void evaluate_forces();
     void step_to(double end);
     /// Canopy that is full last, as far as that is known.
@@ -70,6 +105,11 @@ public:
     void serialize(Archive& archive);
 
 private:
+    void add(std::unique_ptr<Scene> scene, const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+    double payload_nodes_mass() const;
+    void share_payload(const Vec3& velocity);
+    void fly_alone(double end);
+    void serialize_members(Archive& archive);
     template <class Work>
     void for_each(Work&& work);
     void count_time();
@@ -80,9 +120,26 @@ private:
     std::optional<RunStatus> of_first(
         const std::function<std::optional<RunStatus>(std::size_t)>& fault) const;
 
-    std::vector<std::unique_ptr<Scene>> made_;  // scenes of several canopies
+    const Scene& scene_;
+    const Simulation::LayoutMaker make_layout_;
+    const bool staged_;
+    std::vector<std::unique_ptr<Scene>> made_;  // scenes of several canopies, or of stages
     std::vector<const Scene*> scenes_;
     std::vector<std::unique_ptr<Simulation>> canopies_;
+    /// A parachute of a scene with stages, as it left its pack.
+    struct Member {
+        std::size_t parachute = 0;
+        Release release;
+        double payload_mass = 0.0;  // [kg]
+        double riser_mass = 0.0;    // [kg] that the payload's node carries of its risers
+    };
+    std::vector<Member> members_;
+    std::vector<std::size_t> out_;
+    PayloadFlight alone_;          // while none is out
+    std::int64_t step_alone_ = 0;  // likewise
+    bool checked_alone_ = false;
+    double payload_mass_ = 0.0;  // [kg] with packs, of a scene with stages
+    FlightWatch watch_;
     std::vector<Lanes> rest_;  // [N] on each part of the payload but for air and, in subcycles, risers
     std::vector<CanopyPlane> planes_;
     double near_ = 0.0;  // [m] see CanopyPlane::search

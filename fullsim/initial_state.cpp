@@ -1,5 +1,6 @@
 #include "fullsim/initial_state.hpp"
 
+#include <numeric>
 #include <random>
 
 #include "fullsim/mesh/start.hpp"
@@ -12,6 +13,19 @@ namespace {
 /// Uniform in [-1, 1), the same on every platform (std::uniform_real_distribution is not).
 double uniform(std::mt19937_64& generator) {
     return static_cast<double>(static_cast<std::int64_t>(generator())) * 0x1p-63;
+}
+
+/// The pack gets its speed relative to the payload, which recoils; momentum is conserved.
+void eject_from_mortar(const Scene& scene, const Mesh& mesh, State& state) {
+    const NodeIndex payload = mesh.payload();
+    const double carried = mesh.mass[payload];
+    const double all = std::accumulate(mesh.mass.begin(), mesh.mass.end(), 0.0);
+    const Vec3 speed = scene.parachutes.front().deploy.muzzle_speed * trailing_direction(scene);
+    for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
+        const double share = i == payload ? -(all - carried) / all : carried / all;
+        state.node[i].v += to_lanes(share * speed);
+        state.v_half[i].value = state.node[i].v;
+    }
 }
 
 }  // namespace
@@ -35,7 +49,7 @@ Inflation first_inflation(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
     if (chute.deploy.by == DeployBy::inflated) return inflated(chute);
     if (chute.deploy.by == DeployBy::line_stretch)
-        return inflation_from(scene, 0.0, release_airspeed(scene).norm(),
+        return inflation_from(scene, scene.release.time, release_airspeed(scene).norm(),
                               scene.environment.atmosphere.at(scene.release.altitude).density);
     Inflation inflation;
     inflation.snatch = infinity;
@@ -72,7 +86,10 @@ State first_state(const Scene& scene, const Mesh& mesh) {
         static_cast<std::size_t>(mesh.first_static_line_node()) + tether.position.size();
     state.node.resize(count);
     state.v_half.resize(count);
-    const Vec3 origin(0.0, 0.0, scene.release.altitude), velocity = velocity_over_ground(scene.release);
+    const Release& release = scene.release;
+    const Vec3 origin(release.east, release.north, release.altitude),
+        velocity = velocity_over_ground(release);
+    state.time = release.time;
     std::mt19937_64 generator(scene.full.noise ? scene.full.noise->seed : 0);
     for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
         Vec3 position = origin + mesh.position[i];
@@ -98,6 +115,7 @@ State first_state(const Scene& scene, const Mesh& mesh) {
         state.v_half[i].value = to_lanes(v);
     }
     state.air.direction = trailing_direction(scene);
+    if (scene.parachutes.front().deploy.by == DeployBy::mortar) eject_from_mortar(scene, mesh, state);
     return state;
 }
 

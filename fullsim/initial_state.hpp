@@ -28,7 +28,7 @@ Mesh first_mesh(const Scene& scene, const Inflation& inflation, MassScaling& sca
 Mesh turned(Mesh mesh, const Eigen::Quaterniond& by);
 
 /// Nodes at release with the scene's noise, at the release's velocity; the anchor of a static line at its
-/// own.
+/// own, a pack as its mortar throws it and the payload as that recoils.
 State first_state(const Scene& scene, const Mesh& mesh);
 
 }  // namespace twinchute::fullsim

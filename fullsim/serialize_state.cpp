@@ -21,7 +21,7 @@ constexpr auto sums_members = [](NodeSums& sums, auto&& each) {
 
 void serialize_air(Archive& archive, AeroState& air) {
     auto& [density, viscosity, wind, wind_at_payload, direction, airspeed, dynamic_pressure, drag_area,
-           radial_pressure, projected_area, signed_area, pressure, pressure_capped] = air;
+           radial_pressure, projected_area, signed_area, pressure, pressure_capped, extraction] = air;
     archive.numbers("wind", std::span(wind.data(), 3));
     archive.numbers("wind at the payload", std::span(wind_at_payload.data(), 3));
     archive.numbers("direction of the air", std::span(direction.data(), 3));
@@ -29,6 +29,7 @@ void serialize_air(Archive& archive, AeroState& air) {
                       &projected_area, &signed_area, &pressure})
         archive.number("air", *x);
     archive.flag("pressure is capped", pressure_capped);
+    archive.numbers("extraction", std::span(extraction.data(), 3));
 }
 
 void serialize_body(Archive& archive, std::optional<BodyState>& body) {

@@ -10,6 +10,7 @@
 #include "fullsim/mesh/start.hpp"
 #include "fullsim/serialize_state.hpp"
 #include "fullsim/time/aero_reference.hpp"
+#include "lib/scene/line_stretch.hpp"
 #include "lib/solve/opening.hpp"
 
 namespace twinchute::fullsim {
@@ -126,6 +127,35 @@ void Simulation::start_anew() {
     evaluate_forces();
 }
 
+void Simulation::begin_at(const Vec3& position, const Vec3& velocity, std::int64_t step) {
+    NodeRecord& payload = state_.node[mesh_.payload()];
+    payload.x = to_lanes(position);
+    payload.v += to_lanes(velocity - velocity_over_ground(scene_.release));
+    state_.v_half[mesh_.payload()].value = payload.v;
+    state_.step = stored_step_ = first_step_ = step;
+    update_sums(state_, constants_);
+}
+
+void Simulation::weigh_payload(double node_mass) {
+    mesh_.mass[mesh_.payload()] = node_mass;
+    constants_ = node_constants(mesh_, scene_.environment.gravity);
+    update_sums(state_, constants_);
+    steps_.weigh(constants_);
+    layout_ = make_layout_(scene_, mesh_, constants_);
+    build_blocks();
+    steps_.refresh(state_, step_inputs());
+}
+
+void Simulation::bear(double node_mass, const Vec3& velocity) {
+    fullsim::start_anew(synchronised());
+    const double before = kinetic_energy(state_, constants_);
+    const NodeIndex payload = mesh_.payload();
+    state_.node[payload].v = state_.v_half[payload].value = to_lanes(velocity);
+    weigh_payload(node_mass);
+    state_.energy.external_work += kinetic_energy(state_, constants_) - before;
+    evaluate_forces();
+}
+
 void Simulation::follow_payload_of(const Simulation& other) {
     const NodeIndex here = mesh_.payload(), there = other.mesh_.payload();
     state_.node[here] = other.state_.node[there];
@@ -205,7 +235,10 @@ void Simulation::renew_air() {
     State& s = state_;
     update_air(s, scene_.environment, mesh_.payload(), constants_.system_mass,
                air_mass_in_reference(s.added_mass, s.time - inflation_.end_of(Phase::filling), time_scale()));
-    if (s.stage == Stage::deployment) return;
+    if (s.stage == Stage::deployment) {
+        s.air.extraction = extraction();
+        return;
+    }
     s.air.drag_area = inflation_.steady_drag_area;
     if (!inflow_) s.air.drag_area *= inflation_.drag_area_ratio(s.phase, s.time).value;
     if (const auto& table = scene_.parachutes.front().drag_area_mach_table)
@@ -219,6 +252,24 @@ void Simulation::renew_air() {
             inflow_->measure(synchronised(), constants_);
     }
     s.added_mass_rate = added_mass_after(0.0).rate;
+}
+
+/// A prescribed force straight behind, or the drag of a pilot chute that moves as the vent's seams do.
+Vec3 Simulation::extraction() const {
+    const Deployment& deploy = scene_.parachutes.front().deploy;
+    if (deploy.by == DeployBy::extraction)
+        return deploy.extraction.at(state_.time - scene_.release.time) * trailing_direction(scene_);
+    if (deploy.by != DeployBy::pilot) return Vec3::Zero();
+    const std::vector<NodeIndex>& vent = mesh_.seam_rings.front();
+    std::vector<NodeRecord> seams(vent.size());
+    if (stored_step_ == state_.step)
+        std::ranges::transform(vent, seams.begin(), [this](NodeIndex i) { return state_.node[i]; });
+    else
+        layout_->read(state_, vent, seams);
+    Vec3 airspeed = -state_.air.wind;
+    for (const NodeRecord& seam : seams)
+        airspeed += to_vec3(seam.v) / static_cast<double>(seams.size());
+    return -0.5 * state_.air.density * deploy.pack_drag_area * airspeed.norm() * airspeed;
 }
 
 ValueAndRate Simulation::added_mass_after(double dt) const {
@@ -357,6 +408,7 @@ void Simulation::serialize(Archive& archive) {
         archive.number("ramp", *x);
     steps_.serialize(archive);
     archive.whole("element steps", element_steps_, 0);
+    archive.whole("first step", first_step_, 0);
     fullsim::serialize(archive, sound_loads_);
 }
 

@@ -81,6 +81,17 @@ public:
     /// The next step is a first one, as after a change of stage: velocities count from now, not from half a
     /// step before. Evaluates the forces anew.
     void start_anew();
+    /// [kg] of the payload's node: it also carries half an element of each riser.
+    double payload_node_mass() const { return mesh_.mass[mesh_.payload()]; }
+    /// Bears another payload from now on, as the scene says by now: its node weighs `node_mass` [kg] and
+    /// moves at `velocity` [m/s]. What that changes of the kinetic energy is booked as work from outside. A
+    /// first step follows, as after start_anew.
+    void bear(double node_mass, const Vec3& velocity);
+    /// Begins as step number `step` of a run, with the payload at this place and velocity, which the scene's
+    /// release has but for rounding.
+    void begin_at(const Vec3& position, const Vec3& velocity, std::int64_t step);
+    /// As bear, at the start of a simulation, whose ledger begins with it.
+    void weigh_payload(double node_mass);
     /// Nodes of the canopy may be pushed from outside by forces as stiff as `frequency` [1/s] over their
     /// material mass: counts in the critical step from here on.
     void meet_others(double frequency);
@@ -120,12 +131,16 @@ public:
 
     // Changes of stage at system().time, which step_to has reached exactly. Each evaluates the forces anew.
 
+    /// Why the opening cannot take place, if so: its initial phase is not shorter than its filling.
+    std::optional<RunStatus> refused_opening(const Inflation& inflation, double speed) const;
     /// Whether 80 % of the line elements are in tension and the risers pull with 5 % of the payload's weight
     /// (the share is the paper's, 5.2; lines that flail reach it without any load).
     bool lines_are_taut() const;
-    /// Lines and canopy are drawn out: the static line lets go and the canopy begins to fill. Says why it
-    /// cannot, if so.
-    std::optional<RunStatus> snatch();
+    /// Lines and canopy are drawn out: the static line lets go and the canopy begins to fill, as `inflation`
+    /// says or, without it, by this scene and its speed. Says why it cannot, if so.
+    std::optional<RunStatus> snatch(const std::optional<Inflation>& inflation = {});
+    /// Opens as this says, from the start.
+    void open_as(const Inflation& inflation);
     /// The reefing line of a stage is cut, the next one of the opening begins: its line, if it has one, holds
     /// the mouth. `stage`: those of Parachute::reefing, then the open canopy.
     void disreef(const Inflation& inflation, std::size_t stage);
@@ -167,6 +182,7 @@ public:
     /// Largest loads of all steps up to the last look that found nothing.
     const LargestLoads& largest_loads() const { return sound_loads_; }
 
+    std::int64_t own_steps() const { return state_.step - first_step_; }
     /// Element evaluations so far, and seconds spent in each block (sampled).
     std::int64_t element_steps() const { return element_steps_; }
     std::vector<BlockCost> block_costs() const { return clock_.costs(); }
@@ -188,6 +204,8 @@ private:
     void build_blocks();
     /// The air as the nodes meet it at system().time.
     void renew_air();
+    /// [N] AeroState::extraction.
+    Vec3 extraction() const;
     void grow_ramp();
     void let_static_line_go();
     void drop_static_line();
@@ -252,7 +270,7 @@ private:
     std::vector<Cable> lines_;  // elements of the suspension lines; empty after snatch
     LargestLoads sound_loads_;
     BlockClock clock_;
-    std::int64_t element_steps_ = 0;
+    std::int64_t element_steps_ = 0, first_step_ = 0;
     ElementCount elements_;
 };
 

@@ -34,19 +34,28 @@ bool Simulation::lines_are_taut() const {
     return static_cast<double>(taut) >= taut_lines * static_cast<double>(lines_.size());
 }
 
-std::optional<RunStatus> Simulation::snatch() {
-    const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
-    const Inflation inflation = inflation_from(scene_, state_.time, airspeed.norm(), state_.air.density);
+std::optional<RunStatus> Simulation::refused_opening(const Inflation& inflation, double speed) const {
     const bool sound =
         inflation.initial_time < inflation.filling_time && (inflow_ || std::isfinite(inflation.filling_time));
-    if (!sound)
-        return RunStatus{StatusCode::refused,
-                         fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
-                                     "than the filling time of {:.4g} s, shorten parachute.initial_phase or "
-                                     "lengthen parachute.fill_time",
-                                     airspeed.norm(), inflation.initial_time, inflation.filling_time)};
+    if (sound) return {};
+    return RunStatus{StatusCode::refused,
+                     fmt::format("a snatch at {:.4g} m/s gives an initial phase of {:.4g} s, not shorter "
+                                 "than the filling time of {:.4g} s, shorten parachute.initial_phase or "
+                                 "lengthen parachute.fill_time",
+                                 speed, inflation.initial_time, inflation.filling_time)};
+}
+
+void Simulation::open_as(const Inflation& inflation) {
     inflation_ = inflation;
     state_.phase = first_phase(scene_, inflation_);
+}
+
+std::optional<RunStatus> Simulation::snatch(const std::optional<Inflation>& given) {
+    const Vec3 airspeed = state_.sums.system_velocity - state_.air.wind;
+    const Inflation inflation =
+        given ? *given : inflation_from(scene_, state_.time, airspeed.norm(), state_.air.density);
+    if (auto refused = refused_opening(inflation, airspeed.norm())) return refused;
+    open_as(inflation);
     if (!mesh_.static_line.cables.empty()) let_static_line_go();
     lines_ = {};
     fullsim::start_anew(synchronised());

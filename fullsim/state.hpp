@@ -119,6 +119,7 @@ struct AeroState {
     double signed_area = 0.0;             ///< [m^2] sum of all
     double pressure = 0.0;                ///< Delta P_a [Pa]
     bool pressure_capped = false;         ///< D/S_p was above c_max q
+    Vec3 extraction = Vec3::Zero();       ///< [N] that draws the parachute out of its pack
 };
 
 /// Balance of the air in a canopy whose filling is predicted.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lib/solve/fidelity.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "lib/solve/sundials.hpp"
 #include "rom/observer.hpp"
 
@@ -15,11 +16,6 @@ inline constexpr double smallest_scale = 1.0;
 
 /// How an integration segment ended.
 enum class IntegrationSegment { reached_end, root, failed, not_finite, interrupted, too_many_steps };
-
-/// Whether single canopies pull less than all of them together may.
-inline bool has_several_canopies(const Scene& scene) {
-    return scene.parachutes.size() > 1 || scene.parachutes.front().count > 1;
-}
 
 class RunContext {
 public:

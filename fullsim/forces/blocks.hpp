@@ -66,9 +66,8 @@ std::unique_ptr<const ForceModel> make_fabric_drag(const Mesh& mesh, double coef
 double fabric_drag_coefficient(const Scene& scene);
 /// resistance: [N/m] of width.
 std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, double resistance);
-/// direction: unit vector. The history is kept by reference.
-std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
-                                                  const Vec3& direction);
+/// AeroState::extraction on the vent's seams, or on the whole canopy by area.
+std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, bool on_apex);
 /// Pressure along e_r and across it, and the flag remainder (paper, Eqs 11-12).
 std::unique_ptr<const ForceModel> make_canopy_pressure(const Mesh& mesh, double smallest_area);
 /// Cylinder drag of the suspension lines (paper, Eq. 10).

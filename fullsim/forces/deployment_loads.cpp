@@ -112,12 +112,11 @@ private:
     GroupsOnDemand<FoldGroup> groups_;
 };
 
-/// The prescribed force straight behind the release (paper, 2.1): on the vent's seams or on the whole canopy
-/// by area.
+/// The force that draws the parachute out (AeroState::extraction; paper, 2.1): on the vent's seams or on the
+/// whole canopy by area.
 class Extraction final : public ForceModel {
 public:
-    Extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex, const Vec3& direction)
-        : history_(history), direction_(direction) {
+    Extraction(const Mesh& mesh, bool on_apex) {
         if (on_apex) {
             const auto& vent = mesh.seam_rings.front();
             for (const NodeIndex i : vent)
@@ -133,9 +132,8 @@ public:
     std::size_t bytes() const override { return shares_.capacity() * sizeof(Share); }
 
     void add_forces(State& state) const override {
-        const double now = history_.at(state.time);
-        if (now == 0.0) return;
-        const Lanes force = to_lanes(now * direction_);
+        if (state.air.extraction.isZero(0.0)) return;
+        const Lanes force = to_lanes(state.air.extraction);
         Lanes power = splat(0.0);
         for (const Share& s : shares_) {
             state.force[s.node].value += s.part * force;
@@ -149,8 +147,6 @@ private:
         NodeIndex node;
         double part;  // [-]
     };
-    const ForceHistory& history_;
-    Vec3 direction_;
     std::vector<Share> shares_;
 };
 
@@ -169,9 +165,8 @@ std::unique_ptr<const ForceModel> make_deployment_resistance(const Mesh& mesh, d
     return std::make_unique<DeploymentResistance>(mesh, resistance);
 }
 
-std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, const ForceHistory& history, bool on_apex,
-                                                  const Vec3& direction) {
-    return std::make_unique<Extraction>(mesh, history, on_apex, direction);
+std::unique_ptr<const ForceModel> make_extraction(const Mesh& mesh, bool on_apex) {
+    return std::make_unique<Extraction>(mesh, on_apex);
 }
 
 }  // namespace twinchute::fullsim

@@ -146,14 +146,9 @@ constexpr std::array<ForceBlock, block_count> blocks{{
          return make_deployment_resistance(m, deployment(s).deployment_resistance);
      }},
     {Block::extraction, "extraction", "paper, 2.1", false, false, false, false, true, false,
-     [](const Scene& s, Stage stage) {
-         return stage == Stage::deployment && deployment(s).by == DeployBy::extraction;
-     },
+     [](const Scene& s, Stage stage) { return stage == Stage::deployment && deployment(s).is_extracted(); },
      [](const Scene& s) { return deployed(s, way_to_deploy(s)); },
-     [](const Scene& s, const Mesh& m) {
-         return make_extraction(m, deployment(s).extraction, deployment(s).extraction_on_apex,
-                                trailing_direction(s));
-     }},
+     [](const Scene& s, const Mesh& m) { return make_extraction(m, deployment(s).extraction_on_apex); }},
     {Block::line_drag, "line drag", "paper, Eq. 10; Wieselsberger 1922", false, false, true, false, false,
      false, [](const Scene& s, Stage) { return s.aerodynamics.line_drag.has_value(); },
      [](const Scene& s) { return given("aerodynamics.line_drag", s.aerodynamics.line_drag.has_value()); },

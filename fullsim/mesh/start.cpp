@@ -123,7 +123,11 @@ Mesh built_mesh(const Scene& scene) {
 
 Scene weighed(const Scene& scene) {
     Scene meshed = scene;
-    meshed.parachutes.front().mass = built_mesh(scene).parachute_mass();
+    for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+        Scene one = scene;
+        one.parachutes = {scene.parachutes[p]};
+        meshed.parachutes[p].mass = built_mesh(one).parachute_mass();
+    }
     return meshed;
 }
 

@@ -20,20 +20,32 @@ constexpr double least_drag_area = 0.5;  // over (C_D S)_0, of a canopy that is 
 
 }  // namespace
 
-CanopyRun::CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, std::size_t which)
+CanopyRun::CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, std::size_t which,
+                     OpeningSequence* shared, std::size_t number)
     : scene_(scene),
       canopies_(canopies),
       which_(which),
       observer_(canopies[which].mesh(), scene.environment.gravity, scene.full.output_rate,
                 canopies[which].sectors()),
-      view_{scene, stated_mass, canopies, which, observer_, found_, sequence_} {
-    if (!parachute().reefing.empty()) {
-        sequence_.emplace(scene);
-        sequence_->release(flight_state());
-    }
+      own_(shared || parachute().reefing.empty() ? std::optional<OpeningSequence>() : OpeningSequence(scene)),
+      sequence_(shared ? shared
+                : own_ ? &*own_
+                       : nullptr),
+      number_(number),
+      view_{scene,
+            stated_mass,
+            canopies,
+            which,
+            observer_,
+            found_,
+            parachute().reefing.empty() ? nullptr : sequence_} {
+    found_.snatch = scene.release.time;
+    if (own_) own_->release(flight_state());
     if (view_.packed()) {
         found_.snatch = infinity;
         observer_.count_peak_from(infinity);
+    } else {
+        observer_.count_peak_from(scene.release.time);
     }
 }
 
@@ -50,18 +62,19 @@ void CanopyRun::observe(bool row_is_due) {
 
 double CanopyRun::next_stop() const {
     const Inflation& inflation = canopies_[which_].inflation();
-    const double deployed = deploys() ? std::min({hold_end_, longest_deployment, next_load_change()})
+    const double deployed = deploys() ? std::min({hold_end_, last_deployment(), next_load_change()})
                                       : std::min(inflation.end_of(system().phase), inflation.next_kink());
-    const double cut = sequence_ ? sequence_->next_time() : infinity;
+    const double cut = own_ ? own_->next_time() : infinity;
     return std::min({deployed, cut, canopies_[which_].ramp_end()});
 }
 
 /// The next time at which the extraction force is not smooth.
 double CanopyRun::next_load_change() const {
     const ForceHistory& force = parachute().deploy.extraction;
-    double next = force.duration > system().time ? force.duration : infinity;
+    const double zero = scene_.release.time, now = system().time;
+    double next = zero + force.duration > now ? zero + force.duration : infinity;
     for (const double t : force.time)
-        if (t > system().time) next = std::min(next, t);
+        if (zero + t > now) next = std::min(next, zero + t);
     return force.time.empty() ? infinity : next;
 }
 
@@ -71,7 +84,7 @@ const std::vector<const char*>& CanopyRun::look(bool falls_steadily) {
         look_for_snatch();
     } else {
         look_for_opening();
-        if (sequence_) look_for_disreef(falls_steadily);
+        if (own_) look_for_disreef(falls_steadily);
         const double now = system().time;
         const bool opens = std::ranges::any_of(
             happened_, [](std::string_view name) { return name == "full-open" || name == "reefed-open"; });
@@ -85,6 +98,11 @@ const std::vector<const char*>& CanopyRun::look(bool falls_steadily) {
         }
     }
     return happened_;
+}
+
+/// [s] at which it is too late.
+double CanopyRun::last_deployment() const {
+    return scene_.release.time + longest_deployment;
 }
 
 /// [s]
@@ -102,7 +120,7 @@ void CanopyRun::look_for_snatch() {
         hold_end_ = now + hold();
     }
     if (now < hold_end_) {
-        if (now >= longest_deployment)
+        if (now >= last_deployment())
             ending_ = RunStatus{
                 StatusCode::time_limit,
                 fmt::format("the lines never came taut within {:g} s of release, check parachute.deploy and "
@@ -116,12 +134,17 @@ void CanopyRun::look_for_snatch() {
     found_.snatch_speed = airspeed.norm();
     found_.snatch_path_angle = angle_below_horizon(airspeed);
     found_.snatch_density = system().air.density;
-    if (auto refused = simulation().snatch()) {
+    std::optional<Inflation> opening;
+    if (sequence_ && !own_) {  // it knows the whole payload, of which this canopy carries a share
+        sequence_->snatched(sequence_->all()[number_].index, flight_state());
+        opening = sequence_->all()[number_].inflation;
+    }
+    if (auto refused = simulation().snatch(opening)) {
         ending_ = std::move(refused);
         return;
     }
     canopies_.start_anew_but(which_);
-    if (sequence_) sequence_->snatched(0, flight_state());
+    if (own_) own_->snatched(0, flight_state());
     found_.snatch = now;
     happened_.push_back("snatch");
     observer_.count_peak_from(now + simulation().inflation().initial_time);
@@ -132,8 +155,8 @@ void CanopyRun::look_for_opening() {
     if (simulation().has_filled()) {
         simulation().end_filling();
         if (sequence_) {
-            sequence_->grown(0, {}, false, system().air.drag_area);
-            sequence_->fills_up(0, now, !system().inflow.has_been_full);
+            sequence_->grown(number_, {}, false, system().air.drag_area);
+            sequence_->fills_up(number_, now, !system().inflow.has_been_full);
         }
     }
     watch_growth();
@@ -162,17 +185,21 @@ void CanopyRun::watch_growth() {
 void CanopyRun::look_for_disreef(bool falls_steadily) {
     if (falls_steadily && waits_for_steady_descent()) {
         happened_.push_back("steady-descent");
-        sequence_->descends_steadily(flight_state());
+        own_->descends_steadily(flight_state());
     }
-    for (const OpeningEvent& what : sequence_->advance(flight_state())) {
+    for (const OpeningEvent& what : own_->advance(flight_state())) {
         if (what.kind != OpeningEvent::Kind::disreef) continue;
-        const Canopy& canopy = sequence_->all().front();
         happened_.push_back("disreef");
-        found_.stages.push_back({system().time});
-        observer_.begin_stage(system().time);
-        simulation().disreef(canopy.inflation, canopy.stage);
-        if (canopy.phase == Phase::initial) simulation().begin(Phase::initial);
+        disreef();
     }
+}
+
+void CanopyRun::disreef() {
+    const Canopy& canopy = sequence_->all()[number_];
+    found_.stages.push_back({system().time});
+    observer_.begin_stage(system().time);
+    simulation().disreef(canopy.inflation, canopy.stage);
+    if (canopy.phase == Phase::initial) simulation().begin(Phase::initial);
 }
 
 std::optional<std::string> CanopyRun::squids() const {
@@ -197,7 +224,7 @@ std::optional<std::string> CanopyRun::squids() const {
 
 void CanopyRun::serialize(Archive& archive) {
     observer_.serialize(archive);
-    if (sequence_) sequence_->serialize(archive);
+    if (own_) own_->serialize(archive);
     archive.flag("stands", growth_.stands);
     for (double* x : {&hold_end_, &growth_.travelled, &growth_.area})
         archive.number("canopy", *x);

@@ -12,8 +12,10 @@ namespace twinchute::fullsim {
 
 class CanopyRun {
 public:
-    /// Canopy `which` of a cluster, or the only one. stated_mass as RunView. All outlive it.
-    CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, std::size_t which);
+    /// Canopy `which` of a cluster, or the only one. stated_mass as RunView. `shared`: the sequence of all
+    /// parachutes of a scene with stages, whose canopy of that number it is. All outlive it.
+    CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, std::size_t which,
+              OpeningSequence* shared = nullptr, std::size_t number = 0);
     CanopyRun(const CanopyRun&) = delete;
     CanopyRun& operator=(const CanopyRun&) = delete;
 
@@ -24,8 +26,7 @@ public:
     Findings& found() { return found_; }
     Observer& observer() { return observer_; }
     const Observer& observer() const { return observer_; }
-    std::optional<OpeningSequence>& sequence() { return sequence_; }
-    const std::optional<OpeningSequence>& sequence() const { return sequence_; }
+    const OpeningSequence* sequence() const { return sequence_; }
     FlightState flight_state() const;
 
     /// Forces, and a row of the history where one is due; before look().
@@ -36,10 +37,12 @@ public:
     const std::optional<RunStatus>& ending() const { return ending_; }
     /// Next time [s] at which something is due.
     double next_stop() const;
+    /// Its reefing line is cut now, as a shared sequence says.
+    void disreef();
     bool deploys() const { return system().stage == Stage::deployment; }
     /// A steady descent counts for a reefing line that waits for it.
     bool waits_for_steady_descent() const {
-        return sequence_ && sequence_->waits_for_steady_descent() && system().phase == Phase::open;
+        return own_ && own_->waits_for_steady_descent() && system().phase == Phase::open;
     }
 
     /// A canopy that still squids at the end of a run has not opened, whatever ended it; nor has one that was
@@ -55,6 +58,7 @@ private:
     void watch_growth();
     double next_load_change() const;
     double hold() const;
+    double last_deployment() const;
     const Parachute& parachute() const { return scene_.parachutes.front(); }
 
     const Scene& scene_;
@@ -62,7 +66,9 @@ private:
     std::size_t which_;
     Observer observer_;
     Findings found_;
-    std::optional<OpeningSequence> sequence_;  // of a reefed parachute
+    std::optional<OpeningSequence> own_;   // of a reefed parachute
+    OpeningSequence* sequence_ = nullptr;  // that, or a shared one,
+    std::size_t number_ = 0;               // of which it is this canopy
     const RunView view_;
     std::vector<const char*> happened_;  // in this look
     std::optional<RunStatus> ending_;

@@ -37,7 +37,7 @@ struct RunView {
     std::optional<std::size_t> which;  ///< of them; absent: all together
     const Observer& observer;
     const Findings& findings;
-    const std::optional<OpeningSequence>& sequence;  ///< of a reefed parachute
+    const OpeningSequence* sequence;  ///< of a reefed parachute; otherwise null
 
     /// The canopy, of several the last one to open.
     const Simulation& simulation() const { return canopies[which.value_or(canopies.last_to_open())]; }

@@ -1,6 +1,7 @@
 // Observations of a full run: history rows, filtered and raw force maxima, canopy shape.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -53,6 +54,16 @@ public:
         extremes_.peak = {};
         extremes_.peak_from = time;
     }
+
+    /// A parachute leaves its pack at `time` [s], that of the last observation: forces from here on are those
+    /// of its snatch, until count_peak_from says otherwise.
+    void begin_deployment(double time) {
+        begin_stage(time);
+        extremes_.snatch_peak = {};
+        extremes_.peak_from = std::numeric_limits<double>::infinity();
+    }
+    /// The payload weighs this [kg] from here on, with what its node carries of the risers.
+    void weigh_payload(double mass) { payload_mass_ = mass; }
 
     /// Called once a step with the forces at state.time evaluated. payload_force: [N] all on its node.
     void observe(const SystemState& state, const Vec3& payload_force);

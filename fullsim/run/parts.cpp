@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "fullsim/cluster.hpp"
 #include "fullsim/forces/registry.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/solve/hand_over.hpp"
@@ -159,6 +160,20 @@ PlanPart part_of(const ForceBlock& block, const Scene& scene) {
 
 std::vector<PlanPart> parts_of(const Scene& scene) {
     std::vector<PlanPart> parts;
+    if (scene.parachutes.size() > 1) {  // what any of them needs
+        const PayloadFlight start = released_payload(scene);
+        for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+            std::vector<PlanPart> own = parts_of(scene_in_flight(scene, p, start));
+            if (p == 0) parts = own;
+            for (std::size_t i = 0; i < own.size(); ++i) {
+                if (!own[i].needed) continue;
+                if (parts[i].needed && p > 0) continue;
+                parts[i] = own[i];
+                parts[i].why = scene.parachutes[p].name + ": " + parts[i].why;
+            }
+        }
+        return parts;
+    }
     for (const Part& part : parts_of_runs)
         parts.push_back(
             {part.kind, std::string(part.name), std::string(part.what), part.needed(scene), part.why(scene)});

@@ -337,10 +337,97 @@ private:
     std::string layout_;
 };
 
+/// A parachute's part of a run of several, as a run of it alone from where it leaves its pack.
+struct PartOfFlight {
+    Scene scene;
+    RunRecord expected;
+};
+
+/// [s] at which the parachute leaves its pack, whose lines come taut at `taut`: where the separation of pack
+/// and payload begins.
+double leaves_pack(const RunRecord& record, double taut) {
+    const Channel *time = record.find_channel("time"), *apart = record.find_channel("separation");
+    double begin = taut;
+    for (std::size_t i = 0; apart && i < time->values.size() && time->values[i] <= taut; ++i)
+        if (apart->values[i] == 0.0 || i == 0) begin = time->values[i];
+    return begin;
+}
+
+/// Absent where the expected run does not come to it.
+std::optional<PartOfFlight> part_of_flight(const Scene& scene, std::size_t parachute,
+                                           const RunRecord& expected) {
+    const Parachute& chute = scene.parachutes[parachute];
+    const std::string head = scene.parachutes.size() > 1 ? chute.name + "." : "";
+    const Event* taut = expected.find_event(head + "line-stretch");
+    const bool inflates_at_release = chute.deploy.by == DeployBy::inflated && !chute.deploy_when;
+    if (!taut && !inflates_at_release) return {};
+    const double begin = !taut                          ? 0.0
+                         : chute.deploy.starts_packed() ? leaves_pack(expected, taut->time)
+                                                        : taut->time;
+    const Event* cut = expected.find_event(head + "cut");
+    const double end = cut ? cut->time : expected.find_channel("time")->values.back();
+    PayloadFlight at = released_payload(scene);
+    if (taut) {
+        at.position.z() = taut->altitude;
+        at.velocity = -taut->speed * Vec3::UnitZ();
+    }
+    PartOfFlight part{scene_in_flight(scene, parachute, at), {}};
+    part.scene.release.time = 0.0;
+    part.expected.fidelity = expected.fidelity;
+    part.expected.status = expected.status;
+    part.expected.channels.push_back({"time", "s", {0.0, end - begin}});
+    for (Event event : expected.events) {
+        if (!event.name.starts_with(head)) continue;
+        event.name.erase(0, head.size());
+        event.time -= begin;
+        part.expected.events.push_back(std::move(event));
+    }
+    if (const Event* snatch = part.expected.find_event("snatch"))
+        part.expected.add_metric("snatch_speed_m_s", snatch->speed);
+    part.scene.release.time = begin;
+    return part;
+}
+
+/// Parachute by parachute, each for the time that it is out.
+Plan plan_of_stages(const Scene& scene, const PlanBasis& basis) {
+    Plan plan;
+    plan.parts = parts_of(scene);
+    const PayloadFlight start = released_payload(scene);
+    for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+        PartOfFlight part{scene_in_flight(scene, p, start), {}};
+        PlanBasis own = basis;
+        own.threads = 1;
+        own.expected = nullptr;
+        own.probe = basis.probe / static_cast<double>(scene.parachutes.size());
+        std::optional<PartOfFlight> known;
+        if (basis.expected) known = part_of_flight(scene, p, *basis.expected);
+        if (known) {
+            part = std::move(*known);
+            own.expected = &part.expected;
+        }
+        const double begin = std::exchange(part.scene.release.time, 0.0);
+        Plan one = Forecast(part.scene, own).make();
+        plan.whole = plan.whole && one.whole && known;
+        for (PlanStage& stage : one.stages) {
+            if (scene.parachutes.size() > 1) stage.name.insert(0, scene.parachutes[p].name + ": ");
+            stage.begin += begin;
+            stage.end += begin;
+            plan.stages.push_back(std::move(stage));
+        }
+        for (const PlanArray& array : one.arrays)
+            add_bytes(plan.arrays, array.name, array.bytes);
+        plan.how += (p == 0 ? "" : "; ") + scene.parachutes[p].name + ": " + one.how;
+    }
+    if (scene.parachutes.size() > 1)
+        plan.how += "; while several are out all take the smallest of their steps, which is not foreseen";
+    return plan;
+}
+
 }  // namespace
 
 Plan plan_full(const Scene& scene, const PlanBasis& basis) {
     const Scene meshed = weighed(scene);
+    if (has_stages(scene)) return plan_of_stages(meshed, basis);
     const int count = scene.parachutes.front().count;
     if (count == 1) return Forecast(scene_of_canopy(meshed, 0), basis).make();
     // Canopies of a cluster take the same steps; the last one to open says when they are done.

@@ -145,15 +145,16 @@ void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& 
 }
 
 /// Events that only a look back at the history shows.
-void add_past_events(const RunView& run, const OpeningResult& result, RunRecord& record) {
-    const auto& rows = run.observer.rows();
+void add_past_events(const Observer& observer, double snatch, const OpeningResult& result,
+                     RunRecord& record) {
+    const auto& rows = observer.rows();
     const auto add = [&](const char* name, double time) {
         auto row = std::ranges::lower_bound(rows, time, {}, &HistoryRow::time);
         if (row == rows.end()) --row;
         record.events.push_back({name, time, row->position.z(), row->velocity.norm()});
     };
     if (result.peak_force) add("peak-force", result.peak_time);
-    if (result.filling_time) add("canopy-filled", run.findings.snatch + *result.filling_time);
+    if (result.filling_time) add("canopy-filled", snatch + *result.filling_time);
     std::ranges::stable_sort(record.events, {}, &Event::time);
 }
 
@@ -172,18 +173,75 @@ void add_shape(const RunView& run, double steady_area, RunRecord& record) {
                       "1 when no gore lies inside out");
 }
 
+/// How much of a filling time is input.
+Metric filling_metric(const RunView& run) {
+    const Filling& choice = run.parachute().filling;
+    const double lasts = run.simulation().inflation().filling_time;
+    return {
+        "", 0.0, MetricKind::result,
+        choice.is_predicted()
+            ? fmt::format(
+                  "projected area first at {:g} % of its steady mean; predicted from an initial mouth "
+                  "of {:g}",
+                  100.0 * filled_share, choice.initial_mouth)
+            : fmt::format(
+                  "projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
+                  100.0 * filled_share, lasts)};
+}
+Metric descent_metric() {
+    return {"", 0.0, MetricKind::mixed, "(C_D S)_0 and mass are inputs; the balance is the result"};
+}
+
+/// Head of a parachute's own keys in a scene with stages of several.
+std::string head_of(const RunView& run) {
+    return run.canopies.is_staged() && run.canopies.is_of_several() ? metric_head(run.parachute().name) : "";
+}
+
+void add_initial_mouth(const RunView& run, RunRecord& record) {
+    if (run.parachute().filling.is_predicted())
+        record.add_metric(head_of(run) + "initial_mouth_ratio", run.parachute().filling.initial_mouth,
+                          MetricKind::input, "area of the mouth at snatch over the steady projected area");
+}
+
+/// Shape, largest loads and margins.
+void add_structure(const RunView& run, const LargestLoads& most, std::optional<double> steady_area,
+                   RunRecord& record) {
+    if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
+        add_shape(run, *steady_area, record);
+    record.add_metric("max_line_tension_N", most.line_tension, MetricKind::result,
+                      "elastic, of all lines and steps");
+    record.add_metric("max_membrane_stress_N_m", most.fabric_stress, MetricKind::result,
+                      "first principal, elastic, of all triangles and steps; larger on finer meshes");
+    Parachute of_sheet = run.parachute();
+    of_sheet.fabric = meshed_fabric(of_sheet);
+    add_strength_margins(record, of_sheet);
+}
+
+void leave_out_masses(const RunView& run, RunRecord& record) {
+    const MassScaling& scaling = run.simulation().mass_scaling();
+    if (scaling.nodes == 0) return;
+    record.left_out.push_back(
+        {fmt::format("true mass of {} canopy nodes", scaling.nodes),
+         fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
+                     "that may be {:.1f} % longer before the air moves along",
+                     scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0))});
+}
+
+NeverOpened turned_through(const RunView& run) {
+    return {0, 1,
+            fmt::format("its skirt turns {:g} times on its way around: fabric has passed through fabric",
+                        run.observer.rows().back().turns),
+            "do not trust its loads; two or more elements across a gore come apart again, and another "
+            "full.noise.seed may spare it",
+            true};
+}
+
 std::vector<NeverOpened> unopened_of_one(const RunView& run) {
     if (run.sequence) return never_opened(*run.sequence);
     if (run.parachute().filling.is_predicted() && run.snatched() && run.findings.landing_time &&
         !std::isfinite(run.full_open()))
         return {{0, 1, "it was still filling on the ground (parachute.filling.initial_mouth)"}};
-    if (went_through_itself(run))
-        return {{0, 1,
-                 fmt::format("its skirt turns {:g} times on its way around: fabric has passed through fabric",
-                             run.observer.rows().back().turns),
-                 "do not trust its loads; two or more elements across a gore come apart again, and another "
-                 "full.noise.seed may spare it",
-                 true}};
+    if (went_through_itself(run)) return {turned_through(run)};
     if (run.snatched()) return {};
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }
@@ -217,6 +275,138 @@ Reached reached_by(const RunView& run, bool has_filling_time) {
     return reached;
 }
 
+/// Time [s] at which the projected area of a canopy is that of the steady one, but for filled_share.
+std::optional<double> filled_at(const RunView& run) {
+    const std::optional<double> steady = steady_area_of(run);
+    if (!steady) return {};
+    return run.observer.first_time_of_area(filled_share * *steady, run.last_stage());
+}
+
+/// Whether two canopies were out at once.
+bool overlap(std::span<const RunView> each) {
+    for (std::size_t k = 1; k < each.size(); ++k)
+        for (std::size_t i = 0; i < k; ++i)
+            if (each[i].observer.rows().back().time > each[k].observer.rows().front().time) return true;
+    return false;
+}
+
+/// Forces of several parachutes: peaks of the openings, and of single canopies where some were out at once.
+void note_peaks(const StagesView& run, std::span<const RunView> each, OpeningResult& result) {
+    bool all_known = true;
+    for (ParachuteResult& opening : result.parachutes) {
+        if (run.sequence.is_growing(opening.index)) {
+            all_known = false;
+            opening.stages.back().peak_force.reset();
+        }
+        for (const ParachuteResult::Stage& stage : opening.stages)
+            if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
+                result.peak_force = stage.peak_force;
+                result.peak_time = stage.peak_time;
+            }
+        // Filled is what the canopy is, not its drag area, which is told.
+        for (const RunView& one : each)
+            if (one.parachute().name == run.scene.parachutes[opening.index].name && !one.inflated() &&
+                one.parachute().reefing.empty())
+                opening.stages.back().full = filled_at(one);
+    }
+    if (!all_known) result.peak_force.reset();
+    if (!overlap(each)) return;
+    for (const RunView& one : each) {
+        const Observer::Peak peak = one.largest_peak(), &snatch = one.observer.snatch_peak();
+        const Observer::Peak& most = snatch.value > peak.value ? snatch : peak;
+        const auto note = [&](double time) {
+            return fmt::format("{} at t = {:.4g} s", one.parachute().name, time);
+        };
+        if (all_known && peak.value > 0.0 &&
+            (!result.peak_canopy_force || peak.value > result.peak_canopy_force->force))
+            result.peak_canopy_force = {peak.value, note(peak.time)};
+        if (!result.max_canopy_force || most.value > result.max_canopy_force->force)
+            result.max_canopy_force = {most.value, note(most.time)};
+    }
+}
+
+OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, const RunStatus& status) {
+    const bool several = run.scene.parachutes.size() > 1;
+    const HistoryRow& last = run.observer.rows().back();
+    OpeningResult result;
+    result.snatched = false;
+    if (!several && !each.empty()) {
+        result = opening_of(each.front(), status, steady_area_of(each.front()));
+    } else {
+        result.parachutes = run.openings;
+        for (const RunView& one : each) {
+            if (one.inflated() || !one.snatched()) continue;
+            result.snatched = true;
+            result.line_stretch_time = one.findings.line_stretch_time;
+            result.snatch_time = one.findings.snatch;
+            result.snatch_speed = one.snatch_speed();
+            result.snatch_path_angle = one.packed() ? one.findings.snatch_path_angle
+                                                    : angle_below_horizon(release_airspeed(one.scene));
+            result.payload_snatch_speed =
+                one.packed() ? one.findings.payload_snatch_speed : result.snatch_speed;
+            result.snatch_density = one.snatch_density();
+            break;
+        }
+        if (!each.empty()) note_peaks(run, each, result);
+    }
+    result.max_force = std::max(run.observer.peak().value, run.observer.snatch_peak().value);
+    for (const Observer::Peak& peak : run.observer.earlier_peaks())
+        result.max_force = std::max(result.max_force, peak.value);
+    for (const ParachuteResult& opening : run.openings)
+        result.max_force = std::max(result.max_force, opening.snatch_force.value_or(0.0));
+    result.max_deceleration = run.observer.largest_acceleration();
+    result.descent = run.findings.descent;
+    result.descent_altitude = run.findings.descent_altitude;
+    result.landing_time = run.findings.landing_time;
+    result.end_position = last.position;
+    result.end_speed = last.velocity.norm();
+    result.end_climb = last.velocity.z();
+    return result;
+}
+
+/// Of several parachutes: channels of each, zero before it leaves its pack and after it is cut.
+void add_parachute_channels(const StagesView& run, std::span<const RunView> each, RunRecord& record) {
+    const std::vector<HistoryRow>& all = run.observer.rows();
+    std::vector<double> largest(all.size(), 0.0);
+    for (const RunView& one : each) {
+        const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
+            Channel c{head_of(one) + name, unit, std::vector<double>(all.size(), 0.0)};
+            const std::vector<HistoryRow>& own = one.observer.rows();
+            for (std::size_t i = 0, k = 0; i < all.size() && k < own.size(); ++i) {
+                while (k < own.size() && own[k].time < all[i].time)
+                    ++k;
+                if (k < own.size() && own[k].time == all[i].time) c.values[i] = own[k].*column;
+            }
+            record.channels.push_back(std::move(c));
+        };
+        channel("force", "N", &HistoryRow::force);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            largest[i] = std::max(largest[i], record.channels.back().values[i]);
+        channel("drag_area", "m^2", &HistoryRow::drag_area);
+        channel("projected_area", "m^2", &HistoryRow::projected_area);
+    }
+    if (overlap(each)) record.channels.push_back({"canopy_force", "N", std::move(largest)});
+}
+
+/// What a run of one parachute says of its structure, with the parachute's name where it is one of several.
+void add_parachute(const RunView& run, bool several, RunRecord& record) {
+    const std::optional<double> steady_area = steady_area_of(run);
+    RunRecord own;
+    own.status = record.status;
+    if (const Observer::Peak peak = run.largest_peak(); peak.value > 0.0 && !still_fills(run, record.status))
+        own.add_metric("peak_force_N", peak.value);
+    if (const auto filled = filled_at(run)) own.add_metric("filling_time_s", *filled - run.findings.snatch);
+    add_structure(run, run.simulation().largest_loads(), steady_area, own);
+    add_warnings(run, steady_area, own);
+    for (const Metric& metric : own.metrics)
+        if (metric.key != "peak_force_N" && metric.key != "filling_time_s")
+            record.add_metric(head_of(run) + metric.key, metric.value, metric.kind, metric.note);
+    for (Warning& warning : own.warnings) {
+        if (several) warning.what = run.parachute().name + ": " + warning.what;
+        record.warnings.push_back(std::move(warning));
+    }
+}
+
 }  // namespace
 
 bool went_through_itself(const RunView& run) {
@@ -230,37 +420,14 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
     OpeningResult result = opening_of(run, record.status, steady_area);
     if (each.size() > 1) add_canopy_peaks(run, each, result);
     const Filling& choice = run.parachute().filling;
-    const double lasts = run.simulation().inflation().filling_time;
-    const Metric filling{
-        "", 0.0, MetricKind::result,
-        choice.is_predicted()
-            ? fmt::format(
-                  "projected area first at {:g} % of its steady mean; predicted from an initial mouth "
-                  "of {:g}",
-                  100.0 * filled_share, choice.initial_mouth)
-            : fmt::format(
-                  "projected area first at {:g} % of its steady mean; prescribed drag area takes {:.4g} s",
-                  100.0 * filled_share, lasts)};
-    const Metric descent{"", 0.0, MetricKind::mixed,
-                         "(C_D S)_0 and mass are inputs; the balance is the result"};
-    if (choice.is_predicted())
-        record.add_metric("initial_mouth_ratio", choice.initial_mouth, MetricKind::input,
-                          "area of the mouth at snatch over the steady projected area");
-    add_opening_metrics(record, run.scene, result, filling, descent);
+    const Metric filling = filling_metric(run);
+    add_initial_mouth(run, record);
+    add_opening_metrics(record, run.scene, result, filling, descent_metric());
     if (result.peak_force)
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
                           "without the 5 ms average");
-    add_past_events(run, result, record);
-    if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
-        add_shape(run, *steady_area, record);
-    record.add_metric("max_line_tension_N", run.canopies.largest_loads().line_tension, MetricKind::result,
-                      "elastic, of all lines and steps");
-    record.add_metric("max_membrane_stress_N_m", run.canopies.largest_loads().fabric_stress,
-                      MetricKind::result,
-                      "first principal, elastic, of all triangles and steps; larger on finer meshes");
-    Parachute of_sheet = run.parachute();
-    of_sheet.fabric = meshed_fabric(of_sheet);
-    add_strength_margins(record, of_sheet);
+    add_past_events(run.observer, run.findings.snatch, result, record);
+    add_structure(run, run.canopies.largest_loads(), steady_area, record);
     record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();
     if (each.size() > 1) add_canopies(run, each, record);
@@ -278,12 +445,63 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
         record.left_out.push_back({"the air of one canopy around the others",
                                    "each meets the air as if it were alone: parachute.cluster_drag_ratio is "
                                    "all that a cluster takes off"});
-    if (const MassScaling& scaling = run.simulation().mass_scaling(); scaling.nodes > 0)
-        record.left_out.push_back(
-            {fmt::format("true mass of {} canopy nodes", scaling.nodes),
-             fmt::format("full.mass_scaling adds {:.3g} kg, {:.2g} % of the canopy with its air, for steps "
-                         "that may be {:.1f} % longer before the air moves along",
-                         scaling.mass, 100.0 * scaling.share, 100.0 * (scaling.longer - 1.0))});
+    leave_out_masses(run, record);
+}
+
+void fill_results_of_stages(const StagesView& run, std::span<const RunView> each, RunRecord& record) {
+    const Scene& scene = run.scene;
+    const bool several = scene.parachutes.size() > 1;
+    OpeningResult result = flight_of(run, each, record.status);
+    const Metric filling = several || each.empty() ? Metric{} : filling_metric(each.front());
+    for (const RunView& one : each)
+        add_initial_mouth(one, record);
+    add_opening_metrics(record, scene, result, filling, descent_metric());
+    if (result.peak_force)
+        record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
+                          "without the 5 ms average, since the last stage began");
+    add_past_events(run.observer, result.snatch_time, result, record);
+    record.energy = run.canopies.ledger();
+    record.channels = run.observer.channels();
+    if (several) add_parachute_channels(run, each, record);
+    for (const RunView& one : each)
+        add_parachute(one, several, record);
+    add_drag_area_times(record, scene, result, filling.kind);
+    add_reefed_drag_areas(record, scene, result);
+    result.parachutes = run.openings;  // a stage is full once its drag area is
+    add_stage_descent_rates(record, scene, result);
+    add_validity(record, scene, result);
+    add_scene_warnings(record, scene);
+    for (std::size_t k = 0; k < each.size(); ++k)
+        if (each[k].snatched() && !each[k].inflated() && each[k].parachute().reefing.empty())
+            add_opening_warnings(record, scene, scene.parachutes[run.canopies.parachute(k)],
+                                 each[k].simulation().inflation(), each[k].snatch_speed(),
+                                 each[k].snatch_density());
+    std::vector<NeverOpened> unopened = never_opened(run.sequence);
+    for (const std::size_t k : run.canopies.out())
+        if (went_through_itself(each[k])) {
+            unopened.push_back(turned_through(each[k]));
+            unopened.back().parachute = run.canopies.parachute(k);
+        }
+    if (!each.empty() && !run.findings.descent_altitude)
+        warn_of_unsteady_descent(record, scene, run.findings.last_window);
+    Reached reached;
+    reached.ground = run.findings.landing_time.has_value();
+    reached.full_open =
+        !run.canopies.out().empty() && run.sequence.is_open() && !run.sequence.any_waits_to_leave();
+    reached.filling = !run.canopies.out().empty() && !run.sequence.is_open();
+    if (!several && !each.empty()) reached = reached_by(each.front(), result.filling_time.has_value());
+    reached.ground = run.findings.landing_time.has_value();
+    note_never_opened(record, scene, unopened, reached);
+    note_missing_metrics(record, scene, reached);
+    record.left_out = left_out_of(parts_of(scene));
+    if (several) {
+        record.left_out.push_back({"the air of one parachute around the others",
+                                   "each meets the air as if it were alone, one in the wake of another too"});
+        record.left_out.push_back({"contact of one parachute with another",
+                                   "they pass through each other where one is drawn out past another"});
+    }
+    for (const RunView& one : each)
+        leave_out_masses(one, record);
 }
 
 }  // namespace twinchute::fullsim

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "fullsim/run/findings.hpp"
 #include "lib/record/run_record.hpp"
@@ -20,7 +21,20 @@ inline constexpr double filled_share = 0.98;
 /// `each`: of the canopies, or the only one.
 void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& record);
 
-/// Warnings of the full model. steady_area: [m^2] projected, where the run has seen it.
+/// A run of a scene with stages, as its results read it.
+struct StagesView {
+    const Scene& scene;
+    const Cluster& canopies;
+    const OpeningSequence& sequence;
+    const Observer& observer;  ///< of all together
+    const Findings& findings;  ///< of the flight
+    std::vector<ParachuteResult> openings;
+};
+/// As fill_results; `each`: of the parachutes that have left their packs.
+void fill_results_of_stages(const StagesView& run, std::span<const RunView> each, RunRecord& record);
+
+/// Warnings of the full model; with stages of the canopy alone, not of the flight. steady_area: [m^2]
+/// projected, where the run has seen it.
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record);
 
 }  // namespace twinchute::fullsim

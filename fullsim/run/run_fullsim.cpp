@@ -19,6 +19,7 @@
 #include "fullsim/run/frames.hpp"
 #include "fullsim/run/plan.hpp"
 #include "fullsim/run/results.hpp"
+#include "fullsim/run/stages.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/solve/filling_bracket.hpp"
@@ -58,31 +59,38 @@ struct Attempts {
 
 class FullRun {
 public:
-    /// The parachute weighs what its mesh does; `stated_mass`: what the scene says of it [kg].
-    FullRun(const Scene& scene, double stated_mass, Run& run, const Attempts& before)
+    /// Parachutes weigh what their meshes do; `stated_masses`: what the scene says of each [kg].
+    FullRun(const Scene& scene, std::span<const double> stated_masses, Run& run, const Attempts& before)
         : before_(before),
           scene_(scene),
           run_(run),
           record_(begin_record(scene, "full")),
           cluster_(
               scene,
-              [threads = scene.parachutes.front().count > 1 ? 1 : run.threads, any = run.force_unstructured](
+              [threads = has_several_canopies(scene) ? 1 : run.threads, any = run.force_unstructured](
                   const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
                   return any ? make_unstructured_layout(s, mesh, constants)
                              : make_layout(s, mesh, constants, threads);
               },
               run.threads),
-          stated_mass_(stated_mass),
+          stated_masses_(stated_masses.begin(), stated_masses.end()),
+          stages_(has_stages(scene) ? std::make_unique<Stages>(scene) : nullptr),
           fall_(scene.environment),
           fields_(meshes(), scene.full.fields_rate, run.fields),
-          frames_(meshes(), static_cast<bool>(run.frames), cluster_.front().sectors()),
+          frames_(meshes(), static_cast<bool>(run.frames), stages_ ? 1 : cluster_.front().sectors()),
           stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
                                                             : longest_flight),
           clock_(run, scene.full.checkpoint_interval) {
         for (std::size_t k = 0; k < cluster_.size(); ++k)
-            canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_mass, cluster_, k));
+            canopies_.push_back(
+                std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_.front(), cluster_, k));
+        if (stages_) {
+            together_.emplace(scene, *stages_->meshes().front(), cluster_);
+            cluster_.watch(stages_->watch());
+            return;
+        }
         if (cluster_.size() > 1)
-            together_.emplace(scene, stated_mass, cluster_, canopies_.back()->sequence());
+            together_.emplace(scene, stated_masses_.front(), cluster_, canopies_.back()->view().sequence);
         if (view().packed()) {
             frames_.begin(0.0, deployment_frames);
         } else if (view().inflated()) {
@@ -96,15 +104,15 @@ public:
         begin();
         while (!ended_) {
             // Right after a check no frame of the fields waits for the next one.
-            if (system().step % Simulation::steps_between_checks == 1) save_if_due();
-            cluster_.evaluate_forces();
+            if (cluster_.step() % Simulation::steps_between_checks == 1) save_if_due();
+            if (!std::exchange(evaluated_, false)) cluster_.evaluate_forces();
             observe();
             look_for_events();
             // An end between two checks must not hide what the next one would have found.
             if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
             if (ended_) break;
             cluster_.step_to(next_stop());
-            if (cluster_.front().was_checked()) check();
+            if (cluster_.was_checked()) check();
         }
     }
     const RunStatus& status() const { return record_.status; }
@@ -114,7 +122,7 @@ public:
     RunRecord finish() {
         // The rest of the fall begins where this ends, not at the last row before.
         if (!scene_.then.empty() && record_.status.code == StatusCode::completed &&
-            system().time > observer().rows().back().time)
+            cluster_.time() > observer().rows().back().time)
             add_rows();
         for (const auto& canopy : canopies_)
             canopy->observer().finish();
@@ -123,20 +131,31 @@ public:
         fields_.accept();
         frames_.accept();
         if (run_.frames) run_.frames(frames_.finish());
-        const Layout& layout = std::as_const(cluster_).front().layout();
-        record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
-        record_.provenance.threads = std::max(layout.threads(), cluster_.threads());
+        if (cluster_.size() > 0) {
+            const Layout& layout = std::as_const(cluster_)[0].layout();
+            record_.provenance.instruction_set =
+                fmt::format("{}, {}", layout.instruction_set(), layout.name());
+            record_.provenance.threads = std::max(layout.threads(), cluster_.threads());
+        }
         fill_cost();
         // The end of the run is steady, too, or its last window says that it is not.
         if (const auto last = judge_fall()) {
             found().last_window = last;
             if (found().descent && last->is_steady()) found().descent = last;
         }
-        if (went_through_itself(view())) found().descent.reset();
         std::vector<RunView> each;
         for (const auto& canopy : canopies_)
             each.push_back(canopy->view());
-        fill_results(view(), each, record_);
+        if (stages_) {
+            for (const std::size_t k : cluster_.out())
+                if (went_through_itself(each[k])) found().descent.reset();
+            fill_results_of_stages({scene_, cluster_, stages_->sequence, observer(), found(),
+                                    stages_->openings(canopies_, cluster_, observer())},
+                                   each, record_);
+        } else {
+            if (went_through_itself(view())) found().descent.reset();
+            fill_results(view(), each, record_);
+        }
         note_attempts();
         return std::move(record_);
     }
@@ -150,13 +169,21 @@ private:
 
         /// sequence: of the last canopy, which is reefed if any is.
         Together(const Scene& scene, double stated_mass, const Cluster& cluster,
-                 const std::optional<OpeningSequence>& sequence)
+                 const OpeningSequence* sequence)
             : observer(cluster.front().mesh(), scene.environment.gravity, scene.full.output_rate, 1,
                        static_cast<int>(cluster.size())),
               view{scene, stated_mass, cluster, {}, observer, found, sequence} {
             if (!view.packed()) return;
             found.snatch = infinity;
             observer.count_peak_from(infinity);
+        }
+        /// Of a scene with stages. mesh: of its first parachute.
+        Together(const Scene& scene, const Mesh& mesh, const Cluster& cluster)
+            : observer(mesh, scene.environment.gravity, scene.full.output_rate), view{scene,    0.0,
+                                                                                      cluster,  {},
+                                                                                      observer, found,
+                                                                                      nullptr} {
+            observer.weigh_payload(cluster.payload().mass);
         }
         Together(const Together&) = delete;
         Together& operator=(const Together&) = delete;
@@ -169,12 +196,14 @@ private:
     Findings& found() { return together_ ? together_->found : only().found(); }
     Observer& observer() { return together_ ? together_->observer : only().observer(); }
     std::vector<const Mesh*> meshes() const {
+        if (stages_) return stages_->meshes();
         std::vector<const Mesh*> all;
         for (std::size_t k = 0; k < cluster_.size(); ++k)
             all.push_back(&cluster_[k].mesh());
         return all;
     }
     std::vector<const State*> synchronised_states() const {
+        if (stages_) return stages_->states(cluster_);
         std::vector<const State*> all;
         for (std::size_t k = 0; k < cluster_.size(); ++k)
             all.push_back(&cluster_[k].synchronised_state());
@@ -183,15 +212,21 @@ private:
 
     void begin() {
         if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
+        if (stages_) {
+            add_event("release");
+            follow_sequence(false);
+            begun_ = evaluated_ = true;
+            return;
+        }
         add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
         if (!view().packed()) met(view().inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
     }
 
     void observe() {
-        const double now = system().time;
+        const double now = cluster_.time();
         const bool row = observer().row_is_due(now);
-        for (const auto& canopy : canopies_)
-            canopy->observe(row);
+        for (const std::size_t k : cluster_.out())
+            canopies_[k]->observe(row);
         if (together_) {
             observe_all();
             if (row) add_row_of_all();
@@ -203,11 +238,16 @@ private:
     /// The forces of all canopies on the payload.
     void observe_all() {
         SystemState sum;
-        sum.time = system().time;
-        sum.line_dt = system().line_dt;
-        sum.in_subcycles.count = system().in_subcycles.count;
+        sum.time = cluster_.time();
         Vec3 on_payload = Vec3::Zero();
-        for (std::size_t k = 0; k < cluster_.size(); ++k) {
+        if (cluster_.out().empty()) {
+            const PayloadFlight alone = cluster_.payload();
+            on_payload = alone.mass * (alone.acceleration + scene_.environment.gravity * Vec3::UnitZ());
+        } else {
+            sum.line_dt = system().line_dt;
+            sum.in_subcycles.count = system().in_subcycles.count;
+        }
+        for (const std::size_t k : cluster_.out()) {
             sum.riser_force += cluster_[k].system().riser_force;
             sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
             on_payload += cluster_[k].payload_force();
@@ -217,17 +257,31 @@ private:
     void add_row_of_all() {
         std::vector<HistoryRow> rows;
         Vec3 pull = Vec3::Zero();
-        for (const auto& canopy : canopies_) {
-            rows.push_back(canopy->observer().rows().back());
-            pull += canopy->system().riser_force;
+        for (const std::size_t k : cluster_.out()) {
+            rows.push_back(canopies_[k]->observer().rows().back());
+            pull += canopies_[k]->system().riser_force;
         }
-        HistoryRow row = row_of_all(rows);
+        HistoryRow row = rows.empty() ? row_alone() : row_of_all(rows);
         row.force_raw = pull.norm();
         together_->observer.add_row(row);
     }
+    /// Of the payload without a canopy.
+    HistoryRow row_alone() const {
+        const PayloadFlight payload = cluster_.payload();
+        const FlightState flight = stages_->flight_state(payload);
+        HistoryRow row{};
+        row.time = payload.time;
+        row.position = payload.position;
+        row.velocity = payload.velocity;
+        row.dynamic_pressure = flight.dynamic_pressure();
+        row.airspeed = flight.airspeed;
+        row.density = flight.density;
+        row.turns = 1.0;
+        return row;
+    }
     void add_rows() {
-        for (const auto& canopy : canopies_)
-            canopy->observer().observe_end(canopy->simulation().synchronised_state());
+        for (const std::size_t k : cluster_.out())
+            canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
         if (together_) add_row_of_all();
     }
 
@@ -236,16 +290,24 @@ private:
         ended_ = true;
     }
 
-    void add_event(const char* name) {
-        const NodeRecord& payload = cluster_.front().payload();
-        record_.events.push_back({name, system().time, payload.x[2], to_vec3(payload.v).norm()});
+    void add_event(std::string name) {
+        const PayloadFlight payload = cluster_.payload();
+        record_.events.push_back(
+            {std::move(name), cluster_.time(), payload.position.z(), payload.velocity.norm()});
+    }
+    /// Of a parachute, with its name where there are several.
+    void add_event(std::size_t parachute, const char* name) {
+        if (scene_.parachutes.size() == 1) return add_event(name);
+        add_event(fmt::format("{}.{}", scene_.parachutes[parachute].name, name));
     }
 
     /// Next time [s] that no step may cross.
     double next_stop() const {
         double next = std::min(stop_time_, event_stop_);
-        for (const auto& canopy : canopies_)
-            next = std::min(next, canopy->next_stop());
+        if (stages_) next = std::min(next, stages_->sequence.next_time());
+        if (cluster_.out().empty()) next = std::min(next, cluster_.time() + 1.0 / scene_.full.output_rate);
+        for (const std::size_t k : cluster_.out())
+            next = std::min(next, canopies_[k]->next_stop());
         return next;
     }
 
@@ -271,7 +333,7 @@ private:
         tell_watchers();
         if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
         // Checks follow the step whose number they divide.
-        if (run_.progress && system().step % steps_between_reports == 1) report_progress();
+        if (run_.progress && cluster_.step() % steps_between_reports == 1) report_progress();
     }
 
     void check_end() {
@@ -295,7 +357,7 @@ private:
         run_.frames_so_far(shape);
     }
 
-    void report_progress() { run_.progress({stage_name(), system().time, expected_share(), resumed_at()}); }
+    void report_progress() { run_.progress({stage_name(), cluster_.time(), expected_share(), resumed_at()}); }
     std::optional<double> resumed_at() const {
         if (record_.cost.resumed_at.empty()) return {};
         return record_.cost.resumed_at.back();
@@ -312,28 +374,32 @@ private:
         Archive archive(saved, run_.checkpoints.file);
         serialize(archive);
         archive.end();
-        record_.cost.resumed_at.push_back(system().time);
+        record_.cost.resumed_at.push_back(cluster_.time());
         if (run_.progress) report_progress();
     }
 
     void serialize(Archive& archive);
 
     void begin_opening_frames() {
-        const Inflation& inflation = view().simulation().inflation();
-        const double filling = cluster_.front().predicts_filling()
-                                   ? expected_fill_constant * scene_.parachutes.front().nominal_diameter /
-                                         std::max(1.0, only().flight_state().airspeed)
+        const CanopyRun& newest = *canopies_.back();
+        const Simulation& simulation = stages_ ? newest.view().simulation() : view().simulation();
+        const Inflation& inflation = simulation.inflation();
+        const double filling = simulation.predicts_filling()
+                                   ? expected_fill_constant * newest.view().parachute().nominal_diameter /
+                                         std::max(1.0, newest.flight_state().airspeed)
                                    : inflation.end_of(Phase::filling) - inflation.snatch;
         const double lasts = opening_and_breathing * filling;
-        frames_.begin(system().time, {lasts / opening_frames, opening_frames});
-        descent_frames_from_ = system().time + lasts;
+        frames_.begin(cluster_.time(), {lasts / opening_frames, opening_frames});
+        descent_frames_from_ = cluster_.time() + lasts;
     }
     void begin_descent_frames() {
-        frames_.begin(system().time, descent_frames);
+        frames_.begin(cluster_.time(), descent_frames);
         descent_frames_from_ = infinity;
     }
     std::string_view stage_name() const {
-        const SystemState& s = view().simulation().system();
+        if (cluster_.out().empty()) return "free flight";
+        const SystemState& s =
+            stages_ ? cluster_[cluster_.out().back()].system() : view().simulation().system();
         if (any_deploys()) return "deployment";
         switch (s.phase) {
             case Phase::initial:
@@ -348,33 +414,135 @@ private:
         return "descent";
     }
     bool any_deploys() const {
-        return std::ranges::any_of(canopies_, [](const auto& canopy) { return canopy->deploys(); });
+        return std::ranges::any_of(cluster_.out(), [&](std::size_t k) { return canopies_[k]->deploys(); });
     }
+    /// Something is out, and all of it is open.
     bool all_open() const {
-        return std::ranges::all_of(canopies_,
-                                   [](const auto& canopy) { return canopy->system().phase == Phase::open; });
+        return !cluster_.out().empty() && std::ranges::all_of(cluster_.out(), [&](std::size_t k) {
+            return canopies_[k]->system().phase == Phase::open;
+        });
+    }
+    /// [s] from which on no drag area changes, and none will.
+    double drag_area_steady() const {
+        if (!stages_) return view().drag_area_steady();
+        double steady = stages_->sequence.is_settled() ? 0.0 : infinity;
+        for (const std::size_t k : cluster_.out())
+            steady = std::max(steady, canopies_[k]->view().drag_area_steady());
+        return steady;
     }
 
     /// A descent is usually steady four filling times after snatch; for the progress line only.
     double expected_share() const {
-        if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, system().time / stop_time_);
-        if (any_deploys()) return 0.0;
+        if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, cluster_.time() / stop_time_);
+        if (stages_ || any_deploys()) return 0.0;
         const Inflation& inflation = view().simulation().inflation();
         return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
     }
 
     void look_for_events() {
-        const bool waits = std::ranges::any_of(
-            canopies_, [](const auto& canopy) { return canopy->waits_for_steady_descent(); });
+        const bool waits = stages_ ? stages_->sequence.waits_for_steady_descent() && all_open()
+                                   : std::ranges::any_of(canopies_, [](const auto& canopy) {
+                                         return canopy->waits_for_steady_descent();
+                                     });
         const bool steady = waits && falls_steadily();
-        for (const auto& canopy : canopies_) {
-            for (const char* name : canopy->look(steady))
-                happened(*canopy, name);
-            if (canopy->ending() && !ended_) end(canopy->ending()->code, canopy->ending()->detail);
+        for (const std::size_t k : cluster_.out()) {
+            CanopyRun& canopy = *canopies_[k];
+            for (const char* name : canopy.look(steady))
+                stages_ ? happened_in_stage(canopy, name) : happened(canopy, name);
+            if (canopy.ending() && !ended_) end(canopy.ending()->code, canopy.ending()->detail);
         }
+        if (stages_ && !ended_) follow_sequence(steady);
         if (!ended_ && !any_deploys()) look_for_descent();
         if (!ended_) look_for_ground();
         if (!ended_) look_for_stop();
+    }
+
+    /// Parachutes leave their packs, are disreefed and cut as the sequence of them says.
+    void follow_sequence(bool falls_steadily) {
+        OpeningSequence& sequence = stages_->sequence;
+        const FlightState now = stages_->flight_state(cluster_.payload());
+        if (falls_steadily) {
+            add_event("steady-descent");
+            sequence.descends_steadily(now);
+        }
+        for (const OpeningEvent& what : sequence.advance(now)) {
+            const auto own = canopy_of(what.index);
+            if (what.kind == OpeningEvent::Kind::snatch && !own) leave_pack(what.index);
+            if (what.kind == OpeningEvent::Kind::disreef) disreef(*own);
+            if (what.kind == OpeningEvent::Kind::cut) cut(*own);
+            if (ended_) return;
+        }
+        if (const auto leaves = sequence.leaves_pack(); leaves && !canopy_of(*leaves)) leave_pack(*leaves);
+    }
+    std::optional<std::size_t> canopy_of(std::size_t parachute) const {
+        for (std::size_t k = 0; k < cluster_.size(); ++k)
+            if (cluster_.parachute(k) == parachute) return k;
+        return {};
+    }
+    CanopyRun& add_canopy(std::size_t k) {
+        const std::size_t parachute = cluster_.parachute(k);
+        canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_[parachute],
+                                                        cluster_, k, &stages_->sequence, parachute));
+        return *canopies_.back();
+    }
+    /// What the observer of all takes for the payload.
+    void weigh_payload() {
+        double mass = cluster_.out().empty() ? cluster_.payload().mass : 0.0;
+        for (const std::size_t k : cluster_.out())
+            mass += cluster_[k].payload_node_mass();
+        observer().weigh_payload(mass);
+    }
+    void leave_pack(std::size_t parachute) {
+        CanopyRun& canopy = add_canopy(cluster_.join(parachute, stages_->carried_mass()));
+        weigh_payload();
+        fall_.restart();
+        if (begun_) canopy.observe(true);  // nobody else does at this instant
+        if (canopy.view().packed()) {
+            add_event(parachute, "release");
+            stages_->leaves_pack(cluster_.time(), observer());
+            return frames_.begin(cluster_.time(), deployment_frames);
+        }
+        if (!canopy.view().inflated()) {
+            add_event(parachute, "line-stretch");
+            canopy.simulation().open_as(stages_->sequence.all()[parachute].inflation);
+            if (const auto refused = canopy.simulation().refused_opening(
+                    canopy.simulation().inflation(), stages_->flight_state(cluster_.payload()).airspeed))
+                return end(refused->code, refused->detail);
+        }
+        opens(canopy);
+        if (canopy.view().inflated() && stages_->sequence.is_filled()) met(Trigger::Kind::full_open);
+    }
+    void opens(const CanopyRun& canopy) {
+        const std::size_t parachute = cluster_.parachute(index_of(canopy));
+        stages_->opens(parachute, canopy, cluster_.time(), observer());
+        if (canopy.view().inflated())
+            begin_descent_frames();
+        else
+            begin_opening_frames();
+        if (!stages_->sequence.any_waits_to_leave()) met(Trigger::Kind::line_stretch);
+    }
+    void disreef(std::size_t k) {
+        const std::size_t parachute = cluster_.parachute(k);
+        add_event(parachute, "disreef");
+        stages_->disreefs(parachute, cluster_.time(), observer());
+        canopies_[k]->disreef();
+        fall_.restart();
+        begin_opening_frames();
+    }
+    void cut(std::size_t k) {
+        // Nothing looks at it any more after this.
+        if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
+        canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
+        add_event(cluster_.parachute(k), "cut");
+        cluster_.leave(k);
+        weigh_payload();
+        fall_.restart();
+    }
+    void happened_in_stage(const CanopyRun& canopy, const char* name) {
+        add_event(cluster_.parachute(index_of(canopy)), name);
+        const std::string_view what = name;
+        if (what == "snatch") opens(canopy);
+        if (what == "full-open" && stages_->sequence.is_filled()) met(Trigger::Kind::full_open);
     }
 
     /// An event of one canopy is one of the run once all have come to it.
@@ -386,7 +554,7 @@ private:
         if (together_ && what == "switch") together_->found.switched_late |= canopy.found().switched_late;
         const bool of_reefed = what == "disreef" || what == "reefed-open" || what == "steady-descent";
         for (std::size_t k = 0; k < canopies_.size(); ++k)
-            if ((canopies_[k]->sequence() || !of_reefed) && std::ranges::count(past_[k], name) < times)
+            if ((canopies_[k]->view().sequence || !of_reefed) && std::ranges::count(past_[k], name) < times)
                 return;
         add_event(name);
         if (what == "snatch") snatched();
@@ -423,21 +591,20 @@ private:
     }
 
     void look_for_descent() {
-        const double now = system().time;
+        const double now = cluster_.time();
         look_at_fall();
         // Not before there is a shape to report.
-        if (all_open() && !found().descent_altitude && now >= view().drag_area_steady() + shape_average &&
+        if (all_open() && !found().descent_altitude && now >= drag_area_steady() + shape_average &&
             falls_steadily()) {
             add_event("steady-descent");
             found().descent = found().last_window;
-            found().descent_altitude = cluster_.front().payload().x[2];
+            found().descent_altitude = cluster_.payload().position.z();
             if (scene_.stop.kind == Trigger::Kind::steady_descent ||
                 scene_.stop.kind == Trigger::Kind::peak_force)
                 event_stop_ = now + scene_.stop.delay;
         }
         if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
-            now > view().drag_area_steady() &&
-            observer().filtered_force() < past_peak * observer().peak().value)
+            now > drag_area_steady() && observer().filtered_force() < past_peak * observer().peak().value)
             event_stop_ = now + scene_.stop.delay;
     }
 
@@ -446,11 +613,14 @@ private:
         if (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
             code != StatusCode::time_limit)
             return;
-        for (std::size_t k = 0; k < canopies_.size(); ++k)
+        for (const std::size_t k : cluster_.out())
             if (const auto why = canopies_[k]->squids())
                 return end(StatusCode::squids,
                            fmt::format("{}: {}{}", record_.status.detail,
-                                       together_ ? fmt::format("canopy {}: ", k + 1) : "", *why));
+                                       stages_     ? scene_.parachutes[cluster_.parachute(k)].name + ": "
+                                       : together_ ? fmt::format("canopy {}: ", k + 1)
+                                                   : "",
+                                       *why));
     }
 
     void note_attempts() {
@@ -469,26 +639,26 @@ private:
     /// A sample of the fall, while the drag area is steady.
     void look_at_fall() {
         if (!all_open()) return fall_.restart();
-        if (system().step % steps_between_falls == 0) fall_.add(fall_now());
+        if (cluster_.step() % steps_between_falls == 0) fall_.add(fall_now());
     }
     /// Judged now and then.
     bool falls_steadily() {
-        if (system().step % Simulation::steps_between_checks != 0) return false;
+        if (cluster_.step() % Simulation::steps_between_checks != 0) return false;
         found().last_window = judge_fall();
         return found().last_window && found().last_window->is_steady();
     }
     std::optional<DescentWindow> judge_fall() {
-        auto window = fall_.judge(cluster_.front().payload().x[2]);
+        auto window = fall_.judge(cluster_.payload().position.z());
         if (window && window->is_steady()) window->turns = observer().turns_since(window->from);
         return window;
     }
     /// A sample of the fall, of several canopies their mean, which swings as one.
     FallSample fall_now() const {
         const double gravity = scene_.environment.gravity;
-        const auto count = static_cast<double>(cluster_.size());
+        const auto count = static_cast<double>(cluster_.out().size());
         FallSample now;
         Vec3 air = Vec3::Zero(), arm = Vec3::Zero();
-        for (std::size_t k = 0; k < cluster_.size(); ++k) {
+        for (const std::size_t k : cluster_.out()) {
             const Simulation& canopy = cluster_[k];
             const SystemState& s = canopy.system();
             const double material = canopy.constants().system_mass;
@@ -505,7 +675,7 @@ private:
             now.area += s.air.projected_area / count;
         }
         const double length = arm.norm(), sink = air.z();
-        now.time = system().time;
+        now.time = cluster_.time();
         now.sink = sink;
         now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
         now.period = 2.0 * pi * std::sqrt(length / gravity);
@@ -515,13 +685,14 @@ private:
 
     /// Notes an event at which the scene may stop.
     void met(Trigger::Kind what) {
-        if (scene_.stop.kind == what) event_stop_ = std::min(event_stop_, system().time + scene_.stop.delay);
+        if (scene_.stop.kind == what)
+            event_stop_ = std::min(event_stop_, cluster_.time() + scene_.stop.delay);
     }
 
     void look_for_ground() {
-        if (cluster_.front().payload().x[2] > scene_.environment.ground) return;
+        if (cluster_.payload().position.z() > scene_.environment.ground) return;
         add_event("ground");
-        found().landing_time = system().time;
+        found().landing_time = cluster_.time();
         if (any_deploys())
             return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
         return scene_.stop.kind == Trigger::Kind::ground
@@ -530,9 +701,9 @@ private:
     }
 
     void look_for_stop() {
-        const double now = system().time;
+        const double now = cluster_.time();
         if (scene_.stop.kind == Trigger::Kind::altitude && event_stop_ == longest_flight &&
-            cluster_.front().payload().x[2] <= scene_.stop.value)
+            cluster_.payload().position.z() <= scene_.stop.value)
             met(Trigger::Kind::altitude);
         if (now < std::min(stop_time_, event_stop_)) return;
         if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
@@ -548,10 +719,13 @@ private:
         Cost& cost = record_.cost;
         cost.wall_s = clock_.wall();
         cost.cpu_s = clock_.cpu();
-        cost.steps = system().step;
-        cost.rhs_calls = system().step;
-        cost.dt_min_s = cost.steps > 0 ? cluster_.front().steps().dt_min() : 0.0;
-        cost.dt_max_s = cluster_.front().steps().dt_max();
+        cost.steps = cluster_.step();
+        cost.rhs_calls = cluster_.step();
+        for (std::size_t k = 0; k < cluster_.size() && cost.steps > 0; ++k) {
+            const StepControl& steps = cluster_[k].steps();
+            cost.dt_min_s = k == 0 ? steps.dt_min() : std::min(cost.dt_min_s, steps.dt_min());
+            cost.dt_max_s = std::max(cost.dt_max_s, steps.dt_max());
+        }
         cost.element_steps = cluster_.element_steps();
         if (cost.element_steps > 0)
             cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
@@ -563,7 +737,8 @@ private:
     Run& run_;
     RunRecord record_;
     Cluster cluster_;
-    double stated_mass_;
+    std::vector<double> stated_masses_;
+    std::unique_ptr<Stages> stages_;  // of a scene that has some
     std::vector<std::unique_ptr<CanopyRun>> canopies_;
     std::optional<Together> together_;  // of several
     std::vector<std::vector<std::string>> past_ =
@@ -575,6 +750,8 @@ private:
     double stop_time_;
     double event_stop_ = longest_flight;
     bool ended_ = false;
+    bool begun_ = false;            // with stages: the release is past
+    bool evaluated_ = false;        // as parachutes came out
     std::size_t told_rows_ = 0;     // to who watches
     double told_frame_ = -1.0;      // [s] the last shape
     std::size_t sound_events_ = 0;  // events up to the last check that found nothing wrong
@@ -587,11 +764,18 @@ private:
 void FullRun::serialize(Archive& archive) {
     before_.serialize(archive);
     cluster_.serialize(archive);
+    if (stages_) stages_->serialize(archive);
+    while (canopies_.size() < cluster_.size())
+        add_canopy(canopies_.size());
     for (const auto& canopy : canopies_)
         canopy->serialize(archive);
     if (together_) {
         together_->observer.serialize(archive);
         together_->found.serialize(archive);
+        if (stages_) {
+            weigh_payload();
+            begun_ = true;
+        }
     }
     for (std::vector<std::string>& of_one : past_) {
         archive.length("past events", of_one, 1'000'000);
@@ -615,20 +799,37 @@ void FullRun::serialize(Archive& archive) {
     archive.numbers("resumed at", record_.cost.resumed_at);
 }
 
-/// Keys that need more than the one parachute of this model or another way out of its pack, and keys that its
-/// structure needs.
+std::vector<std::string> unsupported_keys(const Scene& scene);
+
+/// Keys of the flight that stages lack, and those of each parachute on its own, with its name where there are
+/// several.
+std::vector<std::string> unsupported_in_stages(const Scene& scene) {
+    std::vector<std::string> keys;
+    if (scene.payload.body) keys.emplace_back("payload.body.shape");
+    if (scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
+    const PayloadFlight start = released_payload(scene);
+    for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+        std::vector<std::string> own = unsupported_keys(scene_in_flight(scene, p, start));
+        if (scene.parachutes[p].count > 1) own.emplace_back("parachute.count");
+        for (std::string& key : own) {
+            constexpr std::string_view head = "parachute.";
+            if (scene.parachutes.size() > 1 && key.starts_with(head))
+                key.insert(head.size(), scene.parachutes[p].name + ".");
+            if (std::ranges::find(keys, key) == keys.end()) keys.push_back(std::move(key));
+        }
+    }
+    return keys;
+}
+
+/// Keys of physics that this model lacks, and keys that its structure needs.
 std::vector<std::string> unsupported_keys(const Scene& scene) {
-    if (scene.parachutes.size() > 1) return {"parachute." + scene.parachutes[1].name};
+    if (has_stages(scene)) return unsupported_in_stages(scene);
     const Parachute& chute = scene.parachutes.front();
     std::vector<std::string> keys;
     // Canopies of a cluster lean, and meet at one point.
     if (chute.count > 1 && scene.payload.body) keys.emplace_back("payload.body.shape");
     if (chute.count > 1 && scene.full.symmetry == Symmetry::sector) keys.emplace_back("full.symmetry");
     if (!chute.lag.empty() && chute.filling.is_predicted()) keys.emplace_back("parachute.lag");
-    if (chute.deploy_when) keys.emplace_back("parachute.deploy.when");
-    if (chute.deploy.by == DeployBy::pilot || chute.deploy.by == DeployBy::mortar)
-        keys.emplace_back("parachute.deploy.by");
-    if (chute.cut) keys.emplace_back("parachute.cut");
     if (chute.filling.is_predicted()) {
         // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
         if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
@@ -666,7 +867,7 @@ Scene with_shorter_steps(Scene scene, double factor) {
 
 /// One run, or several. What impacts add to the energy is chance, and grows with the step: where it becomes
 /// too much in a step that nobody has asked for, the scene is run again with half of it.
-RunRecord fly(const Scene& scene, double stated_mass, Run run) {
+RunRecord fly(const Scene& scene, std::span<const double> stated_masses, Run run) {
     Attempts before;
     if (!run.checkpoints.from.empty()) {
         Archive archive(run.checkpoints.from, run.checkpoints.file);
@@ -675,7 +876,7 @@ RunRecord fly(const Scene& scene, double stated_mass, Run run) {
     for (;;) {
         const Scene shorter =
             with_shorter_steps(scene, std::ldexp(scene.full.time_step_factor, -before.count));
-        FullRun attempt(shorter, stated_mass, run, before);
+        FullRun attempt(shorter, stated_masses, run, before);
         attempt.fly();
         const StatusCode code = attempt.status().code;
         const bool adds_up = code != StatusCode::energy_grew && code != StatusCode::solver_failed;
@@ -686,13 +887,13 @@ RunRecord fly(const Scene& scene, double stated_mass, Run run) {
 }
 
 /// A run past its peak force, for the bracket of a predicted filling.
-RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
+RunRecord fly_to_peak(Scene scene, std::span<const double> stated_masses, const Run& run) {
     scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
     Run control;
     control.stop = run.stop;
     control.threads = run.threads;
     control.force_unstructured = run.force_unstructured;
-    RunRecord record = fly(scene, stated_mass, control);
+    RunRecord record = fly(scene, stated_masses, control);
     if (const Event* full = record.find_event("full-open"), *begin = record.find_event("snatch"); full) {
         const double time = full->time - (begin ? begin->time : 0.0);
         record.add_metric("filling_time_s", time);
@@ -707,9 +908,12 @@ RunRecord fly_to_peak(Scene scene, double stated_mass, const Run& run) {
 
 RunRecord run_fullsim(const Scene& scene, Run& run) {
     const Scene heavy = weighed(scene);
-    const Scene meshed = scene.parachutes.front().count == 1 ? scene_of_canopy(heavy, 0) : heavy;
-    const double stated_mass = scene.parachutes.front().mass;
-    RunRecord record = fly(meshed, stated_mass, run);
+    const bool is_one = !has_stages(scene) && scene.parachutes.front().count == 1;
+    const Scene meshed = is_one ? scene_of_canopy(heavy, 0) : heavy;
+    std::vector<double> stated_masses;
+    for (const Parachute& chute : scene.parachutes)
+        stated_masses.push_back(chute.mass);
+    RunRecord record = fly(meshed, stated_masses, run);
     const bool ended = record.status.code == StatusCode::completed ||
                        record.status.code == StatusCode::stopped_by_event ||
                        record.status.code == StatusCode::squids;
@@ -717,7 +921,7 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
         const Event* snatch = record.find_event("snatch");
         const double altitude = snatch != nullptr ? snatch->altitude : scene.release.altitude;
         add_filling_bracket(record, meshed, scene.environment.atmosphere.at(altitude).density,
-                            [&](const Scene& other) { return fly_to_peak(other, stated_mass, run); });
+                            [&](const Scene& other) { return fly_to_peak(other, stated_masses, run); });
     }
     return record;
 }

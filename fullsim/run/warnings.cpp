@@ -46,11 +46,12 @@ Inflation without_lag(const RunView& run) {
 
 /// The canopy in which something is largest.
 template <class Of>
-const SystemState& worst_of(const RunView& run, Of&& of) {
+const Simulation& worst_of(const RunView& run, Of&& of) {
+    if (run.which) return run.canopies[*run.which];
     std::size_t worst = 0;
     for (std::size_t k = 1; k < run.canopies.size(); ++k)
         if (of(run.canopies[k].system()) > of(run.canopies[worst].system())) worst = k;
-    return run.canopies[worst].system();
+    return run.canopies[worst];
 }
 
 }  // namespace
@@ -60,12 +61,12 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
     const auto warn = [&](std::string what, std::string why, std::string suggestion) {
         record.warnings.push_back({std::move(what), std::move(why), std::move(suggestion)});
     };
-    const bool opened = run.snatched();
-    if (opened && !run.inflated() && !run.sequence)
+    const bool opened = run.snatched(), flight_too = !run.canopies.is_staged();
+    if (opened && flight_too && !run.inflated() && !run.sequence)
         add_opening_warnings(record, run.scene, run.parachute(), without_lag(run), run.snatch_speed(),
                              run.snatch_density());
-    add_scene_warnings(record, run.scene);
-    if (!opened)
+    if (flight_too) add_scene_warnings(record, run.scene);
+    if (!opened && flight_too)
         warn("no snatch", "the lines never came taut: nothing drew the parachute out far enough",
              "give it line drag, a static line, an extraction force, or more height");
     if (run.packed() && opened && !run.sequence && record.metric("peak_force_N")) {
@@ -122,6 +123,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                                                        return static_cast<double>(s.contact.passed) +
                                                               s.contact.deepest;
                                                    })
+                                              .system()
                                               .contact;
         contact.passed > 0 || contact.deepest > sound_penetration)
         warn(fmt::format("nodes went through fabric that they had touched: {} were let go, the deepest was "
@@ -152,14 +154,15 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "its fabric and openings let out more than its mouth takes in at this speed",
                  "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
-    const SystemState& state =
+    const Simulation& capped =
         worst_of(run, [](const SystemState& s) { return static_cast<double>(s.capped_steps); });
-    if (state.capped_steps > 0)
+    if (capped.system().capped_steps > 0)
         warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
-                         100.0 * static_cast<double>(state.capped_steps) / static_cast<double>(state.step)),
+                         100.0 * static_cast<double>(capped.system().capped_steps) /
+                             static_cast<double>(capped.own_steps())),
              "the projected area was too small for the prescribed drag; the rest acted as residual drag",
              "give the canopy a larger initial_drag_area_ratio if this matters");
-    if (opened && !run.findings.descent_altitude)
+    if (opened && flight_too && !run.findings.descent_altitude)
         warn_of_unsteady_descent(record, run.scene, run.findings.last_window);
     if (record.status.code != StatusCode::completed || !opened) return;
     if (!steady_area)

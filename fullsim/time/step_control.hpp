@@ -48,6 +48,8 @@ public:
     /// largest one at which a run goes on.
     void watch_impacts(double used_up, double damping);
 
+    /// Masses have changed; counts from the next refresh on.
+    void weigh(const NodeConstants& constants) { system_mass_ = constants.system_mass; }
     /// Forces from outside on the canopy's nodes, as stiff as this [1/s] over their material mass, count from
     /// the next refresh on.
     void count_outer(double frequency) { outer_frequency_ = frequency; }

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <memory>
+#include <mutex>
 
 namespace twinchute {
 namespace {
@@ -111,7 +114,56 @@ const MetricRow* find_row(std::span<const MetricRow> among, std::string_view nam
     return row == among.end() ? nullptr : &*row;
 }
 
+/// Row of which `name` is that of one parachute: with the longest name, so that "main_stage_1_peak_force" is
+/// stage_1_peak_force of "main".
+const MetricRow* row_of_any(std::string_view name) {
+    const MetricRow* longest = nullptr;
+    for (const MetricRow& row : std::span(rows).first(numbers)) {
+        const std::size_t size = row.name.size();
+        if (name.size() < size + 2 || !name.ends_with(row.name) || name[name.size() - size - 1] != '_')
+            continue;
+        if (!longest || size > longest->name.size()) longest = &row;
+    }
+    return longest;
+}
+
+/// Row of one parachute's metric; made once, and there from then on.
+const MetricRow* row_of_one(std::string_view name) {
+    struct Made {
+        std::string name, key, title;
+        MetricRow row;
+    };
+    static std::map<std::string, std::unique_ptr<Made>, std::less<>> made;
+    static std::mutex mutex;
+    const MetricRow* of_any = row_of_any(name);
+    if (!of_any) return nullptr;
+    const std::scoped_lock lock(mutex);
+    auto found = made.find(name);
+    if (found == made.end()) {
+        const std::string head(name.substr(0, name.size() - of_any->name.size()));
+        auto one = std::make_unique<Made>();
+        one->name = name;
+        one->key = head + std::string(of_any->key);
+        one->title = fmt::format("{}: {}", head.substr(0, head.size() - 1), of_any->title);
+        one->row = {one->name, one->key, of_any->unit, one->title, of_any->tolerance, of_any->show};
+        found = made.emplace(std::string(name), std::move(one)).first;
+    }
+    return &found->second->row;
+}
+
 }  // namespace
+
+std::string metric_head(std::string name) {
+    for (char& c : name)
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c == '-' ? '_' : c;
+    return name.empty() ? name : name + "_";
+}
+
+std::string_view head_of_judgeable(std::string_view name) {
+    if (find_row(judgeable_rows(), name)) return {};
+    const MetricRow* of_any = row_of_any(name);
+    return of_any ? name.substr(0, name.size() - of_any->name.size()) : std::string_view{};
+}
 
 std::string_view MetricRow::tolerance_unit() const {
     if (is_history() || unit.empty()) return "1";
@@ -131,7 +183,8 @@ std::span<const MetricRow> history_rows() {
 }
 
 const MetricRow* find_judgeable_row(std::string_view name) {
-    return find_row(judgeable_rows(), name);
+    const MetricRow* row = find_row(judgeable_rows(), name);
+    return row ? row : row_of_one(name);
 }
 
 const MetricRow* find_metric_row(std::string_view name) {

@@ -44,8 +44,16 @@ std::span<const MetricRow> judgeable_rows();
 std::span<const MetricRow> metric_rows();   ///< numbers alone
 std::span<const MetricRow> history_rows();  ///< histories alone
 
-/// The row of a name without unit, or null.
+/// The beginning of the keys of a parachute's own metrics, of its name: "Main-1" to "main_1_"; nothing of
+/// none.
+std::string metric_head(std::string name);
+
+/// The row of a name without unit, or null. One with another name before it is the metric of one parachute of
+/// several, or of one canopy of a cluster: "main_peak_force" has a row of its own, with the tolerance of
+/// peak_force and the title "main: Peak opening force". Which names there are only a scene says.
 const MetricRow* find_judgeable_row(std::string_view name);
+/// Beginning of a name that has such a row, "main_"; empty of one that is in the table.
+std::string_view head_of_judgeable(std::string_view name);
 const MetricRow* find_metric_row(std::string_view name);  ///< of a number
 
 struct MetricKey {

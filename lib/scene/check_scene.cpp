@@ -8,10 +8,12 @@
 
 #include "lib/math/vec.hpp"
 #include "lib/models/meridian.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/assemble.hpp"
 #include "lib/scene/calibration.hpp"
 #include "lib/scene/drag_area.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/nearest.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/scene/waits.hpp"
 
@@ -369,6 +371,32 @@ void check_body(const Scene& scene, const Complain& complain) {
                        "give parachute.mesh, or the shape \"box\" or \"cylinder\"");
 }
 
+bool has_packed(const Scene& scene) {
+    return std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.deploy.starts_packed(); });
+}
+
+/// Tolerances of one parachute's metrics: there is that parachute, or that canopy of the cluster.
+void check_tolerances(const Scene& scene, const Complain& complain) {
+    std::vector<std::string> heads;
+    if (scene.parachutes.size() > 1)
+        for (const Parachute& p : scene.parachutes)
+            heads.push_back(metric_head(p.name));
+    for (int k = 1; scene.parachutes.front().count > 1 && k <= scene.parachutes.front().count; ++k)
+        heads.push_back(fmt::format("canopy_{}_", k));
+    for (const auto& [name, tolerance] : scene.tolerances) {
+        const std::string_view head = head_of_judgeable(name);
+        if (head.empty() || std::ranges::find(heads, head) != heads.end()) continue;
+        std::vector<std::string_view> known;
+        for (const std::string& one : heads)
+            known.push_back(one);
+        for (const MetricRow& row : judgeable_rows())
+            known.push_back(row.name);
+        complain.about("compare.tolerance." + name, "unknown metric",
+                       fmt::format("it would be that of a parachute '{}'", head.substr(0, head.size() - 1)),
+                       suggest(name, known));
+    }
+}
+
 /// Gores that keep their order have to begin in it, and rows of nodes around the axis are the generator's.
 /// Fabric that is to stay on its side has to begin there.
 void check_contact(const Scene& scene, const Values& values, const Complain& complain) {
@@ -379,21 +407,24 @@ void check_contact(const Scene& scene, const Values& values, const Complain& com
         complain.about(friction, "is not used", "full.contact is not \"self\"",
                        "take it out, or write full.contact = \"self\"");
     if (scene.full.contact == Contact::none) return;
+    const bool any_packed = has_packed(scene);
+    const bool any_mesh =
+        std::ranges::any_of(scene.parachutes, [](const Parachute& p) { return p.mesh.has_value(); });
     const auto refuse = [&](const char* problem, const char* why, const char* hint) {
         complain.about("full.contact", problem, why,
                        fmt::format("{}, or write full.contact = \"none\"", hint));
     };
     if (scene.full.contact == Contact::self) {
-        if (scene.parachutes.front().deploy.starts_packed())
+        if (any_packed)
             refuse("\"self\" of a packed canopy",
                    "fabric lies across fabric in a pack, and as it is drawn out steps become too short",
                    "start at line stretch");
         return;
     }
-    if (scene.parachutes.front().mesh)
+    if (any_mesh)
         refuse("\"gores\" with parachute.mesh", "which nodes of an imported mesh lie in one row is not known",
                "leave parachute.mesh out");
-    if (scene.parachutes.front().deploy.starts_packed())
+    if (any_packed)
         refuse("\"gores\" of a packed canopy", "drawn out of its pack its folds lie in no order",
                "start at line stretch");
 }
@@ -405,7 +436,7 @@ void check_symmetry(const Scene& scene, const Complain& complain) {
         complain.about("full.symmetry", "one sector cannot stand for the canopy", std::move(why),
                        fmt::format("{}, or write full.symmetry = \"none\"", hint));
     };
-    if (scene.parachutes.front().deploy.starts_packed())
+    if (has_packed(scene))
         refuse("drawn out of its pack each gore folds in its own way", "start at line stretch");
     if (scene.full.contact == Contact::self)
         refuse("full.contact = \"self\" looks at all nodes", "write full.contact = \"gores\" or \"none\"");
@@ -648,6 +679,7 @@ void check_scene(Scene& scene, const std::vector<Values>& values) {
     check_body(scene, complain);
     check_contact(scene, values.front(), complain);
     check_symmetry(scene, complain);
+    check_tolerances(scene, complain);
     warn_of_wind(scene);
     correct_drag_area(scene, complain);
 }

@@ -58,6 +58,8 @@ struct Deployment {
     double compressive_stiffness_ratio = 0.0;  ///< stiffness of folded fabric over that in tension [-] (full)
     double deployment_resistance = 0.0;        ///< [N/m] of folded fabric against being drawn out (full)
 
+    /// A force draws it out: prescribed, or of a pilot chute.
+    bool is_extracted() const { return by == DeployBy::extraction || by == DeployBy::pilot; }
     bool starts_packed() const { return by != DeployBy::line_stretch && by != DeployBy::inflated; }
 
     bool operator==(const Deployment&) const = default;

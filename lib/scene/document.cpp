@@ -344,8 +344,7 @@ private:
         std::vector<std::string_view> names;
         for (const MetricRow& metric : judgeable_rows())
             names.push_back(metric.name);
-        if (std::ranges::find(names, name) == names.end())
-            refuse(place, path, "unknown metric", "", suggest(name, names));
+        if (!find_judgeable_row(name)) refuse(place, path, "unknown metric", "", suggest(name, names));
         document_.entries.insert_or_assign(path, leaf(key, node, path, place));
     }
 

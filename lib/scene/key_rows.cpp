@@ -397,11 +397,11 @@ constexpr Key scene_rows[] = {
     {.path = "parachute.deploy.deployment_resistance", .binding = of_deploy<&Deployment::deployment_resistance>, .unit = "N/m", .need = defaulted, .fallback = "2", .range = from(0, 1e5),
      .only_with = packed, .user = full, .meaning = "of folded fabric against being drawn out, per width; lines come first",
      .source = "paper 5.2: a small force, value not printed; assumption of this toolkit", .formerly = "parachute.deploy.fold_resistance"},
-    {.path = "parachute.deploy.pilot_drag_area", .binding = of_deploy<&Deployment::pack_drag_area>, .unit = "m^2", .range = above(0, 1e4), .only_with = "pilot", .user = rom,
+    {.path = "parachute.deploy.pilot_drag_area", .binding = of_deploy<&Deployment::pack_drag_area>, .unit = "m^2", .range = above(0, 1e4), .only_with = "pilot",
      .meaning = "C_D S of the pilot chute that draws the pack out"},
-    {.path = "parachute.deploy.muzzle_speed", .binding = of_deploy<&Deployment::muzzle_speed>, .unit = "m/s", .range = above(0, 200), .only_with = "mortar", .user = rom,
+    {.path = "parachute.deploy.muzzle_speed", .binding = of_deploy<&Deployment::muzzle_speed>, .unit = "m/s", .range = above(0, 200), .only_with = "mortar",
      .meaning = "of the pack relative to the payload, straight behind it; the payload recoils"},
-    {.path = "parachute.deploy.when", .kind = table, .need = optional, .user = rom,
+    {.path = "parachute.deploy.when", .kind = table, .need = optional,
      .meaning = "what deployment waits for; absent: it begins at release"},
     {.path = "parachute.drag_area_law", .binding = row_of<find_drag_area_law, &Parachute::drag_area_law>, .kind = word, .need = defaulted, .fallback = "ludtke", .choices = names_of<drag_area_laws>,
      .instead_of = "parachute.drag_area_table|parachute.drag_area_exponent", .meaning = "growth of the drag area", .source = "paper Eqs 14-15; power laws: Knacke NWC TP 6575, Fig. 5-51"},
@@ -445,7 +445,7 @@ constexpr Key scene_rows[] = {
      .range = above(0, 1000), .user = full, .meaning = "of the reefing line, once around the mouth"},
     {.path = "parachute.reefing.fill_time", .kind = table, .need = optional,
      .meaning = "time of the filling to this stage; absent: as parachute.fill_time"},
-    {.path = "parachute.cut", .kind = table, .need = optional, .user = rom,
+    {.path = "parachute.cut", .kind = table, .need = optional,
      .meaning = "when the parachute is let go; absent: never"},
 
     {.path = "aerodynamics.added_mass", .kind = table, .need = optional, .meaning = "air that moves with the canopy"},
@@ -627,11 +627,11 @@ struct Family {
 };
 
 constexpr Family families[] = {
-    {trigger_rows, "parachute.deploy.when", "parachute.deploy.when", rom},
+    {trigger_rows, "parachute.deploy.when", "parachute.deploy.when", both},
     {fill_time_rows, "parachute.fill_time", "parachute.deploy.when", both},
     {fill_time_rows, "parachute.reefing.fill_time", "parachute.reefing.fill_time", both},
     {trigger_rows, "parachute.reefing.until", "parachute.reefing.fill_time", both},
-    {trigger_rows, "parachute.cut", "parachute.cut", rom},
+    {trigger_rows, "parachute.cut", "parachute.cut", both},
 };
 
 /// Rows with the names that were put together for them.

@@ -80,6 +80,9 @@ struct Release {
     double speed = 0.0;       ///< [m/s] over ground
     double path_angle = 0.0;  ///< [rad] below the horizon, in [-pi/2, pi/2]
     double heading = 0.0;     ///< [rad] from north, clockwise
+    // Where and when a parachute of the full model leaves its pack; zero in the release of a scene.
+    double time = 0.0;               ///< [s]
+    double east = 0.0, north = 0.0;  ///< [m]
 
     bool operator==(const Release&) const = default;
 };

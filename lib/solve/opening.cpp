@@ -116,12 +116,6 @@ Inflation inflated(const Parachute& chute) {
     return inflation;
 }
 
-std::string metric_head(std::string name) {
-    for (char& c : name)
-        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c == '-' ? '_' : c;
-    return name.empty() ? name : name + "_";
-}
-
 namespace {
 
 /// Adds the metrics of each of several parachutes, and of each stage of a reefed one.

@@ -112,10 +112,6 @@ inline double angle_below_horizon(const Vec3& velocity) {
     return std::atan2(-velocity.z(), std::hypot(velocity.x(), velocity.y()));
 }
 
-/// The beginning of the keys of a parachute's own metrics, of its name: "Main-1" to "main_1_"; nothing of
-/// none.
-std::string metric_head(std::string name);
-
 /// Takes a metric, see RunRecord::add_metric.
 using MetricSink =
     std::function<void(std::string_view key, double value, MetricKind kind, std::string_view note)>;

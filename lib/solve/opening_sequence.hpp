@@ -14,6 +14,11 @@
 
 namespace twinchute {
 
+/// Whether single canopies pull less than all of them together may.
+inline bool has_several_canopies(const Scene& scene) {
+    return scene.parachutes.size() > 1 || scene.parachutes.front().count > 1;
+}
+
 /// State of the payload's flight at one instant, as far as triggers need it.
 struct FlightState {
     double time = 0.0;      ///< [s] since release

@@ -121,6 +121,47 @@ TEST(CompareGap, ShowsWhatOneSideHasOrSomebodyAskedFor) {
               nullptr);
 }
 
+/// A record of two parachutes, whose main pulls with so much.
+RunRecord with_main_peak(std::optional<double> peak) {
+    RunRecord record = with_peak(1000.0);
+    record.events = {{"drogue.snatch", 1.0, 900.0, 50.0}, {"Main-1.snatch", 5.0, 800.0, 30.0}};
+    if (peak) record.add_metric("main_1_peak_force_N", *peak);
+    return record;
+}
+
+TEST(CompareGap, EachOfSeveralParachutesIsJudged) {
+    const auto verdict = [](std::optional<double> a, std::optional<double> b, const Tolerances& asked) {
+        const FidelityGap gap = measure_gap(with_main_peak(a), with_main_peak(b), asked);
+        const MetricGap* metric = find(gap, "main_1_peak_force");
+        return metric ? std::optional(metric->verdict) : std::nullopt;
+    };
+    // By the tolerance of peak_force, 10 %, or by one of its own; the peak of all together says nothing of
+    // it.
+    EXPECT_EQ(verdict(500.0, 540.0, {}), Verdict::within);
+    EXPECT_EQ(verdict(500.0, 560.0, {}), Verdict::exceeded);
+    EXPECT_EQ(verdict(500.0, 560.0, {{"main_1_peak_force", {0.2, true}}}), Verdict::within);
+    EXPECT_EQ(verdict(500.0, {}, {}), Verdict::missing);
+    EXPECT_FALSE(verdict({}, {}, {}));
+    EXPECT_EQ(verdict({}, {}, {{"main_1_peak_force", {0.2, true}}}), Verdict::missing);
+    // The same number under a name that no event has is a metric like any other that nobody asks for.
+    RunRecord other = with_peak(1000.0);
+    other.add_metric("main_1_peak_force_N", 500.0);
+    EXPECT_EQ(find(measure_gap(other, other, {}), "main_1_peak_force"), nullptr);
+}
+
+TEST(CompareMetrics, OnesOfOneParachuteAreRowsOfTheTableUnderItsName) {
+    const MetricRow* row = find_judgeable_row("main_stage_1_peak_force");
+    ASSERT_TRUE(row);
+    EXPECT_EQ(row->key, "main_stage_1_peak_force_N");
+    EXPECT_EQ(row->title, "main: Peak opening force, stage 1");
+    EXPECT_EQ(row->unit, "N");
+    EXPECT_EQ(row, find_judgeable_row("main_stage_1_peak_force"));
+    EXPECT_EQ(head_of_judgeable("main_stage_1_peak_force"), "main_");
+    EXPECT_EQ(head_of_judgeable("stage_1_peak_force"), "");
+    for (const char* none : {"peak_forc", "_peak_force", "main_force_history", "mainpeak_force"})
+        EXPECT_FALSE(find_judgeable_row(none)) << none;
+}
+
 TEST(CompareGap, ARunThatBrokeOffIsNotJudged) {
     RunRecord broken = with_peak(20);  // the force so far, not the peak
     broken.status.code = StatusCode::interrupted;

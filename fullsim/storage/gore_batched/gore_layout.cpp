@@ -743,7 +743,7 @@ private:
                 node_[n].extraction = 1.0 / gores_.count;
     }
     void finish_extraction(State& state, const ElementSums&) {
-        step_.extraction = to_array(deploy().extraction.at(state.time) * trailing_direction(scene_));
+        step_.extraction = to_array(state.air.extraction);
     }
     /// Mass damping of what belongs to no gore.
     void damp_global(State& state) const {

@@ -1,0 +1,194 @@
+// Parachutes that come out one after the other in the full model: the payload's flight without any, what
+// joins and leaves it, and the reduced-order model's account of the same scene.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fullsim/cluster.hpp"
+#include "fullsim/fidelity.hpp"
+#include "lib/scene/line_stretch.hpp"
+#include "lib/scene/read_scene.hpp"
+#include "tests/support/c9_scene.hpp"
+#include "tests/support/runs.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+const FlightWatch nothing = [](const PayloadFlight&) { return std::vector<double>{}; };
+
+/// The shipped scene on a mesh that runs in a second.
+Scene drogue_and_main(const std::vector<std::string>& changes = {}) {
+    std::vector<std::string> all{"full.mesh={gore_columns=2,gore_rows=7,line_elements=10,riser_elements=2}",
+                                 "full.checkpoint_interval=0"};
+    all.insert(all.end(), changes.begin(), changes.end());
+    return read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-drogue.toml", all);
+}
+
+TEST(FreeFlight, InVacuumIsAParabola) {
+    Scene scene = drogue_and_main();
+    scene.environment.atmosphere.constant_density = 0.0;
+    scene.payload.drag_area.reset();
+    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 3.0, nothing);
+    const double g = scene.environment.gravity;
+    EXPECT_EQ(end.time, 3.0);
+    // To the integrator's tolerance, 1e-10 of hundreds of metres.
+    EXPECT_NEAR((end.position - start.position - 3.0 * start.velocity + 4.5 * g * Vec3::UnitZ()).norm(), 0.0,
+                1e-7);
+    EXPECT_NEAR((end.velocity - start.velocity + 3.0 * g * Vec3::UnitZ()).norm(), 0.0, 1e-8);
+}
+
+TEST(FreeFlight, ComesToTheSpeedOfItsDrag) {
+    // From rest in uniform air: v = v_t tanh(g t/v_t), fallen v_t^2/g ln cosh(g t/v_t).
+    Scene scene = drogue_and_main();
+    scene.environment.atmosphere = test::c9_scene().environment.atmosphere;  // of one density
+    scene.release.speed = 0.0;
+    const PayloadFlight start = released_payload(scene), end = fly_free(scene, start, 8.0, nothing);
+    const double g = scene.environment.gravity,
+                 steady = std::sqrt(2.0 * start.mass * g / (1.225 * *scene.payload.drag_area));
+    EXPECT_NEAR(-end.velocity.z(), steady * std::tanh(g * 8.0 / steady), 1e-7);
+    EXPECT_NEAR(start.position.z() - end.position.z(),
+                steady * steady / g * std::log(std::cosh(g * 8.0 / steady)), 1e-6);
+}
+
+TEST(FreeFlight, EndsWhereAConditionIsMet) {
+    Scene scene = drogue_and_main();
+    const PayloadFlight start = released_payload(scene);
+    const PayloadFlight end = fly_free(
+        scene, start, 60.0, [](const PayloadFlight& now) { return std::vector{now.position.z() - 900.0}; });
+    EXPECT_LE(end.position.z(), 900.0);
+    EXPECT_NEAR(end.position.z(), 900.0, 1e-6);
+    EXPECT_LT(end.time, 60.0);
+}
+
+TEST(Stages, OneThatIsOutFromTheReleaseIsARunWithoutStages) {
+    // deploy.when at time 0 is what no deploy.when is. Directions and places of the start come out of the
+    // payload's velocity and back, to rounding, which slack folds let grow: over a tenth of a second no
+    // further than 1e-8 (cluster_test.cpp).
+    for (const DeployBy by : {DeployBy::line_stretch, DeployBy::inflated}) {
+        Scene plain = test::c9_scene();
+        plain.parachutes.front().deploy.by = by;
+        plain.release.path_angle = 0.6;
+        plain.stop = {Trigger::Kind::time, 0.1, 0.0};
+        Scene staged = plain;
+        staged.parachutes.front().deploy_when = Trigger{Trigger::Kind::time, 0.0, 0.0};
+        const RunRecord a = test::run_full(plain), b = test::run_full(staged);
+        ASSERT_EQ(b.status.code, StatusCode::completed) << b.status.detail;
+        EXPECT_EQ(a.cost.steps, b.cost.steps);
+        for (const char* metric : {"max_force_N", "max_deceleration_g", "max_line_tension_N"})
+            EXPECT_NEAR(*a.metric(metric), *b.metric(metric), 1e-8 * *a.metric(metric)) << metric;
+        const auto &force_a = a.find_channel("force")->values, &force_b = b.find_channel("force")->values;
+        ASSERT_EQ(force_a.size(), force_b.size());
+        EXPECT_NEAR(force_a.back(), force_b.back(), 1e-8 * *a.metric("max_force_N"));
+    }
+}
+
+/// [kg m/s] of all that is out, with what the payload carries.
+Vec3 momentum(const Cluster& cluster) {
+    if (cluster.out().empty()) return cluster.payload().mass * cluster.payload().velocity;
+    Vec3 sum = Vec3::Zero();
+    for (const std::size_t k : cluster.out())
+        sum += cluster[k].constants().system_mass * cluster[k].system().sums.system_velocity;
+    return sum;
+}
+
+TEST(Stages, MomentumIsKeptAsParachutesJoinAndLeave) {
+    // In vacuum without gravity: a parachute that comes out, by itself or thrown by a mortar, takes nothing
+    // away; one that is cut takes its own with it, no more.
+    Scene scene = drogue_and_main({"parachute.main.deploy={by='mortar',muzzle_speed='20 m/s'}"});
+    scene.environment.atmosphere = test::c9_scene().environment.atmosphere;  // of one density,
+    scene.environment.atmosphere.constant_density = 0.0;
+    scene.environment.gravity = 1e-30;
+    scene.aerodynamics = {};
+    scene.full.noise = Noise{1e-3, 3};
+    Cluster cluster(scene);
+    cluster.watch(nothing);
+    const double all = cluster.payload().mass;
+    cluster.step_to(0.1);
+    const Vec3 before = momentum(cluster);
+    const double scale = before.norm();
+    const auto fly = [&](double seconds) {
+        const double end = cluster.time() + seconds;
+        while (cluster.time() < end) {
+            cluster.evaluate_forces();
+            cluster.step_to(end);
+            ASSERT_FALSE(cluster.fault()) << cluster.fault()->detail;
+        }
+        cluster.evaluate_forces();
+    };
+    // Meshes weigh what they do, which is not what the scene says: the payload gives the parachute that.
+    const auto weight = [&](std::size_t k) { return cluster[k].mesh().parachute_mass(); };
+    const std::size_t drogue = cluster.join(0, all - scene.parachutes[0].mass);
+    const double drogue_mass = weight(drogue);
+    const Vec3 with_drogue = momentum(cluster);
+    EXPECT_NEAR((with_drogue - (all - scene.parachutes[0].mass + drogue_mass) / all * before).norm(), 0.0,
+                1e-9 * scale);
+    fly(0.05);
+    EXPECT_NEAR((momentum(cluster) - with_drogue).norm(), 0.0, 1e-9 * scale);
+    const Vec3 payload_before_main = cluster.payload().velocity;
+    const std::size_t main = cluster.join(1, all - scene.parachutes[0].mass - scene.parachutes[1].mass);
+    const Vec3 with_main = momentum(cluster);
+    const Vec3 payload = cluster.payload().velocity;
+    const double expected_mass = all - scene.parachutes[0].mass - scene.parachutes[1].mass + drogue_mass;
+    EXPECT_NEAR(
+        (with_main - with_drogue - (weight(main) - scene.parachutes[1].mass) * payload_before_main).norm(),
+        0.0, 1e-9 * scale);
+    EXPECT_GT(cluster[main].system().sums.canopy_velocity.z() - payload.z(), 1.0);  // thrown upward
+    fly(0.05);
+    EXPECT_NEAR((momentum(cluster) - with_main).norm(), 0.0, 1e-9 * scale);
+    EXPECT_EQ(to_vec3(cluster[main].payload().v), to_vec3(cluster[drogue].payload().v));
+    // The drogue goes: what is left has the momentum of the rest.
+    const Vec3 gone = momentum(cluster) - [&] {
+        Vec3 sum = cluster[drogue].constants().system_mass * cluster[drogue].system().sums.system_velocity;
+        return Vec3(momentum(cluster) - sum);
+    }();
+    const Vec3 payload_before = cluster.payload().velocity;
+    cluster.leave(drogue);
+    EXPECT_LT((cluster.payload().velocity - payload_before).norm(), 1e-15 * payload_before.norm());
+    EXPECT_GT(gone.norm(), 0.0);
+    EXPECT_NEAR(cluster.front().constants().system_mass, expected_mass - drogue_mass + weight(main),
+                1e-9 * all);
+    fly(0.02);
+    const Vec3 alone = momentum(cluster);
+    fly(0.02);
+    EXPECT_NEAR((momentum(cluster) - alone).norm(), 0.0, 1e-9 * scale);
+}
+
+TEST(Stages, TwoOutAtOncePullOnOnePayload) {
+    // Drogue and main out at once, each with half of the payload: the payload feels both.
+    const Scene scene = drogue_and_main({"parachute.main.deploy={by='line-stretch',when={time=2.5}}",
+                                         "parachute.drogue.cut={time=20}", "stop.at='time'", "stop.time=5"});
+    const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
+    ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
+    // Both out and full: the drag areas add up as the reduced-order model's do.
+    EXPECT_NEAR(full.find_channel("drag_area")->values.back(), rom.find_channel("drag_area")->values.back(),
+                1e-3 * rom.find_channel("drag_area")->values.back());
+    EXPECT_LT(std::abs(full.energy->residual_fraction), 1e-3);
+    // Each pulls along its own lines, at small angles to the other: what the payload feels is the sum, but
+    // for the cosines of some degrees.
+    ASSERT_TRUE(full.metric("peak_canopy_force_N"));
+    const auto end = [&](const char* channel) { return full.find_channel(channel)->values.back(); };
+    EXPECT_GT(end("drogue_force"), 10.0);
+    EXPECT_NEAR(end("drogue_force") + end("main_force"), end("force"), 0.01 * end("force"));
+}
+
+TEST(Stages, AreThoseOfTheReducedOrderModel) {
+    const Scene scene = drogue_and_main();
+    const RunRecord full = test::run_full(scene), rom = test::run_rom(scene);
+    ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
+    ASSERT_EQ(rom.status.code, StatusCode::completed) << rom.status.detail;
+    // What is triggered by the clock or by events in free flight has the same time to the integrators'
+    // tolerances, and so has what follows by prescription.
+    for (const char* event : {"drogue.line-stretch", "drogue.full-open", "drogue.cut"})
+        EXPECT_NEAR(full.find_event(event)->time, rom.find_event(event)->time, 1e-4) << event;
+    for (const char* event : {"drogue.line-stretch", "drogue.cut"})
+        EXPECT_NEAR(full.find_event(event)->altitude, rom.find_event(event)->altitude, 1.0) << event;
+    EXPECT_NEAR(*full.metric("descent_rate_m_s"), *rom.metric("descent_rate_m_s"),
+                0.02 * *rom.metric("descent_rate_m_s"));
+    for (const char* metric : {"drogue_snatch_speed_m_s", "main_snatch_speed_m_s"})
+        EXPECT_NEAR(*full.metric(metric), *rom.metric(metric), 0.03 * *rom.metric(metric)) << metric;
+    for (const char* metric : {"main_peak_force_N", "drogue_peak_force_N"})
+        EXPECT_GT(*full.metric(metric), 0.0) << metric;
+}
+
+}  // namespace
+}  // namespace twinchute::fullsim
