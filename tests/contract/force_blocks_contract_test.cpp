@@ -89,6 +89,7 @@ protected:
         state.added_mass = 40.0;
         state.added_mass_rate = 30.0;
         state.air.radial_pressure = 0.8;
+        state.air.extraction = Vec3(0.0, 30.0, 100.0);
         update_sums(state, node_constants(mesh_, 0.0));
         return state;
     }

@@ -148,7 +148,7 @@ const Broken cases[] = {
     {"no_speed", "\"21 m/s\"", "0", "test.toml:9:9: release.speed: ", "a line-stretch start needs a speed"},
     {"tolerance_bare", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\npeak_force = 0.1", "test.toml:20:14: compare.tolerance.peak_force: ", "a tolerance without a unit"},
     {"tolerance_unit", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\npeak_force = \"1 m\"", "test.toml:20:14: compare.tolerance.peak_force: ", "expected N"},
-    {"tolerance_parachute", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\nmain_peak_force = \"1 N\"", "test.toml:20:1: compare.tolerance.main_peak_force: ", "unknown metric (it would be that of a parachute 'main'), did you mean 'peak_force'?"},
+    {"tolerance_parachute", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\nmain_peak_force = \"1 N\"", "test.toml:20:19: compare.tolerance.main_peak_force: ", "unknown metric (it would be that of a parachute 'main'), did you mean 'peak_force'?"},
     {"tolerance_metric", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\npeak_forces = \"1 N\"", "test.toml:20:1: compare.tolerance.peak_forces: ", "unknown metric, did you mean 'peak_force'?"},
     {"tolerance_negative", "time = \"6 s\"", "time = \"6 s\"\n[compare.tolerance]\npeak_force = \"-1 %\"", "test.toml:20:14: compare.tolerance.peak_force: ", "out of range"},
     {"empty_noise", "[stop]", "[full.noise]\n[stop]", "test.toml:17:7: full.noise.amplitude: ", "is missing"},
