@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
-#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "compare/drop_test_option.hpp"
 #include "compare/gap.hpp"
 #include "compare/ladder_beside.hpp"
+#include "compare/parallel.hpp"
 #include "compare/records.hpp"
 #include "compare/report/gap_json.hpp"
 #include "compare/report/terminal.hpp"
@@ -26,7 +26,6 @@
 #include "compare/report/write_report.hpp"
 #include "compare/series.hpp"
 #include "compare/tolerances.hpp"
-#include "compare/validate/parallel.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/long_run.hpp"
 #include "lib/cli/output_dir.hpp"
@@ -61,8 +60,7 @@ Why why_of(const Arguments& arguments) {
     if (arguments.has("seeds") && !why.asked)
         throw UsageError("--seeds is for the runs of --why, give both, e.g. --why --seeds 3");
     why.seeds = whole_number(arguments, "seeds", why.seeds, 1000, 3);
-    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
-    why.threads = arguments.has("threads") ? threads_of(arguments) : static_cast<int>(processors);
+    why.threads = arguments.has("threads") ? threads_of(arguments) : processors();
     return why;
 }
 
@@ -172,7 +170,7 @@ private:
     /// Runs with effects switched and threads of a run have their own ways to use the processors.
     int cases_at_once() const {
         if (scenes_.size() == 1 || why_.asked || arguments_.has("threads")) return 1;
-        return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        return processors();
     }
 
     /// In the order of the cases, those that were run.

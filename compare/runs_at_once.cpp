@@ -1,12 +1,10 @@
 #include "compare/runs_at_once.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
+#include "compare/parallel.hpp"
 #include "lib/solve/hand_over.hpp"
 
 namespace twinchute::compare {
@@ -45,32 +43,15 @@ private:
 std::vector<RunRecord> run_jobs(std::span<const RunJob> jobs, int threads, const std::stop_token& stop,
                                 const std::function<void(const Progress&)>& progress) {
     std::vector<RunRecord> records(jobs.size());
-    std::vector<std::exception_ptr> thrown(jobs.size());
     Together together(jobs.size(), progress);
     std::vector<const Fidelity*> all;  // that may fly the rest of a fall
     for (const RunJob& job : jobs)
         if (std::ranges::find(all, job.fidelity) == all.end()) all.push_back(job.fidelity);
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        for (std::size_t i = next++; i < jobs.size(); i = next++) {
-            try {
-                Run run{stop, together.of(i)};
-                records[i] = run_scene(*jobs[i].fidelity, jobs[i].scene, run, all);
-            } catch (...) {
-                thrown[i] = std::current_exception();
-            }
-            together.ended(i);
-        }
-    };
-    {
-        const auto count = std::min<std::size_t>(jobs.size(), static_cast<std::size_t>(std::max(1, threads)));
-        std::vector<std::jthread> others;
-        for (std::size_t i = 1; i < count; ++i)
-            others.emplace_back(work);
-        work();
-    }
-    for (const std::exception_ptr& what : thrown)
-        if (what) std::rethrow_exception(what);
+    in_parallel(jobs.size(), threads, [&](std::size_t i) {
+        Run run{stop, together.of(i)};
+        records[i] = run_scene(*jobs[i].fidelity, jobs[i].scene, run, all);
+        together.ended(i);
+    });
     return records;
 }
 

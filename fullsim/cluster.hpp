@@ -25,8 +25,8 @@
 #include "fullsim/canopy_plane.hpp"
 #include "fullsim/free_flight.hpp"
 #include "fullsim/simulation.hpp"
-#include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
-#include "fullsim/storage/gore_batched/worker_pool.hpp"
+#include "fullsim/threads/thread_count_tuner.hpp"
+#include "fullsim/threads/worker_pool.hpp"
 
 namespace twinchute::fullsim {
 

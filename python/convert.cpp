@@ -6,7 +6,7 @@ namespace twinchute::python {
 namespace {
 
 /// Text as a TOML string in one line.
-std::string quoted(std::string_view text) {
+std::string toml_string(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto code = static_cast<unsigned char>(c);
@@ -31,7 +31,7 @@ std::string table_of(const py::dict& dict, const std::string& key) {
     std::string out;
     for (const auto& [name, value] : dict) {
         const std::string word = py::str(name);
-        out += (out.empty() ? "{ " : ", ") + quoted(word) + " = " + toml_of(value, key + "." + word);
+        out += (out.empty() ? "{ " : ", ") + toml_string(word) + " = " + toml_of(value, key + "." + word);
     }
     return out.empty() ? "{}" : out + " }";
 }
@@ -46,7 +46,7 @@ bool is_bare(std::string_view key) {
 
 std::string toml_of(const py::handle& value, const std::string& key) {
     if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
-    if (py::isinstance<py::str>(value)) return quoted(value.cast<std::string>());
+    if (py::isinstance<py::str>(value)) return toml_string(value.cast<std::string>());
     if (py::isinstance<py::dict>(value)) return table_of(py::reinterpret_borrow<py::dict>(value), key);
     if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) return list_of(value, key);
     if (PyIndex_Check(value.ptr())) {  // int, and whole numbers of numpy
@@ -58,7 +58,7 @@ std::string toml_of(const py::handle& value, const std::string& key) {
         return py::str(number);
     }
     if (py::hasattr(value, "__fspath__"))
-        return quoted(py::str(value.attr("__fspath__")()).cast<std::string>());
+        return toml_string(py::str(value.attr("__fspath__")()).cast<std::string>());
     if (py::hasattr(value, "__float__") && !py::hasattr(value, "__len__")) {
         const double number = py::float_(py::reinterpret_borrow<py::object>(value));
         return fmt::format("{}", number);
@@ -73,7 +73,7 @@ std::string toml_text_of(const py::dict& dict) {
     std::string text;
     for (const auto& [name, value] : dict) {
         const std::string key = py::str(name);
-        text += fmt::format("{} = {}\n", is_bare(key) ? key : quoted(key), toml_of(value, key));
+        text += fmt::format("{} = {}\n", is_bare(key) ? key : toml_string(key), toml_of(value, key));
     }
     return text;
 }

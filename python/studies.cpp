@@ -127,7 +127,7 @@ std::shared_ptr<CalibrationObject> run_calibrate(const SceneObject& scene, const
     return made;
 }
 
-void write(CalibrationObject& self, const fs::path& directory) {
+void write_directory(CalibrationObject& self, const fs::path& directory) {
     if (self.scene.file == dict_name)
         throw UsageError(
             "to_dir: the scene is a dict (the calibrated scene names the file that it is based on), write "
@@ -168,7 +168,7 @@ void bind_calibrate(py::module_& module) {
                 return from_json(calibration_json(self.calibration, self.scene, self.tests));
             },
             "All of calibration.json as a dict.")
-        .def("to_dir", &write, py::arg("directory"),
+        .def("to_dir", &write_directory, py::arg("directory"),
              "Writes calibrated.toml, the report and calibration.json, as `twinchute calibrate --out`.")
         .def("__str__", [](const CalibrationObject& self) {
             return calibration_text(self.calibration, self.scene, self.tests, {});

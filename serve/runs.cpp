@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "compare/parallel.hpp"
 #include "compare/report/html.hpp"
 #include "compare/report/write_report.hpp"
 #include "compare/tolerances.hpp"
@@ -57,7 +58,7 @@ std::string_view state_name(RunState state) {
 }
 
 int page_threads() {
-    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
+    return std::max(1, compare::processors() - 1);
 }
 
 BackgroundRun::BackgroundRun(std::string id, RunKind kind, Scene scene, const Models& models,

@@ -9,7 +9,7 @@
 #include <memory>
 #include <set>
 
-#include "compare/validate/parallel.hpp"
+#include "compare/parallel.hpp"
 #include "lib/cli/command.hpp"
 #include "lib/scene/scene_error.hpp"
 

@@ -10,9 +10,6 @@
 namespace twinchute::compare {
 namespace {
 
-/// Below this share of the reference a gap is nothing to explain, and a term nothing to name.
-constexpr double negligible = 1e-4;
-
 /// Terms that a sentence names: no more, and none below this share of the largest.
 constexpr std::size_t most_named = 3;
 constexpr double worth_naming = 0.2;

@@ -9,6 +9,9 @@
 
 namespace twinchute::compare {
 
+/// Share of the reference below which a gap is nothing to explain, and a term nothing to name or to draw.
+constexpr double negligible = 1e-4;
+
 /// The metric in the units chosen.
 MetricAttribution shown_metric(MetricAttribution metric);
 

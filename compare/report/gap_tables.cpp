@@ -173,8 +173,7 @@ Table test_table(const Comparison& comparison) {
     table.add_numbers({"largest", sides[0]->fidelity, sides[1]->fidelity});
     for (const TestScore& score : test_scores(*comparison.test, sides)) {
         std::vector<Cell>& cells = table.rows.emplace_back();
-        cells = {score.row->title,
-                 readable(shown(score.largest, score.row->unit).value) + spaced_unit(score.row->unit)};
+        cells = {score.row->title, with_unit(score.largest, score.row->unit)};
         for (const std::optional<double>& l2 : score.l2)
             cells.emplace_back(l2 ? share_text(*l2, false) : "-");
     }

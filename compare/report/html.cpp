@@ -81,7 +81,7 @@ std::string whole_page(std::string_view name, const std::string& sections, const
                             base64(frames_bytes(page_frames(*shape))));
     page += script("dygraph.min.js");
     if (shape != nullptr) page += script("three.min.js") + script("OrbitControls.js");
-    page += script("clock.js") + script("charts.js");
+    page += script("shared.js") + script("clock.js") + script("charts.js");
     if (shape != nullptr) page += script("frames.js") + script("canopy.js");
     return page + "</body>\n</html>\n";
 }

@@ -15,9 +15,6 @@
 namespace twinchute::compare {
 namespace {
 
-/// Below this share of the reference an effect draws no bar.
-constexpr double negligible = 1e-4;
-
 std::string effect_text(double effect, const MetricAttribution& metric, const std::string& unit) {
     return signed_text(effect, std::max(std::abs(metric.candidate), std::abs(metric.reference))) + unit;
 }

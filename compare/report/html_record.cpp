@@ -19,10 +19,6 @@ constexpr std::array<std::string_view, 8> on_cards{"peak_force",     "filling_ti
                                                    "descent_rate",   "drift",        "landing_vertical_speed",
                                                    "landing_energy", "flight_time"};
 
-std::string with_unit(double value, std::string_view si_unit) {
-    return readable(shown(value, si_unit).value) + spaced_unit(si_unit);
-}
-
 std::string kind_text(const Metric& metric) {
     return metric.kind == MetricKind::result ? "" : std::string(metric_kind_name(metric.kind));
 }

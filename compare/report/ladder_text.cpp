@@ -27,13 +27,13 @@ std::string status_text(const LevelResult& result) {
     return result.level.given ? status + ", as given" : status;
 }
 
-std::string with_unit(double value, std::string_view unit) {
+std::string to_six_digits(double value, std::string_view unit) {
     return readable(value, 6) + (unit.empty() ? "" : " ") + std::string(unit);
 }
 
 std::string value_of(const LevelMetric* metric) {
     if (metric == nullptr) return "-";
-    std::string text = with_unit(metric->value, metric->row->unit);
+    std::string text = to_six_digits(metric->value, metric->row->unit);
     if (metric->low != metric->high)
         text += fmt::format(" ({} to {})", readable(metric->low, 4), readable(metric->high, 4));
     return text;
@@ -68,7 +68,7 @@ std::string test_text(const Ladder& ladder) {
                                    clean_text(ladder.test->file));
     for (const TestValue& measured : ladder.test->values)
         text += fmt::format("{}{} {}", &measured == &ladder.test->values.front() ? "" : ", ",
-                            measured.row->title, with_unit(measured.value, measured.row->unit));
+                            measured.row->title, to_six_digits(measured.value, measured.row->unit));
     return text +
            "). It holds errors of numbers, of the model and of\nthe test, and is kept apart from all of "
            "them. ";
@@ -122,7 +122,7 @@ Table references_table(const Ladder& ladder, bool all) {
         if (!all && std::ranges::count(ladder.judged, reference.row->name) == 0) continue;
         const std::string note = reference.kind == MetricKind::input ? " (an input: it has no error)" : "";
         table.rows.push_back({reference.fidelity, reference.row->title,
-                              with_unit(reference.value, reference.row->unit), reference.how + note});
+                              to_six_digits(reference.value, reference.row->unit), reference.how + note});
     }
     return table;
 }

@@ -52,7 +52,7 @@ std::string test_section(const Comparison& comparison) {
                markdown_text(comparison.test->file));
 }
 
-std::string attribution_section(const Comparison& comparison) {
+std::string why_section(const Comparison& comparison) {
     if (!comparison.attribution) return {};
     const Attribution& attribution = *comparison.attribution;
     std::string text = "## Why\n\n";
@@ -125,7 +125,7 @@ std::string report_markdown(const Comparison& comparison) {
         text += fmt::format("- {}\n", markdown_text(fill));
     }
     if (!units_remark().empty()) text += fmt::format("- units: {}\n", units_remark());
-    text += "\n" + metrics_section(comparison) + "\n" + attribution_section(comparison);
+    text += "\n" + metrics_section(comparison) + "\n" + why_section(comparison);
     text += "## Curves\n\n![Opening force against time](force.svg)\n\n![Speed against time](speed.svg)\n\n";
     text +=
         histories_section(comparison.gap) + test_section(comparison) + cost_section(comparison, sides) + "\n";

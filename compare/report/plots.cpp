@@ -107,9 +107,7 @@ void show_in_units(Plot& plot, std::string_view si_unit) {
 }
 
 void say_spike(Plot& plot, const std::optional<double>& spike, std::string_view si_unit) {
-    if (spike)
-        plot.subtitle += fmt::format("; a spike of {}{} is cut off", readable(shown(*spike, si_unit).value),
-                                     spaced_unit(si_unit));
+    if (spike) plot.subtitle += fmt::format("; a spike of {} is cut off", with_unit(*spike, si_unit));
 }
 
 /// Changes the unit from N to kN where forces are that large, or to that of the units chosen.
@@ -142,7 +140,7 @@ std::string force_svg(const PageSides& sides, const DropTestHistories* test) {
         if (delay) last = std::max(last, at);
         highest = std::max(highest, peak.value_or(0));
         if (const Event* open = opening(record)) last = std::max(last, open->time);
-        if (peak) peaks[s] = fmt::format(": peak {}{}", readable(shown(*peak, "N").value), spaced_unit("N"));
+        if (peak) peaks[s] = ": peak " + with_unit(*peak, "N");
         if (peak && delay) peaks[s] += fmt::format(" at {:.2f} s", at);
     }
     Plot plot = channel_plot(sides, test, "force", peaks);
@@ -178,8 +176,7 @@ std::string speed_svg(const PageSides& sides, const DropTestHistories* test) {
     std::array<std::string, 2> rates;
     for (std::size_t s = 0; s < sides.size(); ++s)
         if (const auto rate = sides[s].record->metric("descent_rate_m_s"))
-            rates[s] =
-                fmt::format(": descends at {}{}", readable(shown(*rate, "m/s").value, 3), spaced_unit("m/s"));
+            rates[s] = ": descends at " + with_unit(*rate, "m/s", 3);
     Plot plot = channel_plot(sides, test, "speed", rates);
     plot.title = "Speed of the payload";
     show_in_units(plot, "m/s");

@@ -13,10 +13,6 @@
 namespace twinchute::compare {
 namespace {
 
-std::string with_unit(double value, std::string_view unit) {
-    return readable(shown(value, unit).value) + spaced_unit(unit);
-}
-
 constexpr double rounding = 1e-9;  // [-] of what it comes from: nothing but for rounding
 
 /// Number of digits after the point with which a value has `significant` ones.

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "compare/parallel.hpp"
 #include "compare/validate/case_scene.hpp"
-#include "compare/validate/parallel.hpp"
 #include "compare/validate/series_run.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/scene/keys.hpp"

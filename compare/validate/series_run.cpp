@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/validate/parallel.hpp"
+#include "compare/parallel.hpp"
 #include "lib/cli/exit_code.hpp"
 #include "lib/record/metrics.hpp"
 #include "lib/scene/keys.hpp"

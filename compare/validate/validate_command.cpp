@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
-#include <thread>
 #include <utility>
 
+#include "compare/parallel.hpp"
 #include "compare/validate/report.hpp"
 #include "compare/validate/run_suite.hpp"
 #include "compare/validate/scatter_plot.hpp"
@@ -84,11 +84,10 @@ void add_files(FileBatch& batch, const Validation& validation, const std::filesy
 ExitCode run_validate(const std::vector<const Fidelity*>& fidelities, const Calibrator& calibrate,
                       const Arguments& arguments) {
     const std::vector<ValidationSuite> suites = suites_of(arguments);
-    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     ValidationOptions options;
     options.quick = arguments.has("quick");
     options.calibrate = calibrate;
-    options.threads = whole_number(arguments, "threads", cores, 256, 2);
+    options.threads = whole_number(arguments, "threads", processors(), 256, 2);
     const std::filesystem::path directory = arguments.value("out").value_or("validate.out");
     check_output_dir(directory);
     const Interrupt interrupt;  // until the files are safe

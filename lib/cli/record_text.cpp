@@ -73,13 +73,11 @@ std::string filling_text(const PredictedFilling& filling, std::string_view whose
     const auto value = [](const std::optional<double>& number) {
         return number ? readable(*number, 3) : std::string("-");
     };
-    std::string text = fmt::format(
-        "filling   {}{}, initial mouth {:g}, entrance loss {:g}; {}\n", whose, printable(filling.model),
-        filling.initial_mouth, filling.entrance_loss,
-        filling.critical_speed
-            ? fmt::format("squids above {}{}", readable(shown(*filling.critical_speed, "m/s").value, 3),
-                          spaced_unit("m/s"))
-            : std::string("squids at no subsonic speed"));
+    std::string text =
+        fmt::format("filling   {}{}, initial mouth {:g}, entrance loss {:g}; {}\n", whose,
+                    printable(filling.model), filling.initial_mouth, filling.entrance_loss,
+                    filling.critical_speed ? "squids above " + with_unit(*filling.critical_speed, "m/s", 3)
+                                           : std::string("squids at no subsonic speed"));
     for (const PredictedFilling::At& at : filling.bracket)
         text +=
             fmt::format("bracket   {}initial mouth {:g}: t_f = {} s, n = {}, peak force {}{} ({})\n", whose,
@@ -108,9 +106,8 @@ std::string uncalibrated_text(const RunRecord& record) {
     for (const char* key : {"peak_force_N", "time_to_peak_force_s", "descent_rate_m_s"})
         if (const auto metric = std::ranges::find(record.uncalibrated->metrics, key, &Metric::key);
             metric != record.uncalibrated->metrics.end())
-            text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", metric_words(key),
-                                readable(shown(metric->value, split_metric_key(key).unit).value, 4),
-                                spaced_unit(split_metric_key(key).unit));
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", metric_words(key),
+                                with_unit(metric->value, split_metric_key(key).unit));
     return text.empty() ? text : fmt::format("without   {}\n", text);
 }
 

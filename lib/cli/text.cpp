@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "lib/record/display_units.hpp"
+
 namespace twinchute {
 namespace {
 
@@ -74,6 +76,10 @@ std::string readable(double value, int digits) {
     std::string text = fmt::format("{:.{}f}", value, std::max(0, digits - 1 - power));
     if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
     return text;
+}
+
+std::string with_unit(double value, std::string_view si_unit, int digits) {
+    return readable(shown(value, si_unit).value, digits) + spaced_unit(si_unit);
 }
 
 std::string Style::paint(std::string_view text, Colour wanted) const {

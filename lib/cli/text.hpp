@@ -19,6 +19,9 @@ std::size_t columns_of(std::string_view text);
 /// "0.0123".
 std::string readable(double value, int digits = 4);
 
+/// A value in SI as the units chosen show it, with its unit: "4952 N".
+std::string with_unit(double value, std::string_view si_unit, int digits = 4);
+
 enum class Colour { none, bold, dim, red, green, yellow };
 
 /// Whether and how to colour.

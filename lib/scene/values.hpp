@@ -44,8 +44,6 @@ public:
 
     /// Given, by the scene or a design: not a default.
     bool given(std::string_view path) const;
-    /// Given or defaulted; keys of a model that was not chosen are neither.
-    bool is_effective(std::string_view path) const { return values_.contains(path); }
     /// The table of optional physics is present.
     bool has_table(std::string_view path) const;
     /// From a design file, or from a type's.

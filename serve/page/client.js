@@ -41,16 +41,6 @@ const serve = {
         made.append(...children.filter((child) => child !== null && child !== undefined));
         return made;
     },
-    colour(name) { return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim(); },
-    // The last place in a rising list that is not above the value; 0 where all are.
-    placeOf(list, value) {
-        let low = 0, high = list.length - 1;
-        while (low < high) {
-            const middle = (low + high + 1) >> 1;
-            if (list[middle] <= value) low = middle; else high = middle - 1;
-        }
-        return low;
-    },
     // Words and unit of a metric's key: peak_force_N.
     metric(key) {
         for (const [tail, unit] of [["_m_s", "m/s"], ["_N_s", "N s"], ["_N", "N"], ["_kPa", "kPa"], ["_m", "m"], ["_s", "s"], ["_g", "g"]])
@@ -58,14 +48,6 @@ const serve = {
         return {words: key.replaceAll("_", " "), unit: ""};
     },
     isNumber(value) { return typeof value === "number" && isFinite(value); },
-    number(value, digits) {
-        const size = Math.abs(value);
-        return (size >= 1e6 || (size > 0 && size < 1e-3) ? value.toExponential(2) : String(Number(value.toPrecision(digits || 4))));
-    },
-    readable(value, unit) {
-        if (!serve.isNumber(value)) return "\u2013";
-        return serve.number(value).replace("-", "\u2212") + (unit && unit !== "1" ? "\u00a0" + unit : "");
-    },
     // With its sign, to the digits that numbers of the size `of` are shown with.
     signed(value, of, unit) {
         if (!serve.isNumber(value)) return "\u2013";

@@ -45,7 +45,7 @@ serve.curves = (function () {
         return found;
     }
     function colours() {
-        return {colors: lines.map((line) => serve.colour(line.colour)), gridLineColor: serve.colour("grid"), axisLineColor: serve.colour("rule")};
+        return {colors: lines.map((line) => shared.colour(line.colour)), gridLineColor: shared.colour("grid"), axisLineColor: shared.colour("rule")};
     }
 
     function select(row) {
@@ -53,28 +53,19 @@ serve.curves = (function () {
         at = Math.min(Math.max(row, 0), times.length - 1);
         const time = times[at];
         cursor.value = at;
-        const words = serve.readable(time, "s");
+        const words = shared.readable(time, "s");
         cursor.setAttribute("aria-valuetext", words);
         document.getElementById("cursor-time").textContent = words;
         for (const [graph, readout, channel, unit] of graphs) {
             graph.setSelection(at);
-            const context = graph.canvas_ctx_, area = graph.getArea(), x = graph.toDomXCoord(time);
-            if (graph.getSelection() < 0) context.clearRect(0, 0, graph.width_, graph.height_);
-            if (x >= area.x && x <= area.x + area.w) {
-                context.save();
-                context.strokeStyle = serve.colour("ink");
-                context.beginPath();
-                context.moveTo(x, area.y);
-                context.lineTo(x, area.y + area.h);
-                context.stroke();
-                context.restore();
-            }
+            if (graph.getSelection() < 0) graph.canvas_ctx_.clearRect(0, 0, graph.width_, graph.height_);
+            shared.drawCursor(graph, time, 0);
             readout.textContent = "";
             for (const line of [...lines].reverse()) {
                 const history = shown[line.id] && shown[line.id].history, values = history && history[channel];
                 if (!values || !history.time.length || time > history.time[history.time.length - 1]) continue;
                 const label = serve.element("span", {className: "side line-" + line.id}, shown[line.id].label + " ");
-                readout.append(serve.element("span", {}, label, serve.readable(values[serve.placeOf(history.time, time)], unit)));
+                readout.append(serve.element("span", {}, label, shared.readable(values[shared.placeOf(history.time, time)], unit)));
             }
         }
     }
@@ -147,7 +138,7 @@ serve.curves = (function () {
             if (restyled) legend();
             described = words;
             cursor.max = Math.max(0, times.length - 1);
-            if (times.length) select(serve.placeOf(times, time));
+            if (times.length) select(shared.placeOf(times, time));
         },
         resize() { for (const [graph] of graphs) graph.resize(); },
     };

@@ -44,11 +44,11 @@ serve.results = (function () {
             const name = serve.element("th", {scope: "row"}, title);
             if (!serve.isNumber(value) && missing) name.append(serve.element("span", {className: "note"}, missing.why));
             else if (standing && standing.input_or_result === "input") name.append(serve.element("span", {className: "note"}, "of rom: an input" + (standing.note ? ", " + standing.note : "")));
-            const row = serve.element("tr", {}, name, cell(serve.element("strong", {}, serve.readable(value, unit))));
+            const row = serve.element("tr", {}, name, cell(serve.element("strong", {}, shared.readable(value, unit))));
             row.dataset.metric = key;
             if (sides.full) {
                 const full = sides.full.metrics[key];
-                row.append(cell(serve.readable(full, unit)));
+                row.append(cell(shared.readable(full, unit)));
                 if (sides.fullIsSame) {
                     const gap = full - value;
                     row.append(cell(serve.isNumber(gap) ? serve.signed(gap, full, unit) + (full !== 0 ? " (" + serve.percent(gap / Math.abs(full)) + ")" : "") : "\u2013"));
@@ -56,11 +56,11 @@ serve.results = (function () {
             }
             if (sides.before) {
                 const before = sides.before.metrics[key];
-                row.append(cell(serve.readable(before, unit), "number dim"));
+                row.append(cell(shared.readable(before, unit), "number dim"));
                 const change = serve.isNumber(value) && serve.isNumber(before) ? value - before : NaN;
                 row.append(cell(serve.isNumber(change) && before !== 0 ? serve.percent(change / Math.abs(before)) : serve.signed(change, before, unit), "number dim"));
             }
-            if (sides.kept) row.append(cell(serve.readable(sides.kept.metrics[key], unit)));
+            if (sides.kept) row.append(cell(shared.readable(sides.kept.metrics[key], unit)));
             body.append(row);
         }
         table.replaceChildren(head(...columns), body);
@@ -72,11 +72,11 @@ serve.results = (function () {
         for (const [key, title, unit, metric, alone, factor] of limits) {
             const limit = inputs[key] && inputs[key].value;
             if (!serve.isNumber(limit)) continue;
-            const row = serve.element("tr", {}, serve.element("th", {scope: "row"}, title), cell(serve.readable(limit, unit)));
+            const row = serve.element("tr", {}, serve.element("th", {scope: "row"}, title), cell(shared.readable(limit, unit)));
             for (const summary of full ? [rom, full] : [rom]) {
                 const found = serve.isNumber(summary.metrics[metric]) ? summary.metrics[metric] : summary.metrics[alone];
                 const value = serve.isNumber(found) ? found * factor : NaN, margin = (limit - value) / limit;
-                row.append(cell(serve.readable(value, unit)));
+                row.append(cell(shared.readable(value, unit)));
                 row.append(cell(!serve.isNumber(value) ? "the run has none" : chip(margin >= 0,
                     margin >= 0 ? (100 * margin).toPrecision(3) + " % below" : (-100 * margin).toPrecision(3) + " % above"), ""));
             }
@@ -93,7 +93,7 @@ serve.results = (function () {
         for (const estimate of summary.estimates || []) {
             const row = serve.element("tr", {},
                 serve.element("th", {scope: "row"}, estimate.title, serve.element("span", {className: "note"}, estimate.source)),
-                cell(serve.readable(estimate.value, "N")), cell(serve.isNumber(peak) && peak > 0 ? serve.percent((estimate.value - peak) / peak) : "\u2013"),
+                cell(shared.readable(estimate.value, "N")), cell(serve.isNumber(peak) && peak > 0 ? serve.percent((estimate.value - peak) / peak) : "\u2013"),
                 serve.element("td", {}, estimate.outside ? "\u2717 does not hold: " + estimate.outside : "\u2713 holds"));
             if (estimate.outside) row.className = "repeated";
             body.append(row);
@@ -128,9 +128,9 @@ serve.results = (function () {
         for (const metric of judged) {
             const tolerance = metric.tolerance;
             rows.append(serve.element("tr", {}, serve.element("th", {scope: "row"}, metric.name.replaceAll("_", " ")),
-                cell(serve.readable(metric.candidate, metric.unit)), cell(serve.readable(metric.reference, metric.unit)),
+                cell(shared.readable(metric.candidate, metric.unit)), cell(shared.readable(metric.reference, metric.unit)),
                 cell(serve.signed(-metric.difference, metric.reference, metric.unit) + (serve.isNumber(metric.relative) ? " (" + serve.percent(-metric.relative) + ")" : "")),
-                cell(tolerance ? "\u00b1" + (tolerance.relative ? serve.number(100 * tolerance.value) + "\u00a0%" : serve.readable(tolerance.value, metric.unit)) : "\u2013"),
+                cell(tolerance ? "\u00b1" + (tolerance.relative ? shared.number(100 * tolerance.value) + "\u00a0%" : shared.readable(tolerance.value, metric.unit)) : "\u2013"),
                 cell(["within", "exceeded"].includes(metric.verdict) ? chip(metric.verdict === "within", metric.verdict) : metric.verdict, "")));
         }
         const table = serve.element("table", {}, serve.element("caption", {}, "Differences are full minus rom; per cents are shares of full."),
@@ -153,9 +153,9 @@ serve.results = (function () {
             }
             const limit = (name) => one.limits && one.limits.find((each) => each.name === name);
             rows.append(serve.element("tr", {className: one.best ? "judged" : ""}, serve.element("th", {scope: "row"}, one.type || "as in the scene"),
-                ...varied.map((name) => cell(one.varied && one.varied[name] ? serve.readable(one.varied[name].value, one.varied[name].unit) : "\u2013")),
-                ...limited.map((name) => cell(limit(name) ? serve.readable(limit(name).value, limit(name).unit) + ", " + serve.number(100 * limit(name).used, 3) + "\u00a0%" : "\u2013")),
-                cell(serve.readable(one.parachute_mass_kg, "kg")),
+                ...varied.map((name) => cell(one.varied && one.varied[name] ? shared.readable(one.varied[name].value, one.varied[name].unit) : "\u2013")),
+                ...limited.map((name) => cell(limit(name) ? shared.readable(limit(name).value, limit(name).unit) + ", " + shared.number(100 * limit(name).used, 3) + "\u00a0%" : "\u2013")),
+                cell(shared.readable(one.parachute_mass_kg, "kg")),
                 cell(chip(one.meets, one.meets ? (one.best ? "best" : "meets") : one.why_not ? "no: " + one.why_not : "no"), ""), serve.element("td", {}, button)));
         }
         document.getElementById("sizing-table").replaceChildren(

@@ -25,7 +25,7 @@ serve.runs = (function () {
         if (!info) return "starting";
         if (info.state === "running") {
             const share = serve.isNumber(info.share) ? Math.round(100 * info.share) + " %" : "";
-            return ["running", info.stage, serve.isNumber(info.time) ? serve.readable(info.time, "s") : "", share].filter(Boolean).join(", ");
+            return ["running", info.stage, serve.isNumber(info.time) ? shared.readable(info.time, "s") : "", share].filter(Boolean).join(", ");
         }
         const error = info.error ? ": " + (info.error.message || info.error) : "";
         const status = info.summary && info.summary.status && info.summary.status.code !== "completed" ? ", " + info.summary.status.code.replaceAll("_", " ") : "";

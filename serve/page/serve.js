@@ -150,8 +150,8 @@
         showError();
         showCases(result.cases || []);
         draw();
-        const cost = summary.cost && serve.isNumber(summary.cost.wall_s) ? "run in " + serve.number(1000 * summary.cost.wall_s, 2) + " ms, " : "";
-        serve.say("reduced-order model: " + summary.status.code.replaceAll("_", " ") + ", " + cost + "answered in " + serve.number(took, 2) + " ms");
+        const cost = summary.cost && serve.isNumber(summary.cost.wall_s) ? "run in " + shared.number(1000 * summary.cost.wall_s, 2) + " ms, " : "";
+        serve.say("reduced-order model: " + summary.status.code.replaceAll("_", " ") + ", " + cost + "answered in " + shared.number(took, 2) + " ms");
         document.dispatchEvent(new CustomEvent("redrawn", {detail: {since: since, took: performance.now() - since}}));
     }
 

@@ -40,9 +40,9 @@ serve.shape = (function () {
         const t = shape.triangles, order = [];
         for (let k = 0; k < t.length; k += 3) order.push([near[t[k]] + near[t[k + 1]] + near[t[k + 2]], k]);
         order.sort((a, b) => a[0] - b[0]);
-        const fabric = Array.from({length: shades}, (_, i) => serve.colour("fabric-" + i));
+        const fabric = Array.from({length: shades}, (_, i) => shared.colour("fabric-" + i));
         // Lines hang below the fabric, which hides their upper ends from most sides: they are drawn first.
-        context.strokeStyle = serve.colour("line");
+        context.strokeStyle = shared.colour("line");
         context.lineWidth = 0.8;
         context.beginPath();
         for (const cable of shape.cables) {
@@ -67,7 +67,7 @@ serve.shape = (function () {
             context.fill();
             context.stroke();  // no seams of background between triangles
         }
-        context.fillStyle = serve.colour("ink");
+        context.fillStyle = shared.colour("ink");
         context.beginPath();
         context.arc(x[shape.payload], y[shape.payload], 4, 0, 2 * Math.PI);
         context.fill();

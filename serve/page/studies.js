@@ -5,7 +5,7 @@ serve.studies = (function () {
     const is_campaign = /^\s*\[\s*campaign\s*\]/m;
     let calibration = null, campaign = null;  // that are shown
 
-    const interval = (pair, unit, scale) => pair.map((value) => serve.readable(value === null ? null : value * (scale || 1), "")).join(" to ") + (unit ? "\u00a0" + unit : "");
+    const interval = (pair, unit, scale) => pair.map((value) => shared.readable(value === null ? null : value * (scale || 1), "")).join(" to ") + (unit ? "\u00a0" + unit : "");
     const unit_of = (unit) => (unit && unit !== "1" ? unit : "");
     const table = (caption, head, rows) => serve.element("div", {className: "scroll", role: "region", "aria-label": caption, tabIndex: 0},
         serve.element("table", {}, serve.element("caption", {}, caption), head, serve.element("tbody", {}, ...rows)));
@@ -51,11 +51,11 @@ serve.studies = (function () {
         const said = serve.element("span", {role: "status", className: "quiet"}, run.info.scene_text ? "" : "The calibrated scene with its uncertainty can be saved where the scene's text is that of its file.");
         if (save) save.addEventListener("click", async () => { said.textContent = await actions.save(run.info.scene_text); });
         const inputs = Object.entries(study.parameters).map(([label, one]) => row(label,
-            results.cell(serve.readable(one.scene, unit_of(one.unit))), results.cell(serve.element("strong", {}, serve.readable(one.estimate, unit_of(one.unit)))),
+            results.cell(shared.readable(one.scene, unit_of(one.unit))), results.cell(serve.element("strong", {}, shared.readable(one.estimate, unit_of(one.unit)))),
             results.cell(one.held ? "\u2013" : interval(one.interval_95, unit_of(one.unit))), results.cell(remark(one), "")));
         const next = Object.entries(study.predictive).map(([key, band]) => {
             const metric = serve.metric(key);
-            return row(metric.words, results.cell(serve.readable(band.before, metric.unit)), results.cell(serve.element("strong", {}, serve.readable(band.estimate, metric.unit))),
+            return row(metric.words, results.cell(shared.readable(band.before, metric.unit)), results.cell(serve.element("strong", {}, shared.readable(band.estimate, metric.unit))),
                 results.cell(interval(band.interval_95, metric.unit)));
         });
         const names = study.tests.map((test) => test.name + (test.conditions.length ? " (with " + test.conditions.join(", ") + "; not among the points of the curves)" : ""));
@@ -76,17 +76,17 @@ serve.studies = (function () {
         const answers = study.answers.map((one) => {
             const paired = of_both[one.name] || one, scale = one.kind === "probability" ? 100 : 1, unit = one.kind === "probability" ? "%" : unit_of(one.unit);
             const verdict = paired.verdict;
-            return row(serve.element("span", {}, one.name, serve.element("span", {className: "note"}, one.kind + (one.level ? " of " + serve.number(100 * one.level) + "\u00a0%" : "") + ", " + one.asked)),
-                results.cell(serve.element("strong", {}, serve.readable(paired.estimate === null ? null : paired.estimate * scale, unit))),
-                results.cell(interval(paired.interval_95, unit, scale)), results.cell(serve.isNumber(one.limit) ? serve.readable(one.limit * scale, unit) : "\u2013"),
+            return row(serve.element("span", {}, one.name, serve.element("span", {className: "note"}, one.kind + (one.level ? " of " + shared.number(100 * one.level) + "\u00a0%" : "") + ", " + one.asked)),
+                results.cell(serve.element("strong", {}, shared.readable(paired.estimate === null ? null : paired.estimate * scale, unit))),
+                results.cell(interval(paired.interval_95, unit, scale)), results.cell(serve.isNumber(one.limit) ? shared.readable(one.limit * scale, unit) : "\u2013"),
                 results.cell(verdict in verdicts ? results.chip(verdicts[verdict], verdict) : verdict, ""));
         });
-        const runs = study.runs, notes = [serve.number(runs.complete, 9) + " of " + serve.number(runs.wanted, 9) + " runs came to their end, in " + serve.readable(study.cost.wall_s, "s") + ", " + study.engine];
+        const runs = study.runs, notes = [shared.number(runs.complete, 9) + " of " + shared.number(runs.wanted, 9) + " runs came to their end, in " + shared.readable(study.cost.wall_s, "s") + ", " + study.engine];
         for (const [status, failed] of Object.entries(study.failures))
-            notes.push(serve.number(failed.runs, 9) + " ended with " + status.replaceAll("_", " ") + ", run " + failed.first.slice(0, 3).join(", ") + (failed.first.length > 3 ? ", ..." : ""));
+            notes.push(shared.number(failed.runs, 9) + " ended with " + status.replaceAll("_", " ") + ", run " + failed.first.slice(0, 3).join(", ") + (failed.first.length > 3 ? ", ..." : ""));
         const metrics = Object.keys(study.sensitivity), rows = study.inputs.map((input) => row(input.key, results.cell(input.distribution, ""), ...metrics.map((metric) => {
             const index = study.sensitivity[metric][input.key], shown = index && (index.total || index.first_order);
-            return results.cell(shown ? serve.readable(shown.estimate, "") : "\u2013");
+            return results.cell(shown ? shared.readable(shown.estimate, "") : "\u2013");
         })));
         const kept = metrics.length ? [table("Share of each answer's variance that an input explains", results.head("Input", "distribution", ...metrics.map((key) => serve.metric(key).words)), rows)] : [];
         body.replaceChildren(...(study.status === "complete" ? [] : [alert("The campaign is " + study.status)]),

@@ -10,6 +10,7 @@
 
 #ifdef TWINCHUTE_HAS_CAMPAIGN
 #include "compare/gap.hpp"
+#include "compare/parallel.hpp"
 #include "compare/report/write_report.hpp"
 #include "lib/cli/interrupt.hpp"
 #include "lib/cli/output_dir.hpp"
@@ -64,8 +65,7 @@ CampaignSettings settings_of(const Arguments& arguments) {
     CampaignSettings settings;
     for (const std::string& text : arguments.values("set"))
         settings.overrides.push_back("--set " + text);
-    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    settings.threads = whole_number(arguments, "threads", cores, 1024, 2);
+    settings.threads = whole_number(arguments, "threads", compare::processors(), 1024, 2);
     if (const auto shard = arguments.value("shard")) read_shard(*shard, settings);
     if (const auto format = arguments.value("export"); format && *format != "csv")
         throw UsageError(

@@ -12,7 +12,7 @@ using compare::Cell;
 using compare::Table;
 using compare::Tone;
 
-std::string with_unit(double value, const std::string& unit) {
+std::string to_five_digits(double value, const std::string& unit) {
     return readable(value, 5) + (unit.empty() ? "" : " " + unit);
 }
 
@@ -64,7 +64,7 @@ std::string interval_text(const AnswerSpec& answer, const Interval& value) {
 std::string answer_number(const AnswerSpec& answer, double value) {
     if (!std::isfinite(value)) return "-";
     if (answer.kind == AnswerSpec::Kind::probability) return fmt::format("{:.4g} %", 100.0 * value);
-    return with_unit(value, answer.unit);
+    return to_five_digits(value, answer.unit);
 }
 
 Table answers_table(const Campaign& campaign) {
@@ -128,7 +128,7 @@ std::vector<std::string> answer_notes(const Campaign& campaign) {
         for (std::size_t i = 0; i < a.rare->inputs.size(); ++i)
             note += fmt::format("{} {} {}", i == 0 ? "; where it happens, on average" : ",",
                                 campaign.spec.inputs[i].key,
-                                with_unit(a.rare->inputs[i], campaign.spec.inputs[i].unit));
+                                to_five_digits(a.rare->inputs[i], campaign.spec.inputs[i].unit));
         if (a.rare->failed > 0)
             note += fmt::format("; {} of the runs failed and count as no hit", a.rare->failed);
         notes.push_back(std::move(note));

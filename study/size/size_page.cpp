@@ -39,7 +39,7 @@ Plot share_plot(const rom::VaryRow& row, const rom::Found& found, const std::sto
                                  compare::orange};
     Plot plot{
         .title = "Limits against the " + std::string(row.title),
-        .subtitle = fmt::format("found: {}{}", readable(shown(value, row.unit).value), spaced_unit(row.unit)),
+        .subtitle = "found: " + with_unit(value, row.unit),
         .x = {.label = fmt::format("{} [{}]", row.title, row.unit.empty() ? "-" : shown_unit(row.unit))},
         .y = {.label = "share of the limit used [-]", .from_zero = true},
         .series = {},

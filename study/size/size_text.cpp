@@ -129,8 +129,7 @@ Table limits_table(const Judged& judged) {
         const double over = 100.0 * (met.share() - 1.0);
         table.rows.push_back({met.row->title, readable(shown(met.value, met.row->unit).value),
                               shown_unit(met.row->unit), fmt::format("{:.1f} %", 100.0 * met.share()),
-                              fmt::format("of {}{}{}", readable(shown(met.limit, met.row->unit).value),
-                                          spaced_unit(met.row->unit),
+                              fmt::format("of {}{}", with_unit(met.limit, met.row->unit),
                                           met.share() > 1.0 ? fmt::format(": {:.3g} % too much", over)
                                           : &met == judged.binding() ? ", binds"
                                                                      : "")});

@@ -49,7 +49,7 @@ def cursor_is_linked(page):
     expect(all(a != b for a, b in zip(before, after)), f"pointing at one curve moves every read-out: {before} {after}")
     rows = page.ask("report.graphs.map(g => g.getSelection())")
     expect(len(set(rows)) == 1 and rows[0] > 0, f"all curves show one instant: {rows}")
-    value = page.ask("(() => { const c = report.data.channels[0]; return report.readable(c.values[1][report.row], c.unit); })()")
+    value = page.ask("(() => { const c = report.data.channels[0]; return shared.readable(c.values[1][report.row], c.unit); })()")
     expect(value in after[0], f"the read-out is the value there: {value} in {after[0]}")
     page.ask("document.getElementById('cursor').focus()")
     page.press("ArrowRight", 39)
@@ -105,12 +105,12 @@ def playback_shows_the_opening(page):
 def spikes_do_not_flatten(page):
     largest = page.ask("Math.max(...report.data.channels[0].values.flat().filter(v => v !== null))")
     peak = page.ask("(() => { const e = report.data.events.find(e => e.name === 'peak-force' && e.side === 1); "
-                    "return report.data.channels[0].values[1][report.placeOf(report.data.clock, e.time)]; })()")
+                    "return report.data.channels[0].values[1][shared.placeOf(report.data.clock, e.time)]; })()")
     top = page.ask("report.graphs[0].yAxisRange()[1]")
     expect(largest > 1.5 * peak, f"the snatch is a spike here: {largest} {peak}")
     expect(peak < top < 1.5 * peak, f"the plot has room for the peak, not for the spike: {peak} {top} {largest}")
     mark = page.ask("document.querySelector('[data-channel=force] .cut').textContent")
-    expect(page.ask(f"report.readable({largest}, 'N')") in mark, f"the plot says how high the spike is: {mark}")
+    expect(page.ask(f"shared.readable({largest}, 'N')") in mark, f"the plot says how high the spike is: {mark}")
     page.ask("document.getElementById('full-range').click()")
     expect(page.ask("report.graphs[0].yAxisRange()[1]") >= largest, "all of it is shown on request")
     page.ask("document.getElementById('full-range').click()")
@@ -173,7 +173,7 @@ def a_run_alone_is_drawn(page, style):
     after = readouts(page)
     expect(len(before) >= 3 and all(a != b for a, b in zip(before, after)), f"pointing at one curve moves every read-out: {before} {after}")
     expect(all("difference" not in words for words in after), f"a run alone differs from nothing: {after}")
-    expect(page.ask("report.graphs[0].getColors()[0] === report.colour('%s')" % style), f"the colour is that of {style}")
+    expect(page.ask("report.graphs[0].getColors()[0] === shared.colour('%s')" % style), f"the colour is that of {style}")
 
 
 AXE = None  # source of axe-core, where it is there

@@ -517,7 +517,7 @@ def dropped_campaign_is_run(page, twinchute, data, scene, work, axe):
     expect(set(shown) == set(answers), f"every question has its row: {shown}")
     for name, one in answers.items():
         scale = 100 if one["kind"] == "probability" else 1
-        expect(re.match(r"[-0-9.e]+", shown[name][1])[0] == page.ask(f"serve.number({one['estimate'] * scale!r})"), f"{name} is that of the command line: {shown[name]}")
+        expect(re.match(r"[-0-9.e]+", shown[name][1])[0] == page.ask(f"shared.number({one['estimate'] * scale!r})"), f"{name} is that of the command line: {shown[name]}")
     expect(shown["overload"][4] in ("\u2713 met", "\u2717 exceeded", "undecided"), f"a limit has its verdict: {shown['overload']}")
     drop(page, plan, scene)
     until(page, "!document.getElementById('run-error').hidden", "a campaign and something else at once are refused")

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/validate/parallel.hpp"
+#include "compare/parallel.hpp"
 #include "tests/support/synthetic_drop.hpp"
 
 namespace twinchute::test {

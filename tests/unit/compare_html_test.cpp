@@ -278,7 +278,7 @@ TEST(CompareHtml, AsksForNothingFromOutside) {
         EXPECT_EQ(text[at + reference.size()], '#') << text.substr(at, 80);
     EXPECT_GT(references, 0);
     // Addresses stand in the libraries as names of namespaces and of authors; here none fetches.
-    for (const char* own : {"report.css", "clock.js", "charts.js", "frames.js", "canopy.js"})
+    for (const char* own : {"report.css", "shared.js", "clock.js", "charts.js", "frames.js", "canopy.js"})
         for (const char* way : {"http:", "https:", "url(", "@import", "fetch(", "XMLHttpRequest", "import("})
             EXPECT_EQ(page_file(own).find(way), std::string_view::npos) << own << " " << way;
     EXPECT_EQ(page.find("sourceMappingURL"), page.npos);

@@ -108,7 +108,7 @@
     }
 
     function shapeAt(time) {
-        const i = Math.min(report.placeOf(times, time), times.length - 2), low = Math.max(0, i);
+        const i = Math.min(shared.placeOf(times, time), times.length - 2), low = Math.max(0, i);
         const a = shape.frames[low], b = shape.frames[Math.min(low + 1, shape.frames.length - 1)];
         const span = b.time - a.time, w = span > 0 ? Math.min(1, Math.max(0, (time - times[low]) / span)) : 0;
         for (let n = 0; n < place.length; ++n) place[n] = (1 - w) * a.place[n] + w * b.place[n];
@@ -193,7 +193,7 @@
             bar.className = "ramp";
             bar.style.background = "linear-gradient(90deg," + ramp.map((c) => "rgb(" + c.map((x) => Math.round(255 * x)) + ")") + ")";
             ends.className = "ends";
-            for (const end of ["0", report.readable(Number((most * report.data.stress.factor).toPrecision(2)), report.data.stress.unit)]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
+            for (const end of ["0", shared.readable(Number((most * report.data.stress.factor).toPrecision(2)), report.data.stress.unit)]) ends.append(Object.assign(document.createElement("span"), {textContent: end}));
             legend.append("first principal stress resultant", bar, ends);
         } else {
             foldNames.forEach((name, i) => {
@@ -252,7 +252,7 @@
     }
     new ResizeObserver(fit).observe(canvas);
     report.onScheme(() => {
-        const line = new THREE.Color(report.colour("line")), ink = new THREE.Color(report.colour("ink"));
+        const line = new THREE.Color(shared.colour("line")), ink = new THREE.Color(shared.colour("ink"));
         lines.material.color = line;
         tapes.material.color = ink;
         payload.material.color = ink;

@@ -49,7 +49,7 @@
             one.graph.updateOptions({valueRange: one.robust && !fullRange ? one.robust.range : null});
             one.mark.hidden = !one.robust || fullRange;
             one.mark.textContent = one.robust
-                ? "spike cut off: " + report.readable(one.robust.cut, one.unit) : "";
+                ? "spike cut off: " + shared.readable(one.robust.cut, one.unit) : "";
         }
         document.getElementById("full-range").hidden = !any;
         document.getElementById("cut-off").hidden = !any;
@@ -75,7 +75,7 @@
         for (const event of data.events) {
             const x = graph.toDomXCoord(event.time);
             if (x < area.x || x > area.x + area.w) continue;
-            context.strokeStyle = report.colour(style[event.side]);
+            context.strokeStyle = shared.colour(style[event.side]);
             context.globalAlpha = 0.55;
             context.beginPath();
             context.moveTo(x, area.y);
@@ -87,17 +87,7 @@
 
     // The cursor is a line through plot and difference alike.
     function drawCursor(graph) {
-        const context = graph.canvas_ctx_, area = graph.getArea();
-        if (report.row === undefined) return;
-        const x = graph.toDomXCoord(clock[report.row]);
-        if (x < area.x - 1 || x > area.x + area.w + 1) return;
-        context.save();
-        context.strokeStyle = report.colour("ink");
-        context.beginPath();
-        context.moveTo(x, area.y);
-        context.lineTo(x, area.y + area.h);
-        context.stroke();
-        context.restore();
+        if (report.row !== undefined) shared.drawCursor(graph, clock[report.row], 1);
     }
 
     function select(row) {
@@ -117,7 +107,7 @@
                 const item = document.createElement("span"), label = document.createElement("span");
                 label.className = kind;
                 label.textContent = name + " ";
-                item.append(label, report.readable(value, channel.unit));
+                item.append(label, shared.readable(value, channel.unit));
                 readout.append(item);
             };
             readout.textContent = "";
@@ -170,7 +160,7 @@
 
     function paint(graph, colours) {
         graph.updateOptions({
-            colors: colours.map(report.colour), gridLineColor: report.colour("grid"), axisLineColor: report.colour("rule"),
+            colors: colours.map(shared.colour), gridLineColor: shared.colour("grid"), axisLineColor: shared.colour("rule"),
         });
     }
 
@@ -194,7 +184,7 @@
         report.onScheme(() => paint(graph, order.map((side) => style[side]).concat(dots.map(() => "ink"))));
         // The peaks of the opening force, as they are events: the spike before them is the snatch.
         const peaks = channel.id !== "force" ? [] : data.events.filter((event) => event.name === "peak-force" && channel.values[event.side])
-            .map((event) => channel.values[event.side][report.placeOf(clock, event.time)] || 0);
+            .map((event) => channel.values[event.side][shared.placeOf(clock, event.time)] || 0);
         const marked = (element) => element.parentNode.insertBefore(
             Object.assign(document.createElement("p"), {className: "cut", hidden: true}), element);
         const keep = (of, element, lists, kept) => ranged.push({graph: of, lists: lists, kept: kept, unit: channel.unit, mark: marked(element)});
@@ -215,7 +205,7 @@
     const cursor = document.getElementById("cursor");
     cursor.max = clock.length - 1;
     cursor.addEventListener("input", () => point(Number(cursor.value)));
-    report.onTime((time, source) => { if (source !== "charts") select(report.placeOf(clock, time)); });
+    report.onTime((time, source) => { if (source !== "charts") select(shared.placeOf(clock, time)); });
     report.graphs = graphs;
     const wholeSpikes = document.getElementById("full-range");
     wholeSpikes.addEventListener("click", () => {
@@ -227,5 +217,5 @@
 
     // First at the reference's peak force: what everybody looks for.
     const peak = data.events.filter((event) => event.name === "peak-force").sort((a, b) => b.side - a.side)[0];
-    point(peak ? report.placeOf(clock, peak.time) : 0);
+    point(peak ? shared.placeOf(clock, peak.time) : 0);
 })();

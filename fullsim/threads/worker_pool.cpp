@@ -1,4 +1,4 @@
-#include "fullsim/storage/gore_batched/worker_pool.hpp"
+#include "fullsim/threads/worker_pool.hpp"
 
 #include <hwy/cache_control.h>
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "fullsim/storage/gore_batched/thread_count_tuner.hpp"
-#include "fullsim/storage/gore_batched/worker_pool.hpp"
+#include "fullsim/threads/thread_count_tuner.hpp"
+#include "fullsim/threads/worker_pool.hpp"
 
 namespace twinchute::fullsim {
 namespace {

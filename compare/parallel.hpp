@@ -10,6 +10,11 @@
 
 namespace twinchute::compare {
 
+/// Threads that this machine runs at once; 1 where it does not say.
+inline int processors() {
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 /// Calls work(i) for i = 0 ... count - 1, on `threads` threads at most, and throws what the first of them
 /// that failed threw. What the pieces write must not be shared.
 template <class Work>
