@@ -136,6 +136,10 @@ private:
             for (int row = rows_ - 1; row >= 0; --row)
                 around.push_back(node(arm, row, n));
             sew_tape(around, CableKind::skirt);
+            mesh_.cables.push_back({{node(arm, rows_, n), node((arm + 1) % arms, rows_, 0)},
+                                    outline_.tie,
+                                    1.0,
+                                    CableKind::skirt});
         }
     }
 

@@ -195,8 +195,9 @@ void check_gore(const Scene& scene, const Parachute& p, const Complain& complain
                                   fmt::format("the constructed shape of {} canopies is round", p.type->title),
                                   "take it out");
     }
-    if (p.arm_ratio && !(cross_arm_ratio(p) > 0.0))
-        return complain.about("parachute.arm_ratio", "there are no arms that it belongs to",
+    if ((p.arm_ratio || p.corner_tie > 0.0) && !(cross_arm_ratio(p) > 0.0))
+        return complain.about(p.arm_ratio ? "parachute.arm_ratio" : "parachute.corner_tie",
+                              "there are no arms that it belongs to",
                               p.mesh ? "parachute.mesh has its own shape" : "the canopy is no cross",
                               "take it out, or write type = \"cross\"");
     if (!p.panel.empty() && p.panel.size() != panel_count(p))

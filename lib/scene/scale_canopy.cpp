@@ -23,6 +23,7 @@ constexpr SizeRow size_rows[] = {
     {"parachute.vent_diameter", 1, &Parachute::vent_diameter},
     {"parachute.line_length", 1, &Parachute::line_length},
     {"parachute.riser_length", 1, &Parachute::riser_length},
+    {"parachute.corner_tie", 1, &Parachute::corner_tie},
     {"parachute.drag_area", 2, &Parachute::drag_area},
 };
 

@@ -32,7 +32,8 @@ Mesh built(const Scene& scene) {
 
 TEST(CrossMesh, HasTheAreaAndTheMassOfItsStrips) {
     // S0 = 2 w L - w^2 = pi/4 D0^2, by hand: L = D0 sqrt(pi/4/(2 r - r^2)), w = r L. Two strips have a tape
-    // of length L under each of their lines, the edge is 4 L long. Sums of some thousand terms: 1e-10.
+    // of length L under each of their lines, the edge is 4 L long, four ties are D0/6. Sums of some thousand
+    // terms: 1e-10.
     for (const double ratio : {0.264, 0.333, 0.6})
         for (const int lines : {8, 12, 28})
             for (const int columns : {2, 4}) {
@@ -51,7 +52,7 @@ TEST(CrossMesh, HasTheAreaAndTheMassOfItsStrips) {
                 EXPECT_NEAR(mesh.fabric_area(), S0, 1e-10 * S0);
                 const double cord = chute.line.density * 0.25 * pi * std::pow(chute.line.diameter, 2);
                 const double expected = chute.fabric.density * chute.fabric.thickness * S0 +
-                                        cord * (0.5 * lines * L + 4.0 * L + lines * (6.0 + 1.0));
+                                        cord * (0.5 * lines * L + 4.0 * L + 4.0 * 1.0 + lines * (6.0 + 1.0));
                 EXPECT_NEAR(mesh.parachute_mass(), expected, 1e-10 * expected);
                 double lumped = 0.0;
                 for (const double m : mesh.mass)
@@ -117,12 +118,13 @@ double largest_stretch(const Mesh& mesh) {
 }
 
 TEST(CrossMesh, IsDrawnOutWithoutStrain) {
-    for (const char* by : {"line-stretch", "inflated"}) {
-        const Scene scene = cross_scene({std::string("parachute.deploy.by=") + by});
+    // A narrow mouth, and two for which ties are taut.
+    for (const char* share : {"0.04", "0.3", "0.8"}) {
+        const Scene scene = cross_scene({std::string("parachute.initial_drag_area_ratio=") + share});
+        SCOPED_TRACE(share);
         const Parachute& chute = scene.parachutes.front();
-        const Inflation inflation;
         const Mesh mesh = unloaded_mesh(scene);
-        EXPECT_NEAR(largest_stretch(mesh), 1.0, 1e-12) << by;  // along the arms it is as long as it was cut
+        EXPECT_NEAR(largest_stretch(mesh), 1.0, 1e-12);  // along the arms it is as long as it was cut
         for (const Cable& c : mesh.cables) {
             const double length = (mesh.position[static_cast<std::size_t>(c.node[1])] -
                                    mesh.position[static_cast<std::size_t>(c.node[0])])
@@ -139,20 +141,26 @@ TEST(CrossMesh, IsDrawnOutWithoutStrain) {
             twice += p.x() * q.y() - p.y() * q.x();
         }
         const double mouth = mouth_area_at_line_stretch(chute);
-        EXPECT_NEAR(0.5 * twice, mouth, 1e-10 * mouth) << by;
+        EXPECT_NEAR(0.5 * twice, mouth, 1e-10 * mouth);
     }
 }
 
-TEST(CrossMesh, AMouthWiderThanTheCrossLeavesItFlat) {
-    const CrossOutline outline{1.0, 3.0, 4};
-    EXPECT_DOUBLE_EQ(outline.mouth(), 7.0);  // a square of 3 m less four corners of 1/2 m^2 each
+TEST(CrossMesh, IsFoldedAsAPyramidThatTiesCutOff) {
+    const CrossOutline loose{1.0, 3.0, 4, 10.0};
+    EXPECT_DOUBLE_EQ(loose.mouth(), 7.0);  // a square of 3 m less four corners of 1/2 m^2 each
     const std::vector<Vec3> flat{{1.5, 0.5, 9.0}, {0.0, -1.5, 9.0}};
-    const auto folded = folded_cross(outline, flat, 100.0);
-    EXPECT_EQ(folded[0], Vec3(1.5, 0.5, 0.0));
-    EXPECT_EQ(folded[1], Vec3(0.0, -1.5, 0.0));
+    const auto open = folded_cross(loose, flat, 100.0);
+    EXPECT_EQ(open[0], Vec3(1.5, 0.5, 0.0));
+    EXPECT_EQ(open[1], Vec3(0.0, -1.5, 0.0));
     // A quarter of the mouth: half as wide, cos 30 deg as deep as it is long.
-    const auto half = folded_cross(outline, flat, 1.75);
+    const auto half = folded_cross(loose, flat, 1.75);
     EXPECT_NEAR((half[0] - Vec3(0.75, 0.25, 1.5 * std::sqrt(0.75))).norm(), 0.0, 1e-15);
+    // Ties of sqrt(2)/2 m let arms of 1 m lead outward by 1/2, 60 deg down; the octagon of sides 1 and
+    // sqrt(2)/2 has 4 h^2 + 8 h c + 2 c^2 = 1 + 2 + 1/2 m^2 of mouth, and leaves the square flat.
+    const CrossOutline tied{1.0, 3.0, 4, std::sqrt(0.5)};
+    const auto box = folded_cross(tied, flat, 3.5);
+    EXPECT_NEAR((box[0] - Vec3(1.0, 0.5, std::sqrt(0.75))).norm(), 0.0, 1e-15);
+    EXPECT_NEAR((box[1] - Vec3(0.0, -1.0, std::sqrt(0.75))).norm(), 0.0, 1e-15);
 }
 
 TEST(CrossMesh, ScalesWithItsDiameter) {
@@ -162,6 +170,24 @@ TEST(CrossMesh, ScalesWithItsDiameter) {
         cross_outline(cross_scene({"parachute.nominal_diameter='12 m'"}).parachutes.front());
     EXPECT_NEAR(large.area(), 4.0 * small.area(), 1e-12 * large.area());
     EXPECT_NEAR(large.width / large.length, 0.3, 1e-15);
+}
+
+TEST(CrossMesh, TiesJoinTheCornersOfNeighbours) {
+    for (const double given : {0.0, 0.4}) {
+        Scene scene = cross_scene();
+        scene.parachutes.front().corner_tie = given;
+        const Mesh mesh = built(scene);
+        const std::vector<NodeIndex>& feet = mesh.seam_rings.back();
+        int found = 0;
+        for (const Cable& c : mesh.cables)
+            for (std::size_t arm = 0; arm < 4; ++arm)
+                if (c.node[0] == feet[6 * arm + 5] && c.node[1] == feet[(6 * arm + 6) % 24]) {
+                    ++found;
+                    EXPECT_EQ(c.kind, CableKind::skirt);
+                    EXPECT_EQ(c.rest_length, given > 0.0 ? given : 1.0);  // D0/6
+                }
+        EXPECT_EQ(found, 4);
+    }
 }
 
 TEST(CrossMesh, PanelsAreTheMiddleAndTheArms) {
@@ -216,6 +242,8 @@ TEST(CrossMesh, WhatItCannotDoIsRefusedByKey) {
     };
     EXPECT_NE(complaint({"parachute.arm_ratio=0.3"}).find("arm_ratio: there are no arms"), std::string::npos)
         << complaint({"parachute.arm_ratio=0.3"});
+    EXPECT_NE(complaint({"parachute.corner_tie=1"}).find("corner_tie: there are no arms"), std::string::npos)
+        << complaint({"parachute.corner_tie=1"});
     EXPECT_NE(complaint({"parachute.panel=[{}]"}).find("panel: 1 for 0 panels"), std::string::npos)
         << complaint({"parachute.panel=[{}]"});
 }
