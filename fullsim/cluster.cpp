@@ -20,7 +20,8 @@ constexpr double near_share = 0.005;  // of D0, within which nodes are looked at
 /// w [1/s] of contact between canopies: that of waves in taut fabric across an element of mean size. It costs
 /// some per cent of the step, and the fabric of a C-9 goes some millimetres behind the plane.
 double contact_frequency(const Mesh& mesh) {
-    const double wave = std::sqrt(mesh.fabric.youngs_modulus / mesh.fabric.density);
+    const Fabric& fabric = mesh.stiffest_fabric();
+    const double wave = std::sqrt(fabric.youngs_modulus / fabric.density);
     const double mean_area = mesh.fabric_area() / static_cast<double>(mesh.triangles.size());
     return wave / std::sqrt(4.0 / std::sqrt(3.0) * mean_area);
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fullsim/canopy/canopy_geometry.hpp"
+#include "fullsim/canopy/cross.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
@@ -41,6 +42,11 @@ constexpr std::string_view vtk_file = ".vtu", gmsh_file = ".msh";
 /// For Gmsh: the parachute as it is made.
 View view_for_gmsh(const Scene& scene, const fs::path& file) {
     const Parachute& chute = scene.parachutes.front();
+    if (cross_arm_ratio(chute) > 0.0)
+        throw UsageError(
+            fmt::format("{}: a Gmsh file has no cross (cables of a file are as long as their nodes lie "
+                        "apart, and those of a flat cross do not), name a .vtu file",
+                        scene.file.string()));
     const GoreOutline outline = canopy_geometry(chute).outline(chute);
     const double reach = outline.seam_point(outline.skirt).radius;
     if (!chute.mesh && chute.line_length <= reach)
@@ -49,6 +55,10 @@ View view_for_gmsh(const Scene& scene, const fs::path& file) {
                         "the axis to the "
                         "skirt at {:.4g} m), name a .vtu file",
                         scene.file.string(), chute.line_length, reach));
+    if (!built_mesh(scene).other_fabrics.empty())
+        throw UsageError(
+            fmt::format("{}: a Gmsh file has one fabric (parachute.panel names others), name a .vtu file",
+                        scene.file.string()));
     if (chute.vent_lines)
         throw UsageError(
             fmt::format("{}: a Gmsh file has no vent lines (cables of a file are as long as their nodes lie "
@@ -129,6 +139,7 @@ std::optional<std::string> note_of(const Parachute& chute) {
     if (const auto slots = smeared_slots(chute))
         return slots->what + ": " + slots->why + "; read back by parachute.mesh, the fabric is whole";
     if (const auto open = open_middle(chute)) return open->what + ": " + open->why;
+    if (const auto corners = open_corners(chute)) return corners->what + ": " + corners->why;
     if (const auto gaps = open_gaps(chute))
         return gaps->why + "; a canopy of several pieces is not read back by parachute.mesh";
     return std::nullopt;
@@ -196,6 +207,11 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
              : fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
         {"smallest edge", readable(s.smallest_edge), "m",
          fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(grading_of(scene)))}};
+    if (cross_arm_ratio(chute) > 0.0) {
+        const CrossOutline cross = cross_outline(chute);
+        sizes.rows.push_back({"strips", fmt::format("{} x {}", readable(cross.width), readable(cross.length)),
+                              "m", "two that cross, as cut"});
+    }
     for (const View& view : views) {
         const Vec3 size = bounding_size(view.mesh);
         sizes.rows.push_back(
@@ -228,6 +244,10 @@ ExitCode run_mesh(const Arguments& arguments) {
                 fmt::format("{}: no canopy is meshed for 'parachute.type' ({}), give parachute.mesh, "
                             "or run the scene with `twinchute rom`",
                             scene.file.string(), why));
+    for (const Scene& scene : scenes)
+        if (const auto refusals = cross_refusals(scene); !refusals.empty())
+            throw UsageError(fmt::format("{}: '{}' ({})", scene.file.string(), refusals.front().key,
+                                         refusals.front().why));
     if (arguments.has("check")) {
         say_valid(scenes, arguments);
         return ExitCode::done;

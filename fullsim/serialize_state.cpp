@@ -153,9 +153,13 @@ std::string mesh_digest(const Mesh& mesh) {
         for (const auto& corner : mesh.body->solid.tetrahedron)
             numbers.insert(numbers.end(), corner.begin(), corner.end());
     }
-    const Fabric& fabric = mesh.fabric;
-    numbers.insert(numbers.end(),
-                   {fabric.density, fabric.youngs_modulus, fabric.poisson_ratio, fabric.thickness});
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet) {
+        const Fabric& fabric = mesh.fabric_of(sheet);
+        numbers.insert(numbers.end(),
+                       {fabric.density, fabric.youngs_modulus, fabric.poisson_ratio, fabric.thickness});
+        for (std::size_t t = 0; sheet > 0 && t < mesh.triangles.size(); ++t)
+            if (mesh.triangles[t].sheet == sheet) numbers.push_back(static_cast<double>(t));
+    }
     for (const Cord& cord : mesh.cords)
         numbers.insert(numbers.end(), {cord.density, cord.youngs_modulus, cord.diameter});
     archive.numbers("mesh", numbers);

@@ -104,7 +104,7 @@ private:
         return edges_.get([this] { return fabric_edges(mesh_); });
     }
     /// [N]
-    double force(const FabricEdge& e) const { return fold_force(mesh_.fabric, e, resistance_); }
+    double force(const FabricEdge& e) const { return fold_force(mesh_.fabric_of(e.sheet), e, resistance_); }
 
     const Mesh& mesh_;
     double resistance_;  // [N/m]

@@ -46,26 +46,33 @@ public:
 class Membrane final : public ForceModel {
 public:
     Membrane(const Mesh& mesh, double bulk_viscosity)
-        : law_(membrane_law(mesh.fabric, bulk_viscosity)), triangles_(mesh.triangles), dummy_(mesh.dummy()) {}
+        : sheets_(static_cast<std::size_t>(mesh.sheets())), triangles_(mesh.triangles), dummy_(mesh.dummy()) {
+        for (std::size_t i = 0; i < sheets_.size(); ++i)
+            sheets_[i].law = membrane_law(mesh.fabric_of(static_cast<int>(i)), bulk_viscosity);
+        for (std::size_t i = 0; i < triangles_.size(); ++i)
+            sheets_[static_cast<std::size_t>(triangles_[i].sheet)].triangles.push_back(i);
+    }
 
     Block block() const override { return Block::membrane; }
     std::size_t elements() const override { return triangles_.size(); }
 
     void add_forces(State& state) const override {
-        sweep(state, groups_.get([this] { return make_groups(); }));
+        for (const Sheet& sheet : sheets_)
+            sweep(state, sheet.law, sheet.groups.get([&] { return make_groups(sheet); }));
     }
 
-    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const std::vector<TriangleGroup>& groups) const {
+    TWINCHUTE_FOR_EACH_CPU void sweep(State& state, const MembraneLaw& of_sheet,
+                                      const std::vector<TriangleGroup>& groups) const {
         const ElementSums sums = law::membrane_forces<true, AirOnFabric::none>(
             LanesView<MembraneElements>(state.node, state.force.view(), groups),
-            {law_, {}, 0.0, state.fe_weight});
+            {of_sheet, {}, 0.0, state.fe_weight});
         state.damping_power += sums.dissipated;
         state.largest.add_stress(state.fe_weight * sums.largest_load);
     }
 
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const Triangle& t : triangles_) {
-            const TriangleRows unstrained = unstrained_rows(law_, t);
+            const TriangleRows unstrained = unstrained_rows(law_of(t), t);
             const auto by = law::membrane_stiffening(as_scalar(strain_of(state, t)));
             const double stiffening = state.fe_weight * by.stiffness;
             const double elongation_rate = state.fe_weight * by.damping * unstrained.damping;
@@ -82,7 +89,7 @@ public:
     double energy(const State& state) const override {
         double total = 0.0;
         for (const Triangle& t : triangles_)
-            total += t.area() * membrane_energy(law_, strain_of(state, t));
+            total += t.area() * membrane_energy(law_of(t), strain_of(state, t));
         return state.fe_weight * total;
     }
 
@@ -100,24 +107,35 @@ public:
     std::string element_name(std::size_t i) const override { return fmt::format("fabric triangle {}", i); }
 
 private:
-    std::vector<TriangleGroup> make_groups() const {
+    /// Triangles of one fabric.
+    struct Sheet {
+        MembraneLaw law;
+        std::vector<std::size_t> triangles;  // indices, rising
+        GroupsOnDemand<TriangleGroup> groups;
+    };
+
+    const MembraneLaw& law_of(const Triangle& t) const {
+        return sheets_[static_cast<std::size_t>(t.sheet)].law;
+    }
+
+    std::vector<TriangleGroup> make_groups(const Sheet& sheet) const {
         std::vector<TriangleGroup> groups;
-        for (std::size_t first = 0; first < triangles_.size(); first += lane_count) {
+        for (std::size_t first = 0; first < sheet.triangles.size(); first += lane_count) {
             TriangleGroup g{};
             for (int k = 0; k < lane_count; ++k) {
-                if (first + k >= triangles_.size()) {  // padding: no area, no force, on the dummy node
+                if (first + k >= sheet.triangles.size()) {  // padding: no area, no force, on the dummy node
                     for (auto& corner : g.node)
                         corner[k] = dummy_;
                     continue;
                 }
-                const Triangle& t = triangles_[first + k];
+                const Triangle& t = triangles_[sheet.triangles[first + k]];
                 for (int corner = 0; corner < 3; ++corner)
                     g.node[corner][k] = t.node[corner];
                 g.inverse_a[k] = 1.0 / t.a;
                 g.inverse_c[k] = 1.0 / t.c;
                 g.b_over_a[k] = t.b / t.a;
                 g.area[k] = t.area();
-                g.viscosity[k] = law_.viscosity * element_length(t);
+                g.viscosity[k] = sheet.law.viscosity * element_length(t);
             }
             groups.push_back(g);
         }
@@ -131,10 +149,9 @@ private:
 
     static double first_principal(const PlaneTensor& e) { return law::principal(as_scalar(e)).first(); }
 
-    MembraneLaw law_;
+    std::vector<Sheet> sheets_;
     const std::vector<Triangle>& triangles_;
     NodeIndex dummy_;
-    GroupsOnDemand<TriangleGroup> groups_;
 };
 
 }  // namespace
@@ -158,6 +175,13 @@ MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity) {
     const double wave_speed = std::sqrt(fabric.youngs_modulus * plane / fabric.density);
     const double modulus = fabric.youngs_modulus * fabric.thickness;
     return {modulus, modulus * plane, nu, bulk_viscosity * fabric.density * fabric.thickness * wave_speed};
+}
+
+std::vector<MembraneLaw> membrane_laws(const Mesh& mesh, double bulk_viscosity) {
+    std::vector<MembraneLaw> laws;
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet)
+        laws.push_back(membrane_law(mesh.fabric_of(sheet), bulk_viscosity));
+    return laws;
 }
 
 PlaneTensor membrane_stress(const MembraneLaw& fabric, const PlaneTensor& strain, FabricState* state) {

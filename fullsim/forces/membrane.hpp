@@ -18,6 +18,9 @@ struct MembraneLaw {
 /// With density and wave speed c = sqrt(E/(rho (1 - nu^2))).
 MembraneLaw membrane_law(const Fabric& fabric, double bulk_viscosity);
 
+/// Laws of all sheets of a mesh.
+std::vector<MembraneLaw> membrane_laws(const Mesh& mesh, double bulk_viscosity);
+
 enum class FabricState { taut, wrinkled, slack };
 
 /// Green strain and second Piola-Kirchhoff stress resultant, components 11, 22, 12.

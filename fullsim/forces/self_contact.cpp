@@ -57,7 +57,8 @@ public:
     SelfContact(const Mesh& mesh, double friction)
         : mesh_(mesh),
           friction_(friction),
-          stiffness_(stiffness_share * mesh.fabric.youngs_modulus * mesh.fabric.thickness),
+          stiffness_(stiffness_share * mesh.stiffest_fabric().youngs_modulus *
+                     mesh.stiffest_fabric().thickness),
           neighbours_(static_cast<std::size_t>(mesh.node_count())) {
         const auto join = [&](NodeIndex a, NodeIndex b) {
             if (std::max(a, b) >= mesh_.node_count()) return;

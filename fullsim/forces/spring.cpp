@@ -37,7 +37,7 @@ class FabricSprings final : public ForceModel {
 public:
     FabricSprings(const Mesh& mesh, double repulsion, double bulk_viscosity, double beta)
         : repulsion_(repulsion),
-          fabric_(mesh.fabric),
+          mesh_(mesh),
           edges_(fabric_edges(mesh)),
           dummy_(mesh.dummy()),
           bulk_viscosity_(bulk_viscosity),
@@ -116,7 +116,7 @@ private:
     }
 
     SpringConstants constants(const FabricEdge& e) const {
-        return fabric_spring_constants(fabric_, e, bulk_viscosity_, beta_);
+        return fabric_spring_constants(mesh_.fabric_of(e.sheet), e, bulk_viscosity_, beta_);
     }
 
     static double strain(const State& state, const FabricEdge& e) {
@@ -125,7 +125,7 @@ private:
     }
 
     double repulsion_;  // of folded fabric over the stiffness in tension [-]
-    const Fabric& fabric_;
+    const Mesh& mesh_;
     std::vector<FabricEdge> edges_;
     NodeIndex dummy_;
     double bulk_viscosity_, beta_;  // [-], [s]
@@ -136,16 +136,20 @@ private:
 
 std::vector<FabricEdge> fabric_edges(const Mesh& mesh) {
     std::map<std::pair<NodeIndex, NodeIndex>, FabricEdge> found;
-    const auto add = [&](NodeIndex i, NodeIndex j, double length, double area) {
-        FabricEdge& e = found[std::minmax(i, j)];
-        e.node = {std::min(i, j), std::max(i, j)};
+    const auto add = [&](const Triangle& t, int i, int j, double length) {
+        FabricEdge& e = found[std::minmax(t.node[i], t.node[j])];
+        const Fabric& fabric = mesh.fabric_of(t.sheet);
+        if (e.rest_length == 0.0) e.sheet = t.sheet;
+        e.node = {std::min(t.node[i], t.node[j]), std::max(t.node[i], t.node[j])};
         e.rest_length = length;
-        e.section += mesh.fabric.thickness * area / length;
+        const double share =
+            t.sheet == e.sheet ? 1.0 : fabric.youngs_modulus / mesh.fabric_of(e.sheet).youngs_modulus;
+        e.section += share * fabric.thickness * t.area() / length;
     };
     for (const Triangle& t : mesh.triangles) {
-        add(t.node[0], t.node[1], t.a, t.area());
-        add(t.node[0], t.node[2], std::hypot(t.b, t.c), t.area());
-        add(t.node[1], t.node[2], std::hypot(t.b - t.a, t.c), t.area());
+        add(t, 0, 1, t.a);
+        add(t, 0, 2, std::hypot(t.b, t.c));
+        add(t, 1, 2, std::hypot(t.b - t.a, t.c));
     }
     std::vector<FabricEdge> edges;
     edges.reserve(found.size());
@@ -157,7 +161,7 @@ std::vector<FabricEdge> fabric_edges(const Mesh& mesh) {
     std::vector<double> fabric(count, 0.0), cables(count, 0.0);
     for (const FabricEdge& e : edges)
         for (const NodeIndex i : e.node)
-            fabric[i] += 2.0 * mesh.fabric.youngs_modulus * e.section / e.rest_length;
+            fabric[i] += 2.0 * mesh.fabric_of(e.sheet).youngs_modulus * e.section / e.rest_length;
     for (const Cable& c : mesh.cables)
         for (const NodeIndex i : c.node)
             if (i < mesh.node_count())  // not a place on a body

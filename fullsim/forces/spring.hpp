@@ -26,6 +26,8 @@ struct FabricEdge {
     double rest_length = 0.0;  ///< l0 [m]
     double section = 0.0;      ///< A_ij = t sum(A_T)/l0 over the triangles at the edge [m^2]
     double hardening = 1.0;    ///< H: stiffness at full_hardening_strain over the unstrained one [-]
+    /// Its fabric. An edge between two is one of the first, with such a section that E A is that of both.
+    int sheet = 0;
 };
 
 /// 1/l0 [1/m], EA [N], hardening coefficient [-], and (beta E/l0 + b1 rho c1) A [N s/m] with the wave speed

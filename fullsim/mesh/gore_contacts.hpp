@@ -29,7 +29,8 @@ struct ContactPair {
 template <class Visit>
 void for_each_contact(const Mesh& mesh, Visit&& visit) {
     constexpr double stiffness_share = 0.25;  // of E t
-    const double modulus = mesh.fabric.youngs_modulus * mesh.fabric.thickness;
+    const Fabric& fabric = mesh.stiffest_fabric();
+    const double modulus = fabric.youngs_modulus * fabric.thickness;
     const std::size_t gores = mesh.seam_rings.front().size();
     for (std::size_t gore = 0; gore < gores; ++gore)
         for (const auto& seams : mesh.seam_rings) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fullsim/canopy/canopy_geometry.hpp"
+#include "fullsim/mesh/rigging.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -35,7 +36,10 @@ public:
           outline_(geometry_.outline(chute)),
           grading_(meshed_grading(chute, counts)) {
         lay_out_rows();
-        mesh_.fabric = meshed_fabric(chute);
+        for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
+            sheets_.push_back(outline_.in_gap(0.5 * (rows_[row].seam + rows_[row + 1].seam))
+                                  ? sheets_.back()
+                                  : sheet_of(mesh_, meshed_fabric(chute, panel_of(rows_[row]))));
         mesh_.cords.fill(chute.line);
         for (const Tape& tape : geometry_.tapes)
             mesh_.cords[static_cast<std::size_t>(kind_of(tape.line))] = chute.tapes.*tape.cord;
@@ -50,8 +54,8 @@ public:
         mesh_.axis = axis;
         mesh_.line_stretch = 1.0 + load / (chute_.gores * chute_.line.axial_stiffness());
         const Vec3 across = axis.unitOrthogonal();
-        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric}), across,
-                     axis.cross(across), mesh_.vent_held_down);
+        place_canopy(geometry_.fold(outline_, rows_, {mouth_area, load, mesh_.fabric_of(sheets_.back())}),
+                     across, axis.cross(across), mesh_.vent_held_down);
         return build(payload_mass);
     }
 
@@ -130,6 +134,12 @@ private:
             rows_[nearest].seam = corner;
             before = nearest;
         }
+    }
+
+    /// Panel of the fabric below a row.
+    std::size_t panel_of(const NodeRow& row) const {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(outline_.corners, [&](double corner) { return corner <= row.seam; }));
     }
 
     NodeIndex canopy_node(int gore, int row, int column) const {
@@ -233,7 +243,8 @@ private:
             node[k] = canopy_node(gore, corner[k].row, corner[k].column);
             cut[k] << cut_point(outline_, rows_[corner[k].row], corner[k].column), 0.0;
         }
-        mesh_.triangles.push_back(laid_flat(node, cut));
+        Triangle& t = mesh_.triangles.emplace_back(laid_flat(node, cut));
+        t.sheet = sheets_[static_cast<std::size_t>(std::min({corner[0].row, corner[1].row, corner[2].row}))];
     }
 
     void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands) {
@@ -273,19 +284,6 @@ private:
                   reefing_line_length(chute_, 0) / chute_.gores, CableKind::skirt, 1.0);
     }
 
-    /// A chain of equal cables along a straight line, from a node to the node `to` at `end`.
-    void add_chain(NodeIndex from, NodeIndex to, const Vec3& end, double length, int elements, CableKind kind,
-                   double strands) {
-        const Vec3 start = mesh_.position[from];
-        for (int k = 1; k <= elements; ++k) {
-            const NodeIndex next = k < elements ? mesh_.node_count() : to;
-            if (k < elements)
-                mesh_.position.push_back(start + (end - start) * k / static_cast<double>(elements));
-            add_cable(from, next, length / elements, kind, strands);
-            from = next;
-        }
-    }
-
     void rig_lines() {
         const int lines_per_riser = chute_.gores / chute_.risers;
         const Vec3 link_place = link_height_ * mesh_.axis;
@@ -297,15 +295,9 @@ private:
         for (int gore = 0; gore < chute_.gores; ++gore)
             joints.push_back(rig_line(mesh_.seam_rings.back()[gore], first_link + gore / lines_per_riser));
         rig_vent_lines(joints);
-        mesh_.position.insert(mesh_.position.end(), chute_.risers, link_place);
-        // The payload is the last node: its number is known before it is placed.
-        const NodeIndex payload = mesh_.node_count() + chute_.risers * (counts_.riser_elements - 1);
         // As many strands as it carries lines, so that a riser is as strong as they are.
         const int tied_to_link = mesh_.vent_held_down && joint_elements() == counts_.line_elements ? 2 : 1;
-        for (int r = 0; r < chute_.risers; ++r)
-            add_chain(first_link + r, payload, Vec3::Zero(), chute_.riser_length, counts_.riser_elements,
-                      CableKind::riser, tied_to_link * lines_per_riser);
-        mesh_.position.push_back(Vec3::Zero());
+        hang_risers(mesh_, chute_, counts_, link_place, tied_to_link * lines_per_riser);
     }
 
     /// Elements of a suspension line from the skirt to the joint of a vent line.
@@ -325,15 +317,16 @@ private:
         const Vec3 end = link_height_ * mesh_.axis;
         const int below = counts_.line_elements - joint_elements();
         if (below == 0) {
-            add_chain(skirt, link, end, chute_.line_length, counts_.line_elements, CableKind::line, 1.0);
+            add_chain(mesh_, skirt, link, end, chute_.line_length, counts_.line_elements, CableKind::line,
+                      1.0);
             return link;
         }
         const double t = joint_share();
         const Vec3 place = (1.0 - t) * mesh_.position[static_cast<std::size_t>(skirt)] + t * end;
         const NodeIndex joint = mesh_.node_count() + joint_elements() - 1;
-        add_chain(skirt, joint, place, t * chute_.line_length, joint_elements(), CableKind::line, 1.0);
+        add_chain(mesh_, skirt, joint, place, t * chute_.line_length, joint_elements(), CableKind::line, 1.0);
         mesh_.position.push_back(place);
-        add_chain(joint, link, end, (1.0 - t) * chute_.line_length, below, CableKind::line, 1.0);
+        add_chain(mesh_, joint, link, end, (1.0 - t) * chute_.line_length, below, CableKind::line, 1.0);
         return joint;
     }
 
@@ -351,8 +344,8 @@ private:
             const bool at_link = joints[gore] >= mesh_.node_count();  // is not placed yet
             const Vec3 end = at_link ? Vec3(link_height_ * mesh_.axis)
                                      : mesh_.position[static_cast<std::size_t>(joints[gore])];
-            add_chain(vent[gore], joints[gore], end, vent_line_, vent_line_elements(), CableKind::vent_line,
-                      1.0);
+            add_chain(mesh_, vent[gore], joints[gore], end, vent_line_, vent_line_elements(),
+                      CableKind::vent_line, 1.0);
         }
     }
 
@@ -362,6 +355,7 @@ private:
     GoreOutline outline_;
     Grading grading_;
     std::vector<NodeRow> rows_;  // vent to skirt
+    std::vector<int> sheets_;    // of the fabric below each row but the last
     Mesh mesh_;
     double link_height_ = 0.0;  // [m] above the payload
     double vent_line_ = 0.0;    // [m] of each, as made
@@ -375,7 +369,7 @@ Mesh make_gore_mesh(const Parachute& chute, const MeshCounts& counts, double pay
 }
 
 Grading meshed_grading(const Parachute& chute, const MeshCounts& counts) {
-    return has_open_middle(chute) ? Grading::uniform : counts.grading;
+    return has_open_middle(chute) || cross_arm_ratio(chute) > 0.0 ? Grading::uniform : counts.grading;
 }
 
 Mesh make_constructed_mesh(const Parachute& chute, const MeshCounts& counts, double payload_mass) {

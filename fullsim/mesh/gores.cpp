@@ -32,6 +32,7 @@ public:
         gores_.count = static_cast<int>(mesh_.seam_rings.front().size());
         require(std::ranges::find(mesh_.cables, CableKind::vent_line, &Cable::kind) == mesh_.cables.end(),
                 "vent lines tie seams to lines or to each other");
+        require(mesh_.other_fabrics.empty(), "panels have fabrics of their own");
         require(gores_.count >= 3, "fewer than three gores are each other's neighbours on both sides");
         number_canopy();
         number_lines();

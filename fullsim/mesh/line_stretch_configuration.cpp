@@ -58,10 +58,9 @@ public:
             const double length = line_stretch * line.length();
             const double across = (skirt - link).head<2>().norm();
             if (!(across < length))
-                refuse(scene, "parachute.mesh",
+                refuse(scene, scene.parachutes.front().mesh ? "parachute.mesh" : "parachute.line_length",
                        fmt::format("a line of {:.4g} m does not reach the mouth", length),
-                       fmt::format("it lies {:.4g} m to the side of the link", across),
-                       "lengthen the lines of the mesh");
+                       fmt::format("it lies {:.4g} m to the side of the link", across), "lengthen the lines");
             apex = std::min(apex, link.z() + std::sqrt(length * length - across * across) + skirt.z());
         }
         for (NodeIndex i = 0; i < mesh_.canopy_nodes; ++i) {
@@ -98,6 +97,11 @@ private:
 };
 
 }  // namespace
+
+Mesh drawn_out_with(const ImportedMesh& parachute, const std::vector<Vec3>& canopy, const Scene& scene,
+                    const Vec3& axis, double load) {
+    return LineStretch(parachute, axis).folded(canopy, scene, load);
+}
 
 Mesh line_stretch_configuration(const ImportedMesh& imported, const Scene& scene, const Vec3& axis,
                                 double mouth_area, double load, bool inflated) {

@@ -13,4 +13,9 @@ namespace twinchute::fullsim {
 Mesh line_stretch_configuration(const ImportedMesh& imported, const Scene& scene, const Vec3& axis,
                                 double mouth_area, double load, bool inflated);
 
+/// Draws a parachute out along `axis` with its canopy in a given shape: nodes [m], axes as in CanopyNodes.
+/// Lines are straight as far as the shortest one allows.
+Mesh drawn_out_with(const ImportedMesh& parachute, const std::vector<Vec3>& canopy, const Scene& scene,
+                    const Vec3& axis, double load);
+
 }  // namespace twinchute::fullsim

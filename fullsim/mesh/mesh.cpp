@@ -29,7 +29,7 @@ std::vector<Vec3> BodyMesh::attachments() const {
 double Mesh::parachute_mass() const {
     double total = 0.0;
     for (const Triangle& t : triangles)
-        total += fabric.density * fabric.thickness * t.area();
+        total += fabric_of(t.sheet).density * fabric_of(t.sheet).thickness * t.area();
     for (std::size_t i = 0; i < cables.size(); ++i)
         total += cable_mass(i);
     return total;
@@ -46,13 +46,40 @@ double Mesh::fabric_area() const {
                            [](double sum, const Triangle& t) { return sum + t.area(); });
 }
 
+double Mesh::fabric_mass() const {
+    double total = 0.0;
+    for (int sheet = 0; sheet < sheets(); ++sheet) {
+        double area = 0.0;
+        for (const Triangle& t : triangles)
+            if (t.sheet == sheet) area += t.area();
+        total += fabric_of(sheet).density * fabric_of(sheet).thickness * area;
+    }
+    return total;
+}
+
+const Fabric& Mesh::stiffest_fabric() const {
+    const Fabric* most = &fabric;
+    for (const Fabric& other : other_fabrics)
+        if (other.youngs_modulus * other.thickness > most->youngs_modulus * most->thickness) most = &other;
+    return *most;
+}
+
+int sheet_of(Mesh& mesh, const Fabric& fabric) {
+    if (mesh.fabric == Fabric{}) mesh.fabric = fabric;
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet)
+        if (mesh.fabric_of(sheet) == fabric) return sheet;
+    mesh.other_fabrics.push_back(fabric);
+    return mesh.sheets() - 1;
+}
+
 void lump_masses(Mesh& mesh, double payload_mass) {
     mesh.mass.assign(mesh.position.size(), 0.0);
     mesh.tributary_area.assign(mesh.position.size(), 0.0);
     for (const Triangle& t : mesh.triangles)
         for (const NodeIndex i : t.node) {
             mesh.tributary_area[i] += t.area() / 3.0;
-            mesh.mass[i] += mesh.fabric.density * mesh.fabric.thickness * t.area() / 3.0;
+            mesh.mass[i] +=
+                mesh.fabric_of(t.sheet).density * mesh.fabric_of(t.sheet).thickness * t.area() / 3.0;
         }
     for (std::size_t c = 0; c < mesh.cables.size(); ++c)
         for (const NodeIndex i : mesh.cables[c].node)

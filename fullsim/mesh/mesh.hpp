@@ -21,6 +21,7 @@ struct Triangle {
     std::array<NodeIndex, 3> node;
     /// The unstrained triangle laid flat: corner 1 at (a, 0), corner 2 at (b, c) from corner 0 [m].
     double a, b, c;
+    int sheet = 0;  ///< its fabric, see Mesh::fabric_of
 
     double area() const { return 0.5 * a * c; }  ///< [m^2]
 };
@@ -92,6 +93,14 @@ public:
     double cable_mass(std::size_t index) const;
     /// Fabric area [m^2], the vent excluded.
     double fabric_area() const;
+    double fabric_mass() const;  ///< [kg]
+
+    int sheets() const { return 1 + static_cast<int>(other_fabrics.size()); }
+    const Fabric& fabric_of(int sheet) const {
+        return sheet == 0 ? fabric : other_fabrics[static_cast<std::size_t>(sheet) - 1];
+    }
+    /// The fabric with the largest E t.
+    const Fabric& stiffest_fabric() const;
 
     std::vector<Vec3> position;  ///< [m] at the start of a run, payload at the origin
     std::vector<double> mass;    ///< [kg] material mass lumped to each node
@@ -101,9 +110,10 @@ public:
 
     std::vector<Triangle> triangles;
     std::vector<Cable> cables;
-    Fabric fabric;
-    std::array<Cord, 7> cords;      ///< by CableKind
-    std::vector<Vec3> attachments;  ///< [m] of the body, as position; empty: the payload is a point mass
+    Fabric fabric;                      ///< of sheet 0
+    std::vector<Fabric> other_fabrics;  ///< of sheets 1, 2, ..., where panels have fabrics of their own
+    std::array<Cord, 7> cords;          ///< by CableKind
+    std::vector<Vec3> attachments;      ///< [m] of the body, as position; empty: the payload is a point mass
     /// Body of a payload that is not a point mass. An imported mesh has it before attach_payload, which makes
     /// a scene's.
     std::optional<BodyMesh> body;
@@ -118,6 +128,9 @@ public:
     std::vector<std::vector<NodeIndex>> seam_rings;
     Vec3 axis = Vec3::UnitZ();  ///< from payload to apex at the start
 };
+
+/// Index of the sheet of a fabric; the first one is sheet 0 of the mesh, others are added to it.
+int sheet_of(Mesh& mesh, const Fabric& fabric);
 
 /// Lumps a third of each triangle and half of each cable to their nodes, and the payload to its own.
 void lump_masses(Mesh& mesh, double payload_mass);

@@ -3,12 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "fullsim/canopy/canopy_geometry.hpp"
+#include "fullsim/canopy/cross.hpp"
 #include "fullsim/mesh/attach_payload.hpp"
+#include "fullsim/mesh/cross_mesh.hpp"
 #include "fullsim/mesh/gore_mesh.hpp"
 #include "fullsim/mesh/line_stretch_configuration.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/solve/opening.hpp"
 
@@ -49,6 +53,13 @@ Mesh drawn_out(const Scene& scene, const Vec3& axis, double mouth_area, double l
     if (chute.mesh)
         return line_stretch_configuration(import_mesh(scene), scene, axis, mouth_area, load,
                                           chute.deploy.by == DeployBy::inflated);
+    if (cross_arm_ratio(chute) > 0.0) {
+        const ImportedMesh cross = make_cross_mesh(chute, scene.full.mesh, scene.payload.mass);
+        const auto nodes =
+            std::span(cross.mesh.position).first(static_cast<std::size_t>(cross.mesh.canopy_nodes));
+        return drawn_out_with(cross, folded_cross(cross_outline(chute), nodes, mouth_area), scene, axis,
+                              load);
+    }
     try {
         return make_gore_mesh(chute, scene.full.mesh, scene.payload.mass, axis, mouth_area, load);
     } catch (const SceneError& error) {
@@ -76,7 +87,10 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
     const double element = std::min(coarser * of_line->rest_length, length / fewest_elements);
     const int elements = static_cast<int>(std::lround(length / element));
     const double linear = chute.line.linear_density();
-    const double leg = vent_radius;
+    // Without a vent the line itself is tied to the apex, by its first element.
+    const bool has_legs = vent.size() > 1;
+    const double l0 = length / (has_legs ? elements : elements + 1);
+    const double leg = has_legs ? vent_radius : l0;
 
     StaticLine line;
     Vec3 apex = Vec3::Zero();
@@ -85,7 +99,9 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
     const NodeIndex first = mesh.first_static_line_node();
     for (int k = 0; k <= elements; ++k) {
         // Packed like the rest: a line of no length has no direction.
-        line.position.push_back(apex + chute.deploy.pack_ratio * length * k / elements * mesh.axis);
+        line.position.push_back(has_legs
+                                    ? Vec3(apex + chute.deploy.pack_ratio * length * k / elements * mesh.axis)
+                                    : Vec3(apex + chute.deploy.pack_ratio * l0 * (k + 1) * mesh.axis));
         line.mass.push_back(0.0);
     }
     for (const NodeIndex i : vent)
@@ -93,7 +109,6 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
             {{i, first}, leg, strands / static_cast<double>(vent.size()), CableKind::static_line});
     line.mass[0] += linear * leg * strands;
     for (int k = 0; k < elements; ++k) {
-        const double l0 = length / elements;
         line.cables.push_back({{first + k, first + k + 1}, l0, strands, CableKind::static_line});
         line.mass[k] += 0.5 * linear * strands * l0;
         line.mass[k + 1] += 0.5 * linear * strands * l0;
@@ -105,6 +120,7 @@ StaticLine rig_static_line(const Mesh& mesh, const Scene& scene, double vent_rad
 /// [m] of the vent's seams, as cut.
 double cut_vent_radius(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
+    if (cross_arm_ratio(chute) > 0.0) return 0.0;
     if (!chute.mesh) return canopy_geometry(chute).outline(chute).vent;
     const Mesh mesh = built_mesh(scene);
     double sum = 0.0;
@@ -117,6 +133,7 @@ double cut_vent_radius(const Scene& scene) {
 
 Mesh built_mesh(const Scene& scene) {
     const Parachute& chute = scene.parachutes.front();
+    if (cross_arm_ratio(chute) > 0.0) return make_cross_mesh(chute, scene.full.mesh, scene.payload.mass).mesh;
     return chute.mesh ? import_mesh(scene).mesh
                       : make_constructed_mesh(chute, scene.full.mesh, scene.payload.mass);
 }

@@ -130,6 +130,12 @@ void require_pattern(const Scene& scene, const Parachute& chute, PatternPieces p
                "take it out to cut the gores of the parachute's type");
     if (const std::string why = lacks_canopy(chute); !why.empty())
         refuse("there is no cut for 'parachute.type'", why, "give parachute.cone_angle, or another type");
+    if (!chute.panel.empty())
+        refuse("parachute.panel has fabrics of its own", "the list of parts knows one",
+               "take it out to cut the gores, and take each panel of its own fabric");
+    if (cross_arm_ratio(chute) > 0.0)
+        refuse("there is no gore of a cross to cut", "its two strips are rectangles",
+               "take their width and length from `twinchute mesh`");
     if (const auto other = stand_in(chute))
         refuse("there is no cut for 'parachute.type'", other->what + ": " + other->why,
                "give parachute.cone_angle, or another type");

@@ -111,8 +111,9 @@ VtuGrid field_frame(const VtuGrid& of_mesh, const Mesh& mesh, const State& state
     for (auto& values : fabric)
         values.reserve(cells);
     std::vector<std::int8_t> states;
-    const MembraneLaw law = membrane_law(mesh.fabric, 0.0);
+    const std::vector<MembraneLaw> laws = membrane_laws(mesh, 0.0);
     for (const Triangle& t : mesh.triangles) {
+        const MembraneLaw& law = laws[static_cast<std::size_t>(t.sheet)];
         const PlaneTensor strain =
             green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
                              to_vec3(state.node[t.node[2]].x)});

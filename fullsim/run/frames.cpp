@@ -54,7 +54,7 @@ ShapeCableKind shape_kind(CableKind kind) {
 
 FrameRecorder::FrameRecorder(std::vector<const Mesh*> meshes, bool wanted, int sectors)
     : meshes_(std::move(meshes)),
-      law_(membrane_law(meshes_.front()->fabric, 0.0)),
+      laws_(membrane_laws(*meshes_.front(), 0.0)),
       wanted_(wanted),
       most_frames_(0),
       sectors_(static_cast<std::size_t>(sectors)),
@@ -128,7 +128,7 @@ void FrameRecorder::add_stresses(const State& state, const Mesh& mesh, std::vect
     for (const Triangle& t : std::span(mesh.triangles).first(first_sector)) {
         FabricState wrinkling{};
         const PlaneTensor stress = membrane_stress(
-            law_,
+            laws_[static_cast<std::size_t>(t.sheet)],
             green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
                              to_vec3(state.node[t.node[2]].x)}),
             &wrinkling);

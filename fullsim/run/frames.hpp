@@ -61,7 +61,7 @@ private:
     void add_stresses(const State& state, const Mesh& mesh, std::vector<FabricFolds>& folds);
 
     std::vector<const Mesh*> meshes_;
-    MembraneLaw law_;
+    std::vector<MembraneLaw> laws_;  // by sheet
     bool wanted_;
     std::size_t most_frames_;  // that memory is given to
     std::size_t sectors_;

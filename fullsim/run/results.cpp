@@ -214,6 +214,8 @@ void add_structure(const RunView& run, const LargestLoads& most, std::optional<d
                       "first principal, elastic, of all triangles and steps; larger on finer meshes");
     Parachute of_sheet = run.parachute();
     of_sheet.fabric = meshed_fabric(of_sheet);
+    // Which fabric the largest stress was in is not known.
+    if (!run.simulation().mesh().other_fabrics.empty()) of_sheet.fabric.strength.reset();
     add_strength_margins(record, of_sheet);
 }
 

@@ -837,10 +837,13 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
         if (open_gaps(chute) || has_open_middle(chute) || holds_vent_down(chute))
             keys.emplace_back("parachute.filling");
     }
+    for (const CrossRefusal& refusal : cross_refusals(scene))
+        keys.push_back(refusal.key);
     if (!lacks_canopy(chute).empty()) keys.emplace_back("parachute.type");
     if (keys.empty()) keys = missing_structure(chute);
     // Scenes that cannot start are refused before anything runs.
-    if (keys.empty() && (chute.mesh || scene.payload.body || holds_vent_down(chute))) {
+    if (keys.empty() &&
+        (chute.mesh || cross_arm_ratio(chute) > 0.0 || scene.payload.body || holds_vent_down(chute))) {
         Mesh mesh = unloaded_mesh(scene);
         if (scene.payload.body) attach_payload(scene, mesh, Hang::drawn_out);
     }

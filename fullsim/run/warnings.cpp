@@ -98,9 +98,14 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         warn(fmt::format("the mesh weighs {:.3f} kg, parachute.mass says {:.3f} kg", meshed, run.stated_mass),
              "the full model takes its mass from fabric, tapes and lines",
              "correct parachute.mass, or the materials");
+    if (!run.simulation().mesh().other_fabrics.empty())
+        warn("fabric has no margin of strength",
+             "panels have fabrics of their own, and the largest stress is that of all",
+             "hold stresses of the fields (full.fields_rate) against the strength of each");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = open_gaps(chute)) record.warnings.push_back(std::move(*warning));
+    if (auto warning = open_corners(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = open_middle(chute)) record.warnings.push_back(std::move(*warning));
     if (chute.vent_lines && run.scene.aerodynamics.line_drag)
         warn("vent lines have no drag", "aerodynamics.line_drag acts on suspension lines alone",

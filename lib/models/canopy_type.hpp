@@ -33,14 +33,16 @@ struct GorePanel {
 /// The canopy that the full model meshes for a type.
 struct MeshedCanopy {
     enum class Shape {
-        own,            ///< flat circular, or of the panels below
+        own,            ///< flat circular, of the panels below, or a cross
         flat_circular,  ///< a flat circular canopy stands in for one of another shape
         none            ///< no canopy that it can mesh comes near
     };
     Shape shape = Shape::none;
     std::string why = "the type's file does not say that a flat circular canopy may stand in for it";
     std::vector<GorePanel> gore;  ///< from apex to skirt; empty: none, or flat circular
-    std::string gore_source;      ///< of these numbers
+    std::string gore_source;      ///< of these numbers, or of the arms' ratio
+    /// Width of the arms over the length from end to end, of a cross of two strips [-]; 0: gores.
+    double arm_ratio = 0.0;
     bool slotted = false;      ///< narrow slots across the gores: fabric and slots are smeared to one sheet
     bool open_middle = false;  ///< D0 is that of the fabric's area: the middle within the vent does not count
 

@@ -176,6 +176,12 @@ void finish_structure(const Values& v, Materials& materials, Parachute& p) {
     materials.read(p.tapes.radial, "parachute.tapes.radial");
     materials.read(p.tapes.skirt, "parachute.tapes.skirt");
     materials.read(p.tapes.vent, "parachute.tapes.vent");
+    for (int i = 1; i <= v.count("parachute.panel"); ++i) {
+        const std::string table = fmt::format("parachute.panel.{}", i);
+        PanelMaterials& panel = p.panel.emplace_back();
+        v.read_into(panel, table);
+        materials.read(panel.fabric, table + ".fabric");
+    }
     if (p.vent_lines) materials.read(p.vent_lines->cord, "parachute.vent_lines.cord");
     if (p.mesh) p.mesh->file = table_file(v, "parachute.mesh");
 }

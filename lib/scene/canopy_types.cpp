@@ -104,6 +104,12 @@ std::span<const Key> type_keys() {
              .need = KeyNeed::optional,
              .range = {1.0, 1000.0, false, false},
              .meaning = "which panels have no fabric, by their numbers from the apex"},
+            {.path = "type.full_model.arm_ratio",
+             .kind = KeyKind::quantity,
+             .unit = "1",
+             .need = KeyNeed::optional,
+             .range = {0.0, 1.0, true, true},
+             .meaning = "of two strips that cross: their width over their length; absent: gores"},
             {.path = "type.full_model.slots",
              .kind = KeyKind::word,
              .need = KeyNeed::defaulted,
@@ -208,8 +214,15 @@ MeshedCanopy meshed_canopy(const Values& v) {
         throw SceneError(v.place("type.full_model.middle"), "full_model.middle", "is \"open\" without a cone",
                          "the first panel leads on to the apex that the open middle cuts off",
                          "give full_model.cone_angle, and no arc as its first panel");
-    const std::string source = "type.full_model.gore_source";
+    const std::string source = "type.full_model.gore_source", arms = "type.full_model.arm_ratio";
     if (v.given(source)) meshed.gore_source = v.word(source);
+    if (v.given(arms)) meshed.arm_ratio = v.number(arms);
+    if (meshed.arm_ratio > 0.0 && (!meshed.gore.empty() || meshed.slotted || meshed.open_middle))
+        throw SceneError(v.place(arms), "full_model.arm_ratio", "stands beside keys of gores",
+                         "strips that cross have none", "take cone_angle, slots and middle out");
+    if (meshed.arm_ratio > 0.0 && meshed.gore_source.empty())
+        throw SceneError(v.place(arms), "full_model.gore_source", "is missing", "every number has a source",
+                         "say where the ratio is from");
     if (!meshed.gore.empty() && meshed.gore_source.empty())
         throw SceneError(v.place("type.full_model.cone_angle.1"), "full_model.gore_source", "is missing",
                          "every number has a source", "say where the angles are from");

@@ -197,6 +197,30 @@ void check_gore(const Scene& scene, const Parachute& p, const Complain& complain
                                   fmt::format("the constructed shape of {} canopies is round", p.type->title),
                                   "take it out");
     }
+    if ((p.arm_ratio || p.corner_tie > 0.0) && !(cross_arm_ratio(p) > 0.0))
+        return complain.about(p.arm_ratio ? "parachute.arm_ratio" : "parachute.corner_tie",
+                              "there are no arms that it belongs to",
+                              p.mesh ? "parachute.mesh has its own shape" : "the canopy is no cross",
+                              "take it out, or write type = \"cross\"");
+    if (!p.panel.empty() && p.panel.size() != panel_count(p))
+        return complain.about(
+            "parachute.panel", fmt::format("{} for {} panels", p.panel.size(), panel_count(p)),
+            panel_count(p) == 0 ? "without a type, and for those that are meshed flat or not "
+                                  "at all, gores have none, as a mesh of one's own"
+                                : "gores have them from apex to skirt, a cross its middle "
+                                  "and its arms",
+            "give one for each, or none");
+    for (std::size_t i = 0; i < std::min(panels.size(), p.panel.size()); ++i)
+        if (panels[i].gap && !p.panel[i].fabric.name.empty())
+            return complain.about(fmt::format("parachute.panel.{}.fabric", i + 1), "is that of a gap",
+                                  fmt::format("panel {} of {} canopies has none", i + 1, p.type->title),
+                                  "leave its fabric out");
+    if (p.filling.is_predicted() && !p.permeability && !p.fabric.name.empty())
+        for (const PanelMaterials& panel : p.panel)
+            if (!panel.fabric.name.empty() && panel.fabric.permeability != p.fabric.permeability)
+                return complain.about("parachute.panel", "its fabrics differ in permeability",
+                                      "a filling that is predicted takes that of the whole canopy",
+                                      "give parachute.permeability, the mean by area");
     if (panels.empty() || p.gores == 0) return;
     if (has_open_middle(p) && !(std::cos(panels.front().top) > 1e-3))
         return complain.about("parachute.cone_angle.1", "the first panel does not lead outward",

@@ -68,8 +68,10 @@ struct FillTime;
 struct Trigger;
 struct Fabric;
 struct Cord;
+struct PanelMaterials;
 using Binding = std::variant<std::monostate, BindingOf<Scene>, BindingOf<Parachute>, BindingOf<Reefing>,
-                             BindingOf<FillTime>, BindingOf<Trigger>, BindingOf<Fabric>, BindingOf<Cord>>;
+                             BindingOf<FillTime>, BindingOf<Trigger>, BindingOf<PanelMaterials>,
+                             BindingOf<Fabric>, BindingOf<Cord>>;
 
 struct Key {
     std::string_view path;  ///< e.g. "parachute.fill_time.n"; [[parachute]] counts as a table

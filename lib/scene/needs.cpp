@@ -16,6 +16,7 @@ struct PartKey {
     const char* key;
     bool of_lines;
     bool in_mesh;  ///< a mesh of one's own says it
+    bool of_vent = false;
 
     bool is_given(const Parachute& chute) const {
         return std::get<BindingOf<Parachute>>(find_key(scene_keys(), key)->binding).get(chute).has_value();
@@ -28,18 +29,20 @@ constexpr PartKey part_keys[] = {
     {"parachute.riser_length", true, true},
     {"parachute.line", true, false},
     {"parachute.projected_diameter_ratio", false, false},
-    {"parachute.vent_diameter", false, true},
+    {"parachute.vent_diameter", false, true, true},
     {"parachute.risers", false, true},
     {"parachute.fabric", false, false},
     {"parachute.tapes.radial", false, true},
     {"parachute.tapes.skirt", false, true},
-    {"parachute.tapes.vent", false, true},
+    {"parachute.tapes.vent", false, true, true},
 };
 
 std::vector<std::string> missing(const Parachute& chute, bool only_lines) {
     std::vector<std::string> keys;
     for (const PartKey& part : part_keys)
-        if ((only_lines ? part.of_lines : !(part.in_mesh && chute.mesh)) && !part.is_given(chute))
+        if ((only_lines ? part.of_lines
+                        : !(part.in_mesh && chute.mesh) && !(part.of_vent && cross_arm_ratio(chute) > 0.0)) &&
+            !part.is_given(chute))
             keys.emplace_back(part.key);
     return keys;
 }
@@ -70,6 +73,52 @@ std::vector<GorePanel> gore_panels(const Parachute& chute) {
     for (std::size_t i = 0; i < std::min(panels.size(), chute.panel_length.size()); ++i)
         panels[i].length = chute.panel_length[i];
     return panels;
+}
+
+std::size_t panel_count(const Parachute& chute) {
+    if (chute.mesh) return 0;
+    return cross_arm_ratio(chute) > 0.0 ? 2 : gore_panels(chute).size();
+}
+
+double cross_arm_ratio(const Parachute& chute) {
+    if (!chute.type || chute.mesh || !(chute.type->meshed.arm_ratio > 0.0)) return 0.0;
+    return chute.arm_ratio.value_or(chute.type->meshed.arm_ratio);
+}
+
+double cross_length(double nominal_diameter, double arm_ratio) {
+    return nominal_diameter * std::sqrt(0.25 * pi / (arm_ratio * (2.0 - arm_ratio)));
+}
+
+std::vector<CrossRefusal> cross_refusals(const Scene& scene) {
+    const Parachute& chute = scene.parachutes.front();
+    if (!(cross_arm_ratio(chute) > 0.0)) return {};
+    std::vector<CrossRefusal> refusals;
+    const auto refuse_if = [&](bool wrong, const char* key, const char* why) {
+        if (wrong) refusals.push_back({key, why});
+    };
+    const int gores = chute.gores, columns = scene.full.mesh.gore_columns;
+    refuse_if(chute.vent_diameter > 0.0, "parachute.vent_diameter", "a cross has no vent");
+    refuse_if(chute.vent_lines.has_value(), "parachute.vent_lines", "a cross has no vent");
+    refuse_if(gores > 0 && (gores % 4 != 0 || gores < 8), "parachute.gores",
+              "each of the four arms has as many lines, and one at each corner");
+    refuse_if(gores % 4 == 0 && (gores / 4 - 1) * columns % 2 != 0, "full.mesh.gore_columns",
+              "elements between two lines: an arm needs an even number of them across");
+    refuse_if(!chute.reefing.empty(), "parachute.reefing",
+              "a reefing line slides in its rings, and between arms they are farther apart than along them");
+    refuse_if(chute.filling.is_predicted(), "parachute.filling",
+              "predicted: its balance of air knows no open corners");
+    refuse_if(scene.full.contact == Contact::gores, "full.contact", "a cross has no gores");
+    refuse_if(scene.full.symmetry == Symmetry::sector, "full.symmetry", "a cross has no gores");
+    return refusals;
+}
+
+std::optional<Warning> open_corners(const Parachute& chute) {
+    if (!(cross_arm_ratio(chute) > 0.0)) return std::nullopt;
+    return Warning{
+        "the drag acts on the fabric as one pressure, and air passes between the arms unseen",
+        fmt::format("{} canopies are open from arm to arm", chute.type->title),
+        "projected area and D_p are those of the fabric; the stability that open corners give, and "
+        "that the canopy turns, are no result here"};
 }
 
 Meridian gore_meridian(const Parachute& chute) {
@@ -103,12 +152,24 @@ double slot_share(const Parachute& chute) {
     return std::max(0.0, (chute.geometric_porosity - vent) / (1.0 - vent));
 }
 
-Fabric meshed_fabric(const Parachute& chute) {
-    Fabric fabric = chute.fabric;
+namespace {
+
+Fabric smeared(const Parachute& chute, Fabric fabric) {
     const double solid = 1.0 - slot_share(chute);
     fabric.thickness *= solid;
     if (fabric.strength) *fabric.strength *= solid;
     return fabric;
+}
+
+}  // namespace
+
+Fabric meshed_fabric(const Parachute& chute) {
+    return smeared(chute, chute.fabric);
+}
+
+Fabric meshed_fabric(const Parachute& chute, std::size_t panel) {
+    const bool own = panel < chute.panel.size() && !chute.panel[panel].fabric.name.empty();
+    return smeared(chute, own ? chute.panel[panel].fabric : chute.fabric);
 }
 
 std::optional<Warning> smeared_slots(const Parachute& chute) {

@@ -24,6 +24,28 @@ std::string lacks_canopy(const Parachute& chute);
 /// lengths that the parachute has itself. Empty for flat circular canopies and where nothing else is known.
 std::vector<GorePanel> gore_panels(const Parachute& chute);
 
+/// Number of panels whose materials a parachute may name: those of its gores, of a cross the square in its
+/// middle and the arms; 0: none.
+std::size_t panel_count(const Parachute& chute);
+
+/// Width over length [-] of the two strips that cross in the canopy which the full model meshes; 0: it has
+/// gores, or is a mesh of one's own.
+double cross_arm_ratio(const Parachute& chute);
+
+/// Length [m] of both strips from end to end: S0 = 2 w L - w^2 is that of the nominal circle, w = ratio L.
+double cross_length(double nominal_diameter, double arm_ratio);
+
+/// A key by which the full model refuses a cross, and why.
+struct CrossRefusal {
+    std::string key, why;
+};
+
+/// What a scene asks of a cross that the full model cannot do; empty for all others.
+std::vector<CrossRefusal> cross_refusals(const Scene& scene);
+
+/// Warning where a canopy is a cross.
+std::optional<Warning> open_corners(const Parachute& chute);
+
 /// Constructed meridian of these gores; they have panels.
 Meridian gore_meridian(const Parachute& chute);
 
@@ -44,6 +66,9 @@ double slot_share(const Parachute& chute);
 /// The sheet that the full model meshes: the fabric, thinner by its slots where these are smeared, and as
 /// much weaker.
 Fabric meshed_fabric(const Parachute& chute);
+
+/// Sheet of one of its panels, which may have a fabric of its own.
+Fabric meshed_fabric(const Parachute& chute, std::size_t panel);
 
 /// Warning where a canopy has gaps in its gores.
 std::optional<Warning> open_gaps(const Parachute& chute);

@@ -23,6 +23,7 @@ constexpr SizeRow size_rows[] = {
     {"parachute.vent_diameter", 1, &Parachute::vent_diameter},
     {"parachute.line_length", 1, &Parachute::line_length},
     {"parachute.riser_length", 1, &Parachute::riser_length},
+    {"parachute.corner_tie", 1, &Parachute::corner_tie},
     {"parachute.drag_area", 2, &Parachute::drag_area},
 };
 
@@ -30,11 +31,15 @@ constexpr SizeRow size_rows[] = {
 /// they are not all given. Only its ratio for two diameters is used.
 double mass_measure(const Parachute& p) {
     const double d = p.nominal_diameter, v = p.vent_diameter;
-    if (!missing_structure(p).empty()) return d * d;
+    if (!missing_structure(p).empty() || !p.panel.empty()) return d * d;
     const double fabric = 0.25 * pi * (has_open_middle(p) ? d * d : d * d - v * v);
+    const double arms = cross_arm_ratio(p);
+    const double strip = arms > 0.0 ? cross_length(d, arms) : 0.0;
+    const double across = arms > 0.0 ? strip : d - v;        // along two radial tapes
+    const double round = arms > 0.0 ? 4.0 / pi * strip : d;  // diameter of the skirt's tape
     return fabric * p.fabric.density * meshed_fabric(p).thickness +
-           0.5 * p.gores * (d - v) * p.tapes.radial.linear_density() +
-           pi * (d * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
+           0.5 * p.gores * across * p.tapes.radial.linear_density() +
+           pi * (round * p.tapes.skirt.linear_density() + v * p.tapes.vent.linear_density()) +
            (p.gores * p.line_length + p.risers * p.riser_length) * p.line.linear_density();
 }
 

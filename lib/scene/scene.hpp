@@ -156,6 +156,13 @@ struct Reefing {
     bool operator==(const Reefing&) const = default;
 };
 
+/// Materials of one panel of a gore.
+struct PanelMaterials {
+    Fabric fabric;  ///< without a name: as the parachute's
+
+    bool operator==(const PanelMaterials&) const = default;
+};
+
 /// A mesh of somebody's own, in place of the generated one.
 struct MeshFile {
     std::string name;            ///< as the scene says it
@@ -209,6 +216,9 @@ struct Parachute {
     /// Constructed angle of each panel [rad] and its length along the seam [-], in place of the type's;
     /// empty: as the type has them. See gore_panels.
     std::vector<double> cone_angle = {}, panel_length = {};
+    std::vector<PanelMaterials> panel = {};  ///< of each panel, from apex to skirt; empty: all of `fabric`
+    double corner_tie = 0.0;                 ///< of a cross, from arm to arm [m]; 0: see cross_outline
+    std::optional<double> arm_ratio = {};    ///< of a cross in place of the type's, see cross_arm_ratio [-]
     std::optional<CalibrationTable> calibration = {};   ///< of the reduced-order model
     std::optional<MachDrag> drag_area_mach_table = {};  ///< absent: one drag area at all Mach numbers
 

@@ -59,6 +59,8 @@ std::string scene_digest(const Scene& scene) {
     }
     for (const Parachute& chute : scene.parachutes) {
         contents.add(chute.fabric);
+        for (const PanelMaterials& panel : chute.panel)
+            contents.add(panel.fabric);
         for (const Cord* cord : {&chute.line, &chute.tapes.radial, &chute.tapes.skirt, &chute.tapes.vent})
             contents.add(*cord);
         if (chute.vent_lines) contents.add(chute.vent_lines->cord);

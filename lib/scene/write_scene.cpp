@@ -114,6 +114,10 @@ void write_parachute(Writer& w, const Parachute& p) {
     if (!p.filling.is_predicted()) w.keys(p.fill_time, "parachute.fill_time");
     if (p.deploy_when) w.keys(*p.deploy_when, "parachute.deploy.when");
     if (p.cut) w.keys(*p.cut, "parachute.cut");
+    for (const PanelMaterials& panel : p.panel) {
+        w.table("[[parachute.panel]]", "parachute.panel.");
+        w.keys(panel, "parachute.panel");
+    }
     for (const Reefing& stage : p.reefing) {
         w.table("[[parachute.reefing]]", "parachute.reefing.");
         w.keys(stage, "parachute.reefing");

@@ -26,6 +26,8 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
                                  chute.type->title);
         else if (key == "parachute.filling" && (has_open_middle(chute) || holds_vent_down(chute)))
             named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
+        for (const CrossRefusal& refusal : cross_refusals(scene))
+            if (refusal.key == key) named += fmt::format(" ({})", refusal.why);
         if (needed && key == "parachute.geometric_porosity")
             named += fmt::format(" (of vent and slots of a {} canopy; the vent alone has {:.3g} %)",
                                  chute.type->title,

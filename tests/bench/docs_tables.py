@@ -324,6 +324,13 @@ OPEN_MIDDLE = ["parachute.vent_diameter='5.212 m'", "parachute.line_length='10.6
 PACKED_RING = ["full.mesh.gore_columns=4", "full.mesh.gore_rows=9", "environment.ground='-120 m'"]
 
 
+# data/parachutes/cross-example.toml in the C-9's size, with as many lines.
+CROSS = ["parachute.design='cross-example'", "parachute.nominal_diameter='8.53 m'", "parachute.gores=28", "full.contact='none'"]
+
+# Its descent is steady later.
+PACKED_CROSS = ["environment.ground='-120 m'"]
+
+
 def canopies(tools):
     """Each type that the full model meshes, in the C-9's size: finer meshes, and drops from the pack."""
     demo, crane, seeds = "data/scenes/c9-inflation.toml", "data/scenes/paper/crane-drop.toml", range(1, 6)
@@ -344,6 +351,9 @@ def canopies(tools):
             sets += OPEN_MIDDLE
             shapes = sets
             drop = PACKED_RING
+        if "arm_ratio" in content["full_model"]:
+            sets = shapes = CROSS
+            drop = PACKED_CROSS
         runs += [("full", demo, *shapes, f"full.mesh.gore_rows={rows}", f"full.mesh.gore_columns={columns}")
                  for rows, columns in meshes]
         runs += [("full", crane, *sets, *drop, f"full.noise.seed={seed}") for seed in seeds]

@@ -220,10 +220,14 @@ inline void SceneGenerator::put_release(bool may_rest, bool straight_down) {
 inline void SceneGenerator::put_canopy() {
     const bool design = random_bool(0.6);
     if (design) put("parachute.design", "\"usaf-c9\"");
-    if (random_bool(0.3))
+    if (random_bool(0.3)) {
         put("parachute.type", one_of(std::vector<std::string>{"\"cross\"", "\"ringslot\""}));
-    else if (random_bool(0.2)) {  // an angle and a length for each panel of the type
+        if (lines_.back().value == "\"cross\"" && random_bool(0.5))
+            put_number(random_bool(0.5) ? "parachute.arm_ratio" : "parachute.corner_tie",
+                       number_in(0.05, 0.95));
+    } else if (random_bool(0.2)) {  // an angle and a length for each panel of the type
         put("parachute.type", "\"conical\"");
+        if (random_bool(0.5)) put("parachute.panel", "[{ fabric = \"mil-c-7020-c9\" }]");
         put("parachute.cone_angle", fmt::format("[\"{:g} deg\"]", number_in(10.0, 35.0)));
         put("parachute.panel_length", fmt::format("[{:g}]", number_in(0.1, 10.0)));
     }
@@ -422,6 +426,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
                                                     "parachute.drag_area_table",
                                                     "parachute.drag_area_mach_table",
                                                     "parachute.initial_phase",
+                                                    "parachute.arm_ratio",
+                                                    "parachute.corner_tie",
                                                     "parachute.nominal_diameter",
                                                     "parachute.vent_diameter",
                                                     "parachute.drag_area",
@@ -519,7 +525,8 @@ inline std::vector<SceneLine> SceneGenerator::valid() {
     if (imported)  // has its own shape
         std::erase_if(lines_, [](const SceneLine& line) {
             return line.path == "parachute.cone_angle" || line.path == "parachute.panel_length" ||
-                   line.path.starts_with("parachute.vent_lines");
+                   line.path == "parachute.arm_ratio" || line.path == "parachute.corner_tie" ||
+                   line.path == "parachute.panel" || line.path.starts_with("parachute.vent_lines");
         });
     const auto jointed = [](const SceneLine& line) { return line.path == "parachute.vent_lines.joint"; };
     if (std::ranges::any_of(lines_, jointed))  // lies at a node

@@ -236,7 +236,9 @@ TEST_F(SystemPattern, WhatWouldBeAnotherCanopysPatternIsRefused) {
         EXPECT_EQ(ended.code, 2) << ended.out;
         EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
     };
-    refused({c9_inflation, "--set", "parachute.type='cross'"}, "parachute.type");
+    refused({c9_inflation, "--set", "parachute.type='rotafoil'"}, "parachute.type");
+    refused({c9_inflation, "--set", "parachute.design='cross-example'", "--set", "full.contact='none'"},
+            "no gore of a cross");
     refused({c9_inflation, "--set", "parachute.type='ringslot'", "--set", "parachute.geometric_porosity=0.2"},
             "a canopy with slots");
     refused({c9_inflation, "--set", "parachute.type='disk-gap-band'"}, "--pieces panels");

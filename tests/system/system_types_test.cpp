@@ -16,9 +16,9 @@ protected:
     }
 };
 
-TEST_F(SystemTypes, WithArmsOrRibsAreRefusedByKey) {
+TEST_F(SystemTypes, WithRibsOrFullPanelsAreRefusedByKey) {
     const auto before = tree_of(here_.path());
-    for (const char* type : {"cross", "rotafoil", "guide-surface-ribbed"})
+    for (const char* type : {"rotafoil", "guide-surface-ribless", "guide-surface-ribbed"})
         for (const char* command : {"full", "compare", "ladder", "mesh"}) {
             const Ended ended = run(command, type);
             EXPECT_EQ(ended.code, 2) << command << ", " << type << ": " << ended.err;
@@ -27,11 +27,11 @@ TEST_F(SystemTypes, WithArmsOrRibsAreRefusedByKey) {
             EXPECT_NE(ended.err.find("`twinchute rom`"), std::string::npos) << ended.err;
         }
     EXPECT_EQ(tree_of(here_.path()), before);
-    EXPECT_EQ(run("rom", "cross").code, 0);
+    EXPECT_EQ(run("rom", "rotafoil").code, 0);
 }
 
 TEST_F(SystemTypes, APlanNamesWhatIsLacking) {
-    const Ended ended = run("plan", "cross", {"--json"});
+    const Ended ended = run("plan", "rotafoil", {"--json"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const json all = json::parse(ended.out);
     EXPECT_FALSE(all["plans"][0].contains("unsupported_keys"));
@@ -45,6 +45,25 @@ TEST_F(SystemTypes, ASolidOneIsMeshedByItsOwnGores) {
         EXPECT_FALSE(json::parse(ended.out).contains("note")) << type;
     }
     EXPECT_NE(run("mesh", "conical", {"--json"}).out, run("mesh", "flat-circular", {"--json"}).out);
+}
+
+TEST_F(SystemTypes, ACrossIsMeshedFromItsOwnDesignAndRefusesAVent) {
+    const Ended vented = run("mesh", "cross");  // the C-9's
+    EXPECT_EQ(vented.code, 2);
+    EXPECT_NE(vented.err.find("'parachute.vent_diameter' (a cross has no vent)"), std::string::npos)
+        << vented.err;
+    const Words design{"--set", "parachute.design='cross-example'", "--set", "full.contact='none'"};
+    const auto of_design = [&](const Words& command, const Words& more) {
+        return ProgramTest::run(command + Words{shipped_scene("c9-inflation")} + design + more);
+    };
+    const Ended mesh = of_design({"mesh"}, {});
+    ASSERT_EQ(mesh.code, 0) << mesh.err;
+    EXPECT_NE(mesh.out.find("two that cross, as cut"), std::string::npos) << mesh.out;
+    EXPECT_NE(mesh.out.find("air passes between the arms unseen"), std::string::npos) << mesh.out;
+    EXPECT_NE(of_design({"mesh"}, {"--out", "x.msh"}).err.find("name a .vtu file"), std::string::npos);
+    const Ended plan = of_design({"plan"}, {"--json"});
+    ASSERT_EQ(plan.code, 0) << plan.err;
+    EXPECT_FALSE(json::parse(plan.out)["plans"][1].contains("unsupported_keys")) << plan.out;
 }
 
 TEST_F(SystemTypes, GapsAreNotedBesideTheMeshAndInTheRecord) {

@@ -8,6 +8,7 @@
 
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 #include "tests/support/canopy_of_type.hpp"
 
 namespace twinchute::fullsim {
@@ -59,12 +60,14 @@ TEST(CanopyGeometry, EveryTypeOfItsOwnShapeHasARow) {
         const bool own = chute.type->meshed.shape == MeshedCanopy::Shape::own;
         const bool panels = std::ranges::count(test::panelled_types, name) > 0 || name == "annular";
         const bool slots = std::ranges::count(test::slotted_types, name) > 0;
-        EXPECT_EQ(own, panels || slots || name == "flat-circular") << name;
+        const bool cross = name == "cross";
+        EXPECT_EQ(own, panels || slots || name == "flat-circular" || cross) << name;
+        EXPECT_EQ(cross_arm_ratio(chute) > 0.0, cross) << name;
         EXPECT_EQ(chute.type->meshed.slotted, slots) << name;
         EXPECT_EQ(chute.type->meshed.open_middle, name == "annular") << name;
         EXPECT_EQ(canopy_geometry(chute).name, panels ? "panels" : "flat-circular") << name;
         EXPECT_EQ(chute.type->meshed.gore.empty(), !panels) << name;
-        EXPECT_EQ(chute.type->meshed.gore_source.empty(), !panels) << name;
+        EXPECT_EQ(chute.type->meshed.gore_source.empty(), !panels && !cross) << name;
         chute.mesh.emplace();  // has its own shape
         EXPECT_EQ(canopy_geometry(chute).name, "flat-circular") << name;
     }

@@ -12,6 +12,7 @@
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/momentum.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/structure.hpp"
 
@@ -26,30 +27,10 @@ using fullsim::Simulation;
 using fullsim::Stage;
 using fullsim::State;
 using fullsim::to_vec3;
+using test::Momentum;
+using test::momentum_of;
 using test::packed_c9;
 using test::run_full;
-
-/// Linear and angular momentum of mesh nodes, at the half step before state().time: x^{n} x v^{n-1/2} and
-/// x^{n-1} x v^{n-1/2} are the same, since x moves along v.
-struct Momentum {
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-    double size = 0.0, turning = 0.0;  // sums of magnitudes
-};
-
-Momentum momentum_of(const Simulation& simulation) {
-    Momentum sum;
-    const State& s = simulation.synchronised_state();
-    const Vec3 centre = to_vec3(s.node[simulation.mesh().payload()].x);
-    for (int i = 0; i < simulation.mesh().node_count(); ++i) {
-        const Vec3 p = simulation.mesh().mass[i] * to_vec3(s.v_half[i].value);
-        const Vec3 l = to_vec3(s.node[i].x).cross(p);
-        sum.linear += p;
-        sum.angular += l;
-        sum.size += p.norm();
-        sum.turning += (to_vec3(s.node[i].x) - centre).cross(p).norm();
-    }
-    return sum;
-}
 
 /// A free pack in empty space that its own repulsion and a spin draw out.
 Scene in_empty_space() {

@@ -35,7 +35,8 @@ Triangle turned(const Triangle& t, int first) {
     return {{t.node[at(first)], t.node[at(first + 1)], t.node[at(first + 2)]},
             a,
             (x * (r[0] - p[0]) + y * (r[1] - p[1])) / a,
-            t.a * t.c / a};
+            t.a * t.c / a,
+            t.sheet};
 }
 
 /// By edge. Where more than two triangles meet, or two that turn against each other, some have none.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
@@ -61,7 +62,8 @@ public:
         push_.assign(mesh_.canopy_nodes, {splat(0.0)});
         step_ = {};
         acts_.clear();
-        triangles_ = edges_ = pairs_ = tapes_ = lines_ = risers_ = cords_ = {};
+        fabric_.clear();
+        edges_ = pairs_ = tapes_ = lines_ = risers_ = cords_ = {};
         pulled_.clear();
         line_damping_ = 0.0;
         has_ = {};
@@ -94,7 +96,8 @@ public:
         std::vector<PlanArray> all;
         // Canopy pressure, fabric drag and membranes read the same constants of triangles, springs and fold
         // resistance those of edges.
-        add_bytes(all, "triangles", triangles_.bytes());
+        for (const Sheet& sheet : fabric_)
+            add_bytes(all, "triangles", sheet.triangles.bytes());
         add_bytes(all, "edges", edges_.bytes());
         add_bytes(all, "gore contact", pairs_.bytes());
         add_bytes(all, "tapes", tapes_.bytes());
@@ -109,7 +112,11 @@ public:
     }
 
     double membrane_energy(State& state) const override {
-        return kernels_.membrane_levels(nodes_to_read(state), triangles_.elements(), fabric_).energy;
+        double energy = 0.0;
+        for (const Sheet& sheet : fabric_)
+            energy +=
+                kernels_.membrane_levels(nodes_to_read(state), sheet.triangles.elements(), sheet.pass).energy;
+        return energy;
     }
 
     EnergiesAndStrains levels(const State& state) const override {
@@ -139,8 +146,11 @@ public:
         sums.weight = weights_.by_node();
         const unstructured::Rows rows_out = rows_of(sums);
         const unstructured::Nodes nodes = nodes_to_read(state);
-        fabric_.weight = state.fe_weight;
-        if (has_.membrane) kernels_.membrane_rows(nodes, triangles_.elements(), fabric_, rows_out);
+        for (Sheet& sheet : fabric_) {
+            sheet.pass.weight = state.fe_weight;
+            if (has_.membrane)
+                kernels_.membrane_rows(nodes, sheet.triangles.elements(), sheet.pass, rows_out);
+        }
         if (springs_.springs || springs_.folds)
             kernels_.spring_rows(nodes, edges_.elements(), springs_of(state), rows_out);
         if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
@@ -407,19 +417,36 @@ private:
     void prepare_fabric() {
         if (has_.fabric) return;
         has_.fabric = true;
-        fabric_ = {membrane_law(mesh_.fabric, scene_.full.bulk_viscosity)};
+        for (int k = 0; k < mesh_.sheets(); ++k)
+            prepare_sheet(k);
+    }
+    void prepare_sheet(int number) {
+        Sheet& sheet = fabric_.emplace_back();
+        sheet.pass = {membrane_law(mesh_.fabric_of(number), scene_.full.bulk_viscosity)};
+        std::vector<Triangle> triangles;
+        std::ranges::copy_if(mesh_.triangles, std::back_inserter(triangles),
+                             [&](const Triangle& t) { return t.sheet == number; });
         using Constants = std::array<double, unstructured::membrane_constants>;
         // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
-        const std::vector<unstructured::Quad> quads = unstructured::quads_of(mesh_.triangles);
-        triangles_.begin<4, 2>(quads.size(), kernels_.lanes, 0, Constants{});
+        const std::vector<unstructured::Quad> quads = unstructured::quads_of(triangles);
+        sheet.triangles.begin<4, 2>(quads.size(), kernels_.lanes, 0, Constants{});
         const auto constants = [&](const Triangle& t) {
             return Constants{1.0 / t.a, 1.0 / t.c, t.b / t.a, t.area(),
-                             fabric_.law.viscosity * element_length(t)};
+                             sheet.pass.law.viscosity * element_length(t)};
         };
         for (std::size_t i = 0; i < quads.size(); ++i) {
             const auto& [node, first, second] = quads[i];
-            triangles_.set(i, node, std::array{constants(first), second ? constants(*second) : Constants{}});
+            sheet.triangles.set(i, node,
+                                std::array{constants(first), second ? constants(*second) : Constants{}});
         }
+    }
+    /// Sums over the triangles of all sheets. pass(sheet): sums of one.
+    template <class Pass>
+    ElementSums over_sheets(Pass&& pass) {
+        ElementSums sums = pass(fabric_.front());
+        for (std::size_t k = 1; k < fabric_.size(); ++k)
+            sums += pass(fabric_[k]);
+        return sums;
     }
     void prepare_membrane() {
         has_.membrane = true;
@@ -435,23 +462,29 @@ private:
     }
 
     void use_air(const State& state) {
-        fabric_.direction = to_array3(state.air.direction);
-        fabric_.radial_pressure = state.air.radial_pressure;
-        fabric_.weight = state.fe_weight;
+        for (Sheet& sheet : fabric_) {
+            sheet.pass.direction = to_array3(state.air.direction);
+            sheet.pass.radial_pressure = state.air.radial_pressure;
+            sheet.pass.weight = state.fe_weight;
+        }
     }
     /// Membranes, and the areas that pressure acts on with them.
     void add_membrane(State& state) {
         use_air(state);
-        fabric_sums_ =
-            kernels_.membrane[static_cast<int>(air_)](nodes_of(state), triangles_.elements(), fabric_);
+        fabric_sums_ = over_sheets([&](const Sheet& sheet) {
+            return kernels_.membrane[static_cast<int>(air_)](nodes_of(state), sheet.triangles.elements(),
+                                                             sheet.pass);
+        });
         state.damping_power += fabric_sums_.dissipated;
         state.largest.add_stress(state.fe_weight * fabric_sums_.largest_load);
     }
     void add_pressure(State& state) {
         if (!has_.membrane) {
             use_air(state);
-            fabric_sums_ =
-                kernels_.air[static_cast<int>(air_)](nodes_of(state), triangles_.elements(), fabric_);
+            fabric_sums_ = over_sheets([&](const Sheet& sheet) {
+                return kernels_.air[static_cast<int>(air_)](nodes_of(state), sheet.triangles.elements(),
+                                                            sheet.pass);
+            });
         }
         if (inflow_) {
             const auto skirt = [&](std::size_t k) { return state.node[inflow_->skirt()[k]]; };
@@ -468,7 +501,9 @@ private:
         const FabricDragPass pass{0.5 * state.air.density * fabric_drag_coefficient(scene_),
                                   to_array3(state.air.wind)};
         state.air.projected_area =
-            kernels_.fabric_drag(nodes_of(state), triangles_.elements(), pass).positive_area;
+            over_sheets([&](const Sheet& sheet) {
+                return kernels_.fabric_drag(nodes_of(state), sheet.triangles.elements(), pass);
+            }).positive_area;
     }
 
     void prepare_springs() { springs_.springs = true; }
@@ -480,11 +515,11 @@ private:
         edges_.begin<2>(edges.size(), kernels_.lanes, mesh_.dummy(), Constants{1.0});
         for (std::size_t i = 0; i < edges.size(); ++i) {
             const FabricEdge& e = edges[i];
-            const SpringConstants k =
-                fabric_spring_constants(mesh_.fabric, e, scene_.full.bulk_viscosity, scene_.full.beta);
+            const SpringConstants k = fabric_spring_constants(mesh_.fabric_of(e.sheet), e,
+                                                              scene_.full.bulk_viscosity, scene_.full.beta);
             edges_.set(i, e.node,
                        Constants{k.inverse_length, k.stiffness, k.dashpot, k.hardening,
-                                 fold_force(mesh_.fabric, e, deploy().deployment_resistance)});
+                                 fold_force(mesh_.fabric_of(e.sheet), e, deploy().deployment_resistance)});
         }
     }
     SpringPass springs_of(const State& state) const {
@@ -608,6 +643,12 @@ private:
             kernels_.line_drag(nodes_of(state), lines_.elements(), line_air(state));
     }
 
+    /// Triangles of one fabric.
+    struct Sheet {
+        MembranePass pass;
+        unstructured::ElementList triangles;
+    };
+
     const Scene& scene_;
     const Mesh& mesh_;
     const NodeConstants& constants_;
@@ -618,14 +659,14 @@ private:
     const ForceModels* structure_ = nullptr;
     std::vector<Acting> acts_;  // all blocks, those of the structure first
     Has has_;
-    unstructured::ElementList triangles_, edges_, pairs_, tapes_, lines_, risers_, cords_;
+    unstructured::ElementList edges_, pairs_, tapes_, lines_, risers_, cords_;
     std::vector<NodeIndex> pulled_;        // nodes on lines and risers, which may take subcycles
     std::vector<NodeVector> others_;       // [N] on them, of everything but lines and risers
     std::vector<double> inverse_inertia_;  // [1/kg] of them
     GershgorinSums sums_, pulled_sums_;    // of the bound: all, and of lines and risers alone
     double line_damping_ = 0.0;            // [W] by lines and risers
     PerronScaling weights_;
-    MembranePass fabric_;
+    std::vector<Sheet> fabric_;
     ElementSums fabric_sums_;
     SpringPass springs_;
     CylinderDragTable drag_coefficient_;
