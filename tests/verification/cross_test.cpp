@@ -41,7 +41,7 @@ TEST(Cross, ConservesMomentumInAVacuum) {
     Scene scene = cross_in("c9-inflation.toml", {"parachute.deploy.by=free", "full.contact=none"});
     scene.environment.atmosphere.constant_density = 0.0;
     scene.environment.gravity = 0.0;
-    scene.release.altitude = 0.0;
+    scene.release.altitude = scene.release.speed = 0.0;
     scene.environment.ground = -1e6;
     scene.full.mesh = {2, 7, 10, 2};
     Parachute& chute = scene.parachutes.front();
