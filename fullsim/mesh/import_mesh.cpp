@@ -113,7 +113,7 @@ private:
     void sew_fabric() {
         Vec3 area = Vec3::Zero();
         for (const GmshElement* e : file_.elements_of(group_canopy)) {
-            out_.mesh.triangles.push_back({{node(*e, 0), node(*e, 1), node(*e, 2)}, 0.0, 0.0, 0.0});
+            out_.mesh.triangles.push_back({{node(*e, 0), node(*e, 1), node(*e, 2)}, 0, 0.0, 0.0, 0.0});
             const Vec3& p = file_.position(e->node[0]);
             area += (file_.position(e->node[1]) - p).cross(file_.position(e->node[2]) - p);
         }

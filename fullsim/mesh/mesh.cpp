@@ -9,7 +9,7 @@ namespace twinchute::fullsim {
 Triangle laid_flat(const std::array<NodeIndex, 3>& node, const std::array<Vec3, 3>& corner) {
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
     const double a = e1.norm();
-    return {node, a, e1.dot(e2) / a, e1.cross(e2).norm() / a};
+    return {node, 0, a, e1.dot(e2) / a, e1.cross(e2).norm() / a};
 }
 
 std::string_view cable_kind_name(CableKind kind) {

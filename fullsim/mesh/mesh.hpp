@@ -19,9 +19,9 @@ using NodeIndex = std::int32_t;
 /// A fabric triangle; its corners turn counter-clockwise seen from outside the canopy.
 struct Triangle {
     std::array<NodeIndex, 3> node;
+    int sheet = 0;  ///< its fabric, see Mesh::fabric_of
     /// The unstrained triangle laid flat: corner 1 at (a, 0), corner 2 at (b, c) from corner 0 [m].
     double a, b, c;
-    int sheet = 0;  ///< its fabric, see Mesh::fabric_of
 
     double area() const { return 0.5 * a * c; }  ///< [m^2]
 };

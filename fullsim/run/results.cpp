@@ -460,7 +460,7 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> each
     add_opening_metrics(record, scene, result, filling, descent_metric());
     if (result.peak_force)
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
-                          "without the 5 ms average, since the last stage began");
+                          "without the 5 ms average");
     add_past_events(run.observer, result.snatch_time, result, record);
     record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();

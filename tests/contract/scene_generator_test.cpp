@@ -35,12 +35,13 @@ TEST_F(GeneratedScenes, ValidOnesAreRead) {
         const bool aside = key.path == "base" || key.path.starts_with("case") || key.kind == KeyKind::table ||
                            key.kind == KeyKind::tolerance || key.path.starts_with("parachute.reefing.") ||
                            key.path.starts_with("parachute.deploy.when.") ||
-                           key.path.starts_with("parachute.cut.") ||
+                           key.path.starts_with("parachute.cut.") || key.path == "parachute.panel.fabric" ||
                            key.path == "series.test";  // its columns are named as the metrics are
         EXPECT_TRUE(aside || seen.contains(std::string(key.path))) << key.path << " was never used";
     }
     // Some keys of these are written, as a list or a table in one line.
-    for (const char* whole : {"parachute.reefing", "parachute.deploy.when", "parachute.cut"})
+    for (const char* whole :
+         {"parachute.reefing", "parachute.deploy.when", "parachute.cut", "parachute.panel"})
         EXPECT_TRUE(seen.contains(whole)) << whole;
     for (const MetricRow& metric : judgeable_rows())
         EXPECT_TRUE(seen.contains("compare.tolerance." + std::string(metric.name))) << metric.name;

@@ -252,7 +252,8 @@ inline void SceneGenerator::put_canopy() {
     }
     for (const Key& key : scene_keys()) {
         if (key.kind != KeyKind::data_file || key.folder != "materials" || !give()) continue;
-        if (key.path == "parachute.vent_lines.cord") continue;  // with a length alone
+        if (key.path == "parachute.vent_lines.cord" || key.path == "parachute.panel.fabric")
+            continue;  // with a length alone; in put_canopy
         put(key.path, key.path == "parachute.fabric" ? "\"mil-c-7020-c9\"" : "\"mil-c-5040-type-ii\"");
     }
     for (const char* path :

@@ -31,7 +31,7 @@ inline void add_triangle(fullsim::Mesh& mesh, std::array<fullsim::NodeIndex, 3> 
                          const std::array<Vec3, 3>& unstrained) {
     const Vec3 e1 = unstrained[1] - unstrained[0], e2 = unstrained[2] - unstrained[0];
     const double a = e1.norm();
-    mesh.triangles.push_back({node, a, e1.dot(e2) / a, e1.cross(e2).norm() / a});
+    mesh.triangles.push_back({node, 0, a, e1.dot(e2) / a, e1.cross(e2).norm() / a});
 }
 
 /// Adds a triangle that is unstrained in the mesh's own positions.

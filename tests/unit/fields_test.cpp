@@ -16,7 +16,7 @@ Mesh small_mesh() {
     Mesh mesh;
     mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -2}};
     mesh.canopy_nodes = 3;
-    mesh.triangles = {{{0, 1, 2}, 1.0, 0.0, 1.0}};
+    mesh.triangles = {{{0, 1, 2}, 0, 1.0, 0.0, 1.0}};
     mesh.cables = {{{0, 3}, 2.0, 3.0, CableKind::line}};
     mesh.fabric.youngs_modulus = modulus;
     mesh.fabric.thickness = thickness;

@@ -13,7 +13,7 @@ protected:
     FrameRecorderTest() {
         mesh_.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -2}};
         mesh_.canopy_nodes = 3;
-        mesh_.triangles = {{{0, 1, 2}, 1.0, 0.0, 1.0}};
+        mesh_.triangles = {{{0, 1, 2}, 0, 1.0, 0.0, 1.0}};
         mesh_.cables = {{{0, 3}, 2.0, 1.0, CableKind::line}};
         mesh_.fabric.youngs_modulus = 2e8;
         mesh_.fabric.thickness = 1e-4;

@@ -114,7 +114,7 @@ void GoreBound::weigh_rows(const State& state, double mass_damping) {
     if (elements_.membranes_act) {
         triangle_rows_.reserve(gores_.triangles.size());
         for (const GoreTriangle& t : gores_.triangles) {
-            const TriangleRows flat = unstrained_rows(elements_.law, {{}, t.a, t.b, t.c});
+            const TriangleRows flat = unstrained_rows(elements_.law, {{}, 0, t.a, t.b, t.c});
             const std::array<double, 3> weights{weight(t.node[0]), weight(t.node[1]), weight(t.node[2])};
             WeighedRows weighed{};
             for (int i = 0; i < 3; ++i) {

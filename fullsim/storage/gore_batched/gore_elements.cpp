@@ -15,7 +15,7 @@ std::vector<MembraneElement> gore_membranes(const Gores& gores, const MembraneLa
                             1.0 / t.c,
                             t.b / t.a,
                             0.5 * t.a * t.c,
-                            law.viscosity * element_length({{}, t.a, t.b, t.c})});
+                            law.viscosity * element_length({{}, 0, t.a, t.b, t.c})});
     return elements;
 }
 

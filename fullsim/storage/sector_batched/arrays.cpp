@@ -174,7 +174,7 @@ void SectorArrays::lay_triangles(const Sector& sector, const MembraneLaw& law) {
         const std::int32_t push = element_force[3];
         for (int k = 0; k < count; ++k) {
             const GoreTriangle& t = sector.triangles[group.element[k]];
-            const Triangle flat{{}, t.a, t.b, t.c};
+            const Triangle flat{{}, 0, t.a, t.b, t.c};
             const int at = first + k;
             unstrained_.push_back({at, group.element[k], unstrained_rows(law, flat)});
             rows[inverse_a][at] = 1.0 / t.a;

@@ -33,10 +33,10 @@ Triangle turned(const Triangle& t, int first) {
     const auto &p = corner[at(first)], &q = corner[at(first + 1)], &r = corner[at(first + 2)];
     const double x = q[0] - p[0], y = q[1] - p[1], a = std::hypot(x, y);
     return {{t.node[at(first)], t.node[at(first + 1)], t.node[at(first + 2)]},
+            t.sheet,
             a,
             (x * (r[0] - p[0]) + y * (r[1] - p[1])) / a,
-            t.a * t.c / a,
-            t.sheet};
+            t.a * t.c / a};
 }
 
 /// By edge. Where more than two triangles meet, or two that turn against each other, some have none.
