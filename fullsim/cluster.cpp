@@ -129,10 +129,11 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
 }
 
 void Cluster::add(std::unique_ptr<Scene> scene, const Eigen::Quaterniond& turn) {
+    auto canopy = std::make_unique<Simulation>(*scene, make_layout_, force_blocks(), turn);
     made_.push_back(std::move(scene));
     scenes_.push_back(made_.back().get());
     out_.push_back(canopies_.size());
-    canopies_.push_back(std::make_unique<Simulation>(*scenes_.back(), make_layout_, force_blocks(), turn));
+    canopies_.push_back(std::move(canopy));
 }
 
 PayloadFlight Cluster::payload() const {
@@ -147,12 +148,13 @@ bool Cluster::was_checked() const {
 
 std::size_t Cluster::join(std::size_t parachute, double left) {
     const std::int64_t step = this->step();
-    payload_mass_ = left;
     const PayloadFlight now = payload();
     auto scene = std::make_unique<Scene>(scene_in_flight(scene_, parachute, now));
     scene->payload.mass = left;
-    members_.push_back({parachute, scene->release, left, 0.0});
+    const Release release = scene->release;
     add(std::move(scene));
+    members_.push_back({parachute, release, left, 0.0});
+    payload_mass_ = left;
     Simulation& newcomer = *canopies_.back();
     members_.back().riser_mass = newcomer.payload_node_mass() - left;
     newcomer.begin_at(now.position, now.velocity, step);

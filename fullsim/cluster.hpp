@@ -75,6 +75,7 @@ public:
     bool was_checked() const;
 
     /// A parachute of the scene leaves its pack: the payload weighs `left` [kg] without it. Its number here.
+    /// Throws SceneError, and changes nothing, where it cannot begin as it would have to here.
     std::size_t join(std::size_t parachute, double left);
     /// Parachute of the scene that canopy k is.
     std::size_t parachute(std::size_t k) const { return staged_ ? members_[k].parachute : 0; }

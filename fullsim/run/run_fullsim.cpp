@@ -22,6 +22,7 @@
 #include "fullsim/run/stages.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/scene/scene_error.hpp"
 #include "lib/solve/filling_bracket.hpp"
 
 namespace twinchute::fullsim {
@@ -493,7 +494,14 @@ private:
         observer().weigh_payload(mass);
     }
     void leave_pack(std::size_t parachute) {
-        CanopyRun& canopy = add_canopy(cluster_.join(parachute, stages_->carried_mass()));
+        std::size_t joined = 0;
+        try {
+            joined = cluster_.join(parachute, stages_->carried_mass());
+        } catch (const SceneError& error) {  // only its speed here shows it
+            return end(StatusCode::refused,
+                       fmt::format("{}: {}", scene_.parachutes[parachute].name, error.what()));
+        }
+        CanopyRun& canopy = add_canopy(joined);
         weigh_payload();
         fall_.restart();
         if (begun_) canopy.observe(true);  // nobody else does at this instant

@@ -91,16 +91,17 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
         if (scene.payload.body)                 // one that any number of risers reaches over
             scene.payload.body = {PayloadBody::Shape::cylinder,
                                   {0.5 * scene.parachutes.front().riser_length, 1.0}};
+        double step = 0.0;
         try {
             if (!fullsim::full_fidelity().unsupported_keys(scene).empty()) continue;
+            scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores
+            // Random materials may ask for steps of nanoseconds: as far as 20 000 of them go.
+            step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
         } catch (const SceneError& error) {  // only the mesh shows how short is too short
             ASSERT_EQ(error.key(), "parachute.vent_lines.length") << error.what();
             continue;
         }
         ++made;
-        scene.full.mesh = {1, 3, 2, 1};  // 168 triangles where there are 28 gores
-        // Random materials may ask for steps of nanoseconds: as far as 20 000 of them go.
-        const double step = scene.full.time_step_factor * fullsim::Simulation(scene).bound().dt;
         scene.stop = {Trigger::Kind::time, std::min(5.0, 2e4 * step), 0.0};
         const RunRecord record = run_full(scene);
         ++endings[record.status.code];
