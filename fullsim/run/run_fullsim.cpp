@@ -20,6 +20,7 @@
 #include "fullsim/run/plan.hpp"
 #include "fullsim/run/results.hpp"
 #include "fullsim/run/stages.hpp"
+#include "lib/record/metrics.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/scene/scene_error.hpp"
@@ -897,6 +898,12 @@ RunRecord fly(const Scene& scene, std::span<const double> stated_masses, Run run
     }
 }
 
+/// Snatch of a parachute, or its line stretch where it starts drawn out. head: what its events begin with.
+const Event* first_load(const RunRecord& record, const std::string& head) {
+    const Event* snatch = record.find_event(head + "snatch");
+    return snatch ? snatch : record.find_event(head + "line-stretch");
+}
+
 /// A run past its peak force, for the bracket of a predicted filling.
 RunRecord fly_to_peak(Scene scene, std::span<const double> stated_masses, const Run& run) {
     scene.stop = {Trigger::Kind::peak_force, 0.0, 0.0};
@@ -905,12 +912,18 @@ RunRecord fly_to_peak(Scene scene, std::span<const double> stated_masses, const 
     control.threads = run.threads;
     control.force_unstructured = run.force_unstructured;
     RunRecord record = fly(scene, stated_masses, control);
-    if (const Event* full = record.find_event("full-open"), *begin = record.find_event("snatch"); full) {
+    for (const Parachute& chute : scene.parachutes) {
+        const bool several = scene.parachutes.size() > 1;
+        const std::string head = several ? chute.name + "." : "";
+        const Event *full = record.find_event(head + "full-open"), *begin = first_load(record, head);
+        if (!full) continue;
         const double time = full->time - (begin ? begin->time : 0.0);
-        record.add_metric("filling_time_s", time);
+        const std::string key = (several ? metric_head(chute.name) : "") + "filling_time_s";
+        if (!several || !record.find_metric(key)) record.add_metric(key, time);
+        if (several) continue;
         record.add_metric("fill_constant",
                           time * record.metric("snatch_speed_m_s").value_or(release_airspeed(scene).norm()) /
-                              scene.parachutes.front().nominal_diameter);
+                              chute.nominal_diameter);
     }
     return record;
 }
@@ -929,7 +942,11 @@ RunRecord run_fullsim(const Scene& scene, Run& run) {
                        record.status.code == StatusCode::stopped_by_event ||
                        record.status.code == StatusCode::squids;
     if (ended) {
-        const Event* snatch = record.find_event("snatch");
+        // Of several parachutes that of the first whose filling is predicted.
+        const auto predicted = std::ranges::find_if(
+            scene.parachutes, [](const Parachute& p) { return p.filling.is_predicted(); });
+        const bool named = scene.parachutes.size() > 1 && predicted != scene.parachutes.end();
+        const Event* snatch = first_load(record, named ? predicted->name + "." : "");
         const double altitude = snatch != nullptr ? snatch->altitude : scene.release.altitude;
         add_filling_bracket(record, meshed, scene.environment.atmosphere.at(altitude).density,
                             [&](const Scene& other) { return fly_to_peak(other, stated_masses, run); });
