@@ -218,6 +218,7 @@ private:
             add_event("release");
             follow_sequence(false);
             begun_ = evaluated_ = true;
+            if (ended_) observe();  // a record has at least one row
             return;
         }
         add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
