@@ -39,7 +39,7 @@ PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end
     std::array<double, 6> start{};
     for (int c = 0; c < 3; ++c) {
         start[static_cast<std::size_t>(c)] = from.position[c];
-        start[static_cast<std::size_t>(3 + c)] = from.velocity[c];
+        start[static_cast<std::size_t>(c) + 3] = from.velocity[c];
     }
     const auto flight_at = [&](double t, std::span<const double> y) {
         const Vec3 position = vector_at(y, 0), velocity = vector_at(y, 3);
@@ -52,7 +52,7 @@ PayloadFlight fly_free(const Scene& scene, const PayloadFlight& from, double end
             const PayloadFlight now = flight_at(t, y);
             for (int c = 0; c < 3; ++c) {
                 rates[static_cast<std::size_t>(c)] = now.velocity[c];
-                rates[static_cast<std::size_t>(3 + c)] = now.acceleration[c];
+                rates[static_cast<std::size_t>(c) + 3] = now.acceleration[c];
             }
         },
         from.time, start, tolerance, std::vector<double>(start.size(), tolerance), 3);
