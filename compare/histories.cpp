@@ -61,7 +61,7 @@ Curve combined(const Curve& a, const Curve* b, double from, double to) {
 const Event* event_of(const RunRecord& record, std::initializer_list<const char*> names) {
     for (const char* name : names)
         if (const Event* event = record.find_event(name)) return event;
-    // Of several parachutes it is that of the first to come out.
+    // Among several parachutes it is that of the first to come out.
     for (const Event& first : record.events) {
         const auto dot = first.name.find('.');
         if (dot == std::string::npos) continue;

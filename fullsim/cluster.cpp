@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "fullsim/initial_state.hpp"
 #include "fullsim/time/energy.hpp"
@@ -263,7 +264,14 @@ void Cluster::share_pulls(double kick, int subcycles) {
 void Cluster::fly_alone(double end) {
     checked_alone_ = step_alone_ % Simulation::steps_between_checks == 0;
     ++step_alone_;
-    alone_ = fly_free(scene_, alone_, end, watch_);
+    try {
+        alone_ = fly_free(scene_, alone_, end, watch_);
+    } catch (const std::runtime_error& failure) {
+        fault_alone_ = RunStatus{StatusCode::solver_failed,
+                                 fmt::format("the payload's flight without a canopy from t = {:.4g} s: {}",
+                                             alone_.time, failure.what())};
+        checked_alone_ = true;  // nothing would come of another step
+    }
 }
 
 void Cluster::step_to(double end) {
@@ -372,6 +380,7 @@ std::vector<BlockCost> Cluster::block_costs() const {
 
 std::optional<RunStatus> Cluster::of_first(
     const std::function<std::optional<RunStatus>(std::size_t)>& fault) const {
+    if (out_.empty()) return fault_alone_;
     for (const std::size_t k : out_)
         if (auto found = fault(k)) {
             if (scene_.parachutes.size() > 1)
@@ -389,7 +398,7 @@ std::optional<RunStatus> Cluster::find_fault() {
     return of_first([&](std::size_t k) { return canopies_[k]->find_fault(); });
 }
 
-/// Those of a scene with stages, which nobody has made yet where they are read.
+/// Writes the members of a scene with stages, or makes them: where they are read nobody has yet.
 void Cluster::serialize_members(Archive& archive) {
     archive.number("payload's mass", payload_mass_);
     for (double* x : {&alone_.time, &alone_.mass})

@@ -9,7 +9,7 @@
 // Canopies of a cluster do not pass through each other: two that touch do so along a plane between them, see
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
 //
-// Of a scene with stages (has_stages) each parachute joins when it leaves its pack, and leaves when it is
+// In a scene with stages (has_stages) each parachute joins when it leaves its pack, and leaves when it is
 // cut. Shares are even, and change with that; while none is out the payload flies by itself
 // (free_flight.hpp).
 #pragma once
@@ -56,7 +56,7 @@ public:
     int threads() const { return threads_ ? tuner_.most() : 1; }
     /// Canopies that are out or have been.
     std::size_t size() const { return canopies_.size(); }
-    /// Those that are out, in rising order.
+    /// Canopies that are out, in rising order.
     const std::vector<std::size_t>& out() const { return out_; }
     bool is_out(std::size_t k) const { return std::ranges::binary_search(out_, k); }
     Simulation& operator[](std::size_t k) { return *canopies_[k]; }
@@ -81,7 +81,7 @@ public:
     std::size_t parachute(std::size_t k) const { return staged_ ? members_[k].parachute : 0; }
     /// A parachute is cut, and no longer moves.
     void leave(std::size_t k);
-    /// What ends a free flight before its end.
+    /// Sets what ends a free flight before its end.
     void watch(FlightWatch watch) { watch_ = std::move(watch); }
 
     /// As Simulation, for all that are out.
@@ -139,6 +139,7 @@ private:
     PayloadFlight alone_;          // while none is out
     std::int64_t step_alone_ = 0;  // likewise
     bool checked_alone_ = false;
+    std::optional<RunStatus> fault_alone_;
     double payload_mass_ = 0.0;  // [kg] with packs, of a scene with stages
     FlightWatch watch_;
     std::vector<Lanes> rest_;  // [N] on each part of the payload but for air and, in subcycles, risers

@@ -151,7 +151,9 @@ private:
     /// Stops where the right-hand side changes: at each corner of the extraction force, and where something
     /// happens to a canopy that is out.
     IntegrationSegment integrate(OdeSolver& solver, double limit) {
-        const double end = std::min(context_.stop_time, limit);
+        const auto end = [&] {
+            return std::min(context_.stop_time, limit);
+        };  // an altitude may bring it nearer
         for (;;) {
             const std::vector<double> y(solver.state().begin(), solver.state().end());
             const auto done = sequence_.advance(now(solver));
@@ -166,10 +168,10 @@ private:
             if (sequence_.watches_pressure()) solver.limit_step(pressure_step);
             context_.observer.mark(solver.time(), y);
             openings_.after_stage(done, solver.time());
-            const IntegrationSegment segment = context_.integrate_to(solver, std::min(next, end));
+            const IntegrationSegment segment = context_.integrate_to(solver, std::min(next, end()));
             if (segment == IntegrationSegment::root && solver.root() >= first_trigger)
                 sequence_.met(static_cast<std::size_t>(solver.root() - first_trigger), now(solver));
-            else if (segment != IntegrationSegment::reached_end || solver.time() >= end)
+            else if (segment != IntegrationSegment::reached_end || solver.time() >= end())
                 return segment;
         }
     }

@@ -49,7 +49,7 @@ Maximum Openings::take_peak() {
 
 void Openings::close() {
     const Maximum peak = take_peak();
-    if (result.parachutes.empty()) return;
+    if (result.parachutes.empty() || snatches_) return;  // it is of a snatch that has not come to its end
     ParachuteResult& chute = result.parachutes.back();
     if (chute.stages.empty()) {
         chute.snatch_force = peak.value;
@@ -63,11 +63,13 @@ void Openings::close() {
 
 void Openings::lines_taut() {
     if (!result.parachutes.empty()) close();
+    snatches_ = true;
 }
 
 void Openings::note_snatch(const OpeningEvent& what, const FlightState& now) {
     const Parachute& chute = scene_.parachutes[what.index];
     const bool packed = chute.deploy.starts_packed();
+    snatches_ = false;
     if (!packed && !result.parachutes.empty()) close();
     result.parachutes.push_back({what.index, now.time, now.airspeed, {}, {}});
     if (!packed) result.parachutes.back().stages.push_back({now.time});

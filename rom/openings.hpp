@@ -54,6 +54,7 @@ private:
     RunContext& context_;
     const OpeningSequence& sequence_;
     CanopyPeak canopy_peak_;  // taken with the last peak
+    bool snatches_ = false;   // lines of a parachute are taut that is no result yet
 };
 
 }  // namespace twinchute::rom

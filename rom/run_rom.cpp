@@ -64,22 +64,8 @@ void judge_flight(const Scene& scene, int dimensions, RunContext& context, Openi
     const Observer& observer = context.observer;
     const HistoryRow& last = observer.rows().back();
     RunRecord& record = context.record;
-    bool all_known = true;
-    for (ParachuteResult& chute : result.parachutes) {
-        if (openings.is_growing(chute.index)) {
-            all_known = false;
-            if (!chute.stages.empty()) chute.stages.back().peak_force.reset();
-        }
-        for (const ParachuteResult::Stage& stage : chute.stages)
-            if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
-                result.peak_force = stage.peak_force;
-                result.peak_time = stage.peak_time;
-            }
-    }
-    if (!all_known) {
-        result.peak_force.reset();
+    if (!note_largest_peak(result, [&](std::size_t index) { return openings.is_growing(index); }))
         result.peak_canopy_force.reset();
-    }
     if (!result.parachutes.empty()) result.snatch_force = result.parachutes.front().snatch_force;
     if (result.peak_force) {
         const HistoryRow& top = observer.row_near(result.peak_time);

@@ -61,12 +61,7 @@ struct RunView {
         return packed() ? findings.snatch_density : observer.rows().front().density;
     }
     /// Largest peak of all stages.
-    Observer::Peak largest_peak() const {
-        Observer::Peak largest = observer.peak();
-        for (const Observer::Peak& peak : observer.earlier_peaks())
-            if (peak.value > largest.value) largest = peak;
-        return largest;
-    }
+    Observer::Peak largest_peak() const { return observer.largest_peak(); }
 };
 
 }  // namespace twinchute::fullsim

@@ -92,6 +92,12 @@ public:
     /// column is filtered across all ends.
     const Peak& peak() const { return extremes_.peak; }
     const std::vector<Peak>& earlier_peaks() const { return extremes_.earlier; }  ///< of the stages before
+    Peak largest_peak() const {                                                   ///< of all stages
+        Peak largest = peak();
+        for (const Peak& earlier : earlier_peaks())
+            if (earlier.value > largest.value) largest = earlier;
+        return largest;
+    }
     /// Peak of the raw force [N]: that at the end of a step, or its mean over the subcycles of one, see
     /// MeanForce.
     const Peak& raw_peak() const { return extremes_.raw_peak; }

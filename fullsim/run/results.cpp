@@ -294,24 +294,14 @@ bool overlap(std::span<const RunView> each) {
 
 /// Forces of several parachutes: peaks of the openings, and of single canopies where some were out at once.
 void note_peaks(const StagesView& run, std::span<const RunView> each, OpeningResult& result) {
-    bool all_known = true;
-    for (ParachuteResult& opening : result.parachutes) {
-        if (run.sequence.is_growing(opening.index)) {
-            all_known = false;
-            opening.stages.back().peak_force.reset();
-        }
-        for (const ParachuteResult::Stage& stage : opening.stages)
-            if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
-                result.peak_force = stage.peak_force;
-                result.peak_time = stage.peak_time;
-            }
-        // Filled is what the canopy is, not its drag area, which is told.
+    const bool all_known =
+        note_largest_peak(result, [&](std::size_t index) { return run.sequence.is_growing(index); });
+    // Filled is what the canopy is, not its drag area, which is told.
+    for (ParachuteResult& opening : result.parachutes)
         for (const RunView& one : each)
             if (one.parachute().name == run.scene.parachutes[opening.index].name && !one.inflated() &&
                 one.parachute().reefing.empty())
                 opening.stages.back().full = filled_at(one);
-    }
-    if (!all_known) result.peak_force.reset();
     if (!overlap(each)) return;
     for (const RunView& one : each) {
         const Observer::Peak peak = one.largest_peak(), &snatch = one.observer.snatch_peak();
@@ -351,9 +341,7 @@ OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, co
         }
         if (!each.empty()) note_peaks(run, each, result);
     }
-    result.max_force = std::max(run.observer.peak().value, run.observer.snatch_peak().value);
-    for (const Observer::Peak& peak : run.observer.earlier_peaks())
-        result.max_force = std::max(result.max_force, peak.value);
+    result.max_force = std::max(run.observer.largest_peak().value, run.observer.snatch_peak().value);
     for (const ParachuteResult& opening : run.openings)
         result.max_force = std::max(result.max_force, opening.snatch_force.value_or(0.0));
     result.max_deceleration = run.observer.largest_acceleration();
@@ -366,7 +354,7 @@ OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, co
     return result;
 }
 
-/// Of several parachutes: channels of each, zero before it leaves its pack and after it is cut.
+/// Adds channels of each of several parachutes, zero before it leaves its pack and after it is cut.
 void add_parachute_channels(const StagesView& run, std::span<const RunView> each, RunRecord& record) {
     const std::vector<HistoryRow>& all = run.observer.rows();
     std::vector<double> largest(all.size(), 0.0);
@@ -390,7 +378,8 @@ void add_parachute_channels(const StagesView& run, std::span<const RunView> each
     if (overlap(each)) record.channels.push_back({"canopy_force", "N", std::move(largest)});
 }
 
-/// What a run of one parachute says of its structure, with the parachute's name where it is one of several.
+/// Adds shape, largest loads, margins and warnings of one parachute, with the parachute's name where it is
+/// one of several.
 void add_parachute(const RunView& run, bool several, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
     RunRecord own;

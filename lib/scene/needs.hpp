@@ -40,7 +40,7 @@ struct CrossRefusal {
     std::string key, why;
 };
 
-/// What a scene asks of a cross that the full model cannot do; empty for all others.
+/// Keys by which a scene asks of a cross more than the full model can do; empty for all others.
 std::vector<CrossRefusal> cross_refusals(const Scene& scene);
 
 /// Warning where a canopy is a cross.

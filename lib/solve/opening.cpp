@@ -116,6 +116,23 @@ Inflation inflated(const Parachute& chute) {
     return inflation;
 }
 
+bool note_largest_peak(OpeningResult& result, const std::function<bool(std::size_t)>& is_growing) {
+    bool all_known = true;
+    for (ParachuteResult& chute : result.parachutes) {
+        if (is_growing(chute.index)) {
+            all_known = false;
+            if (!chute.stages.empty()) chute.stages.back().peak_force.reset();
+        }
+        for (const ParachuteResult::Stage& stage : chute.stages)
+            if (stage.peak_force && (!result.peak_force || *stage.peak_force > *result.peak_force)) {
+                result.peak_force = stage.peak_force;
+                result.peak_time = stage.peak_time;
+            }
+    }
+    if (!all_known) result.peak_force.reset();
+    return all_known;
+}
+
 namespace {
 
 /// Adds the metrics of each of several parachutes, and of each stage of a reefed one.

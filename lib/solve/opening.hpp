@@ -112,6 +112,10 @@ inline double angle_below_horizon(const Vec3& velocity) {
     return std::atan2(-velocity.z(), std::hypot(velocity.x(), velocity.y()));
 }
 
+/// Takes the largest peak of all stages for that of the result. A parachute that grows (by its index in the
+/// scene) has none in its last stage, and then there is none of the result. Returns whether all are known.
+bool note_largest_peak(OpeningResult& result, const std::function<bool(std::size_t)>& is_growing);
+
 /// Takes a metric, see RunRecord::add_metric.
 using MetricSink =
     std::function<void(std::string_view key, double value, MetricKind kind, std::string_view note)>;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/read_scene.hpp"
 #include "lib/solve/opening.hpp"
 #include "lib/solve/opening_sequence.hpp"
 #include "rom/canopy_force.hpp"
@@ -565,6 +566,27 @@ TEST(RomSequence, WhatHappensAtTheVeryEndHasHappened) {
     const RunRecord record = run_rom(scene);
     EXPECT_EQ(time_of(record, "disreef"), 4.0);
     EXPECT_EQ(last(record, "time"), 4.0);
+}
+
+TEST(RomSequence, AStopWhileAPackIsDrawnOutTakesNothingFromTheOneBefore) {
+    // Between the cut of the drogue, at 4 s, and the snatch of the main: the drogue's peak is what it was, to
+    // the last bit, whether or not the main's lines are taut already (from 4.87 s on, until 4.89 s).
+    const auto run_to = [](const std::string& stop) {
+        return run_rom(read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-drogue.toml", {"stop=" + stop}));
+    };
+    const RunRecord at_cut = run_to("{time=4}");
+    for (const char* stop : {"{time=4.5}", "{time=4.88}", "{altitude='880 m'}"}) {
+        const RunRecord record = run_to(stop);
+        ASSERT_EQ(record.status.code, StatusCode::completed) << stop;
+        EXPECT_EQ(metric_of_sequence(record, "drogue_peak_force_N"),
+                  metric_of_sequence(at_cut, "drogue_peak_force_N"))
+            << stop;
+        EXPECT_EQ(metric_of_sequence(record, "peak_force_N"), metric_of_sequence(at_cut, "peak_force_N"));
+        EXPECT_FALSE(record.metric("main_snatch_force_N")) << stop;
+    }
+    EXPECT_EQ(last(run_to("{time=4.88}"), "time"), 4.88);
+    EXPECT_GT(last(run_to("{time=4.88}"), "force"), 100.0);  // they are taut
+    EXPECT_NEAR(last(run_to("{altitude='880 m'}"), "altitude"), 880.0, 1e-6);
 }
 
 TEST(RomSequence, ASnatchInFlightIsAResult) {

@@ -1,0 +1,670 @@
+#include "fullsim/run/full_run.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "fullsim/run/results.hpp"
+#include "lib/scene/scene_error.hpp"
+#include "lib/solve/opening.hpp"
+
+namespace twinchute::fullsim {
+namespace {
+
+constexpr int steps_between_falls = 10;  // samples of the fall: some ten a bounce, of lines that are short
+constexpr int steps_between_reports = 500;
+// Frames of a report: a deployment lasts tenths of a second to some seconds, breathing as long as filling.
+constexpr FrameStretch deployment_frames{0.02, 20}, descent_frames{0.1, 16};
+constexpr std::size_t opening_frames = 48;
+constexpr double opening_and_breathing = 2.0;   // filling times, from snatch
+constexpr double expected_fill_constant = 8.0;  // of a filling that is predicted, for frames alone
+
+}  // namespace
+
+FullRun::FullRun(const Scene& scene, std::span<const double> stated_masses, Run& run, const Attempts& before)
+    : before_(before),
+      scene_(scene),
+      run_(run),
+      record_(begin_record(scene, "full")),
+      cluster_(
+          scene,
+          [threads = has_several_canopies(scene) ? 1 : run.threads, any = run.force_unstructured](
+              const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+              return any ? make_unstructured_layout(s, mesh, constants)
+                         : make_layout(s, mesh, constants, threads);
+          },
+          run.threads),
+      stated_masses_(stated_masses.begin(), stated_masses.end()),
+      stages_(has_stages(scene) ? std::make_unique<Stages>(scene) : nullptr),
+      fall_(scene.environment),
+      fields_(meshes(), scene.full.fields_rate, run.fields),
+      frames_(meshes(), static_cast<bool>(run.frames), stages_ ? 1 : cluster_.front().sectors()),
+      stop_time_(scene.stop.kind == Trigger::Kind::time ? scene.stop.value + scene.stop.delay
+                                                        : longest_flight),
+      clock_(run, scene.full.checkpoint_interval) {
+    for (std::size_t k = 0; k < cluster_.size(); ++k)
+        canopies_.push_back(
+            std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_.front(), cluster_, k));
+    if (stages_) {
+        together_.emplace(scene, *stages_->meshes().front(), cluster_);
+        cluster_.watch(stages_->watch());
+        return;
+    }
+    if (cluster_.size() > 1)
+        together_.emplace(scene, stated_masses_.front(), cluster_, canopies_.back()->view().sequence);
+    if (view().packed()) {
+        frames_.begin(0.0, deployment_frames);
+    } else if (view().inflated()) {
+        begin_descent_frames();
+    } else {
+        begin_opening_frames();
+    }
+}
+
+void FullRun::fly() {
+    begin();
+    while (!ended_) {
+        // Right after a check no frame of the fields waits for the next one.
+        if (cluster_.step() % Simulation::steps_between_checks == 1) save_if_due();
+        if (!std::exchange(evaluated_, false)) cluster_.evaluate_forces();
+        observe();
+        look_for_events();
+        // An end between two checks must not hide what the next one would have found.
+        if (ended_ && !is_numerical_failure(record_.status.code)) check_end();
+        if (ended_) break;
+        cluster_.step_to(next_stop());
+        if (cluster_.was_checked()) check();
+    }
+}
+
+RunRecord FullRun::finish() {
+    // The rest of the fall begins where this ends, not at the last row before.
+    if (!scene_.then.empty() && record_.status.code == StatusCode::completed &&
+        cluster_.time() > observer().rows().back().time)
+        add_rows();
+    for (const auto& canopy : canopies_)
+        canopy->observer().finish();
+    if (together_) together_->observer.finish();
+    note_squid();
+    fields_.accept();
+    frames_.accept();
+    if (run_.frames) run_.frames(frames_.finish());
+    if (cluster_.size() > 0) {
+        const Layout& layout = std::as_const(cluster_)[0].layout();
+        record_.provenance.instruction_set = fmt::format("{}, {}", layout.instruction_set(), layout.name());
+        record_.provenance.threads = std::max(layout.threads(), cluster_.threads());
+    }
+    fill_cost();
+    // The end of the run is steady, too, or its last window says that it is not.
+    if (const auto last = judge_fall()) {
+        found().last_window = last;
+        if (found().descent && last->is_steady()) found().descent = last;
+    }
+    std::vector<RunView> each;
+    for (const auto& canopy : canopies_)
+        each.push_back(canopy->view());
+    if (stages_) {
+        for (const std::size_t k : cluster_.out())
+            if (went_through_itself(each[k])) found().descent.reset();
+        fill_results_of_stages({scene_, cluster_, stages_->sequence, observer(), found(),
+                                stages_->openings(canopies_, cluster_, observer())},
+                               each, record_);
+    } else {
+        if (went_through_itself(view())) found().descent.reset();
+        fill_results(view(), each, record_);
+    }
+    note_attempts();
+    return std::move(record_);
+}
+
+std::vector<const Mesh*> FullRun::meshes() const {
+    if (stages_) return stages_->meshes();
+    std::vector<const Mesh*> all;
+    for (std::size_t k = 0; k < cluster_.size(); ++k)
+        all.push_back(&cluster_[k].mesh());
+    return all;
+}
+
+std::vector<const State*> FullRun::synchronised_states() const {
+    if (stages_) return stages_->states(cluster_);
+    std::vector<const State*> all;
+    for (std::size_t k = 0; k < cluster_.size(); ++k)
+        all.push_back(&cluster_[k].synchronised_state());
+    return all;
+}
+
+void FullRun::begin() {
+    if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
+    if (stages_) {
+        add_event("release");
+        follow_sequence(false);
+        begun_ = evaluated_ = true;
+        if (ended_) observe();  // a record has at least one row
+        return;
+    }
+    add_event(view().packed() ? "release" : view().inflated() ? "full-open" : "line-stretch");
+    if (!view().packed()) met(view().inflated() ? Trigger::Kind::full_open : Trigger::Kind::line_stretch);
+}
+
+void FullRun::observe() {
+    const double now = cluster_.time();
+    const bool row = observer().row_is_due(now);
+    for (const std::size_t k : cluster_.out())
+        canopies_[k]->observe(row);
+    if (together_) {
+        observe_all();
+        if (row) add_row_of_all();
+    }
+    if (fields_.frame_is_due(now)) fields_.observe(synchronised_states());
+    if (now >= descent_frames_from_) begin_descent_frames();
+    if (frames_.frame_is_due(now)) frames_.observe(synchronised_states());
+}
+
+void FullRun::observe_all() {
+    SystemState sum;
+    sum.time = cluster_.time();
+    Vec3 on_payload = Vec3::Zero();
+    if (cluster_.out().empty()) {
+        const PayloadFlight alone = cluster_.payload();
+        on_payload = alone.mass * (alone.acceleration + scene_.environment.gravity * Vec3::UnitZ());
+    } else {
+        sum.line_dt = system().line_dt;
+        sum.in_subcycles.count = system().in_subcycles.count;
+    }
+    for (const std::size_t k : cluster_.out()) {
+        sum.riser_force += cluster_[k].system().riser_force;
+        sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
+        on_payload += cluster_[k].payload_force();
+    }
+    together_->observer.observe(sum, on_payload);
+}
+
+void FullRun::add_row_of_all() {
+    std::vector<HistoryRow> rows;
+    Vec3 pull = Vec3::Zero();
+    for (const std::size_t k : cluster_.out()) {
+        rows.push_back(canopies_[k]->observer().rows().back());
+        pull += canopies_[k]->system().riser_force;
+    }
+    HistoryRow row = rows.empty() ? row_alone() : row_of_all(rows);
+    row.force_raw = pull.norm();
+    together_->observer.add_row(row);
+}
+
+HistoryRow FullRun::row_alone() const {
+    const PayloadFlight payload = cluster_.payload();
+    const FlightState flight = stages_->flight_state(payload);
+    HistoryRow row{};
+    row.time = payload.time;
+    row.position = payload.position;
+    row.velocity = payload.velocity;
+    row.dynamic_pressure = flight.dynamic_pressure();
+    row.airspeed = flight.airspeed;
+    row.density = flight.density;
+    row.turns = 1.0;
+    return row;
+}
+
+void FullRun::add_rows() {
+    for (const std::size_t k : cluster_.out())
+        canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
+    if (together_) add_row_of_all();
+}
+
+void FullRun::add_event(std::string name) {
+    const PayloadFlight payload = cluster_.payload();
+    record_.events.push_back(
+        {std::move(name), cluster_.time(), payload.position.z(), payload.velocity.norm()});
+}
+
+double FullRun::next_stop() const {
+    double next = std::min(stop_time_, event_stop_);
+    if (stages_) next = std::min(next, stages_->sequence.next_time());
+    if (cluster_.out().empty()) next = std::min(next, cluster_.time() + 1.0 / scene_.full.output_rate);
+    for (const std::size_t k : cluster_.out())
+        next = std::min(next, canopies_[k]->next_stop());
+    return next;
+}
+
+void FullRun::fail(const RunStatus& fault) {
+    for (const auto& canopy : canopies_)
+        canopy->observer().forget();
+    if (together_) together_->observer.forget();
+    record_.events.resize(sound_events_);
+    fields_.forget();
+    frames_.forget();
+    end(fault.code, fault.detail);
+}
+
+void FullRun::check() {
+    if (const auto fault = cluster_.fault()) return fail(*fault);
+    for (const auto& canopy : canopies_)
+        canopy->observer().accept();
+    if (together_) together_->observer.accept();
+    sound_events_ = record_.events.size();
+    fields_.accept();
+    frames_.accept();
+    tell_watchers();
+    if (clock_.may_stop()) return end(StatusCode::interrupted, "stopped on request");
+    // Checks follow the step whose number they divide.
+    if (run_.progress && cluster_.step() % steps_between_reports == 1) report_progress();
+}
+
+void FullRun::check_end() {
+    if (const auto fault = cluster_.find_fault()) {
+        found().landing_time.reset();
+        fail(*fault);
+    }
+}
+
+void FullRun::tell_watchers() {
+    if (run_.rows) {
+        const std::span<const HistoryRow> rows = observer().final_rows();
+        for (; told_rows_ < rows.size(); ++told_rows_)
+            run_.rows({rows[told_rows_].time, rows[told_rows_].force, rows[told_rows_].velocity.norm()});
+    }
+    if (!run_.frames_so_far) return;
+    const ShapeFrames& shape = frames_.so_far();
+    if (shape.empty() || shape.frames.back().time <= told_frame_) return;
+    told_frame_ = shape.frames.back().time;
+    run_.frames_so_far(shape);
+}
+
+void FullRun::save_if_due() {
+    if (!clock_.is_due()) return;
+    Archive archive;
+    serialize(archive);
+    clock_.save(archive.take());
+}
+
+void FullRun::go_on_from(const std::string& saved) {
+    Archive archive(saved, run_.checkpoints.file);
+    serialize(archive);
+    archive.end();
+    record_.cost.resumed_at.push_back(cluster_.time());
+    if (run_.progress) report_progress();
+}
+
+void FullRun::begin_opening_frames() {
+    const CanopyRun& newest = *canopies_.back();
+    const Simulation& simulation = stages_ ? newest.view().simulation() : view().simulation();
+    const Inflation& inflation = simulation.inflation();
+    const double filling = simulation.predicts_filling()
+                               ? expected_fill_constant * newest.view().parachute().nominal_diameter /
+                                     std::max(1.0, newest.flight_state().airspeed)
+                               : inflation.end_of(Phase::filling) - inflation.snatch;
+    const double lasts = opening_and_breathing * filling;
+    frames_.begin(cluster_.time(), {lasts / opening_frames, opening_frames});
+    descent_frames_from_ = cluster_.time() + lasts;
+}
+
+std::string_view FullRun::stage_name() const {
+    if (cluster_.out().empty()) return "free flight";
+    const SystemState& s = stages_ ? cluster_[cluster_.out().back()].system() : view().simulation().system();
+    if (any_deploys()) return "deployment";
+    switch (s.phase) {
+        case Phase::initial:
+            return "initial phase";
+        case Phase::filling:
+            return "filling";
+        case Phase::overshoot:
+            return "over-inflation";
+        case Phase::open:
+            break;
+    }
+    return "descent";
+}
+
+bool FullRun::all_open() const {
+    return !cluster_.out().empty() && std::ranges::all_of(cluster_.out(), [&](std::size_t k) {
+        return canopies_[k]->system().phase == Phase::open;
+    });
+}
+
+double FullRun::drag_area_steady() const {
+    if (!stages_) return view().drag_area_steady();
+    double steady = stages_->sequence.is_settled() ? 0.0 : infinity;
+    for (const std::size_t k : cluster_.out())
+        steady = std::max(steady, canopies_[k]->view().drag_area_steady());
+    return steady;
+}
+
+double FullRun::expected_share() const {
+    if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, cluster_.time() / stop_time_);
+    if (stages_ || any_deploys()) return 0.0;
+    const Inflation& inflation = view().simulation().inflation();
+    return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));
+}
+
+void FullRun::look_for_events() {
+    const bool waits = stages_ ? stages_->sequence.waits_for_steady_descent() && all_open()
+                               : std::ranges::any_of(canopies_, [](const auto& canopy) {
+                                     return canopy->waits_for_steady_descent();
+                                 });
+    const bool steady = waits && falls_steadily();
+    for (const std::size_t k : cluster_.out()) {
+        CanopyRun& canopy = *canopies_[k];
+        for (const char* name : canopy.look(steady))
+            stages_ ? happened_in_stage(canopy, name) : happened(canopy, name);
+        if (canopy.ending() && !ended_) end(canopy.ending()->code, canopy.ending()->detail);
+    }
+    if (stages_ && !ended_) follow_sequence(steady);
+    if (!ended_ && !any_deploys()) look_for_descent();
+    if (!ended_) look_for_ground();
+    if (!ended_) look_for_stop();
+}
+
+void FullRun::follow_sequence(bool falls_steadily) {
+    OpeningSequence& sequence = stages_->sequence;
+    const FlightState now = stages_->flight_state(cluster_.payload());
+    if (falls_steadily) {
+        add_event("steady-descent");
+        sequence.descends_steadily(now);
+    }
+    for (const OpeningEvent& what : sequence.advance(now)) {
+        const auto own = canopy_of(what.index);
+        if (what.kind == OpeningEvent::Kind::snatch && !own) leave_pack(what.index);
+        if (what.kind == OpeningEvent::Kind::disreef) disreef(*own);
+        if (what.kind == OpeningEvent::Kind::cut) cut(*own);
+        if (what.kind == OpeningEvent::Kind::full_open && sequence.is_filled()) met(Trigger::Kind::full_open);
+        if (ended_) return;
+    }
+    if (const auto leaves = sequence.leaves_pack(); leaves && !canopy_of(*leaves)) leave_pack(*leaves);
+}
+
+std::optional<std::size_t> FullRun::canopy_of(std::size_t parachute) const {
+    for (std::size_t k = 0; k < cluster_.size(); ++k)
+        if (cluster_.parachute(k) == parachute) return k;
+    return {};
+}
+
+CanopyRun& FullRun::add_canopy(std::size_t k) {
+    const std::size_t parachute = cluster_.parachute(k);
+    canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_[parachute], cluster_, k,
+                                                    &stages_->sequence, parachute));
+    return *canopies_.back();
+}
+
+void FullRun::weigh_payload() {
+    double mass = cluster_.out().empty() ? cluster_.payload().mass : 0.0;
+    for (const std::size_t k : cluster_.out())
+        mass += cluster_[k].payload_node_mass();
+    observer().weigh_payload(mass);
+}
+
+void FullRun::leave_pack(std::size_t parachute) {
+    std::size_t joined = 0;
+    try {
+        joined = cluster_.join(parachute, stages_->carried_mass());
+    } catch (const SceneError& error) {  // only its speed here shows it
+        return end(StatusCode::refused,
+                   fmt::format("{}: {}", scene_.parachutes[parachute].name, error.what()));
+    }
+    CanopyRun& canopy = add_canopy(joined);
+    weigh_payload();
+    fall_.restart();
+    if (begun_) canopy.observe(true);  // nobody else does at this instant
+    if (canopy.view().packed()) {
+        add_event(parachute, "release");
+        stages_->leaves_pack(cluster_.time(), observer());
+        return frames_.begin(cluster_.time(), deployment_frames);
+    }
+    if (!canopy.view().inflated()) {
+        add_event(parachute, "line-stretch");
+        canopy.simulation().open_as(stages_->sequence.all()[parachute].inflation);
+        if (const auto refused = canopy.simulation().refused_opening(
+                canopy.simulation().inflation(), stages_->flight_state(cluster_.payload()).airspeed))
+            return end(refused->code, refused->detail);
+    }
+    opens(canopy);
+}
+
+void FullRun::opens(const CanopyRun& canopy) {
+    const std::size_t parachute = cluster_.parachute(index_of(canopy));
+    stages_->opens(parachute, canopy, cluster_.time(), observer());
+    if (canopy.view().inflated())
+        begin_descent_frames();
+    else
+        begin_opening_frames();
+    if (!stages_->sequence.any_waits_to_leave()) met(Trigger::Kind::line_stretch);
+}
+
+void FullRun::disreef(std::size_t k) {
+    const std::size_t parachute = cluster_.parachute(k);
+    add_event(parachute, "disreef");
+    stages_->disreefs(parachute, cluster_.time(), observer());
+    canopies_[k]->disreef();
+    fall_.restart();
+    begin_opening_frames();
+}
+
+void FullRun::cut(std::size_t k) {
+    // Nothing looks at it any more after this.
+    if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
+    canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
+    add_event(cluster_.parachute(k), "cut");
+    cluster_.leave(k);
+    weigh_payload();
+    fall_.restart();
+}
+
+void FullRun::happened(const CanopyRun& canopy, const char* name) {
+    std::vector<std::string>& own = past_.at(index_of(canopy));
+    own.emplace_back(name);
+    const auto times = std::ranges::count(own, name);
+    const std::string_view what = name;
+    if (together_ && what == "switch") together_->found.switched_late |= canopy.found().switched_late;
+    const bool of_reefed = what == "disreef" || what == "reefed-open" || what == "steady-descent";
+    for (std::size_t k = 0; k < canopies_.size(); ++k)
+        if ((canopies_[k]->view().sequence || !of_reefed) && std::ranges::count(past_[k], name) < times)
+            return;
+    add_event(name);
+    if (what == "snatch") snatched();
+    if (what == "disreef") disreefed();
+    if ((what == "full-open" || what == "reefed-open") && together_ && !found().stages.back().full)
+        found().stages.back().full = system().time;
+    if (what == "full-open") met(Trigger::Kind::full_open);
+}
+
+void FullRun::snatched() {
+    begin_opening_frames();
+    met(Trigger::Kind::line_stretch);
+    if (!together_) return;
+    // All are out with the last of them.
+    together_->found = canopies_.at(last_snatched())->found();
+    double soonest = infinity;
+    for (const auto& canopy : canopies_)
+        soonest = std::min(soonest, canopy->simulation().inflation().initial_time);
+    together_->observer.count_peak_from(system().time + soonest);
+}
+
+std::size_t FullRun::last_snatched() const {
+    const auto last =
+        std::ranges::max_element(canopies_, {}, [](const auto& canopy) { return canopy->found().snatch; });
+    return static_cast<std::size_t>(last - canopies_.begin());
+}
+
+void FullRun::disreefed() {
+    begin_opening_frames();
+    if (!together_) return;
+    together_->found.stages.push_back({system().time});
+    together_->observer.begin_stage(system().time);
+}
+
+void FullRun::look_for_descent() {
+    const double now = cluster_.time();
+    look_at_fall();
+    // Not before there is a shape to report.
+    if (all_open() && !found().descent_altitude && now >= drag_area_steady() + shape_average &&
+        falls_steadily()) {
+        add_event("steady-descent");
+        found().descent = found().last_window;
+        found().descent_altitude = cluster_.payload().position.z();
+        if (scene_.stop.kind == Trigger::Kind::steady_descent ||
+            scene_.stop.kind == Trigger::Kind::peak_force)
+            event_stop_ = now + scene_.stop.delay;
+    }
+    if (scene_.stop.kind == Trigger::Kind::peak_force && event_stop_ == longest_flight &&
+        now > drag_area_steady() && observer().filtered_force() < past_peak * observer().peak().value)
+        event_stop_ = now + scene_.stop.delay;
+}
+
+void FullRun::note_squid() {
+    const StatusCode code = record_.status.code;
+    if (code != StatusCode::completed && code != StatusCode::stopped_by_event &&
+        code != StatusCode::time_limit)
+        return;
+    for (const std::size_t k : cluster_.out())
+        if (const auto why = canopies_[k]->squids())
+            return end(StatusCode::squids,
+                       fmt::format("{}: {}{}", record_.status.detail,
+                                   stages_     ? scene_.parachutes[cluster_.parachute(k)].name + ": "
+                                   : together_ ? fmt::format("canopy {}: ", k + 1)
+                                               : "",
+                                   *why));
+}
+
+void FullRun::note_attempts() {
+    if (before_.count == 0) return;
+    record_.cost.wall_s += before_.wall;
+    record_.cost.cpu_s += before_.cpu;
+    const double factor = scene_.full.time_step_factor;
+    record_.warnings.push_back(
+        {fmt::format("the run was repeated with half of its step, full.time_step_factor = {:g}", factor),
+         fmt::format("at {:g} the energy did not add up: {}", 2.0 * factor, before_.ending),
+         fmt::format("give the factor in the scene to spare the {:.2g} s before, or to keep a step as it is",
+                     before_.wall)});
+}
+
+bool FullRun::falls_steadily() {
+    if (cluster_.step() % Simulation::steps_between_checks != 0) return false;
+    found().last_window = judge_fall();
+    return found().last_window && found().last_window->is_steady();
+}
+
+std::optional<DescentWindow> FullRun::judge_fall() {
+    auto window = fall_.judge(cluster_.payload().position.z());
+    if (window && window->is_steady()) window->turns = observer().turns_since(window->from);
+    return window;
+}
+
+FallSample FullRun::fall_now() const {
+    const double gravity = scene_.environment.gravity;
+    const auto count = static_cast<double>(cluster_.out().size());
+    FallSample now;
+    Vec3 air = Vec3::Zero(), arm = Vec3::Zero();
+    for (const std::size_t k : cluster_.out()) {
+        const Simulation& canopy = cluster_[k];
+        const SystemState& s = canopy.system();
+        const double material = canopy.constants().system_mass;
+        air += s.air.airspeed * s.air.direction / count;  // relative to the canopy
+        arm += (s.sums.canopy_position - to_vec3(canopy.payload().x)) / count;
+        now.density += s.air.density / count;
+        now.airspeed += s.air.airspeed / count;
+        now.updraft += s.air.wind.z() / count;
+        now.system_sink -= s.sums.system_velocity.z() / count;
+        now.air_sink -= s.sums.canopy_area_velocity.z() / count;
+        now.added_mass_ratio += s.added_mass / material / count;
+        now.accretion += accretes_ ? s.accretion() / material / count : 0.0;
+        now.growth += accretes_ ? s.added_mass_rate / material / count : 0.0;
+        now.area += s.air.projected_area / count;
+    }
+    const double length = arm.norm(), sink = air.z();
+    now.time = cluster_.time();
+    now.sink = sink;
+    now.swing = air.squaredNorm() - sink * sink + 2.0 * gravity * (length - arm.z());
+    now.period = 2.0 * pi * std::sqrt(length / gravity);
+    now.across = {air.x(), air.y()};
+    return now;
+}
+
+void FullRun::look_for_ground() {
+    if (cluster_.payload().position.z() > scene_.environment.ground) return;
+    add_event("ground");
+    found().landing_time = cluster_.time();
+    if (any_deploys()) return end(StatusCode::stopped_by_event, "ground reached before the lines came taut");
+    return scene_.stop.kind == Trigger::Kind::ground
+               ? end(StatusCode::completed, "ground reached")
+               : end(StatusCode::stopped_by_event, "ground reached before the stop condition");
+}
+
+void FullRun::look_for_stop() {
+    const double now = cluster_.time();
+    if (scene_.stop.kind == Trigger::Kind::altitude && event_stop_ == longest_flight &&
+        cluster_.payload().position.z() <= scene_.stop.value)
+        met(Trigger::Kind::altitude);
+    if (now < std::min(stop_time_, event_stop_)) return;
+    if (stop_time_ <= now && scene_.stop.kind != Trigger::Kind::time)
+        end(StatusCode::time_limit,
+            fmt::format("stop condition not met within {:g} s of flight, stop at what comes sooner, e.g. "
+                        "stop.time or stop.altitude",
+                        stop_time_));
+    else
+        end(StatusCode::completed, "stop condition met");
+}
+
+void FullRun::fill_cost() {
+    Cost& cost = record_.cost;
+    cost.wall_s = clock_.wall();
+    cost.cpu_s = clock_.cpu();
+    cost.steps = cluster_.step();
+    cost.rhs_calls = cluster_.step();
+    for (std::size_t k = 0; k < cluster_.size() && cost.steps > 0; ++k) {
+        const StepControl& steps = cluster_[k].steps();
+        cost.dt_min_s = k == 0 ? steps.dt_min() : std::min(cost.dt_min_s, steps.dt_min());
+        cost.dt_max_s = std::max(cost.dt_max_s, steps.dt_max());
+    }
+    cost.element_steps = cluster_.element_steps();
+    if (cost.element_steps > 0)
+        cost.ns_per_element_step = 1e9 * cost.wall_s / static_cast<double>(cost.element_steps);
+    cost.blocks = cluster_.block_costs();
+}
+
+void FullRun::begin_descent_frames() {
+    frames_.begin(cluster_.time(), descent_frames);
+    descent_frames_from_ = infinity;
+}
+
+void FullRun::look_at_fall() {
+    if (!all_open()) return fall_.restart();
+    if (cluster_.step() % steps_between_falls == 0) fall_.add(fall_now());
+}
+
+void FullRun::serialize(Archive& archive) {
+    before_.serialize(archive);
+    cluster_.serialize(archive);
+    if (stages_) stages_->serialize(archive);
+    while (canopies_.size() < cluster_.size())
+        add_canopy(canopies_.size());
+    for (const auto& canopy : canopies_)
+        canopy->serialize(archive);
+    if (together_) {
+        together_->observer.serialize(archive);
+        together_->found.serialize(archive);
+        if (stages_) {
+            weigh_payload();
+            begun_ = true;
+        }
+    }
+    for (std::vector<std::string>& of_one : past_) {
+        archive.length("past events", of_one, 1'000'000);
+        for (std::string& name : of_one)
+            archive.text("past event", name);
+    }
+    fall_.serialize(archive);
+    fields_.serialize(archive);
+    frames_.serialize(archive);
+    archive.length("events", record_.events, 1'000'000);
+    for (Event& event : record_.events) {
+        auto& [name, time, altitude, speed] = event;
+        archive.text("event", name);
+        for (double* x : {&time, &altitude, &speed})
+            archive.number("event", *x);
+    }
+    archive.whole("sound events", sound_events_, 0, record_.events.size());
+    for (double* x : {&descent_frames_from_, &event_stop_})
+        archive.number("run", *x);
+    clock_.serialize(archive);
+    archive.numbers("resumed at", record_.cost.resumed_at);
+}
+
+}  // namespace twinchute::fullsim
