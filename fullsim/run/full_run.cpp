@@ -440,7 +440,9 @@ void FullRun::disreef(std::size_t k) {
 void FullRun::cut(std::size_t k) {
     // Nothing looks at it any more after this.
     if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
-    canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
+    Observer& own = canopies_[k]->observer();
+    if (own.rows().empty()) canopies_[k]->observe(true);  // out and cut at one instant
+    own.observe_end(cluster_[k].synchronised_state());
     add_event(cluster_.parachute(k), "cut");
     cluster_.leave(k);
     weigh_payload();

@@ -239,7 +239,9 @@ bool OpeningSequence::is_quiet() const {
 }
 
 bool OpeningSequence::is_filled() const {
-    return waits_.empty() && std::ranges::none_of(all_, is_filling);
+    const bool all_let_open =
+        std::ranges::all_of(waits_, [](const Wait& wait) { return wait.what == Wait::What::cut; });
+    return all_let_open && !leaving_ && std::ranges::none_of(all_, is_filling);
 }
 
 bool OpeningSequence::is_settled() const {
