@@ -140,8 +140,7 @@ std::optional<std::string> note_of(const Parachute& chute) {
         return slots->what + ": " + slots->why + "; read back by parachute.mesh, the fabric is whole";
     if (const auto open = open_middle(chute)) return open->what + ": " + open->why;
     if (const auto corners = open_corners(chute)) return corners->what + ": " + corners->why;
-    if (const auto gaps = open_gaps(chute))
-        return gaps->why + "; a canopy of several pieces is not read back by parachute.mesh";
+    if (has_gaps(chute)) return open_gaps(chute).why;
     return std::nullopt;
 }
 

@@ -61,8 +61,8 @@ public:
             all += area;
         }
         sums.area = {all.x(), all.y(), all.z()};
-        const auto record = [&](std::size_t k) { return state.node[balance_.skirt()[k]]; };
-        const Lanes across = to_lanes(balance_.set_pressure(state, sums, balance_.mouth(record)));
+        const auto record = [&](std::size_t k) { return state.node[balance_.edges()[k]]; };
+        const Lanes across = to_lanes(balance_.set_pressure(state, sums, balance_.openings(record)));
         for (const Triangle& t : mesh_.triangles) {
             const Lanes force = to_lanes(state.air.pressure / 3.0 * area_of(t, state));
             for (const NodeIndex i : t.node)
@@ -87,8 +87,9 @@ std::optional<InflowBalance> InflowBalance::of(const Scene& scene, const Mesh& m
 
 InflowBalance::InflowBalance(const Scene& scene, const Mesh& mesh)
     : mesh_(mesh),
-      skirt_(fabric_edge_through(mesh, mesh.seam_rings.back().front())),
-      vent_(fabric_edge_through(mesh, mesh.seam_rings.front().front())) {
+      edges_(fabric_edge_through(mesh, mesh.seam_rings.back().front())),
+      vent_(fabric_edge_through(mesh, mesh.seam_rings.front().front())),
+      skirt_(edges_.size()) {
     // The triangles' edges run round the mouth as its area into the canopy does, and the other way at the
     // vent.
     const Parachute& chute = scene.parachutes.front();
@@ -97,7 +98,17 @@ InflowBalance::InflowBalance(const Scene& scene, const Mesh& mesh)
     filling_ = canopy.filling();
     fabric_ = canopy.sizes().fabric;
     geometric_porosity_ = canopy.sizes().geometric_porosity;
-    fabric_area_ = mesh.fabric_area();
+    std::map<NodeIndex, std::size_t> edge;
+    for (const Triangle& t : mesh.gaps) {
+        auto& corners = gaps_.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto [at, is_new] = edge.try_emplace(t.node[c], edges_.size());
+            if (is_new) edges_.push_back(t.node[c]);
+            corners[c] = at->second;
+        }
+    }
+    area_ = mesh.fabric_area() + mesh.gap_area();
+    geometric_porosity_ = std::max(geometric_porosity_, mesh.gap_area() / area_);
     full_area_ = pi * radius * radius;
     smallest_mouth_ = filling_.initial_mouth * full_area_;
     if (!mesh.reefing_line.empty()) {  // no mouth is larger than the circle that its line may enclose
@@ -115,33 +126,34 @@ double InflowBalance::leak(double dp, double wetted, double density) const {
     return wetted * ((1.0 - geometric_porosity_) * fabric_.speed(dp) + through_openings);
 }
 
-Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canopy, const Mouth& mouth) const {
+Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canopy,
+                                 const Openings& open) const {
     AeroState& air = state.air;
     InflowState& inflow = state.inflow;
-    const Vec3 area(of_canopy.area.data());
+    const Vec3 area(of_canopy.area.data()), closed = area + open.gaps;
     air.projected_area = of_canopy.positive_area;
     air.signed_area = area.dot(air.direction);
     air.pressure = 0.0;
     air.pressure_capped = false;
-    inflow.swept = of_canopy.swept - area.dot(mouth.velocity);
-    inflow.mouth = std::max(mouth.area.dot(air.direction), smallest_mouth_);
+    inflow.swept = of_canopy.swept + open.gaps_sweep - closed.dot(open.velocity);
+    inflow.mouth = std::max(open.mouth.dot(air.direction), smallest_mouth_);
     inflow.ratio = inflow.leak = inflow.inside = inflow.loss = air.drag_area = 0.0;
     inflow.note_displaced(of_canopy.swept - area.dot(state.sums.canopy_area_velocity), state.dt, state.time);
-    const double speed = (air.wind - mouth.velocity).dot(air.direction);
+    const double speed = (air.wind - open.velocity).dot(air.direction);
     if (!(speed > 0.0) || !(air.density > 0.0)) return Vec3::Zero();
 
     const double rho = air.density, q = 0.5 * rho * speed * speed, supply = inflow.mouth * speed;
     const double filled = std::clamp(inflow.volume / full_volume_, 0.0, 1.0);
-    const double wetted = fabric_area_ * std::cbrt(filled * filled);  // of bulbs that are alike
+    const double wetted = area_ * std::cbrt(filled * filled);  // of bulbs that are alike
     const double K = filling_.entrance_loss;
     // Suction outside grows with the radius to what the full canopy's drag area asks for, whatever area it
     // settles at once it has been full. That was measured with the fabric's leak, so the inflow that feeds
     // it, which a full canopy loses at its mouth, comes back as it gets there: at most all, or no such canopy
     // stays open.
     const double full = (inflow.has_been_full ? smallest_settled : 1.0) * full_area_;
-    const double open = std::max(air.signed_area, full), steady = inflow.steady_drag_area / open;
+    const double wide = std::max(air.signed_area, full), steady = inflow.steady_drag_area / wide;
     const double fullness = std::clamp(air.signed_area / full, 0.0, 1.0);
-    const double feed = leak(q * steady, fabric_area_, rho) / (open * speed);
+    const double feed = leak(q * steady, area_, rho) / (wide * speed);
     const double suction =
         (steady - 1.0) * std::sqrt(fullness) + std::min(1.0, K * feed * feed) * std::pow(fullness, 4);
 
@@ -149,7 +161,8 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
     const double loaded = 1.0 + around.value * inflow.mobility;
 
     // Everything falls with the inflow s but the supply: one root. The rate of the volume is that of the end
-    // of the step, in which the pressure changes and all else pulls as it did.
+    // of the step, in which the pressure changes and all else pulls as it did. (The edges of gaps take their
+    // surfaces with them, which the mobility leaves out: an error of that part of one step.)
     const double mobility = state.dt * inflow.mobility / loaded;
     const auto pressure = [&](double s) { return q * std::max(0.0, 1.0 - K * s * std::abs(s) + suction); };
     const auto surplus = [&](double s) {
@@ -175,7 +188,10 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
                             0.5 * around.rate * inflow.displaced) /
                            loaded;
     air.pressure = inflow.inside - outside;
-    inflow.loss = inflow.inside * (supply * (1.0 - inflow.ratio) + inflow.leak) + outside * inflow.displaced;
+    // What falls through a gap as it moves has pushed nothing.
+    const double unpushed = open.gaps_sweep - open.gaps.dot(air.wind);
+    inflow.loss =
+        inflow.inside * (supply * (1.0 - inflow.ratio) + inflow.leak + unpushed) + outside * inflow.displaced;
     if (air.dynamic_pressure > 0.0) air.drag_area = inflow.inside * air.signed_area / air.dynamic_pressure;
     return inflow.inside * air.signed_area * air.direction - air.pressure * area;
 }
@@ -189,22 +205,27 @@ InflowBalance::Inertance InflowBalance::inertance(const InflowState& inflow, dou
 }
 
 void InflowBalance::measure(State& state, const NodeConstants& constants) const {
-    const auto middle_of = [&](const std::vector<NodeIndex>& ring) {
+    const auto middle_of = [&](std::span<const NodeIndex> ring) {
         Vec3 middle = Vec3::Zero();
         for (const NodeIndex i : ring)
             middle += to_vec3(state.node[i].x) / static_cast<double>(ring.size());
         return middle;
     };
-    const Vec3 mouth = middle_of(skirt_), vent = middle_of(vent_) - mouth;
+    const Vec3 mouth = middle_of(std::span(edges_).first(skirt_)), vent = middle_of(vent_) - mouth;
     std::vector<Vec3> area(static_cast<std::size_t>(mesh_.canopy_nodes), Vec3::Zero());
     double volume = 0.0;
+    const auto add_volume = [&](const Triangle& t, const Vec3& third) {
+        for (const NodeIndex i : t.node)
+            volume += third.dot(to_vec3(state.node[i].x) - mouth) / 3.0;
+    };
     for (const Triangle& t : mesh_.triangles) {
         const Vec3 third = area_of(t, state) / 3.0;
-        for (const NodeIndex i : t.node) {
+        for (const NodeIndex i : t.node)
             area[i] += third;
-            volume += third.dot(to_vec3(state.node[i].x) - mouth) / 3.0;
-        }
+        add_volume(t, third);
     }
+    for (const Triangle& t : mesh_.gaps)
+        add_volume(t, area_of(t, state) / 3.0);
     // The vent closes it as a cone whose base goes round the other way.
     for (std::size_t k = 0; k < vent_.size(); ++k) {
         const Vec3 here = to_vec3(state.node[vent_[k]].x) - mouth - vent;

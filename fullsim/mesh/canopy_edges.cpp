@@ -9,29 +9,46 @@
 namespace twinchute::fullsim {
 namespace {
 
-void require_one_piece(const ImportFile& file, const Mesh& mesh) {
-    boost::disjoint_sets_with_storage<> pieces(static_cast<std::size_t>(mesh.canopy_nodes));
+/// Triangles of fabric and gaps, with their elements in the file.
+struct Surface {
+    std::vector<Triangle> triangles;
+    std::vector<const GmshElement*> element;
+};
+
+Surface surface_of(const ImportFile& file, const Mesh& mesh) {
+    Surface all{mesh.triangles, file.elements_of(group_canopy)};
+    const auto& gaps = file.elements_of(group_gap);
+    all.triangles.insert(all.triangles.end(), mesh.gaps.begin(), mesh.gaps.end());
+    all.element.insert(all.element.end(), gaps.begin(), gaps.end());
+    return all;
+}
+
+void require_one_piece(const ImportFile& file, const Surface& surface, int canopy_nodes) {
+    boost::disjoint_sets_with_storage<> pieces(static_cast<std::size_t>(canopy_nodes));
     const auto piece_of = [&](NodeIndex i) { return pieces.find_set(static_cast<std::size_t>(i)); };
-    for (const Triangle& t : mesh.triangles)
+    for (const Triangle& t : surface.triangles)
         for (const NodeIndex i : t.node)
             pieces.union_set(static_cast<std::size_t>(i), static_cast<std::size_t>(t.node[0]));
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        if (piece_of(mesh.triangles[t].node[0]) != piece_of(0))
-            file.refuse(*file.elements_of(group_canopy)[t], "belongs to a second piece of canopy",
-                        "no triangles join it to the first", "make one surface of the canopy");
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        if (piece_of(surface.triangles[t].node[0]) != piece_of(0))
+            file.refuse(*surface.element[t], "belongs to a second piece of canopy",
+                        "no triangles join it to the first",
+                        "make one surface of the canopy; a gap in it is a surface of the group 'gap'");
 }
 
 }  // namespace
 
 CanopyEdges::CanopyEdges(const ImportFile& file, const Mesh& mesh, std::span<const FileNode> in_file) {
-    const auto& element = file.elements_of(group_canopy);
+    const Surface surface = surface_of(file, mesh);
+    const auto& element = surface.element;
     struct Sides {
         int there = -1, back = -1;  // triangle that runs along it from the lower node, and to it
     };
     std::map<std::pair<NodeIndex, NodeIndex>, Sides> sides;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
         for (int c = 0; c < 3; ++c) {
-            const NodeIndex a = mesh.triangles[t].node[c], b = mesh.triangles[t].node[(c + 1) % 3];
+            const auto& node = surface.triangles[t].node;
+            const NodeIndex a = node[c], b = node[(c + 1) % 3];
             Sides& s = sides[std::minmax(a, b)];
             int& mine = a < b ? s.there : s.back;
             if (mine >= 0)
@@ -45,15 +62,19 @@ CanopyEdges::CanopyEdges(const ImportFile& file, const Mesh& mesh, std::span<con
     for (const auto& [edge, s] : sides) {
         all_.insert(edge);
         if (s.there >= 0 && s.back >= 0) continue;
+        const auto alone = static_cast<std::size_t>(std::max(s.there, s.back));
+        if (alone >= mesh.triangles.size())
+            file.refuse(*element[alone], "is a gap at the edge of the canopy",
+                        "a gap has fabric on both sides of it", "take it out of the group 'gap'");
         const auto [from, to] = s.there >= 0 ? edge : std::pair{edge.second, edge.first};
         if (next[from] >= 0)
-            file.refuse(*element[std::max(s.there, s.back)],
+            file.refuse(*element[alone],
                         fmt::format("touches another piece of canopy in node {} alone",
                                     file.node(in_file[static_cast<std::size_t>(from)]).tag),
                         "", "join the pieces along edges");
         next[from] = to;
     }
-    require_one_piece(file, mesh);
+    require_one_piece(file, surface, mesh.canopy_nodes);
     loop_of_.assign(next.size(), -1);
     for (NodeIndex first = 0; first < mesh.canopy_nodes; ++first) {
         if (next[first] < 0 || loop_of_[first] >= 0) continue;

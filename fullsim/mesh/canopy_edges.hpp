@@ -13,8 +13,9 @@ namespace twinchute::fullsim {
 
 class CanopyEdges {
 public:
-    /// mesh: its triangles are those of the file, in the same order. in_file: node of the file by node of the
-    /// mesh. Throws SceneError: triangles that turn differently, pieces that do not share edges.
+    /// mesh: its triangles, and those of its gaps, are those of the file, in the same order. in_file: node of
+    /// the file by node of the mesh. Gaps join pieces of fabric to one surface. Throws SceneError: triangles
+    /// that turn differently, pieces that do not share edges.
     CanopyEdges(const ImportFile& file, const Mesh& mesh, std::span<const FileNode> in_file);
 
     bool contains(NodeIndex a, NodeIndex b) const { return all_.contains(std::minmax(a, b)); }

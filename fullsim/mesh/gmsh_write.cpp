@@ -25,7 +25,10 @@ struct Block {
 GmshGroupIndex group_of(const Mesh& mesh, std::size_t cable) {
     if (std::ranges::binary_search(mesh.reefing_line, cable)) return group_reefing;
     const CableKind kind = mesh.cables[cable].kind;
-    return is_tape(kind) ? group_tape : kind == CableKind::line ? group_line : group_riser;
+    if (is_tape(kind)) return group_tape;
+    return kind == CableKind::line        ? group_line
+           : kind == CableKind::vent_line ? group_vent_line
+                                          : group_riser;
 }
 
 /// A body that the parachute hangs on.
@@ -44,6 +47,8 @@ std::vector<Block> blocks_of(const Mesh& mesh) {
         blocks.push_back({static_cast<GmshGroupIndex>(g), {}, static_cast<int>(g) + 1});
     for (const Triangle& t : mesh.triangles)
         blocks[group_canopy].elements.push_back({t.node.begin(), t.node.end()});
+    for (const Triangle& t : mesh.gaps)
+        blocks[group_gap].elements.push_back({t.node.begin(), t.node.end()});
     for (std::size_t i = 0; i < mesh.cables.size(); ++i) {
         const auto& node = mesh.cables[i].node;
         blocks[group_of(mesh, i)].elements.push_back({in_file(mesh, node[0]), in_file(mesh, node[1])});

@@ -22,14 +22,18 @@ enum GmshGroupIndex {
     group_line,
     group_riser,
     group_reefing,
+    group_gap,
+    group_vent_line,
     group_payload,
     group_confluence
 };
-inline constexpr std::array<GmshGroupName, 7> gmsh_groups{{{"canopy", 2},
+inline constexpr std::array<GmshGroupName, 9> gmsh_groups{{{"canopy", 2},
                                                            {"tape", 1},
                                                            {"line", 1},
                                                            {"riser", 1},
                                                            {"reefing", 1},
+                                                           {"gap", 2},
+                                                           {"vent_line", 1},
                                                            {"payload", 0},
                                                            {"confluence", 0}}};
 

@@ -15,6 +15,8 @@
 namespace twinchute::fullsim {
 namespace {
 
+constexpr int no_fabric = -1;  // sheet of a gap
+
 constexpr CableKind kind_of(TapeLine line) {
     switch (line) {
         case TapeLine::seam:
@@ -38,7 +40,7 @@ public:
         lay_out_rows();
         for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
             sheets_.push_back(outline_.in_gap(0.5 * (rows_[row].seam + rows_[row + 1].seam))
-                                  ? sheets_.back()
+                                  ? no_fabric
                                   : sheet_of(mesh_, meshed_fabric(chute, panel_of(rows_[row]))));
         mesh_.cords.fill(chute.line);
         for (const Tape& tape : geometry_.tapes)
@@ -199,7 +201,6 @@ private:
     void sew_gores() {
         for (int gore = 0; gore < chute_.gores; ++gore)
             for (int row = 0; row < counts_.gore_rows; ++row) {
-                if (outline_.in_gap(0.5 * (rows_[row].seam + rows_[row + 1].seam))) continue;
                 const int columns = rows_[row].columns;
                 if (columns < rows_[row + 1].columns) {
                     sew_fans(gore, row);
@@ -243,8 +244,10 @@ private:
             node[k] = canopy_node(gore, corner[k].row, corner[k].column);
             cut[k] << cut_point(outline_, rows_[corner[k].row], corner[k].column), 0.0;
         }
-        Triangle& t = mesh_.triangles.emplace_back(laid_flat(node, cut));
-        t.sheet = sheets_[static_cast<std::size_t>(std::min({corner[0].row, corner[1].row, corner[2].row}))];
+        const int sheet =
+            sheets_[static_cast<std::size_t>(std::min({corner[0].row, corner[1].row, corner[2].row}))];
+        auto& surface = sheet == no_fabric ? mesh_.gaps : mesh_.triangles;
+        surface.emplace_back(laid_flat(node, cut)).sheet = std::max(0, sheet);
     }
 
     void add_cable(NodeIndex a, NodeIndex b, double length, CableKind kind, double strands) {

@@ -46,6 +46,7 @@ public:
         find_vent();
         sew_tapes();
         sew_reefing();
+        rig_vent_lines();
         cut_to_length();
         if (takes_body()) make_body();
         find_rings();
@@ -112,11 +113,15 @@ private:
 
     void sew_fabric() {
         Vec3 area = Vec3::Zero();
-        for (const GmshElement* e : file_.elements_of(group_canopy)) {
-            out_.mesh.triangles.push_back({{node(*e, 0), node(*e, 1), node(*e, 2)}, 0, 0.0, 0.0, 0.0});
-            const Vec3& p = file_.position(e->node[0]);
-            area += (file_.position(e->node[1]) - p).cross(file_.position(e->node[2]) - p);
-        }
+        const auto add = [&](const GmshElement& e, std::vector<Triangle>& to) {
+            to.push_back({{node(e, 0), node(e, 1), node(e, 2)}, 0, 0.0, 0.0, 0.0});
+            const Vec3& p = file_.position(e.node[0]);
+            area += (file_.position(e.node[1]) - p).cross(file_.position(e.node[2]) - p);
+        };
+        for (const GmshElement* e : file_.elements_of(group_canopy))
+            add(*e, out_.mesh.triangles);
+        for (const GmshElement* e : file_.elements_of(group_gap))
+            add(*e, out_.mesh.gaps);
         double height = 0.0;
         for (NodeIndex i = 0; i < out_.mesh.canopy_nodes; ++i)
             height += out_.mesh.position[i].z();
@@ -126,8 +131,9 @@ private:
                          "z points from the confluence to the apex", "turn the mesh");
         // Counter-clockwise seen from outside, whichever way the whole surface was drawn.
         if (area.z() < 0.0)
-            for (Triangle& t : out_.mesh.triangles)
-                std::swap(t.node[1], t.node[2]);
+            for (auto* surface : {&out_.mesh.triangles, &out_.mesh.gaps})
+                for (Triangle& t : *surface)
+                    std::swap(t.node[1], t.node[2]);
     }
 
     void add_cable(const GmshElement& e, CableKind kind, double strands) {
@@ -304,12 +310,26 @@ private:
         }
     }
 
+    /// Straight across the vent, of the lines' material.
+    void rig_vent_lines() {
+        for (const GmshElement* e : file_.elements_of(group_vent_line)) {
+            for (int c = 0; c < 2; ++c)
+                if (vent_ < 0 || node(*e, c) >= out_.mesh.canopy_nodes ||
+                    edges_->loop_of(node(*e, c)) != vent_)
+                    file_.refuse(*e, "is a vent line off the vent",
+                                 fmt::format("node {} is not on its edge", tag(node(*e, c))),
+                                 "let each cross the vent in one edge");
+            add_cable(*e, CableKind::vent_line, 1.0);
+        }
+    }
+
     /// The file's lengths are those without strain; that of the reefing line is the scene's.
     void cut_to_length() {
         Mesh& mesh = out_.mesh;
-        for (Triangle& t : mesh.triangles)
-            t = laid_flat(t.node,
-                          {mesh.position[t.node[0]], mesh.position[t.node[1]], mesh.position[t.node[2]]});
+        for (auto* surface : {&mesh.triangles, &mesh.gaps})
+            for (Triangle& t : *surface)
+                t = laid_flat(t.node,
+                              {mesh.position[t.node[0]], mesh.position[t.node[1]], mesh.position[t.node[2]]});
         for (const std::size_t c : mesh.reefing_line)
             mesh.cables[c].rest_length =
                 reefing_line_length(chute_, 0) / static_cast<double>(mesh.reefing_line.size());
@@ -317,6 +337,11 @@ private:
         mesh.cords = {chute_.tapes.radial, chute_.tapes.skirt, chute_.tapes.vent, chute_.line,
                       chute_.line,         chute_.line,        chute_.line};
         lump_masses(mesh, scene_.payload.mass);
+        for (NodeIndex i = 0; i < mesh.canopy_nodes; ++i)
+            if (!(mesh.mass[static_cast<std::size_t>(i)] > 0.0))
+                file_.refuse(file_.node(in_file_[static_cast<std::size_t>(i)]).line,
+                             fmt::format("node {} in a gap holds nothing", tag(i)),
+                             "no fabric and no tape meets it", "mesh the gap from edge to edge");
     }
 
     /// About its centre of mass.
@@ -373,7 +398,7 @@ private:
     }
 
     void measure() {
-        out_.nominal_area = out_.mesh.fabric_area();
+        out_.nominal_area = out_.mesh.fabric_area() + out_.mesh.gap_area();
         for (int k = 0; k < static_cast<int>(edges_->loops().size()); ++k) {
             if (k == skirt_) continue;
             const auto at = [&](std::size_t i) {

@@ -41,9 +41,21 @@ double Mesh::cable_mass(std::size_t index) const {
     return cord(c.kind).linear_density() * c.strands * c.rest_length;
 }
 
-double Mesh::fabric_area() const {
-    return std::accumulate(triangles.begin(), triangles.end(), 0.0,
+namespace {
+
+double area_of(const std::vector<Triangle>& surface) {
+    return std::accumulate(surface.begin(), surface.end(), 0.0,
                            [](double sum, const Triangle& t) { return sum + t.area(); });
+}
+
+}  // namespace
+
+double Mesh::fabric_area() const {
+    return area_of(triangles);
+}
+
+double Mesh::gap_area() const {
+    return area_of(gaps);
 }
 
 double Mesh::fabric_mass() const {

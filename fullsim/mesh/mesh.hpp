@@ -93,6 +93,7 @@ public:
     double cable_mass(std::size_t index) const;
     /// Fabric area [m^2], the vent excluded.
     double fabric_area() const;
+    double gap_area() const;     ///< [m^2]
     double fabric_mass() const;  ///< [kg]
 
     int sheets() const { return 1 + static_cast<int>(other_fabrics.size()); }
@@ -109,6 +110,7 @@ public:
     int canopy_nodes = 0;
 
     std::vector<Triangle> triangles;
+    std::vector<Triangle> gaps;  ///< surfaces without fabric that close the gaps between panels, likewise
     std::vector<Cable> cables;
     Fabric fabric;                      ///< of sheet 0
     std::vector<Fabric> other_fabrics;  ///< of sheets 1, 2, ..., where panels have fabrics of their own

@@ -142,8 +142,8 @@ void require_pattern(const Scene& scene, const Parachute& chute, PatternPieces p
     if (const auto slots = smeared_slots(chute))
         refuse("a canopy with slots is not cut in whole gores", slots->what + ": " + slots->why,
                "take its ribbons from its own drawings");
-    if (const auto gaps = open_gaps(chute); gaps && pieces == PatternPieces::gore)
-        refuse("a canopy with gaps is not cut in whole gores", gaps->why, "cut it with --pieces panels");
+    if (has_gaps(chute) && pieces == PatternPieces::gore)
+        refuse("a canopy with gaps is not cut in whole gores", open_gaps(chute).why, "cut it with --pieces panels");
 }
 
 std::vector<Part> parts_of(const Parachute& chute, const MeshSummary& mesh) {

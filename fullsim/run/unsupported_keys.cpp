@@ -44,9 +44,8 @@ std::vector<std::string> unsupported_keys(const Scene& scene) {
     if (chute.filling.is_predicted()) {
         // Wolf's momentum and the balance without inertia are reductions that a mesh does not make.
         if (chute.filling.model != find_filling("predicted")) keys.emplace_back("parachute.filling.model");
-        // The balance of the air in the canopy knows mouth, fabric and a vent above them.
-        if (open_gaps(chute) || has_open_middle(chute) || holds_vent_down(chute))
-            keys.emplace_back("parachute.filling");
+        // The balance of the air in the canopy knows mouth, fabric, gaps and a vent above them.
+        if (has_open_middle(chute) || holds_vent_down(chute)) keys.emplace_back("parachute.filling");
     }
     for (const CrossRefusal& refusal : cross_refusals(scene))
         keys.push_back(refusal.key);

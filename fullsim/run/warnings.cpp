@@ -104,7 +104,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "hold stresses of the fields (full.fields_rate) against the strength of each");
     if (auto warning = stand_in(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = smeared_slots(chute)) record.warnings.push_back(std::move(*warning));
-    if (auto warning = open_gaps(chute)) record.warnings.push_back(std::move(*warning));
+    if (!run.simulation().mesh().gaps.empty()) record.warnings.push_back(open_gaps(chute));
     if (auto warning = open_corners(chute)) record.warnings.push_back(std::move(*warning));
     if (auto warning = open_middle(chute)) record.warnings.push_back(std::move(*warning));
     if (chute.vent_lines && run.scene.aerodynamics.line_drag)

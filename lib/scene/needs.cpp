@@ -193,12 +193,38 @@ std::optional<Warning> open_middle(const Parachute& chute) {
                    "hold the handbook's D_p/D0 against the diameter of the skirt's seams"};
 }
 
-std::optional<Warning> open_gaps(const Parachute& chute) {
-    if (chute.mesh || std::ranges::none_of(gore_panels(chute), &GorePanel::gap)) return std::nullopt;
-    return Warning{"the drag acts on the fabric as one pressure, and air passes the gaps unseen",
-                   fmt::format("gores of {} canopies have gaps that radial tapes alone bridge; no tape lies "
-                               "along their edges",
-                               chute.type->title),
+bool has_gaps(const Parachute& chute) {
+    return !chute.mesh && std::ranges::any_of(gore_panels(chute), &GorePanel::gap);
+}
+
+double gap_share(const Parachute& chute) {
+    if (!has_gaps(chute) || chute.gores < 3) return 0.0;
+    constexpr int slices = 64;  // trapezoids, which a panel of constant slope is
+    const std::vector<GorePanel> panels = gore_panels(chute);
+    const Meridian meridian = gore_meridian(chute);
+    const double chord = 2.0 * chute.gores * std::sin(pi / chute.gores);  // of all gores, over the radius
+    double area = 0.0, top = 0.0;
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        const double bottom = meridian.edges()[i];
+        MeridianPoint above = meridian.at(top);
+        for (int k = 1; panels[i].gap && k <= slices; ++k) {
+            const MeridianPoint below = meridian.at(top + (bottom - top) * k / slices);
+            area += chord * 0.5 * (above.radius + below.radius) * (below.centre - above.centre);
+            above = below;
+        }
+        top = bottom;
+    }
+    return area / (0.25 * pi * chute.nominal_diameter * chute.nominal_diameter);
+}
+
+Warning open_gaps(const Parachute& chute) {
+    return Warning{chute.filling.is_predicted()
+                       ? "the air pushes the fabric with one pressure; what passes the gaps leaks, no more"
+                       : "the drag acts on the fabric as one pressure, and air passes the gaps unseen",
+                   chute.mesh ? std::string("the mesh has gaps, which nothing but its tapes bridges")
+                              : fmt::format("gores of {} canopies have gaps that radial tapes alone bridge; "
+                                            "no tape lies along their edges",
+                                            chute.type->title),
                    "projected area and D_p are those of the fabric; the stability that gaps give is no "
                    "result here"};
 }

@@ -70,8 +70,14 @@ Fabric meshed_fabric(const Parachute& chute);
 /// Sheet of one of its panels, which may have a fabric of its own.
 Fabric meshed_fabric(const Parachute& chute, std::size_t panel);
 
-/// Warning where a canopy has gaps in its gores.
-std::optional<Warning> open_gaps(const Parachute& chute);
+/// Whether its gores have gaps. A mesh of one's own says by itself where it has some.
+bool has_gaps(const Parachute& chute);
+
+/// Share [-] of those gaps in the area S0 = pi/4 D0^2, which counts them.
+double gap_share(const Parachute& chute);
+
+/// Warning where the mesh has gaps.
+Warning open_gaps(const Parachute& chute);
 
 /// Warning where a canopy has an open middle.
 std::optional<Warning> open_middle(const Parachute& chute);

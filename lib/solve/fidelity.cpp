@@ -21,10 +21,7 @@ std::string unsupported_text(const Scene& scene, const std::vector<std::string>&
         std::string named = fmt::format("'{}'", key);
         if (const std::string why = lacks_canopy(chute); key == "parachute.type" && !why.empty())
             named += fmt::format(" ({})", why);
-        if (key == "parachute.filling" && open_gaps(chute))
-            named += fmt::format(" (predicted, of a {} canopy: its balance of air knows no gaps)",
-                                 chute.type->title);
-        else if (key == "parachute.filling" && (has_open_middle(chute) || holds_vent_down(chute)))
+        if (key == "parachute.filling" && (has_open_middle(chute) || holds_vent_down(chute)))
             named += " (predicted: its balance of air knows no open middle and no vent that is held down)";
         for (const CrossRefusal& refusal : cross_refusals(scene))
             if (refusal.key == key) named += fmt::format(" ({})", refusal.why);

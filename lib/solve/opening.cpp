@@ -8,6 +8,7 @@
 
 #include "lib/record/metrics.hpp"
 #include "lib/scene/line_stretch.hpp"
+#include "lib/scene/needs.hpp"
 
 namespace twinchute {
 
@@ -79,7 +80,7 @@ FillingCanopy filling_canopy(const Parachute& chute) {
     sizes.drag_area = chute.drag_area * chute.cluster_drag_ratio;
     sizes.fabric = chute.permeability ? permeability_at_half_inch(*chute.permeability)
                                       : chute.fabric.permeability.value_or(Permeability{});
-    sizes.geometric_porosity = chute.geometric_porosity;
+    sizes.geometric_porosity = std::max(chute.geometric_porosity, gap_share(chute));
     return {chute.filling, sizes};
 }
 

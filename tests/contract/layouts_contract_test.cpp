@@ -218,6 +218,12 @@ TEST(Layouts, AgreeWhereFillingIsPredicted) {
         test::predicted(
             crane_drop({"full.beta=1e-7", "parachute.deploy.length='3 m'", "full.ramp_time='0.3 s'"}), 0.04),
         120'000, 4);
+    // Air leaves through a gap, whose edges are nodes of all sectors.
+    compare_along(
+        test::predicted(crane_drop({"parachute.type='disk-gap-band'", "parachute.deploy.by='line-stretch'",
+                                    "release.speed='25 m/s'", "release.path_angle='90 deg'"}),
+                        0.02),
+        12'000);
 }
 
 TEST(Layouts, AgreeWhereAReefedFillingIsPredicted) {

@@ -14,6 +14,7 @@
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "tests/support/c9_scene.hpp"
+#include "tests/support/canopy_of_type.hpp"
 #include "tests/support/layout_answer.hpp"
 #include "tests/support/predicted.hpp"
 
@@ -82,6 +83,12 @@ void compare_along(const Scene& scene, int steps) {
 
 TEST(SectorsOfPredictedFilling, AgreeWithTheUnstructuredLayout) {
     compare_along(test::predicted(everything(28, 4, {2, 9, 8, 2, Grading::graded}), 0.02), 12'000);
+}
+
+TEST(SectorsOfPredictedFilling, AgreeWhereAirLeavesThroughAGap) {
+    Scene scene = everything(28, 4, {2, 9, 8, 2, Grading::graded});
+    scene.parachutes.front().type = test::canopy_of_type("disk-gap-band").type;
+    compare_along(test::predicted(scene, 0.02), 6'000);
 }
 
 TEST(SectorsOfPredictedFilling, AgreeBehindAReefingLine) {

@@ -99,6 +99,83 @@ TEST(ImportMesh, KnowsAVentAndItsTape) {
     EXPECT_EQ(std::ranges::count(got.mesh.cables, CableKind::radial, &Cable::kind), 4);
     ASSERT_EQ(got.mesh.seam_rings.size(), 2u);  // along the radial tapes
     EXPECT_EQ(got.mesh.seam_rings[0].size(), 4u);
+
+    // Lines across it, one metre long, of the suspension lines' material.
+    sketch.groups.push_back({6, 1, "vent_line"});
+    sketch.elements.push_back({101, 6, {1, 9}});
+    sketch.elements.push_back({102, 6, {8, 10}});
+    const ImportedMesh held = import(sketch.text("4.1"));
+    ASSERT_EQ(std::ranges::count(held.mesh.cables, CableKind::vent_line, &Cable::kind), 2);
+    for (const Cable& c : held.mesh.cables)
+        if (c.kind == CableKind::vent_line) {
+            EXPECT_NEAR(c.rest_length, 1.0, 1e-14);
+        }
+    EXPECT_EQ(held.mesh.cord(CableKind::vent_line).name, held.mesh.cord(CableKind::line).name);
+    sketch.element(102).nodes[1] = 2;  // at the skirt
+    const std::string text = sketch.text();
+    expect_refused(text, line_of(text, "102 1 "), {"line 102 is a vent line off the vent", "node 2"});
+}
+
+/// Square rings about the apex: a centre, a gap from 1.5 m to 2 m, a band.
+MeshSketch with_gap() {
+    MeshSketch sketch;
+    sketch.groups.push_back({6, 2, "gap"});
+    int tag = 8;
+    for (const double r : {1.5, 2.0})
+        for (const Vec3& x : {Vec3(r, 0, 5), Vec3(0, r, 5), Vec3(-r, 0, 5), Vec3(0, -r, 5)})
+            sketch.nodes.push_back({tag++, x});
+    std::erase_if(sketch.elements, [](const auto& e) { return e.group <= 2; });
+    const std::array<std::array<int, 4>, 3> ring{{{8, 9, 10, 11}, {12, 13, 14, 15}, {2, 3, 4, 5}}};
+    for (std::size_t g = 0; g < 4; ++g) {
+        const std::size_t n = (g + 1) % 4;
+        const int at = 100 + 10 * static_cast<int>(g);
+        sketch.elements.push_back({at, 1, {1, ring[0][g], ring[0][n]}});
+        sketch.elements.push_back({at + 1, 2, {1, ring[0][g]}});
+        for (std::size_t k = 0; k < 2; ++k) {
+            const int group = k == 0 ? 6 : 1, tags = at + 2 + 3 * static_cast<int>(k);
+            sketch.elements.push_back({tags, group, {ring[k][g], ring[k + 1][g], ring[k + 1][n]}});
+            sketch.elements.push_back({tags + 1, group, {ring[k][g], ring[k + 1][n], ring[k][n]}});
+            sketch.elements.push_back({tags + 2, 2, {ring[k][g], ring[k + 1][g]}});
+        }
+    }
+    return sketch;
+}
+
+TEST(ImportMesh, TakesAGapForNoFabric) {
+    // A square of the half diagonal r has 2 r^2.
+    for (const char* version : {"2.2", "4.1"}) {
+        const ImportedMesh got = import(with_gap().text(version));
+        EXPECT_NEAR(got.mesh.gap_area(), 2.0 * (4.0 - 2.25), 1e-13);
+        EXPECT_NEAR(got.mesh.fabric_area(), 18.0 - 3.5, 1e-13);
+        EXPECT_NEAR(got.nominal_area, 18.0, 1e-13);  // D0 counts it
+        EXPECT_EQ(got.vent_area, 0.0);
+        // Tapes run on across it: rings of seams from the apex to the skirt.
+        EXPECT_EQ(std::ranges::count(got.mesh.cables, CableKind::radial, &Cable::kind), 12);
+    }
+}
+
+TEST(ImportMesh, RefusesAGapWithoutFabricOnBothSides) {
+    MeshSketch sketch = with_gap();
+    for (auto& e : sketch.elements)  // the band too
+        if (e.tag % 10 == 5 || e.tag % 10 == 6) e.group = 6;
+    const std::string text = sketch.text();
+    expect_refused(text, line_of(text, "105 2 "),
+                   {"triangle 105 is a gap at the edge of the canopy", "fabric on both sides"});
+    // Nor is a node inside of it held by anything.
+    sketch = with_gap();
+    sketch.nodes.push_back({16, {1.2, 1.0, 5}});
+    MeshSketch::Element& outer = sketch.element(102);  // 8, 12, 13
+    const std::vector<int> corner = outer.nodes;
+    outer.nodes[2] = 16;
+    sketch.elements.push_back({201, 6, {corner[1], corner[2], 16}});
+    sketch.elements.push_back({202, 6, {corner[2], corner[0], 16}});
+    const std::string floating = sketch.text();
+    expect_refused(floating, line_of(floating, "16 1.2 "), {"node 16 in a gap holds nothing"});
+    // Without the gap they are two canopies.
+    sketch = with_gap();
+    std::erase_if(sketch.elements, [](const auto& e) { return e.group == 6; });
+    const std::string apart = sketch.text();
+    expect_refused(apart, line_of(apart, "105 2 "), {"triangle 105 belongs to a second piece", "'gap'"});
 }
 
 // Wrong files. Words of a refusal come from the messages' own grammar: what, where, why.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "fullsim/forces/blocks.hpp"
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/needs.hpp"
+#include "lib/solve/opening.hpp"
 #include "rom/fidelity.hpp"
 #include "tests/support/canopy_of_type.hpp"
 #include "tests/support/scratch_dir.hpp"
@@ -88,21 +90,26 @@ TEST(MeshedTypes, ASlottedTypeNeedsItsPorosity) {
         "has 1 %)");
 }
 
-TEST(MeshedTypes, GapsAreSaidAndPredictNoFilling) {
-    const Scene scene = of_type("disk-gap-band");
-    ASSERT_TRUE(open_gaps(scene.parachutes.front()));
-    EXPECT_NE(open_gaps(scene.parachutes.front())->why.find("disk-gap-band canopies have gaps"),
-              std::string::npos);
-    EXPECT_EQ(slot_share(scene.parachutes.front()), 0.0);
-    EXPECT_FALSE(open_gaps(of_type("conical").parachutes.front()));
-    Scene predicted = scene;
-    predicted.parachutes.front().filling.model = find_filling("predicted");
-    ASSERT_TRUE(predicted.parachutes.front().filling.is_predicted());
-    EXPECT_EQ(fullsim::full_fidelity().unsupported_keys(predicted), Keys{"parachute.filling"});
-    EXPECT_NE(unsupported_text(predicted, {"parachute.filling"}).find("its balance of air knows no gaps"),
-              std::string::npos);
-    predicted.parachutes.front().type = of_type("conical").parachutes.front().type;
-    EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(predicted).empty());
+TEST(MeshedTypes, GapsAreSaidAndLeak) {
+    Scene scene = of_type("disk-gap-band");
+    Parachute& chute = scene.parachutes.front();
+    ASSERT_TRUE(has_gaps(chute));
+    EXPECT_NE(open_gaps(chute).why.find("disk-gap-band canopies have gaps"), std::string::npos);
+    EXPECT_EQ(slot_share(chute), 0.0);
+    EXPECT_FALSE(has_gaps(of_type("conical").parachutes.front()));
+    // The type's own proportions, with a polygon of n chords in place of each circle: a disk of the radius r,
+    // and a gap and a band that stand on its edge.
+    const double r = 5.765, n = chute.gores, around = 2.0 * n * r * std::sin(pi / n);
+    const double whole = 0.5 * n * r * r * std::sin(2.0 * pi / n) + around * (0.69 + 1.94);
+    EXPECT_NEAR(gap_share(chute), around * 0.69 / whole, 1e-12);
+    EXPECT_EQ(gap_share(of_type("conical").parachutes.front()), 0.0);
+    chute.filling.model = find_filling("predicted");
+    EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(scene).empty());
+    // Air leaves through the gap, and through more where the scene says so.
+    chute.geometric_porosity = 0.0;
+    EXPECT_EQ(filling_canopy(chute).sizes().geometric_porosity, gap_share(chute));
+    chute.geometric_porosity = 0.2;
+    EXPECT_EQ(filling_canopy(chute).sizes().geometric_porosity, 0.2);
 }
 
 TEST(MeshedTypes, ATypeThatSaysNothingIsRefused) {

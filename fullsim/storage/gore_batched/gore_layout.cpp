@@ -54,7 +54,7 @@ public:
           inflow_(InflowBalance::of(scene, mesh)),
           tethered_(!mesh.static_line.cables.empty()) {
         if (threads > 1) threads_ = std::make_unique<WorkerPool>(threads - 1);
-        if (inflow_) find_skirt();
+        if (inflow_) find_edges();
     }
 
     std::string_view name() const override { return "gore-batched"; }
@@ -537,7 +537,7 @@ private:
         const ElementSums& areas = has_.membrane ? fabric_sums_ : all;
         if (inflow_) {
             node_loads_.on_fabric += inflow_->set_pressure(
-                state, areas, inflow_->mouth([this](std::size_t k) { return skirt_node(k); }));
+                state, areas, inflow_->openings([this](std::size_t k) { return edge_node(k); }));
         } else {
             state.air.projected_area = areas.positive_area;
             state.air.signed_area = areas.signed_area;
@@ -546,17 +546,17 @@ private:
         }
         step_.pressure = state.air.pressure;
     }
-    /// Where the nodes around the mouth are.
-    void find_skirt() {
+    /// Where the nodes along openings are.
+    void find_edges() {
         std::unordered_map<NodeIndex, std::array<int, 2>> of_node;  // local number, gore
         for (int gore = 0; gore < gores_.count; ++gore)
             for (LocalNode n = 0; n < gores_.canopy; ++n)
                 of_node[gores_.node[gore * gores_.own + n]] = {n, gore};
-        for (const NodeIndex i : inflow_->skirt())
-            skirt_.push_back(of_node.at(i));
+        for (const NodeIndex i : inflow_->edges())
+            edge_nodes_.push_back(of_node.at(i));
     }
-    NodeRecord skirt_node(std::size_t k) const {
-        const auto [n, gore] = skirt_[k];
+    NodeRecord edge_node(std::size_t k) const {
+        const auto [n, gore] = edge_nodes_[k];
         NodeRecord node{splat(0.0), splat(0.0)};
         for (int c = 0; c < 3; ++c) {
             node.x[c] = nodes_->at(nodes_->frame.x, n, gore, c);
@@ -775,7 +775,7 @@ private:
     Gores gores_;
     std::unique_ptr<GoreNodes> nodes_;
     std::optional<InflowBalance> inflow_;
-    std::vector<std::array<int, 2>> skirt_;  // nodes around the mouth: local number, gore
+    std::vector<std::array<int, 2>> edge_nodes_;  // along openings: local number, gore
     AirOnFabric air_ = AirOnFabric::none;
     bool tethered_;                               // to a static line
     std::array<const ForceModels*, 2> models_{};  // of the stage: structure, loads

@@ -68,7 +68,7 @@ public:
           cord_rows_(arrays_.cord_rows()) {
         for (int s = 0; s < sector_.count; ++s)
             turns_.emplace_back(s * sector_.turn);
-        if (inflow_) find_skirt();
+        if (inflow_) find_edges();
     }
 
     std::string_view name() const override { return name_; }
@@ -355,8 +355,8 @@ private:
             all.positive_area = sector_.count * fabric_.positive_area;
             all.area[2] = sector_.count * fabric_.area[2];  // across, they cancel
             all.swept = sector_.count * fabric_.swept;
-            const Mouth mouth = inflow_->mouth([this](std::size_t k) { return skirt_node(k); });
-            node_loads_.on_fabric += inflow_->set_pressure(state, all, mouth);
+            const Openings open = inflow_->openings([this](std::size_t k) { return edge_node(k); });
+            node_loads_.on_fabric += inflow_->set_pressure(state, all, open);
         } else {
             state.air.projected_area = sector_.count * fabric_.positive_area;
             state.air.signed_area = sector_.count * fabric_.signed_area;
@@ -364,15 +364,15 @@ private:
         }
         step_.pressure = state.air.pressure;
     }
-    /// Where the nodes around the mouth are.
-    void find_skirt() {
-        for (const NodeIndex i : inflow_->skirt()) {
+    /// Where the nodes along openings are.
+    void find_edges() {
+        for (const NodeIndex i : inflow_->edges()) {
             const auto at = std::ranges::find(sector_.node, i) - sector_.node.begin();
-            skirt_.push_back({static_cast<int>(at % sector_.own), static_cast<int>(at / sector_.own)});
+            edge_nodes_.push_back({static_cast<int>(at % sector_.own), static_cast<int>(at / sector_.own)});
         }
     }
-    NodeRecord skirt_node(std::size_t k) const {
-        const auto [n, sector] = skirt_[k];
+    NodeRecord edge_node(std::size_t k) const {
+        const auto [n, sector] = edge_nodes_[k];
         const Turn& turn = turns_[static_cast<std::size_t>(sector)];
         return {Around(arrays_.frame.x, n).at(turn), Around(arrays_.frame.v, n).at(turn)};
     }
@@ -412,7 +412,7 @@ private:
     PerronScaling weights_;
     ElementSums fabric_;  // of the sector
     std::optional<InflowBalance> inflow_ = InflowBalance::of(scene_, mesh_);
-    std::vector<std::array<int, 2>> skirt_;  // nodes around the mouth: of the sector, sector
+    std::vector<std::array<int, 2>> edge_nodes_;  // along openings: of the sector, sector
     SectorAdvance step_;
 };
 

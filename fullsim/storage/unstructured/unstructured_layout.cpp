@@ -487,8 +487,8 @@ private:
             });
         }
         if (inflow_) {
-            const auto skirt = [&](std::size_t k) { return state.node[inflow_->skirt()[k]]; };
-            node_loads_.on_fabric += inflow_->set_pressure(state, fabric_sums_, inflow_->mouth(skirt));
+            const auto edge = [&](std::size_t k) { return state.node[inflow_->edges()[k]]; };
+            node_loads_.on_fabric += inflow_->set_pressure(state, fabric_sums_, inflow_->openings(edge));
         } else {
             state.air.projected_area = fabric_sums_.positive_area;
             state.air.signed_area = fabric_sums_.signed_area;
