@@ -171,6 +171,7 @@ std::string summary_json_of(const Scene& scene, const std::vector<View>& views) 
                       {"cables", std::move(cables)},
                       {"mass_kg", std::move(masses)},
                       {"fabric_area_m2", s.fabric_area},
+                      {"gap_area_m2", s.gap_area},
                       {"nominal_area_m2", circles.nominal},
                       {"vent_area_m2", circles.vent},
                       {"smallest_edge_m", s.smallest_edge},
@@ -203,7 +204,8 @@ std::string summary_text_of(const Scene& scene, const std::vector<View>& views) 
         {"fabric area", readable(s.fabric_area, 6), "m2",
          has_open_middle(chute)
              ? fmt::format("pi/4 D0^2 is {} m2", readable(circles.nominal, 6))
-             : fmt::format("pi/4 D0^2 less the vent is {} m2", readable(circles.nominal - circles.vent, 6))},
+             : fmt::format("pi/4 D0^2 less {} is {} m2", s.gap_area > 0.0 ? "vent and gaps" : "the vent",
+                           readable(circles.nominal - circles.vent - s.gap_area, 6))},
         {"smallest edge", readable(s.smallest_edge), "m",
          fmt::format("of a triangle or cable, unstrained; {} mesh", grading_name(grading_of(scene)))}};
     if (cross_arm_ratio(chute) > 0.0) {

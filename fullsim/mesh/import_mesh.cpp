@@ -13,6 +13,7 @@
 
 #include "fullsim/mesh/canopy_edges.hpp"
 #include "fullsim/mesh/import_payload.hpp"
+#include "fullsim/mesh/node_order.hpp"
 #include "fullsim/mesh/seam_rings.hpp"
 #include "lib/scene/data_files.hpp"
 #include "lib/scene/line_stretch.hpp"
@@ -51,6 +52,10 @@ public:
         if (takes_body()) make_body();
         find_rings();
         measure();
+        // As its nodes lie; until here they have been in the order of the file.
+        if (!std::ranges::is_sorted(in_file_.begin(), in_file_.begin() + out_.mesh.canopy_nodes))
+            std::ranges::stable_sort(out_.mesh.triangles, {},
+                                     [](const Triangle& t) { return std::ranges::min(t.node); });
         out_.payload = std::move(payload_.solid);
         return std::move(out_);
     }
@@ -72,7 +77,8 @@ private:
         return number_[static_cast<std::size_t>(e.node[static_cast<std::size_t>(corner)])];
     }
 
-    /// Canopy, then lines and risers, the payload last; each in the order of the file's tags.
+    /// Canopy, then lines and risers, the payload last; each in the order of the file's tags, the canopy's in
+    /// that of canopy_order().
     void number_nodes() {
         enum Owner : std::uint8_t { nobody, body, other, canopy };
         std::vector<Owner> owner(file_.nodes().size(), nobody);
@@ -99,13 +105,19 @@ private:
             in_file_.push_back(i);
             out_.mesh.position.push_back(position);
         };
-        for (const Owner who : {canopy, other}) {
+        const auto owned_by = [&](Owner who) {
+            std::vector<FileNode> nodes;
             for (FileNode i = 0; i < static_cast<FileNode>(owner.size()); ++i)
                 if (owner[static_cast<std::size_t>(i)] == who &&
                     !std::ranges::binary_search(payload_.confluences, i))
-                    add(i, file_.position(i) - payload_.origin);
-            if (who == canopy) out_.mesh.canopy_nodes = out_.mesh.node_count();
-        }
+                    nodes.push_back(i);
+            return nodes;
+        };
+        for (const FileNode i : canopy_order(file_, owned_by(canopy)))
+            add(i, file_.position(i) - payload_.origin);
+        out_.mesh.canopy_nodes = out_.mesh.node_count();
+        for (const FileNode i : owned_by(other))
+            add(i, file_.position(i) - payload_.origin);
         add(payload_.confluences.front(), Vec3::Zero());
         for (const FileNode i : payload_.confluences)
             number_[static_cast<std::size_t>(i)] = out_.mesh.payload();

@@ -20,6 +20,7 @@ MeshSummary summarise(const Mesh& mesh) {
     s.nodes = mesh.node_count();
     s.triangles = mesh.triangles.size();
     s.fabric_area = mesh.fabric_area();
+    s.gap_area = mesh.gap_area();
     s.fabric_mass = mesh.fabric_mass();
     s.total_mass = mesh.parachute_mass();
     s.smallest_edge = std::numeric_limits<double>::infinity();

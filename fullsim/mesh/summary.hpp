@@ -17,6 +17,7 @@ struct MeshSummary {
     std::array<double, cable_kind_count> cable_mass{};   ///< [kg] by CableKind
     double total_mass = 0.0;                             ///< [kg] without the payload
     double fabric_area = 0.0;                            ///< [m^2] unstrained
+    double gap_area = 0.0;                               ///< [m^2] without fabric, likewise
     double smallest_edge = 0.0;                          ///< [m] unstrained, of a triangle or a cable
 };
 

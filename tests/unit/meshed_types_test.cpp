@@ -9,6 +9,7 @@
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/forces/blocks.hpp"
+#include "fullsim/mesh/start.hpp"
 #include "lib/scene/canopy_types.hpp"
 #include "lib/scene/needs.hpp"
 #include "lib/solve/opening.hpp"
@@ -102,6 +103,8 @@ TEST(MeshedTypes, GapsAreSaidAndLeak) {
     const double r = 5.765, n = chute.gores, around = 2.0 * n * r * std::sin(pi / n);
     const double whole = 0.5 * n * r * r * std::sin(2.0 * pi / n) + around * (0.69 + 1.94);
     EXPECT_NEAR(gap_share(chute), around * 0.69 / whole, 1e-12);
+    const double S0 = 0.25 * pi * chute.nominal_diameter * chute.nominal_diameter;
+    EXPECT_NEAR(fullsim::built_mesh(scene).gap_area(), gap_share(chute) * S0, 1e-12 * S0);
     EXPECT_EQ(gap_share(of_type("conical").parachutes.front()), 0.0);
     chute.filling.model = find_filling("predicted");
     EXPECT_TRUE(fullsim::full_fidelity().unsupported_keys(scene).empty());

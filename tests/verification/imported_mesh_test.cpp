@@ -4,7 +4,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "fullsim/canopy/folded_canopy.hpp"
 #include "fullsim/mesh/gmsh_write.hpp"
@@ -145,6 +152,72 @@ TEST(ImportedMesh, WritesTheFileThatItWasReadFrom) {
         const Scene older = imported(scene, directory, GmshVersion::v2_2);
         EXPECT_EQ(gmsh_text(built_mesh(older), GmshVersion::v4_1, scene.name), text);
     }
+}
+
+/// A file of the older format with its nodes numbered anew, at random, and its elements in another order.
+std::string shuffled(const std::string& text) {
+    std::vector<std::string> nodes, elements, head;
+    std::istringstream in(text);
+    std::vector<std::string>* section = &head;
+    for (std::string line; std::getline(in, line);) {
+        if (line == "$Nodes" || line == "$Elements") {
+            section = line == "$Nodes" ? &nodes : &elements;
+            std::getline(in, line);  // their number
+        } else if (line.starts_with("$End")) {
+            if (section == &head) head.push_back(line);
+            section = &head;
+        } else {
+            section->push_back(line);
+        }
+    }
+    std::mt19937 random(7);
+    std::vector<int> tag(nodes.size());
+    std::iota(tag.begin(), tag.end(), 1);
+    std::ranges::shuffle(tag, random);
+    std::ranges::shuffle(elements, random);
+    std::vector<std::string> placed(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        placed[static_cast<std::size_t>(tag[i]) - 1] =
+            fmt::format("{}{}", tag[i], nodes[i].substr(nodes[i].find(' ')));
+    std::string out = fmt::format("{}\n$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n", fmt::join(head, "\n"),
+                                  nodes.size(), fmt::join(placed, "\n"), elements.size());
+    for (const std::string& line : elements) {
+        std::istringstream words(line);
+        std::vector<int> number{std::istream_iterator<int>(words), {}};
+        for (std::size_t k = 5; k < number.size(); ++k)  // after tag, type, two tags of groups
+            number[k] = tag[static_cast<std::size_t>(number[k]) - 1];
+        out += fmt::format("{}\n", fmt::join(number, " "));
+    }
+    return out + "$EndElements\n";
+}
+
+TEST(ImportedMesh, HasNeighboursNearWhateverTheFilesOrder) {
+    const ScratchDir directory;
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {4, 16, 3, 2, Grading::uniform};
+    scene.full.contact = Contact::none;
+    chute_of(scene).deploy.by = DeployBy::inflated;
+    scene.release.speed = 8.0;
+    scene.stop = {Trigger::Kind::time, 0.05, 0.0};
+    const std::string text = gmsh_text(built_mesh(scene), GmshVersion::v2_2, scene.name);
+    const Scene as_made = with_mesh(scene, directory, text, "as-made.msh"),
+                mixed = with_mesh(scene, directory, shuffled(text), "mixed.msh");
+    const Mesh a = import_mesh(as_made).mesh, b = import_mesh(mixed).mesh;
+    ASSERT_EQ(a.canopy_nodes, b.canopy_nodes);
+    EXPECT_NEAR(a.fabric_area(), b.fabric_area(), 1e-12 * a.fabric_area());
+    // Numbers at random are a third of all apart in the mean. A front around the canopy has 112 nodes, of
+    // 1904, and its neighbours are no further apart than two of them.
+    double apart = 0.0;
+    for (const Triangle& t : b.triangles)
+        for (std::size_t c = 0; c < 3; ++c)
+            apart += std::abs(t.node[c] - t.node[(c + 1) % 3]);
+    EXPECT_LT(apart / (3.0 * static_cast<double>(b.triangles.size())), 2.0 * 112.0);
+    EXPECT_TRUE(
+        std::ranges::is_sorted(b.triangles, {}, [](const Triangle& t) { return std::ranges::min(t.node); }));
+    // And it is that parachute: sums in another order, a start without slack.
+    const RunRecord one = test::run_full(as_made), other = test::run_full(mixed);
+    ASSERT_EQ(one.status.code, StatusCode::completed) << one.status.detail;
+    EXPECT_NEAR(*one.metric("max_force_N"), *other.metric("max_force_N"), 1e-9 * *one.metric("max_force_N"));
 }
 
 TEST(ImportedMesh, CarriesAReefingLine) {
