@@ -187,9 +187,9 @@ TEST(Stages, ThePayloadAloneDecidesHowFastACanopyFills) {
         // The drogue is cut long after the main is open, and that opens nothing: nothing to wait for.
         ASSERT_EQ(full.status.code, StatusCode::completed) << full.status.detail;
         ASSERT_EQ(rom.status.code, StatusCode::completed) << rom.status.detail;
-        const auto fills = [&](const RunRecord& record) {
-            return record.find_event(std::string(chute) + ".full-open")->time -
-                   record.find_event(std::string(chute) + ".line-stretch")->time;
+        const auto fills = [name = std::string(chute)](const RunRecord& record) {
+            return record.find_event(name + ".full-open")->time -
+                   record.find_event(name + ".line-stretch")->time;
         };
         EXPECT_NEAR(fills(full), fills(rom), 0.02 * fills(rom));
     }
