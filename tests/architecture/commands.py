@@ -55,8 +55,8 @@ OTHERS = {"--keep": ".ci/fresh-machine", "--ccache": ".ci/fresh-machine", "--no-
 ELSEWHERE = (
     ("./bootstrap", "(?P<bootstrap>.+)", ".ci/fresh-machine runs demo and test, .ci/run packages"),
     (".ci/run", "", "every change"),
-    ("cmake", r"--preset (?P<configure>\S+)( -D(?P<variable>\w+)=\S+)?", ".ci/run, for two presets"),
-    ("cmake", r"--build --preset (?P<build>\S+)( --target (?P<target>\S+))?", ".ci/run, for two presets"),
+    ("cmake", r"--preset (?P<configure>\S+)( -D(?P<variable>\w+)=\S+)?", ".ci/run, for one preset"),
+    ("cmake", r"--build --preset (?P<build>\S+)( --target (?P<target>\S+))?", ".ci/run, for one preset"),
     ("cmake", r"-B build -DCMAKE_PREFIX_PATH=\S+", "architecture.installed_program"),
     ("cmake", "--build build", "architecture.installed_program"),
     ("build/consumer", "", "architecture.installed_program"),
@@ -397,7 +397,7 @@ def can_fail(documentation):
     lines = (f"twinchute rom {scene} --sensitivty", f"twinchute romm {scene}", "twinchute rom data/scenes/no-such.toml", "twinchute rom c10.toml",
              f"twinchute rom {scene} --set payload.mas=1", f"sed s/21/x/ {scene} | twinchute rom - | sed s/a/b/", "no_such_program --quiet",
              f"twinchute rom {scene} && no_such_program", "./bootstrap demos", "cmake --preset relase", "cmake --build --preset release --target tidi",
-             "cmake --preset fuzz -DTWINCHUTE_FUZZ_MINUTES=10", "ctest --preset relase", "ctest --preset release -L verifcation",
+             "cmake --preset asan -DTWINCHUTE_FUZZ_MINUTES=10", "ctest --preset relase", "ctest --preset release -L verifcation",
              "ctest --test-dir build/release -R no_such_test", "ctest --test-dir build/test -L unit -R architecture.rules", "cpack --preset release",
              "apt-get install no-such-package", "apt-get install ./build/package/packages/twinchute_9.9.9-1_amd64.deb", "echo 'no end")
     spans = (f"twinchute rom {scene} --sensitivty", "twinchute romm SCENE", "twinchute rom SCENE --sensitivty", "twinchute rom data/scenes/no-such.toml",
