@@ -143,7 +143,8 @@ void require_pattern(const Scene& scene, const Parachute& chute, PatternPieces p
         refuse("a canopy with slots is not cut in whole gores", slots->what + ": " + slots->why,
                "take its ribbons from its own drawings");
     if (has_gaps(chute) && pieces == PatternPieces::gore)
-        refuse("a canopy with gaps is not cut in whole gores", open_gaps(chute).why, "cut it with --pieces panels");
+        refuse("a canopy with gaps is not cut in whole gores", open_gaps(chute).why,
+               "cut it with --pieces panels");
 }
 
 std::vector<Part> parts_of(const Parachute& chute, const MeshSummary& mesh) {
