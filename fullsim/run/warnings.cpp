@@ -88,6 +88,15 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
              "where a step of the canopy is half a period of the lines they may ring "
              "(docs/theory/full-model.md)",
              "compare with full.line_substeps = 1; the filtered peak is the one that counts");
+    // Mass damping damps breathing as well, with all other motion.
+    const bool damped =
+        run.scene.aerodynamics.breathing_damping.value_or(0.0) > 0.0 || run.scene.full.alpha > 0.0;
+    if (opened && !run.inflated() && !damped)
+        warn("nothing damps the canopy's breathing",
+             "fabric rings on as it fills, and the riser with it: forces up to half above what the drag area "
+             "asks "
+             "for (docs/theory/full-model.md)",
+             "give aerodynamics.breathing_damping, e.g. { k = 0.5 }");
     if (run.findings.switched_late)
         warn("finite elements took over at full open only",
              fmt::format("the mouth never reached {:g} of the steady projected area",

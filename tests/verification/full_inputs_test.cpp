@@ -70,6 +70,24 @@ TEST(FullInputs, AStandInForATypeIsSaid) {
     EXPECT_FALSE(warns(test::run_full(scene), "stands in"));
 }
 
+TEST(FullInputs, ACanopyWhoseBreathingNothingDampsIsSaidToRing) {
+    // And does: with the drag area prescribed, the force above the damped one's is ringing.
+    Scene scene = test::c9_scene();
+    scene.full.mesh = {2, 9, 5, 2};
+    scene.stop = {Trigger::Kind::time, 2.5, 0.0};
+    const auto peak = [&] { return *test::run_full(scene).metric("max_force_N"); };
+    const auto says = [&] { return warns(test::run_full(scene), "nothing damps the canopy's breathing"); };
+    const double damped = peak();
+    EXPECT_FALSE(says());
+    scene.aerodynamics.breathing_damping = 0.0;
+    EXPECT_TRUE(says());
+    EXPECT_GT(peak(), 1.1 * damped);
+    scene.aerodynamics.breathing_damping.reset();
+    EXPECT_TRUE(says());
+    scene.full.alpha = 1.0;
+    EXPECT_FALSE(says());
+}
+
 TEST(FullInputs, TheDragAreaGoesByTheMachNumber) {
     // Half the drag area is half the drag area, whichever way it is said: 0.5 changes no digit. One of 1
     // changes nothing.
