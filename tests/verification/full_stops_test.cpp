@@ -35,8 +35,10 @@ TEST(FullStops, AStepAboveTheLimitIsNamedAndItsNumbersAreDropped) {
     const RunRecord record = run_full(scene);
     EXPECT_TRUE(is_numerical_failure(record.status.code)) << status_name(record.status.code);
     EXPECT_LT(record.find_channel("time")->values.back(), 0.6);
-    // Forces grow a thousandfold within the steps between two checks; none of that is reported.
-    EXPECT_LT(*record.metric("peak_force_N"), 1e4);
+    // Forces grow a thousandfold within the steps between two checks; none of that is reported. The canopy
+    // still fills, so that its peak is not known.
+    EXPECT_LT(record.metric("max_force_N").value(), 1e4);
+    EXPECT_FALSE(record.metric("peak_force_N"));
     EXPECT_NE(record.status.detail.find("t = "), std::string::npos) << record.status.detail;
     expect_finite(record);
 }

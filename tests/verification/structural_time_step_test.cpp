@@ -111,7 +111,7 @@ void expect_named_or_right(const RunRecord& record, const RunRecord& truth, doub
     double error[3];
     int i = 0;
     for (const char* key : {"peak_force_N", "peak_force_raw_N", "max_line_tension_N"})
-        error[i++] = *record.metric(key) / *truth.metric(key) - 1.0;
+        error[i++] = record.metric(key).value_or(std::nan("")) / truth.metric(key).value() - 1.0;
     fmt::print("step x {:.3f}: {:12} peak {:+.1e} raw {:+.1e} line {:+.1e} residual {:+.1e}, {} steps\n",
                multiple, status_name(record.status.code), error[0], error[1], error[2],
                record.energy->residual_fraction, record.cost.steps);
