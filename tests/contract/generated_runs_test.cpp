@@ -8,6 +8,7 @@
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/simulation.hpp"
+#include "fullsim/storage/simd/sanitized.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "rom/fidelity.hpp"
@@ -18,7 +19,7 @@ namespace twinchute::test {
 namespace {
 
 // Sanitizers make a step thirty times as dear; what they look for shows in few runs.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TWINCHUTE_SANITIZED
 constexpr int full_runs = 20, rom_runs = 600;
 #else
 constexpr int full_runs = 50, rom_runs = 2000;

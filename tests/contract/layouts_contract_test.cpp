@@ -14,6 +14,7 @@
 #include "fullsim/mesh/gores.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"
+#include "fullsim/storage/simd/sanitized.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/layout_answer.hpp"
@@ -181,7 +182,7 @@ TEST(Layouts, AgreeWhereLinesTouchFabric) {
 TEST(Layouts, AgreeAboveABody) {
     // Swinging from an oblique opening, and from the pack: rigid and deformable, its attachments with it.
     const std::string elastic = "payload.body.elasticity.youngs_modulus='50 MPa'";
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TWINCHUTE_SANITIZED
     const std::vector<std::string> bodies{elastic};  // which moves whatever a rigid one does
 #else
     const std::vector<std::string> bodies{"", elastic};

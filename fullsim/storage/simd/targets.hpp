@@ -5,19 +5,13 @@
 // clock for some milliseconds whenever a program starts.
 #pragma once
 
+#include "fullsim/storage/simd/sanitized.hpp"
+
 #include <string_view>
 #include <vector>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define TWINCHUTE_SANITIZED
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define TWINCHUTE_SANITIZED
-#endif
-#endif
-
 // Where a processor has AVX-512, its gains over AVX-512 with later additions are none here. Under sanitizers
-// a set takes minutes to compile: two have all lines between them.
+// a set takes long to compile: two have all lines between them.
 #ifdef TWINCHUTE_SANITIZED
 #define TWINCHUTE_SPARED (HWY_AVX3 | HWY_SSE4)
 #else

@@ -1,0 +1,11 @@
+// Whether addresses are checked, by the macro TWINCHUTE_SANITIZED: kernels then take long to compile, and a
+// step many times as long.
+#pragma once
+
+#if defined(__SANITIZE_ADDRESS__)
+#define TWINCHUTE_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define TWINCHUTE_SANITIZED
+#endif
+#endif
