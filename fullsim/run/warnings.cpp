@@ -93,9 +93,8 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
         run.scene.aerodynamics.breathing_damping.value_or(0.0) > 0.0 || run.scene.full.alpha > 0.0;
     if (opened && !run.inflated() && !damped)
         warn("nothing damps the canopy's breathing",
-             "fabric rings on as it fills, and the riser with it: forces up to half above what the drag area "
-             "asks "
-             "for (docs/theory/full-model.md)",
+             "fabric rings on as it fills, and the riser with it: forces are up to half above those of the "
+             "drag (docs/theory/full-model.md)",
              "give aerodynamics.breathing_damping, e.g. { k = 0.5 }");
     if (run.findings.switched_late)
         warn("finite elements took over at full open only",
