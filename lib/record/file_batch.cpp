@@ -236,11 +236,12 @@ bool is_abandoned(const fs::path& file) {
     if (!name.starts_with('.') || !name.ends_with(".tmp")) return false;
     name.resize(name.size() - 4);
     const std::size_t dot = name.rfind('.');  // before "<process>-<count>"
+    if (dot == 0 || dot == std::string::npos) return false;
     pid_t process = 0;
     unsigned count = 0;
     const char *begin = name.data() + dot + 1, *const end = name.data() + name.size();
     const auto [dash, no_process] = std::from_chars(begin, end, process);
-    if (dot == 0 || no_process != std::errc{} || dash == end || *dash != '-') return false;
+    if (no_process != std::errc{} || dash == end || *dash != '-') return false;
     const auto [rest, no_count] = std::from_chars(dash + 1, end, count);
     if (no_count != std::errc{} || rest != end || process <= 0) return false;
     return process != ::getpid() && ::kill(process, 0) != 0 && errno == ESRCH;
