@@ -188,7 +188,7 @@ Vec3 InflowBalance::set_pressure(SystemState& state, const ElementSums& of_canop
                             0.5 * around.rate * inflow.displaced) /
                            loaded;
     air.pressure = inflow.inside - outside;
-    // What falls through a gap as it moves has pushed nothing.
+    // Air that a gap moves through has pushed nothing.
     const double unpushed = open.gaps_sweep - open.gaps.dot(air.wind);
     inflow.loss =
         inflow.inside * (supply * (1.0 - inflow.ratio) + inflow.leak + unpushed) + outside * inflow.displaced;

@@ -15,7 +15,7 @@
 
 namespace twinchute::fullsim {
 
-/// Where the canopy has no fabric: the skirt's polygon, and surfaces that close its gaps.
+/// Surfaces without fabric: the skirt's polygon, and those that close gaps.
 struct Openings {
     Vec3 mouth = Vec3::Zero();     ///< [m^2] into the canopy
     Vec3 velocity = Vec3::Zero();  ///< [m/s] mean of the mouth's nodes

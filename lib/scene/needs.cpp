@@ -198,11 +198,14 @@ bool has_gaps(const Parachute& chute) {
 }
 
 double gap_share(const Parachute& chute) {
-    if (!has_gaps(chute) || chute.gores < 3) return 0.0;
+    if (!has_gaps(chute)) return 0.0;
     constexpr int slices = 64;  // trapezoids, which a panel of constant slope is
+    constexpr int as_round_as_a_circle = 4000;  // gores, where the scene gives none: within 1e-6
     const std::vector<GorePanel> panels = gore_panels(chute);
-    const Meridian meridian = gore_meridian(chute);
-    const double chord = 2.0 * chute.gores * std::sin(pi / chute.gores);  // of all gores, over the radius
+    Parachute cut = chute;
+    if (cut.gores == 0) cut.gores = as_round_as_a_circle;
+    const Meridian meridian = gore_meridian(cut);
+    const double chord = 2.0 * cut.gores * std::sin(pi / cut.gores);  // of all gores, over the radius
     double area = 0.0, top = 0.0;
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const double bottom = meridian.edges()[i];

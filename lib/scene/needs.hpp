@@ -73,7 +73,8 @@ Fabric meshed_fabric(const Parachute& chute, std::size_t panel);
 /// Whether its gores have gaps. A mesh of one's own says by itself where it has some.
 bool has_gaps(const Parachute& chute);
 
-/// Share [-] of those gaps in the area S0 = pi/4 D0^2, which counts them.
+/// Share [-] of those gaps in the area S0 = pi/4 D0^2, which counts them. Without a number of gores, which
+/// the reduced-order model does not need, that of a round canopy.
 double gap_share(const Parachute& chute);
 
 /// Warning where the mesh has gaps.
