@@ -20,9 +20,9 @@ namespace {
 
 // Sanitizers make a step thirty times as dear; what they look for shows in few runs.
 #ifdef TWINCHUTE_SANITIZED
-constexpr int full_runs = 20, rom_runs = 600;
+constexpr int full_runs = 20, rom_runs = 200;
 #else
-constexpr int full_runs = 50, rom_runs = 2000;
+constexpr int full_runs = 50, rom_runs = 1000;
 #endif
 
 void expect_sound(const RunRecord& record, const std::string& text) {

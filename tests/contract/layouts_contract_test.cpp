@@ -116,11 +116,16 @@ TEST(Layouts, AgreeWhereGoresTouch) {
 
 TEST(Layouts, AgreeWhereFoldsTouch) {
     // Nodes of fabric wherever they meet fabric; pleats are full triangles.
-    for (const char* subcycles : {"1", "4"})
+#ifdef TWINCHUTE_SANITIZED
+    const std::vector<std::string> all{"4"};
+#else
+    const std::vector<std::string> all{"1", "4"};
+#endif
+    for (const std::string& subcycles : all)
         compare_along(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
                                  {"full.contact='self'", "full.mesh.gore_columns=4", "full.mesh.gore_rows=6",
                                   "full.mesh.line_elements=4", "full.noise.amplitude=1e-3",
-                                  std::string("full.line_substeps=") + subcycles}),
+                                  "full.line_substeps=" + subcycles}),
                       12'000);
 }
 
@@ -200,9 +205,11 @@ TEST(Layouts, AgreeAboveABody) {
         compare_along(
             read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation-oblique.toml", small),
             6'000);
+#ifndef TWINCHUTE_SANITIZED
         box.emplace_back("parachute.deploy.length='3 m'");
         box.emplace_back("full.ramp_time='0.3 s'");
         compare_along(crane_drop(box), 60'000, 4);
+#endif
         if (HasFailure()) return;
     }
 }
