@@ -208,15 +208,8 @@ void Cluster::for_each(Work&& work) {
 }
 
 void Cluster::evaluate_forces() {
-    count_time();
+    tuner_.begin_step();
     for_each([](Simulation& canopy) { canopy.evaluate_forces(); });
-}
-
-void Cluster::count_time() {
-    if (!threads_) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (step_began_) tuner_.took(std::chrono::duration<double>(now - *step_began_).count());
-    step_began_ = now;
 }
 
 void Cluster::push_apart() {

@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -113,7 +112,6 @@ private:
     void serialize_members(Archive& archive);
     template <class Work>
     void for_each(Work&& work);
-    void count_time();
     void push_apart();
     void share_pulls(double kick, int subcycles);
     template <class Force>
@@ -153,7 +151,6 @@ private:
     std::array<Touching, 2> touching_;  // of the pair at hand
     ThreadCountTuner tuner_;
     std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
-    std::optional<std::chrono::steady_clock::time_point> step_began_;
 };
 
 }  // namespace twinchute::fullsim

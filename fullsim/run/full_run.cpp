@@ -29,7 +29,7 @@ FullRun::FullRun(const Scene& scene, std::span<const double> stated_masses, Run&
           scene,
           [threads = has_several_canopies(scene) ? 1 : run.threads, any = run.force_unstructured](
               const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-              return any ? make_unstructured_layout(s, mesh, constants)
+              return any ? make_unstructured_layout(s, mesh, constants, nullptr, threads)
                          : make_layout(s, mesh, constants, threads);
           },
           run.threads),

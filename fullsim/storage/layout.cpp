@@ -195,7 +195,7 @@ std::unique_ptr<Layout> make_layout(const Scene& scene, const Mesh& mesh, const 
         return sector;
     }
     auto gores = make_gore_layout(scene, mesh, constants, nullptr, threads);
-    return gores ? std::move(gores) : make_unstructured_layout(scene, mesh, constants);
+    return gores ? std::move(gores) : make_unstructured_layout(scene, mesh, constants, nullptr, threads);
 }
 
 std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants) {

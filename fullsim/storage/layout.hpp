@@ -199,7 +199,8 @@ struct Kernels;
 /// machine unless others are given.
 std::unique_ptr<Layout> make_unstructured_layout(const Scene& scene, const Mesh& mesh,
                                                  const NodeConstants& constants,
-                                                 const unstructured::Kernels* kernels = nullptr);
+                                                 const unstructured::Kernels* kernels = nullptr,
+                                                 int threads = 1);
 
 /// The force blocks themselves, one after the other, on the same records: what other layouts are held to.
 std::unique_ptr<Layout> make_reference_layout(const Mesh& mesh, const NodeConstants& constants);

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
+#include <optional>
 
 namespace twinchute::fullsim {
 
@@ -15,6 +17,14 @@ public:
 
     int most() const { return most_; }
     int now() const { return threads_; }
+
+    /// A step begins, and the one before it has ended.
+    void begin_step() {
+        if (most_ == 1) return;
+        const auto now = std::chrono::steady_clock::now();
+        if (began_) took(std::chrono::duration<double>(now - *began_).count());
+        began_ = now;
+    }
 
     /// The step with so many took this long [s].
     void took(double seconds) {
@@ -90,6 +100,7 @@ private:
     int work_ = first_interval, rest_ = first_interval;  // steps for which all work, or one
     double least_ = std::numeric_limits<double>::infinity(), one_ = 0.0;  // [s] a step
     double gained_ = 0.0;                                                 // [s] since all work
+    std::optional<std::chrono::steady_clock::time_point> began_;
 };
 
 }  // namespace twinchute::fullsim

@@ -13,6 +13,23 @@ void store_sums(State& state, const NodeConstants& c, const StepSums& sums) {
 
 }  // namespace
 
+StepSums& StepSums::operator+=(const StepSums& other) {
+    canopy_position += other.canopy_position;
+    canopy_velocity += other.canopy_velocity;
+    other_position += other.other_position;
+    other_velocity += other.other_velocity;
+    area_velocity += other.area_velocity;
+    drag_power += other.drag_power;
+    momentum += other.momentum;
+    share_square += other.share_square;
+    kinetic += other.kinetic;
+    line_damping += other.line_damping;
+    line_damping_power += other.line_damping_power;
+    outer_work += other.outer_work;
+    outer_power += other.outer_power;
+    return *this;
+}
+
 NodeConstants node_constants(const Mesh& mesh, double gravity) {
     NodeConstants c;
     c.mass = mesh.mass;

@@ -33,6 +33,8 @@ struct StepSums {
     double line_damping = 0.0;                   ///< [J] by lines and risers in subcycles
     double line_damping_power = 0.0;             ///< [W] in the last of them, by its part of the step
     double outer_work = 0.0, outer_power = 0.0;  ///< [J], [W] of other parachutes on the payload
+
+    StepSums& operator+=(const StepSums& other);
 };
 
 /// A step of lines and risers within one of the canopy.

@@ -16,6 +16,7 @@
 #include "fullsim/storage/gore_batched/kernels.hpp"
 #include "fullsim/storage/simd/sanitized.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
+#include "fullsim/storage/unstructured/quads.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/support/layout_answer.hpp"
 #include "tests/support/predicted.hpp"
@@ -533,35 +534,49 @@ TEST(Layouts, TheSameInputGivesTheSameBits) {
 TEST(Layouts, AnyNumberOfThreadsGivesTheSameBits) {
     // From line stretch through the first filling, with subcycles, and a pack; four instruction sets' worth
     // of blocks of gores, on as many threads as there are, and more.
-    for (const bool packed : {false, true}) {
-        Scene scene = crane_drop({"full.mesh.gore_rows=30", "full.mesh.line_elements=31"});
-        if (!packed) {
-            scene.parachutes.front().deploy.by = DeployBy::line_stretch;
-            scene.release.speed = 25.0;
-        }
-        std::vector<State> ends;
-        for (const int threads : {1, 2, 3}) {
-            Simulation simulation(
-                scene, [&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
-                    return make_gore_layout(s, mesh, constants, &all_gore_kernels().back(), threads);
-                });
-            EXPECT_EQ(simulation.layout().threads(), threads);
-            for (int step = 0; step < 250; ++step) {
-                simulation.evaluate_forces();
-                simulation.step_to(1e9);
+    // Without regard to gores four parts of the canopy, 8400 triangles.
+    for (const bool packed : {false, true})
+        for (const bool by_gores : {true, false}) {
+            Scene scene = crane_drop({"full.mesh.gore_rows=30", "full.mesh.line_elements=31"});
+            if (!by_gores) scene.full.mesh.gore_columns = 5;
+            if (!packed) {
+                scene.parachutes.front().deploy.by = DeployBy::line_stretch;
+                scene.release.speed = 25.0;
             }
-            ends.push_back(simulation.synchronised_state());
-        }
-        for (const State& end : ends) {
-            EXPECT_EQ(end.time, ends.front().time);
-            EXPECT_EQ(end.energy.damping, ends.front().energy.damping);
-            EXPECT_EQ(end.air.projected_area, ends.front().air.projected_area);
-            for (std::size_t i = 0; i < end.node.size(); ++i) {
-                ASSERT_EQ(to_vec3(end.node[i].x), to_vec3(ends.front().node[i].x)) << i;
-                ASSERT_EQ(to_vec3(end.node[i].v), to_vec3(ends.front().node[i].v)) << i;
+            std::vector<State> ends;
+            for (const int threads : {1, 2, 3}) {
+                Simulation simulation(
+                    scene, [&](const Scene& s, const Mesh& mesh, const NodeConstants& constants) {
+                        return by_gores
+                                   ? make_gore_layout(s, mesh, constants, &all_gore_kernels().back(), threads)
+                                   : make_unstructured_layout(s, mesh, constants, nullptr, threads);
+                    });
+                EXPECT_EQ(simulation.layout().threads(), threads);
+                for (int step = 0; step < 250; ++step) {
+                    simulation.evaluate_forces();
+                    simulation.step_to(1e9);
+                }
+                ends.push_back(simulation.synchronised_state());
+            }
+            for (const State& end : ends) {
+                EXPECT_EQ(end.time, ends.front().time);
+                EXPECT_EQ(end.energy.damping, ends.front().energy.damping);
+                EXPECT_EQ(end.air.projected_area, ends.front().air.projected_area);
+                for (std::size_t i = 0; i < end.node.size(); ++i) {
+                    ASSERT_EQ(to_vec3(end.node[i].x), to_vec3(ends.front().node[i].x)) << i;
+                    ASSERT_EQ(to_vec3(end.node[i].v), to_vec3(ends.front().node[i].v)) << i;
+                }
             }
         }
-    }
+}
+
+TEST(Layouts, AgreeInParts) {
+    // 8400 triangles, which threads would share.
+    const Scene scene = crane_drop({"full.mesh.gore_columns=5", "full.mesh.gore_rows=30",
+                                    "parachute.deploy.by='line-stretch'", "release.speed='25 m/s'",
+                                    "release.path_angle='90 deg'"});
+    EXPECT_EQ(unstructured::Parts(Simulation(scene).mesh()).count(), 4U);
+    compare_along(scene, 60);
 }
 
 TEST(Layouts, AnUnevenMeshIsNotSideBySide) {

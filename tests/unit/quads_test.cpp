@@ -105,5 +105,55 @@ TEST(Quads, AreNotMadeAcrossASeamThatTurnsOrBranches) {
     EXPECT_TRUE(quads_of({}).empty());
 }
 
+// Parts are what threads write to at once: a node of two of them would be a race.
+TEST(Parts, ShareNoNodeWithEachOtherNorStripsAmongThemselves) {
+    constexpr int rows = 200, columns = 60;
+    Mesh mesh;
+    mesh.canopy_nodes = rows * columns;
+    mesh.triangles = patch(rows, columns);  // 23 482
+    const unstructured::Parts parts(mesh);
+    ASSERT_EQ(parts.count(), 8U);
+    EXPECT_EQ(parts.end(7), mesh.canopy_nodes);
+    std::vector<int> of_part(rows * columns, -1), of_strip(rows * columns, -1);
+    std::vector<std::size_t> quads(parts.lists(), 0);
+    for (const Quad& q : quads_of(mesh, 0)) {
+        const std::size_t list = parts.list_of(q);
+        ASSERT_LT(list, parts.lists());
+        ++quads[list];
+        const bool is_strip = list >= parts.count();
+        const int number = static_cast<int>(list);
+        for (const NodeIndex i : q.node) {
+            int& owner = (is_strip ? of_strip : of_part)[static_cast<std::size_t>(i)];
+            if (owner < 0) owner = number;
+            EXPECT_EQ(owner, number) << "node " << i;
+            if (!is_strip) {
+                EXPECT_LT(i, parts.end(list));
+            }
+        }
+    }
+    // Strips are a row of squares each, the rest is shared out alike.
+    for (std::size_t k = 0; k < parts.lists(); ++k)
+        EXPECT_NEAR(static_cast<double>(quads[k]), k < 8 ? (11'741.0 - 7 * 59) / 8 : 59.0, 60.0) << k;
+}
+
+TEST(Parts, AreOneWhereItIsSmallOrInNoOrder) {
+    Mesh small;
+    small.canopy_nodes = 40 * 40;
+    small.triangles = patch(40, 40);  // 3042
+    EXPECT_EQ(unstructured::Parts(small).count(), 1U);
+    EXPECT_EQ(unstructured::Parts(small).lists(), 1U);
+    Mesh mixed;
+    mixed.canopy_nodes = 100 * 100;
+    mixed.triangles = patch(100, 100);
+    ASSERT_EQ(unstructured::Parts(mixed).count(), 8U);
+    for (Triangle& t : mixed.triangles)  // every second node from the other end
+        for (NodeIndex& i : t.node)
+            if (i % 2 != 0) i = mixed.canopy_nodes - i;
+    EXPECT_EQ(unstructured::Parts(mixed).count(), 1U);
+    const unstructured::Parts one(mixed);
+    for (const Quad& q : quads_of(mixed, 0))
+        EXPECT_EQ(one.list_of(q), 0U);
+}
+
 }  // namespace
 }  // namespace twinchute::fullsim

@@ -1,7 +1,6 @@
 // The gore-batched layout: a generated canopy is the same gore over and over, so its elements need neither
 // gathers nor scatters.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -160,7 +159,7 @@ public:
     }
 
     void evaluate(State& state, BlockClock& clock) override {
-        count_time();
+        tuner_.begin_step();
         use_air(state);
         node_loads_ = {};
         step_.contact_reaction = {};
@@ -427,14 +426,6 @@ private:
     void reduce_block(int block) const {
         nodes_->send_halo_forces(block, exchanged_);
         nodes_->reduce_shared(block, std::array{nodes_->frame.force, nodes_->frame.aero});
-    }
-
-    /// From the last step to this.
-    void count_time() {
-        if (tuner_.most() == 1) return;
-        const auto now = std::chrono::steady_clock::now();
-        if (step_began_) tuner_.took(std::chrono::duration<double>(now - *step_began_).count());
-        step_began_ = now;
     }
 
     static GoreNodes::What what_air_does(bool pressure, bool on_fabric) {
@@ -771,7 +762,6 @@ private:
     const GoreKernels& kernels_;
     ThreadCountTuner tuner_;
     std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
-    std::optional<std::chrono::steady_clock::time_point> step_began_;
     Gores gores_;
     std::unique_ptr<GoreNodes> nodes_;
     std::optional<InflowBalance> inflow_;

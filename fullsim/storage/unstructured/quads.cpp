@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 namespace twinchute::fullsim::unstructured {
@@ -95,6 +96,55 @@ std::vector<Quad> quads_of(const std::vector<Triangle>& triangles) {
     }
     std::ranges::stable_sort(quads, {}, [](const Quad& q) { return *std::ranges::min_element(q.node); });
     return quads;
+}
+
+std::vector<Quad> quads_of(const Mesh& mesh, int sheet) {
+    std::vector<Triangle> triangles;
+    std::ranges::copy_if(mesh.triangles, std::back_inserter(triangles),
+                         [sheet](const Triangle& t) { return t.sheet == sheet; });
+    return quads_of(triangles);
+}
+
+Parts::Parts(const Mesh& mesh) : ends_{mesh.canopy_nodes} {
+    // A step waits for all threads three times.
+    constexpr std::size_t triangles_of_part = 2000, most = 8;
+    if (mesh.triangles.size() < 2 * triangles_of_part) return;
+    struct Reach {
+        NodeIndex lowest, highest;
+    };
+    std::vector<Reach> quads;
+    for (int sheet = 0; sheet < mesh.sheets(); ++sheet)
+        for (const Quad& q : quads_of(mesh, sheet))
+            quads.push_back({std::ranges::min(q.node), std::ranges::max(q.node)});
+    std::ranges::sort(quads, {}, &Reach::lowest);
+    for (std::size_t parts = most; parts > 1 && ends_.size() == 1; parts /= 2) {
+        if (mesh.triangles.size() < parts * triangles_of_part) continue;
+        std::vector<NodeIndex> ends;
+        for (std::size_t k = 1; k < parts; ++k)
+            ends.push_back(quads[k * quads.size() / parts].lowest);
+        ends.push_back(mesh.canopy_nodes);
+        // Where no part is narrower than what lies across its ends, strips have no node in common, either;
+        // two parts may be all strip.
+        std::size_t across = 0;
+        std::vector<NodeIndex> strip_begins(parts, mesh.canopy_nodes), strip_ends(parts, 0);
+        for (const auto [lowest, highest] : quads) {
+            const auto part = std::ranges::upper_bound(ends, lowest) - ends.begin();
+            if (highest < ends[part]) continue;
+            ++across;
+            strip_begins[part] = std::min(strip_begins[part], lowest);
+            strip_ends[part] = std::max(strip_ends[part], highest + 1);
+        }
+        bool apart = 4 * across < quads.size();
+        for (std::size_t k = 0; k + 1 < parts; ++k)
+            apart = apart && strip_ends[k] <= std::min(strip_begins[k + 1], ends[k + 1]);
+        if (apart) ends_ = ends;
+    }
+}
+
+std::size_t Parts::list_of(const Quad& quad) const {
+    const auto [lowest, highest] = std::ranges::minmax(quad.node);
+    const auto part = std::ranges::upper_bound(ends_, lowest) - ends_.begin();
+    return static_cast<std::size_t>(part) + (highest < ends_[part] ? 0 : count());
 }
 
 }  // namespace twinchute::fullsim::unstructured

@@ -19,5 +19,27 @@ struct Quad {
 /// Every triangle in one quad, in the order of their lowest nodes. Corners keep their turn, but another may
 /// come first.
 std::vector<Quad> quads_of(const std::vector<Triangle>& triangles);
+/// Those of one sheet.
+std::vector<Quad> quads_of(const Mesh& mesh, int sheet);
+
+/// Parts of a canopy that threads take at once, by the numbers of nodes: as many triangles in each. Those of
+/// a part touch no node of another. Strips lie across the end of one part; they touch no node of each other.
+/// All depends on the mesh alone. Small canopies, and those whose nodes are numbered without regard to their
+/// places, are one part.
+class Parts {
+public:
+    explicit Parts(const Mesh& mesh);
+
+    std::size_t count() const { return ends_.size(); }
+    /// First node of the next part.
+    NodeIndex end(std::size_t part) const { return ends_[part]; }
+    /// Parts, then strips: those across the end of a part come as many lists later.
+    std::size_t lists() const { return 2 * count() - 1; }
+    /// List that a quad of this mesh belongs to.
+    std::size_t list_of(const Quad& quad) const;
+
+private:
+    std::vector<NodeIndex> ends_;
+};
 
 }  // namespace twinchute::fullsim::unstructured

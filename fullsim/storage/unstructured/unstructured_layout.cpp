@@ -2,9 +2,11 @@
 // corners are loaded as records and turned to columns in registers.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -19,6 +21,8 @@
 #include "fullsim/storage/unstructured/element_list.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "fullsim/storage/unstructured/quads.hpp"
+#include "fullsim/threads/thread_count_tuner.hpp"
+#include "fullsim/threads/worker_pool.hpp"
 #include "fullsim/time/critical_step.hpp"
 #include "fullsim/time/node_mover.hpp"
 #include "fullsim/time/subcycling.hpp"
@@ -46,14 +50,21 @@ double* doubles(std::vector<Record>& records) {
 class UnstructuredLayout final : public Layout {
 public:
     UnstructuredLayout(const Scene& scene, const Mesh& mesh, const NodeConstants& constants,
-                       const unstructured::Kernels& kernels)
+                       const unstructured::Kernels& kernels, int threads)
         : scene_(scene),
           mesh_(mesh),
           constants_(constants),
           kernels_(kernels),
-          inflow_(InflowBalance::of(scene, mesh)) {}
+          inflow_(InflowBalance::of(scene, mesh)),
+          parts_(mesh),
+          of_list_(parts_.lists()),
+          moved_(parts_.count()),
+          tuner_(std::min(threads, static_cast<int>(parts_.count()))) {
+        if (tuner_.most() > 1) threads_ = std::make_unique<WorkerPool>(tuner_.most() - 1);
+    }
 
     std::string_view name() const override { return "unstructured"; }
+    int threads() const override { return tuner_.most(); }
     std::string_view instruction_set() const override { return kernels_.instruction_set; }
 
     void begin(State& state, const ForceModels& structure, const ForceModels& loads,
@@ -97,7 +108,8 @@ public:
         // Canopy pressure, fabric drag and membranes read the same constants of triangles, springs and fold
         // resistance those of edges.
         for (const Sheet& sheet : fabric_)
-            add_bytes(all, "triangles", sheet.triangles.bytes());
+            for (const unstructured::ElementList& list : sheet.lists)
+                add_bytes(all, "triangles", list.bytes());
         add_bytes(all, "edges", edges_.bytes());
         add_bytes(all, "gore contact", pairs_.bytes());
         add_bytes(all, "tapes", tapes_.bytes());
@@ -114,8 +126,8 @@ public:
     double membrane_energy(State& state) const override {
         double energy = 0.0;
         for (const Sheet& sheet : fabric_)
-            energy +=
-                kernels_.membrane_levels(nodes_to_read(state), sheet.triangles.elements(), sheet.pass).energy;
+            for (const unstructured::ElementList& list : sheet.lists)
+                energy += kernels_.membrane_levels(nodes_to_read(state), list.elements(), sheet.pass).energy;
         return energy;
     }
 
@@ -125,6 +137,7 @@ public:
     double fabric_strain(const State& state) const override { return fabric_strain_of(state, *structure_); }
 
     void evaluate(State& state, BlockClock& clock) override {
+        if (shared_ > 0.0) tuner_.took(std::exchange(shared_, 0.0));
         node_loads_ = {};
         step_.contact = {};
         for (std::size_t k = 0; k < acts_.size(); ++k) {
@@ -146,11 +159,13 @@ public:
         sums.weight = weights_.by_node();
         const unstructured::Rows rows_out = rows_of(sums);
         const unstructured::Nodes nodes = nodes_to_read(state);
-        for (Sheet& sheet : fabric_) {
+        for (Sheet& sheet : fabric_)
             sheet.pass.weight = state.fe_weight;
-            if (has_.membrane)
-                kernels_.membrane_rows(nodes, sheet.triangles.elements(), sheet.pass, rows_out);
-        }
+        if (has_.membrane)
+            for_lists([&](std::size_t k) {
+                for (const Sheet& sheet : fabric_)
+                    kernels_.membrane_rows(nodes, sheet.lists[k].elements(), sheet.pass, rows_out);
+            });
         if (springs_.springs || springs_.folds)
             kernels_.spring_rows(nodes, edges_.elements(), springs_of(state), rows_out);
         if (!state.folded) kernels_.cable_rows(tapes_.elements(), rows_out);
@@ -225,18 +240,12 @@ public:
         step_.mass_damping = node_loads_.mass_damping;
         step_.system_mean = to_array4(node_loads_.system_mean);
         StepSums& sums = step_sums_;
-        const std::size_t all = constants_.mass.size();
         if (together()) {
             state.damping_power += line_damping_;
-            move(state, 0, all, sums);
+            move_all(state, sums);
             if (body_) body_->advance(state, mover.kick(), dt_);
         } else {
-            std::size_t next = 0;
-            for (const NodeIndex i : pulled_) {
-                move(state, next, static_cast<std::size_t>(i), sums);
-                next = static_cast<std::size_t>(i) + 1;
-            }
-            move(state, next, all, sums);
+            move_all(state, sums);
             const double first_kick = subcycle(state, dt_, subcycles_, 0).kick;
             inverse_inertia_.resize(pulled_.size());
             for (std::size_t k = 0; k < pulled_.size(); ++k) {
@@ -337,23 +346,40 @@ private:
 
     // --- node update ---------------------------------------------------------------------
 
-    void move(State& state, std::size_t first, std::size_t last, StepSums& sums) {
-        if (first >= last) return;
-        step_.first = first, step_.last = last;
-        add(kernels_.advance(nodes_of(state), step_), state, sums);
+    /// All but those that take subcycles, if they do now.
+    void move_all(State& state, StepSums& sums) {
+        const unstructured::Nodes nodes = nodes_of(state);
+        moved_.front() = {sums, state.damping_power, state.accretion_power};
+        share(parts_.count(), [&](std::size_t k) {
+            const bool is_last = k + 1 == parts_.count();  // which has what is not of the canopy
+            std::size_t next = k > 0 ? static_cast<std::size_t>(parts_.end(k - 1)) : 0;
+            const std::size_t end =
+                is_last ? constants_.mass.size() : static_cast<std::size_t>(parts_.end(k));
+            Moved moved = k > 0 ? Moved{} : moved_[k];
+            unstructured::Advance step = step_;
+            const auto move_to = [&](std::size_t last) {
+                step.first = std::exchange(next, last + 1), step.last = last;
+                if (step.first < last) moved.add(kernels_.advance(nodes, step));
+            };
+            if (!together())
+                for (auto i = std::ranges::lower_bound(pulled_, static_cast<NodeIndex>(next));
+                     i != pulled_.end() && static_cast<std::size_t>(*i) < end; ++i)
+                    move_to(static_cast<std::size_t>(*i));
+            move_to(end);
+            moved_[k] = moved;
+        });
+        for (std::size_t k = 1; k < moved_.size(); ++k)
+            moved_.front() += moved_[k];
+        sums = moved_.front().sums;
+        state.damping_power = moved_.front().damping_power;
+        state.accretion_power = moved_.front().accretion_power;
     }
     static void add(const unstructured::Sums& s, State& state, StepSums& sums) {
-        sums.canopy_position += as_lanes(s.canopy_position);
-        sums.canopy_velocity += as_lanes(s.canopy_velocity);
-        sums.other_position += as_lanes(s.other_position);
-        sums.other_velocity += as_lanes(s.other_velocity);
-        sums.area_velocity += as_lanes(s.area_velocity);
-        sums.drag_power += as_lanes(s.drag_power);
-        sums.momentum += as_lanes(s.momentum);
-        sums.share_square += sum3(as_lanes(s.share_square));
-        sums.kinetic += 0.5 * sum3(as_lanes(s.kinetic));
-        state.damping_power += sum3(as_lanes(s.dissipated));
-        state.accretion_power += sum3(as_lanes(s.accretion_power));
+        Moved moved{sums, state.damping_power, state.accretion_power};
+        moved.add(s);
+        sums = moved.sums;
+        state.damping_power = moved.damping_power;
+        state.accretion_power = moved.accretion_power;
     }
 
     /// Number of nodes in subcycles that are of the canopy; they come first.
@@ -423,29 +449,63 @@ private:
     void prepare_sheet(int number) {
         Sheet& sheet = fabric_.emplace_back();
         sheet.pass = {membrane_law(mesh_.fabric_of(number), scene_.full.bulk_viscosity)};
-        std::vector<Triangle> triangles;
-        std::ranges::copy_if(mesh_.triangles, std::back_inserter(triangles),
-                             [&](const Triangle& t) { return t.sheet == number; });
         using Constants = std::array<double, unstructured::membrane_constants>;
-        // The dummy has no area to be pushed on; a triangle of one point does nothing at any node.
-        const std::vector<unstructured::Quad> quads = unstructured::quads_of(triangles);
-        sheet.triangles.begin<4, 2>(quads.size(), kernels_.lanes, 0, Constants{});
+        const std::vector<unstructured::Quad> quads = unstructured::quads_of(mesh_, number);
         const auto constants = [&](const Triangle& t) {
             return Constants{1.0 / t.a, 1.0 / t.c, t.b / t.a, t.area(),
                              sheet.pass.law.viscosity * element_length(t)};
         };
-        for (std::size_t i = 0; i < quads.size(); ++i) {
-            const auto& [node, first, second] = quads[i];
-            sheet.triangles.set(i, node,
-                                std::array{constants(first), second ? constants(*second) : Constants{}});
+        std::vector<std::vector<const unstructured::Quad*>> by_list(parts_.lists());
+        for (const unstructured::Quad& quad : quads)
+            by_list[parts_.list_of(quad)].push_back(&quad);
+        for (const auto& some : by_list) {
+            unstructured::ElementList& list = sheet.lists.emplace_back();
+            // A triangle of one point does nothing at its node, but it writes there, while others write to
+            // theirs: a node of the list's own. (The dummy has no area to be pushed on.)
+            const NodeIndex own = some.empty() ? 0 : some.front()->node[0];
+            list.begin<4, 2>(some.size(), kernels_.lanes, own, Constants{});
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                const auto& [node, first, second] = *some[i];
+                list.set(i, node, std::array{constants(first), second ? constants(*second) : Constants{}});
+            }
         }
     }
-    /// Sums over the triangles of all sheets. pass(sheet): sums of one.
+
+    /// work(k) for all k, threads several at once.
+    template <class Work>
+    void share(std::size_t count, const Work& work) {
+        const auto do_all = [&] {
+            for (std::size_t k = 0; k < count; ++k)
+                work(k);
+        };
+        if (!threads_) return do_all();
+        // The rest of a step, long where it bounds the next or writes results, is the same for any number.
+        const auto began = std::chrono::steady_clock::now();
+        if (tuner_.now() > 1)
+            threads_->share(static_cast<int>(count), [&](int k) { work(static_cast<std::size_t>(k)); });
+        else
+            do_all();
+        shared_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    }
+    /// work(k) for each list of triangles: parts, which share no node, then strips. What that adds to nodes
+    /// is the same to the last bit for any number of threads.
+    template <class Work>
+    void for_lists(const Work& work) {
+        const std::size_t parts = parts_.count();
+        share(parts, work);
+        if (parts > 1) share(parts - 1, [&](std::size_t k) { work(parts + k); });
+    }
+    /// Sums over all triangles. pass(sheet, elements): those of some of a sheet.
     template <class Pass>
-    ElementSums over_sheets(Pass&& pass) {
-        ElementSums sums = pass(fabric_.front());
-        for (std::size_t k = 1; k < fabric_.size(); ++k)
-            sums += pass(fabric_[k]);
+    ElementSums over_fabric(const Pass& pass) {
+        for_lists([&](std::size_t k) {
+            of_list_[k] = {};
+            for (const Sheet& sheet : fabric_)
+                of_list_[k] += pass(sheet, sheet.lists[k].elements());
+        });
+        ElementSums sums;
+        for (const ElementSums& some : of_list_)
+            sums += some;
         return sums;
     }
     void prepare_membrane() {
@@ -471,9 +531,9 @@ private:
     /// Membranes, and the areas that pressure acts on with them.
     void add_membrane(State& state) {
         use_air(state);
-        fabric_sums_ = over_sheets([&](const Sheet& sheet) {
-            return kernels_.membrane[static_cast<int>(air_)](nodes_of(state), sheet.triangles.elements(),
-                                                             sheet.pass);
+        fabric_sums_ = over_fabric([nodes = nodes_of(state), run = kernels_.membrane[static_cast<int>(air_)]](
+                                       const Sheet& sheet, const unstructured::Elements& some) {
+            return run(nodes, some, sheet.pass);
         });
         state.damping_power += fabric_sums_.dissipated;
         state.largest.add_stress(state.fe_weight * fabric_sums_.largest_load);
@@ -481,9 +541,9 @@ private:
     void add_pressure(State& state) {
         if (!has_.membrane) {
             use_air(state);
-            fabric_sums_ = over_sheets([&](const Sheet& sheet) {
-                return kernels_.air[static_cast<int>(air_)](nodes_of(state), sheet.triangles.elements(),
-                                                            sheet.pass);
+            fabric_sums_ = over_fabric([nodes = nodes_of(state), run = kernels_.air[static_cast<int>(air_)]](
+                                           const Sheet& sheet, const unstructured::Elements& some) {
+                return run(nodes, some, sheet.pass);
             });
         }
         if (inflow_) {
@@ -500,10 +560,10 @@ private:
     void add_fabric_drag(State& state) {
         const FabricDragPass pass{0.5 * state.air.density * fabric_drag_coefficient(scene_),
                                   to_array3(state.air.wind)};
-        state.air.projected_area =
-            over_sheets([&](const Sheet& sheet) {
-                return kernels_.fabric_drag(nodes_of(state), sheet.triangles.elements(), pass);
-            }).positive_area;
+        const auto drag = [&, nodes = nodes_of(state)](const Sheet&, const unstructured::Elements& some) {
+            return kernels_.fabric_drag(nodes, some, pass);
+        };
+        state.air.projected_area = over_fabric(drag).positive_area;
     }
 
     void prepare_springs() { springs_.springs = true; }
@@ -643,10 +703,35 @@ private:
             kernels_.line_drag(nodes_of(state), lines_.elements(), line_air(state));
     }
 
-    /// Triangles of one fabric.
+    /// Triangles of one fabric, by parts and strips.
     struct Sheet {
         MembranePass pass;
-        unstructured::ElementList triangles;
+        std::vector<unstructured::ElementList> lists;
+    };
+
+    /// What a step of some nodes adds up to.
+    struct Moved {
+        StepSums sums;
+        double damping_power = 0.0, accretion_power = 0.0;  // [W] as State
+
+        void add(const unstructured::Sums& s) {
+            sums.canopy_position += as_lanes(s.canopy_position);
+            sums.canopy_velocity += as_lanes(s.canopy_velocity);
+            sums.other_position += as_lanes(s.other_position);
+            sums.other_velocity += as_lanes(s.other_velocity);
+            sums.area_velocity += as_lanes(s.area_velocity);
+            sums.drag_power += as_lanes(s.drag_power);
+            sums.momentum += as_lanes(s.momentum);
+            sums.share_square += sum3(as_lanes(s.share_square));
+            sums.kinetic += 0.5 * sum3(as_lanes(s.kinetic));
+            damping_power += sum3(as_lanes(s.dissipated));
+            accretion_power += sum3(as_lanes(s.accretion_power));
+        }
+        void operator+=(const Moved& other) {
+            sums += other.sums;
+            damping_power += other.damping_power;
+            accretion_power += other.accretion_power;
+        }
     };
 
     const Scene& scene_;
@@ -675,6 +760,13 @@ private:
     NodeIndex first_held_aero_ = 0;  // nor a place there before this one
     NodeLoads node_loads_;           // of the step
     unstructured::Advance step_;
+
+    unstructured::Parts parts_;
+    std::vector<ElementSums> of_list_;  // of the fabric
+    std::vector<Moved> moved_;          // of each part
+    ThreadCountTuner tuner_;
+    std::unique_ptr<WorkerPool> threads_;  // if it may be more than one
+    double shared_ = 0.0;                  // [s] of the step, in work that threads share
 };
 
 const std::array<UnstructuredLayout::Row, 10> UnstructuredLayout::rows{{
@@ -694,9 +786,9 @@ const std::array<UnstructuredLayout::Row, 10> UnstructuredLayout::rows{{
 
 std::unique_ptr<Layout> make_unstructured_layout(const Scene& scene, const Mesh& mesh,
                                                  const NodeConstants& constants,
-                                                 const unstructured::Kernels* kernels) {
-    return std::make_unique<UnstructuredLayout>(scene, mesh, constants,
-                                                kernels ? *kernels : unstructured::all_kernels().front());
+                                                 const unstructured::Kernels* kernels, int threads) {
+    return std::make_unique<UnstructuredLayout>(
+        scene, mesh, constants, kernels ? *kernels : unstructured::all_kernels().front(), threads);
 }
 
 }  // namespace twinchute::fullsim
