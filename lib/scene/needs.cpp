@@ -199,7 +199,7 @@ bool has_gaps(const Parachute& chute) {
 
 double gap_share(const Parachute& chute) {
     if (!has_gaps(chute)) return 0.0;
-    constexpr int slices = 64;  // trapezoids, which a panel of constant slope is
+    constexpr int slices = 64;                  // trapezoids, which a panel of constant slope is
     constexpr int as_round_as_a_circle = 4000;  // gores, where the scene gives none: within 1e-6
     const std::vector<GorePanel> panels = gore_panels(chute);
     Parachute cut = chute;
