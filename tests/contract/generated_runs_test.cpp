@@ -79,8 +79,8 @@ TEST_F(GeneratedRuns, RomEndsSoundly) {
     EXPECT_GT(endings[StatusCode::completed], rom_runs / 4);
     EXPECT_GT(deployed, 0.15 * rom_runs);
     // A tolerance of 1e-14 by a method of order two takes more steps than there are, and so does a pack that
-    // the air stops within a millisecond; nothing else may fail.
-    // One in 90 does, of 2000; four deviations more make the bound.
+    // the air stops within a millisecond; nothing else may fail. Of 2000 runs one in 90 does; four standard
+    // deviations more make the bound.
     constexpr double expected = rom_runs / 90.0;
     EXPECT_LT(endings[StatusCode::step_limit], expected + 4.0 * std::sqrt(expected));
 }

@@ -39,6 +39,17 @@ TEST(ThreadCountTuner, OfOneStaysSo) {
     EXPECT_EQ(tuner.now(), 1);
 }
 
+TEST(ThreadCountTuner, TakesTimesByItself) {
+    // After eight steps with one thread, which end as the ninth begins, it tries two.
+    ThreadCountTuner tuner(2);
+    for (int step = 0; step < 8; ++step) {
+        tuner.begin_step();
+        EXPECT_EQ(tuner.now(), 1);
+    }
+    tuner.begin_step();
+    EXPECT_EQ(tuner.now(), 2);
+}
+
 TEST(ThreadCountTuner, WorksWhereItPays) {
     // All but the trials of eight steps with one thread; 1 % more is what they may cost.
     ThreadCountTuner tuner(2);

@@ -19,7 +19,7 @@ struct Quad {
 /// Every triangle in one quad, in the order of their lowest nodes. Corners keep their turn, but another may
 /// come first.
 std::vector<Quad> quads_of(const std::vector<Triangle>& triangles);
-/// Those of one sheet.
+/// Triangles of one sheet by twos.
 std::vector<Quad> quads_of(const Mesh& mesh, int sheet);
 
 /// Parts of a canopy that threads take at once, by the numbers of nodes: as many triangles in each. Those of

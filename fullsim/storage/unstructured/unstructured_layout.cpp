@@ -471,7 +471,7 @@ private:
         }
     }
 
-    /// work(k) for all k, threads several at once.
+    /// Calls work(k) for all k, several at once where there are threads.
     template <class Work>
     void share(std::size_t count, const Work& work) {
         const auto do_all = [&] {
@@ -487,8 +487,8 @@ private:
             do_all();
         shared_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     }
-    /// work(k) for each list of triangles: parts, which share no node, then strips. What that adds to nodes
-    /// is the same to the last bit for any number of threads.
+    /// Calls work(k) for each list of triangles: parts, which share no node, then strips. Sums on nodes are
+    /// the same to the last bit for any number of threads.
     template <class Work>
     void for_lists(const Work& work) {
         const std::size_t parts = parts_.count();
@@ -709,7 +709,7 @@ private:
         std::vector<unstructured::ElementList> lists;
     };
 
-    /// What a step of some nodes adds up to.
+    /// Sums over nodes that a step has moved.
     struct Moved {
         StepSums sums;
         double damping_power = 0.0, accretion_power = 0.0;  // [W] as State
