@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "fullsim/initial_state.hpp"
 #include "fullsim/time/energy.hpp"
@@ -31,6 +32,13 @@ double contact_frequency(const Mesh& mesh) {
 Mesh upright_mesh(const Scene& one) {
     MassScaling scaling;
     return first_mesh(one, first_inflation(one), scaling);
+}
+
+int canopies_of(const Scene& scene) {
+    int sum = 0;
+    for (const Parachute& chute : scene.parachutes)
+        sum += chute.count;
+    return sum;
 }
 
 double lean_of(const Scene& scene, const Mesh& upright) {
@@ -103,8 +111,7 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
       staged_(has_stages(scene)),
       alone_(released_payload(scene)),
       payload_mass_(alone_.mass),
-      tuner_(std::min(threads,
-                      std::max(scene.parachutes.front().count, static_cast<int>(scene.parachutes.size())))) {
+      tuner_(std::min(threads, canopies_of(scene))) {
     const int count = scene.parachutes.front().count;
     if (tuner_.most() > 1) threads_ = std::make_unique<WorkerPool>(tuner_.most() - 1);
     if (staged_) return;
@@ -114,27 +121,40 @@ Cluster::Cluster(const Scene& scene, const Simulation::LayoutMaker& layout, int 
         out_.push_back(0);
         return;
     }
-    const Mesh upright = upright_mesh(scene_of_canopy(scene, 0));
-    const double lean = lean_of(scene, upright);
-    const Vec3& axis = upright.axis;
-    for (int k = 0; k < count; ++k) {
-        const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
-        add(std::make_unique<Scene>(scene_of_canopy(scene, k)), Eigen::Quaterniond(around * out));
-        Simulation& canopy = *canopies_.back();
-        canopy.meet_others(contact_frequency(canopy.mesh()));
-    }
-    near_ = near_share * scene.parachutes.front().nominal_diameter;
-    for (std::size_t i = 0; i < canopies_.size(); ++i)
-        for (std::size_t j = i + 1; j < canopies_.size(); ++j)
-            planes_.emplace_back(i, j);
+    add_canopies(scene);
 }
 
-void Cluster::add(std::unique_ptr<Scene> scene, const Eigen::Quaterniond& turn) {
-    auto canopy = std::make_unique<Simulation>(*scene, make_layout_, force_blocks(), turn);
-    made_.push_back(std::move(scene));
-    scenes_.push_back(made_.back().get());
-    out_.push_back(canopies_.size());
-    canopies_.push_back(std::move(canopy));
+/// All canopies of the first parachute of a scene, side by side where there are several.
+void Cluster::add_canopies(const Scene& scene) {
+    const int count = scene.parachutes.front().count;
+    std::vector<std::unique_ptr<Scene>> scenes;
+    std::vector<std::unique_ptr<Simulation>> canopies;
+    Vec3 axis = Vec3::UnitZ();
+    double lean = 0.0;
+    if (count > 1) {
+        const Mesh upright = upright_mesh(scene_of_canopy(scene, 0));
+        lean = lean_of(scene, upright);
+        axis = upright.axis;
+    }
+    for (int k = 0; k < count; ++k) {
+        const Eigen::AngleAxisd out(lean, axis.unitOrthogonal()), around(2.0 * pi * k / count, axis);
+        scenes.push_back(std::make_unique<Scene>(scene_of_canopy(scene, k)));
+        canopies.push_back(
+            std::make_unique<Simulation>(*scenes.back(), make_layout_, force_blocks(),
+                                         count > 1 ? around * out : Eigen::Quaterniond::Identity()));
+        if (count > 1) canopies.back()->meet_others(contact_frequency(canopies.back()->mesh()));
+    }
+    const std::size_t first = size();
+    for (std::size_t k = 0; k < canopies.size(); ++k) {
+        out_.push_back(size());
+        scenes_.push_back(scenes[k].get());
+        made_.push_back(std::move(scenes[k]));
+        canopies_.push_back(std::move(canopies[k]));
+    }
+    for (std::size_t i = first; i < size(); ++i)
+        for (std::size_t j = i + 1; j < size(); ++j)
+            planes_.emplace_back(i, j);
+    has_new_planes_ = true;
 }
 
 PayloadFlight Cluster::payload() const {
@@ -150,27 +170,34 @@ bool Cluster::was_checked() const {
 std::size_t Cluster::join(std::size_t parachute, double left) {
     const std::int64_t step = this->step();
     const PayloadFlight now = payload();
+    const std::size_t first = size();
     auto scene = std::make_unique<Scene>(scene_in_flight(scene_, parachute, now));
     scene->payload.mass = left;
-    const Release release = scene->release;
-    add(std::move(scene));
-    members_.push_back({parachute, release, left, 0.0});
+    add_canopies(*scene);
+    departures_.push_back({parachute, first, std::move(scene)});
     payload_mass_ = left;
-    Simulation& newcomer = *canopies_.back();
-    members_.back().riser_mass = newcomer.payload_node_mass() - left;
-    newcomer.begin_at(now.position, now.velocity, step);
-    if (out_.size() == 1)
-        newcomer.evaluate_forces();
-    else  // a mortar throws the payload back, with what all others carry of their risers
-        share_payload(now.velocity + newcomer.payload_node_mass() / payload_nodes_mass() *
-                                         (to_vec3(newcomer.payload().v) - now.velocity));
-    return size() - 1;
+    for (std::size_t k = first; k < size(); ++k) {
+        members_.push_back(
+            {departures_.size() - 1, canopies_[k]->payload_node_mass() - made_[k]->payload.mass});
+        canopies_[k]->begin_at(now.position, now.velocity, step);
+    }
+    if (out_.size() == 1) {
+        front().evaluate_forces();
+        return first;
+    }
+    // A mortar throws the payload back, with what all others carry of their risers.
+    Vec3 thrown = now.velocity;
+    for (std::size_t k = first; k < size(); ++k)
+        thrown += canopies_[k]->payload_node_mass() / payload_nodes_mass() *
+                  (to_vec3(canopies_[k]->payload().v) - now.velocity);
+    share_payload(thrown);
+    return first;
 }
 
-void Cluster::leave(std::size_t k) {
+void Cluster::leave(std::size_t first) {
     const PayloadFlight now = payload();
     step_alone_ = step();
-    std::erase(out_, k);
+    std::erase_if(out_, [&](std::size_t k) { return members_[k].departure == members_[first].departure; });
     if (!out_.empty()) return share_payload(now.velocity);
     alone_ = now;
     alone_.acceleration = free_acceleration(scene_, now.mass, now.position, now.velocity);
@@ -215,12 +242,14 @@ void Cluster::evaluate_forces() {
 void Cluster::push_apart() {
     if (planes_.empty()) return;
     const SystemState& now = front().system();
-    const bool searches = now.step % CanopyPlane::steps_between_searches == 0;
+    const bool searches =
+        std::exchange(has_new_planes_, false) || now.step % CanopyPlane::steps_between_searches == 0;
     for (CanopyPlane& plane : planes_) {
+        if (!is_out(plane.first())) continue;  // cut, both of them
         Simulation &a = *canopies_[plane.first()], &b = *canopies_[plane.second()];
         if (searches)
             plane.search(a.canopy_nodes(), b.canopy_nodes(), CanopyPlane::steps_between_searches * now.dt,
-                         near_);
+                         near_share * scenes_[plane.first()]->parachutes.front().nominal_diameter);
         if (!plane.may_touch()) continue;
         Touching &of_a = touching_[0], &of_b = touching_[1];
         const PressedNodes nodes_a = a.canopy_nodes(plane.near_first(), of_a.node, of_a.mass),
@@ -313,9 +342,9 @@ void Cluster::step_to(double end) {
         if (k != out_.front()) canopies_[k]->follow_payload_of(front());
 }
 
-std::size_t Cluster::last_to_open() const {
-    std::size_t last = 0;
-    for (std::size_t k = 1; k < size(); ++k)
+std::size_t Cluster::last_to_open(std::size_t first, std::size_t count) const {
+    std::size_t last = first;
+    for (std::size_t k = first + 1; k < first + count; ++k)
         if (canopies_[k]->full_open() > canopies_[last]->full_open()) last = k;
     return last;
 }
@@ -341,11 +370,11 @@ EnergyLedger Cluster::ledger() const {
     return sum;
 }
 
-LargestLoads Cluster::largest_loads() const {
+LargestLoads Cluster::largest_loads(std::size_t first, std::size_t count) const {
     LargestLoads most;
-    for (const auto& canopy : canopies_) {
-        most.add_tension(canopy->largest_loads().line_tension);
-        most.add_stress(canopy->largest_loads().fabric_stress);
+    for (std::size_t k = first; k < first + count; ++k) {
+        most.add_tension(canopies_[k]->largest_loads().line_tension);
+        most.add_stress(canopies_[k]->largest_loads().fabric_stress);
     }
     return most;
 }
@@ -371,15 +400,20 @@ std::vector<BlockCost> Cluster::block_costs() const {
     return sum;
 }
 
+std::string Cluster::name_of(std::size_t k) const {
+    const Parachute& chute = scene_of_all(k).parachutes.front();
+    std::string name = is_of_several() ? chute.name : "";
+    if (chute.count > 1) name += fmt::format("{}canopy {}", name.empty() ? "" : ", ", number(k) + 1);
+    return name;
+}
+
 std::optional<RunStatus> Cluster::of_first(
     const std::function<std::optional<RunStatus>(std::size_t)>& fault) const {
     if (out_.empty()) return fault_alone_;
     for (const std::size_t k : out_)
         if (auto found = fault(k)) {
-            if (scene_.parachutes.size() > 1)
-                found->detail = fmt::format("{}: {}", scenes_[k]->parachutes.front().name, found->detail);
-            else if (size() > 1)
-                found->detail = fmt::format("canopy {}: {}", k + 1, found->detail);
+            if (const std::string name = name_of(k); !name.empty())
+                found->detail = fmt::format("{}: {}", name, found->detail);
             return found;
         }
     return std::nullopt;
@@ -401,32 +435,35 @@ void Cluster::serialize_members(Archive& archive) {
             archive.number("payload alone", x);
     archive.whole("steps", step_alone_, 0);
     archive.flag("checked", checked_alone_);
-    std::size_t count = members_.size();
+    std::size_t count = departures_.size();
     archive.whole("parachutes that have left their packs", count, 0, scene_.parachutes.size());
     if (archive.reads()) out_.clear();
-    for (std::size_t k = 0; k < count; ++k) {
-        Member member = archive.reads() ? Member{} : members_[k];
-        Scene one = archive.reads() ? Scene{} : *scenes_[k];
-        double node_mass = archive.reads() ? 0.0 : canopies_[k]->payload_node_mass();
-        bool out = archive.reads() || is_out(k);
-        Release& release = member.release;
-        archive.whole("parachute", member.parachute, 0, scene_.parachutes.size() - 1);
-        for (double* x : {&release.altitude, &release.speed, &release.path_angle, &release.heading,
-                          &release.time, &release.east, &release.north, &member.payload_mass,
-                          &member.riser_mass, &node_mass, &one.payload.mass})
+    for (std::size_t d = 0; d < count; ++d) {
+        std::size_t parachute = archive.reads() ? 0 : departures_[d].parachute;
+        archive.whole("parachute", parachute, 0, scene_.parachutes.size() - 1);
+        if (archive.reads())
+            departures_.push_back(
+                {parachute, size(), std::make_unique<Scene>(scene_in_flight(scene_, parachute, {}))});
+        const std::size_t first = departures_[d].first;
+        Scene& all = *departures_[d].scene;
+        for (double* x :
+             {&all.release.altitude, &all.release.speed, &all.release.path_angle, &all.release.heading,
+              &all.release.time, &all.release.east, &all.release.north, &all.payload.mass})
             archive.number("parachute", *x);
-        archive.number("payload's drag area", one.payload.drag_area);
-        archive.flag("is out", out);
-        if (!archive.reads()) continue;
-        auto made = std::make_unique<Scene>(scene_in_flight(scene_, member.parachute, {}));
-        made->release = release;
-        made->payload.mass = member.payload_mass;
-        members_.push_back(member);
-        add(std::move(made));
-        made_.back()->payload.mass = one.payload.mass;
-        made_.back()->payload.drag_area = one.payload.drag_area;
-        canopies_.back()->weigh_payload(node_mass);
-        if (!out) out_.pop_back();
+        if (archive.reads()) add_canopies(all);
+        for (std::size_t k = first; k < first + static_cast<std::size_t>(all.parachutes.front().count); ++k) {
+            if (archive.reads()) members_.push_back({d, 0.0});
+            Payload& part = made_[k]->payload;
+            double node_mass = canopies_[k]->payload_node_mass();
+            bool out = is_out(k);
+            for (double* x : {&members_[k].riser_mass, &node_mass, &part.mass})
+                archive.number("canopy", *x);
+            archive.number("payload's drag area", part.drag_area);
+            archive.flag("is out", out);
+            if (!archive.reads()) continue;
+            canopies_[k]->weigh_payload(node_mass);
+            if (!out) std::erase(out_, k);
+        }
     }
 }
 
@@ -437,6 +474,7 @@ void Cluster::serialize(Archive& archive) {
     for (CanopyPlane& plane : planes_)
         plane.serialize(archive, {canopies_[plane.first()]->mesh().canopy_nodes,
                                   canopies_[plane.second()]->mesh().canopy_nodes});
+    if (archive.reads()) has_new_planes_ = false;
 }
 
 }  // namespace twinchute::fullsim

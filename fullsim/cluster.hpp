@@ -9,9 +9,9 @@
 // Canopies of a cluster do not pass through each other: two that touch do so along a plane between them, see
 // canopy_plane.hpp. What the air does between them is the scene's cluster_drag_ratio and nothing else.
 //
-// In a scene with stages (has_stages) each parachute joins when it leaves its pack, and leaves when it is
-// cut. Shares are even, and change with that; while none is out the payload flies by itself
-// (free_flight.hpp).
+// In a scene with stages (has_stages) each parachute joins when it leaves its pack, with all canopies that it
+// has, and leaves when it is cut. Shares are even, and change with that; while none is out the payload flies
+// by itself (free_flight.hpp).
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "fullsim/canopy_plane.hpp"
@@ -35,7 +36,8 @@ Scene scene_of_canopy(const Scene& scene, int k);
 /// Whether parachutes come out one after the other, in flight, or are cut.
 bool has_stages(const Scene& scene);
 
-/// The scene of one parachute of several alone, from where it leaves its pack: with all of the payload.
+/// The scene of one parachute of several alone, from where it leaves its pack: with all of the payload, and
+/// all canopies of the parachute.
 Scene scene_in_flight(const Scene& scene, std::size_t parachute, const PayloadFlight& at);
 
 /// [rad] by which the canopies of a cluster lean outward at the start, so far that neighbours just stay clear
@@ -73,21 +75,34 @@ public:
     /// A check of the last step has looked for faults.
     bool was_checked() const;
 
-    /// A parachute of the scene leaves its pack: the payload weighs `left` [kg] without it. Its number here.
-    /// Throws SceneError, and changes nothing, where it cannot begin as it would have to here.
+    /// A parachute of the scene leaves its pack: the payload weighs `left` [kg] without it. The number here
+    /// of its first canopy, which others of it follow. Throws SceneError, and changes nothing, where it
+    /// cannot begin as it would have to here.
     std::size_t join(std::size_t parachute, double left);
-    /// Parachute of the scene that canopy k is.
-    std::size_t parachute(std::size_t k) const { return staged_ ? members_[k].parachute : 0; }
-    /// A parachute is cut, and no longer moves.
-    void leave(std::size_t k);
+    /// Parachute of the scene that canopy k is, or one of,
+    std::size_t parachute(std::size_t k) const {
+        return staged_ ? departures_[members_[k].departure].parachute : 0;
+    }
+    /// and which of it.
+    std::size_t number(std::size_t k) const {
+        return staged_ ? k - departures_[members_[k].departure].first : k;
+    }
+    /// "main, canopy 2"; without what is the only one, and of the only canopy empty.
+    std::string name_of(std::size_t k) const;
+    /// Scene in flight of the parachute that canopy k is one of: all of the payload, and all of its canopies.
+    const Scene& scene_of_all(std::size_t k) const {
+        return staged_ ? *departures_[members_[k].departure].scene : scene_;
+    }
+    /// A parachute is cut: all canopies of it from its first on. They no longer move.
+    void leave(std::size_t first);
     /// Sets what ends a free flight before its end.
     void watch(FlightWatch watch) { watch_ = std::move(watch); }
 
     /// As Simulation, for all that are out.
     void evaluate_forces();
     void step_to(double end);
-    /// Canopy that is full last, as far as that is known.
-    std::size_t last_to_open() const;
+    /// Canopy that is full last of so many, as far as that is known.
+    std::size_t last_to_open(std::size_t first, std::size_t count) const;
     /// A stage of one canopy has changed, with a new first step: all take one.
     void start_anew_but(std::size_t changed);
 
@@ -95,7 +110,7 @@ public:
     const std::vector<CanopyPlane>& planes() const { return planes_; }
     /// Sum over all [J].
     EnergyLedger ledger() const;
-    LargestLoads largest_loads() const;
+    LargestLoads largest_loads(std::size_t first, std::size_t count) const;
     std::int64_t element_steps() const;
     std::vector<BlockCost> block_costs() const;
     /// The first fault of any, with whose it is.
@@ -105,7 +120,7 @@ public:
     void serialize(Archive& archive);
 
 private:
-    void add(std::unique_ptr<Scene> scene, const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+    void add_canopies(const Scene& scene);
     double payload_nodes_mass() const;
     void share_payload(const Vec3& velocity);
     void fly_alone(double end);
@@ -126,11 +141,14 @@ private:
     std::vector<const Scene*> scenes_;
     std::vector<std::unique_ptr<Simulation>> canopies_;
     /// A parachute of a scene with stages, as it left its pack.
+    struct Departure {
+        std::size_t parachute = 0, first = 0;
+        std::unique_ptr<Scene> scene;
+    };
+    std::vector<Departure> departures_;
     struct Member {
-        std::size_t parachute = 0;
-        Release release;
-        double payload_mass = 0.0;  // [kg]
-        double riser_mass = 0.0;    // [kg] that the payload's node carries of its risers
+        std::size_t departure = 0;
+        double riser_mass = 0.0;  // [kg] that the payload's node carries of its risers
     };
     std::vector<Member> members_;
     std::vector<std::size_t> out_;
@@ -142,7 +160,7 @@ private:
     FlightWatch watch_;
     std::vector<Lanes> rest_;  // [N] on each part of the payload but for air and, in subcycles, risers
     std::vector<CanopyPlane> planes_;
-    double near_ = 0.0;  // [m] see CanopyPlane::search
+    bool has_new_planes_ = false;  // not searched yet
     struct Touching {
         std::vector<NodeRecord> node;
         std::vector<double> mass;

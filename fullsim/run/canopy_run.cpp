@@ -32,13 +32,8 @@ CanopyRun::CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, 
                 : own_ ? &*own_
                        : nullptr),
       number_(number),
-      view_{scene,
-            stated_mass,
-            canopies,
-            which,
-            observer_,
-            found_,
-            parachute().reefing.empty() ? nullptr : sequence_} {
+      view_{scene, stated_mass, canopies, which,
+            1,     observer_,   found_,   parachute().reefing.empty() ? nullptr : sequence_} {
     found_.snatch = scene.release.time;
     if (own_) own_->release(flight_state());
     if (view_.packed()) {
@@ -136,7 +131,7 @@ void CanopyRun::look_for_snatch() {
     found_.snatch_density = system().air.density;
     std::optional<Inflation> opening;
     if (sequence_ && !own_) {  // it knows the whole payload, of which this canopy carries a share
-        sequence_->snatched(sequence_->all()[number_].index, flight_state());
+        sequence_->canopy_snatched(number_, flight_state());
         opening = sequence_->all()[number_].inflation;
     }
     if (auto refused = simulation().snatch(opening)) {

@@ -13,7 +13,8 @@ namespace twinchute::fullsim {
 class CanopyRun {
 public:
     /// Canopy `which` of a cluster, or the only one. stated_mass as RunView. `shared`: the sequence of all
-    /// parachutes of a scene with stages, whose canopy of that number it is. All outlive it.
+    /// parachutes of a scene with stages, each canopy its own, whose canopy of that number it is. All outlive
+    /// it.
     CanopyRun(const Scene& scene, double stated_mass, Cluster& canopies, std::size_t which,
               OpeningSequence* shared = nullptr, std::size_t number = 0);
     CanopyRun(const CanopyRun&) = delete;
@@ -39,6 +40,8 @@ public:
     double next_stop() const;
     /// Its reefing line is cut now, as a shared sequence says.
     void disreef();
+    /// Stage of its opening by the sequence of it; of a parachute that is not reefed 0.
+    std::size_t stage() const { return view_.sequence ? sequence_->all()[number_].stage : 0; }
     bool deploys() const { return system().stage == Stage::deployment; }
     /// A steady descent counts for a reefing line that waits for it.
     bool waits_for_steady_descent() const {

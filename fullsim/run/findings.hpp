@@ -34,13 +34,22 @@ struct RunView {
     const Scene& scene;
     double stated_mass;  ///< [kg] of a parachute, by the scene; it weighs what its mesh does
     const Cluster& canopies;
-    std::optional<std::size_t> which;  ///< of them; absent: all together
+    std::size_t first, count;  ///< of them: one, or all of a cluster together
     const Observer& observer;
     const Findings& findings;
     const OpeningSequence* sequence;  ///< of a reefed parachute; otherwise null
 
     /// The canopy, of several the last one to open.
-    const Simulation& simulation() const { return canopies[which.value_or(canopies.last_to_open())]; }
+    const Simulation& simulation() const { return canopies[last_to_open()]; }
+    std::size_t last_to_open() const { return canopies.last_to_open(first, count); }
+    /// The canopy in which something is largest.
+    template <class Of>
+    const Simulation& worst(Of&& of) const {
+        std::size_t worst = first;
+        for (std::size_t k = first + 1; k < first + count; ++k)
+            if (of(canopies[k].system()) > of(canopies[worst].system())) worst = k;
+        return canopies[worst];
+    }
     const Parachute& parachute() const { return scene.parachutes.front(); }
     bool packed() const { return parachute().deploy.starts_packed(); }
     bool inflated() const { return parachute().deploy.by == DeployBy::inflated; }

@@ -45,12 +45,13 @@ FullRun::FullRun(const Scene& scene, std::span<const double> stated_masses, Run&
         canopies_.push_back(
             std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_.front(), cluster_, k));
     if (stages_) {
-        together_.emplace(scene, *stages_->meshes().front(), cluster_);
+        together_ = std::make_unique<Together>(scene, *stages_->meshes().front(), cluster_);
         cluster_.watch(stages_->watch());
         return;
     }
     if (cluster_.size() > 1)
-        together_.emplace(scene, stated_masses_.front(), cluster_, canopies_.back()->view().sequence);
+        together_ = std::make_unique<Together>(scene, stated_masses_.front(), cluster_, 0,
+                                               canopies_.back()->view().sequence);
     if (view().packed()) {
         frames_.begin(0.0, deployment_frames);
     } else if (view().inflated()) {
@@ -81,9 +82,7 @@ RunRecord FullRun::finish() {
     if (!scene_.then.empty() && record_.status.code == StatusCode::completed &&
         cluster_.time() > observer().rows().back().time)
         add_rows();
-    for (const auto& canopy : canopies_)
-        canopy->observer().finish();
-    if (together_) together_->observer.finish();
+    for_each_observer([](Observer& seen) { seen.finish(); });
     note_squid();
     fields_.accept();
     frames_.accept();
@@ -99,15 +98,17 @@ RunRecord FullRun::finish() {
         found().last_window = last;
         if (found().descent && last->is_steady()) found().descent = last;
     }
-    std::vector<RunView> each;
-    for (const auto& canopy : canopies_)
-        each.push_back(canopy->view());
+    std::vector<RunView> each, parachutes;
+    for (std::size_t k = 0; k < canopies_.size(); ++k) {
+        each.push_back(canopies_[k]->view());
+        if (cluster_.number(k) == 0) parachutes.push_back(parachute_view(k));
+    }
     if (stages_) {
         for (const std::size_t k : cluster_.out())
             if (went_through_itself(each[k])) found().descent.reset();
         fill_results_of_stages({scene_, cluster_, stages_->sequence, observer(), found(),
-                                stages_->openings(canopies_, cluster_, observer())},
-                               each, record_);
+                                stages_->openings(parachutes, observer())},
+                               parachutes, each, record_);
     } else {
         if (went_through_itself(view())) found().descent.reset();
         fill_results(view(), each, record_);
@@ -132,6 +133,23 @@ std::vector<const State*> FullRun::synchronised_states() const {
     return all;
 }
 
+FullRun::Together* FullRun::group_of(std::size_t k) const {
+    if (!stages_) return together_.get();
+    for (const auto& group : groups_)
+        if (k - group->view.first < group->view.count) return group.get();
+    return nullptr;
+}
+
+/// work(observer): of each canopy, of each parachute of several, of all.
+template <class Work>
+void FullRun::for_each_observer(Work&& work) {
+    for (const auto& canopy : canopies_)
+        work(canopy->observer());
+    for (const auto& group : groups_)
+        work(group->observer);
+    if (together_) work(together_->observer);
+}
+
 void FullRun::begin() {
     if (!run_.checkpoints.from.empty()) return go_on_from(run_.checkpoints.from);
     if (stages_) {
@@ -150,44 +168,44 @@ void FullRun::observe() {
     const bool row = observer().row_is_due(now);
     for (const std::size_t k : cluster_.out())
         canopies_[k]->observe(row);
-    if (together_) {
-        observe_all();
-        if (row) add_row_of_all();
-    }
+    for (const auto& group : groups_)
+        if (cluster_.is_out(group->view.first)) observe_together(group->observer, group->canopies, row);
+    if (together_) observe_together(together_->observer, cluster_.out(), row);
     if (fields_.frame_is_due(now)) fields_.observe(synchronised_states());
     if (now >= descent_frames_from_) begin_descent_frames();
     if (frames_.frame_is_due(now)) frames_.observe(synchronised_states());
 }
 
-void FullRun::observe_all() {
+void FullRun::observe_together(Observer& observer, std::span<const std::size_t> canopies, bool row) {
     SystemState sum;
     sum.time = cluster_.time();
     Vec3 on_payload = Vec3::Zero();
-    if (cluster_.out().empty()) {
+    if (canopies.empty()) {
         const PayloadFlight alone = cluster_.payload();
         on_payload = alone.mass * (alone.acceleration + scene_.environment.gravity * Vec3::UnitZ());
     } else {
         sum.line_dt = system().line_dt;
         sum.in_subcycles.count = system().in_subcycles.count;
     }
-    for (const std::size_t k : cluster_.out()) {
+    for (const std::size_t k : canopies) {
         sum.riser_force += cluster_[k].system().riser_force;
         sum.in_subcycles.sum += cluster_[k].system().in_subcycles.sum;
         on_payload += cluster_[k].payload_force();
     }
-    together_->observer.observe(sum, on_payload);
+    observer.observe(sum, on_payload);
+    if (row) add_row_together(observer, canopies);
 }
 
-void FullRun::add_row_of_all() {
+void FullRun::add_row_together(Observer& observer, std::span<const std::size_t> canopies) {
     std::vector<HistoryRow> rows;
     Vec3 pull = Vec3::Zero();
-    for (const std::size_t k : cluster_.out()) {
+    for (const std::size_t k : canopies) {
         rows.push_back(canopies_[k]->observer().rows().back());
         pull += canopies_[k]->system().riser_force;
     }
     HistoryRow row = rows.empty() ? row_alone() : row_of_all(rows);
     row.force_raw = pull.norm();
-    together_->observer.add_row(row);
+    observer.add_row(row);
 }
 
 HistoryRow FullRun::row_alone() const {
@@ -207,7 +225,9 @@ HistoryRow FullRun::row_alone() const {
 void FullRun::add_rows() {
     for (const std::size_t k : cluster_.out())
         canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
-    if (together_) add_row_of_all();
+    for (const auto& group : groups_)
+        if (cluster_.is_out(group->view.first)) add_row_together(group->observer, group->canopies);
+    if (together_) add_row_together(together_->observer, cluster_.out());
 }
 
 void FullRun::add_event(std::string name) {
@@ -226,9 +246,7 @@ double FullRun::next_stop() const {
 }
 
 void FullRun::fail(const RunStatus& fault) {
-    for (const auto& canopy : canopies_)
-        canopy->observer().forget();
-    if (together_) together_->observer.forget();
+    for_each_observer([](Observer& seen) { seen.forget(); });
     record_.events.resize(sound_events_);
     fields_.forget();
     frames_.forget();
@@ -237,9 +255,7 @@ void FullRun::fail(const RunStatus& fault) {
 
 void FullRun::check() {
     if (const auto fault = cluster_.fault()) return fail(*fault);
-    for (const auto& canopy : canopies_)
-        canopy->observer().accept();
-    if (together_) together_->observer.accept();
+    for_each_observer([](Observer& seen) { seen.accept(); });
     sound_events_ = record_.events.size();
     fields_.accept();
     frames_.accept();
@@ -285,12 +301,12 @@ void FullRun::go_on_from(const std::string& saved) {
 }
 
 void FullRun::begin_opening_frames() {
-    const CanopyRun& newest = *canopies_.back();
-    const Simulation& simulation = stages_ ? newest.view().simulation() : view().simulation();
+    const RunView& newest = parachute_view(canopies_.size() - 1);
+    const Simulation& simulation = newest.simulation();
     const Inflation& inflation = simulation.inflation();
     const double filling = simulation.predicts_filling()
-                               ? expected_fill_constant * newest.view().parachute().nominal_diameter /
-                                     std::max(1.0, newest.flight_state().airspeed)
+                               ? expected_fill_constant * newest.parachute().nominal_diameter /
+                                     std::max(1.0, canopies_.back()->flight_state().airspeed)
                                : inflation.end_of(Phase::filling) - inflation.snatch;
     const double lasts = opening_and_breathing * filling;
     frames_.begin(cluster_.time(), {lasts / opening_frames, opening_frames});
@@ -344,7 +360,7 @@ void FullRun::look_for_events() {
     for (const std::size_t k : cluster_.out()) {
         CanopyRun& canopy = *canopies_[k];
         for (const char* name : canopy.look(steady))
-            stages_ ? happened_in_stage(canopy, name) : happened(canopy, name);
+            happened(k, name);
         if (canopy.ending() && !ended_) end(canopy.ending()->code, canopy.ending()->detail);
     }
     if (stages_ && !ended_) follow_sequence(steady);
@@ -360,7 +376,11 @@ void FullRun::follow_sequence(bool falls_steadily) {
         add_event("steady-descent");
         sequence.descends_steadily(now);
     }
-    for (const OpeningEvent& what : sequence.advance(now)) {
+    const std::vector<OpeningEvent> events = sequence.advance(now);
+    for (const std::size_t k : cluster_.out())
+        while (canopies_[k]->found().stages.size() <= canopies_[k]->stage())
+            canopies_[k]->disreef();
+    for (const OpeningEvent& what : events) {
         const auto own = canopy_of(what.index);
         if (what.kind == OpeningEvent::Kind::snatch && !own) leave_pack(what.index);
         if (what.kind == OpeningEvent::Kind::disreef) disreef(*own);
@@ -377,11 +397,17 @@ std::optional<std::size_t> FullRun::canopy_of(std::size_t parachute) const {
     return {};
 }
 
-CanopyRun& FullRun::add_canopy(std::size_t k) {
+void FullRun::add_canopy(std::size_t k) {
     const std::size_t parachute = cluster_.parachute(k);
     canopies_.push_back(std::make_unique<CanopyRun>(cluster_.scene(k), stated_masses_[parachute], cluster_, k,
-                                                    &stages_->sequence, parachute));
-    return *canopies_.back();
+                                                    &stages_->sequence,
+                                                    stages_->first_canopy(parachute) + cluster_.number(k)));
+    past_.emplace_back();
+    const Scene& all = cluster_.scene_of_all(k);
+    if (cluster_.number(k) == 0 && all.parachutes.front().count > 1)
+        groups_.push_back(std::make_unique<Together>(
+            all, stated_masses_[parachute], cluster_, k,
+            all.parachutes.front().reefing.empty() ? nullptr : &stages_->sequence));
 }
 
 void FullRun::weigh_payload() {
@@ -399,29 +425,41 @@ void FullRun::leave_pack(std::size_t parachute) {
         return end(StatusCode::refused,
                    fmt::format("{}: {}", scene_.parachutes[parachute].name, error.what()));
     }
-    CanopyRun& canopy = add_canopy(joined);
+    for (std::size_t k = joined; k < cluster_.size(); ++k)
+        add_canopy(k);
     weigh_payload();
     fall_.restart();
-    if (begun_) canopy.observe(true);  // nobody else does at this instant
-    if (canopy.view().packed()) {
+    if (begun_) observe_parachute(joined);  // nobody else does at this instant
+    const RunView& joins = parachute_view(joined);
+    if (joins.packed()) {
         add_event(parachute, "release");
         stages_->leaves_pack(cluster_.time(), observer());
         return frames_.begin(cluster_.time(), deployment_frames);
     }
-    if (!canopy.view().inflated()) {
+    if (!joins.inflated()) {
         add_event(parachute, "line-stretch");
-        canopy.simulation().open_as(stages_->sequence.all()[parachute].inflation);
-        if (const auto refused = canopy.simulation().refused_opening(
-                canopy.simulation().inflation(), stages_->flight_state(cluster_.payload()).airspeed))
-            return end(refused->code, refused->detail);
+        for (const std::size_t k : canopies_with(joined)) {
+            cluster_[k].open_as(
+                stages_->sequence.all()[stages_->first_canopy(parachute) + cluster_.number(k)].inflation);
+            if (const auto refused = cluster_[k].refused_opening(
+                    cluster_[k].inflation(), stages_->flight_state(cluster_.payload()).airspeed))
+                return end(refused->code, refused->detail);
+        }
     }
-    opens(canopy);
+    opens(joined);
 }
 
-void FullRun::opens(const CanopyRun& canopy) {
-    const std::size_t parachute = cluster_.parachute(index_of(canopy));
-    stages_->opens(parachute, canopy, cluster_.time(), observer());
-    if (canopy.view().inflated())
+/// A look at canopy k and all others of its parachute, with a row of each and of all.
+void FullRun::observe_parachute(std::size_t k) {
+    for (const std::size_t own : canopies_with(k))
+        canopies_[own]->observe(true);
+    if (Together* group = group_of(k)) observe_together(group->observer, group->canopies, true);
+}
+
+void FullRun::opens(std::size_t k) {
+    stages_->opens(cluster_.parachute(k), parachute_view(k), shortest_initial_phase(k), cluster_.time(),
+                   observer());
+    if (parachute_view(k).inflated())
         begin_descent_frames();
     else
         begin_opening_frames();
@@ -432,64 +470,75 @@ void FullRun::disreef(std::size_t k) {
     const std::size_t parachute = cluster_.parachute(k);
     add_event(parachute, "disreef");
     stages_->disreefs(parachute, cluster_.time(), observer());
-    canopies_[k]->disreef();
+    if (Together* group = group_of(k)) group->disreefed(cluster_.time());
     fall_.restart();
     begin_opening_frames();
 }
 
-void FullRun::cut(std::size_t k) {
+void FullRun::cut(std::size_t first) {
     // Nothing looks at it any more after this.
-    if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
-    Observer& own = canopies_[k]->observer();
-    if (own.rows().empty()) canopies_[k]->observe(true);  // out and cut at one instant
-    own.observe_end(cluster_[k].synchronised_state());
-    add_event(cluster_.parachute(k), "cut");
-    cluster_.leave(k);
+    for (const std::size_t k : canopies_with(first))
+        if (const auto fault = cluster_[k].find_fault()) return fail(*fault);
+    if (canopies_[first]->observer().rows().empty())  // out and cut at one instant
+        observe_parachute(first);
+    for (const std::size_t k : canopies_with(first))
+        canopies_[k]->observer().observe_end(cluster_[k].synchronised_state());
+    if (Together* group = group_of(first); group && group->observer.rows().back().time < cluster_.time())
+        add_row_together(group->observer, group->canopies);
+    add_event(cluster_.parachute(first), "cut");
+    cluster_.leave(first);
     weigh_payload();
     fall_.restart();
 }
 
-void FullRun::happened(const CanopyRun& canopy, const char* name) {
-    std::vector<std::string>& own = past_.at(index_of(canopy));
-    own.emplace_back(name);
-    const auto times = std::ranges::count(own, name);
-    const std::string_view what = name;
-    if (together_ && what == "switch") together_->found.switched_late |= canopy.found().switched_late;
-    const bool of_reefed = what == "disreef" || what == "reefed-open" || what == "steady-descent";
-    for (std::size_t k = 0; k < canopies_.size(); ++k)
-        if ((canopies_[k]->view().sequence || !of_reefed) && std::ranges::count(past_[k], name) < times)
-            return;
-    add_event(name);
-    if (what == "snatch") snatched();
-    if (what == "disreef") disreefed();
-    if ((what == "full-open" || what == "reefed-open") && together_ && !found().stages.back().full)
-        found().stages.back().full = system().time;
-    if (what == "full-open") met(Trigger::Kind::full_open);
+/// Notes what happened to canopy k.
+bool FullRun::all_came_to(std::size_t k, std::string_view name) {
+    if (!group_of(k)) return true;
+    past_[k].emplace_back(name);
+    const auto times = std::ranges::count(past_[k], name);
+    const bool of_reefed = name == "disreef" || name == "reefed-open" || name == "steady-descent";
+    return std::ranges::all_of(canopies_with(k), [&](std::size_t other) {
+        return (of_reefed && !canopies_[other]->view().sequence) ||
+               std::ranges::count(past_[other], name) >= times;
+    });
 }
 
-void FullRun::snatched() {
+void FullRun::happened(std::size_t k, const char* name) {
+    const std::string_view what = name;
+    Together* group = group_of(k);
+    if (group && what == "switch") group->found.switched_late |= canopies_[k]->found().switched_late;
+    if (!all_came_to(k, what)) return;
+    add_event(cluster_.parachute(k), name);
+    if (what == "snatch") snatched(k);
+    if (what == "disreef") {
+        begin_opening_frames();
+        if (group) group->disreefed(cluster_.time());
+    }
+    if ((what == "full-open" || what == "reefed-open") && group && !group->found.stages.back().full)
+        group->found.stages.back().full = cluster_.time();
+    if (what == "full-open" && !stages_) met(Trigger::Kind::full_open);  // with stages their sequence knows
+}
+
+/// Canopy k, and all others of its parachute.
+void FullRun::snatched(std::size_t k) {
+    if (Together* group = group_of(k)) {
+        // All are out with the last of them.
+        const std::size_t last = std::ranges::max(
+            canopies_with(k), {}, [&](std::size_t own) { return canopies_[own]->found().snatch; });
+        group->found = canopies_[last]->found();
+        group->observer.count_peak_from(cluster_.time() + shortest_initial_phase(k));
+    }
+    if (stages_) return opens(k);
     begin_opening_frames();
     met(Trigger::Kind::line_stretch);
-    if (!together_) return;
-    // All are out with the last of them.
-    together_->found = canopies_.at(last_snatched())->found();
+}
+
+/// [s] of all canopies of the parachute that canopy k is one of.
+double FullRun::shortest_initial_phase(std::size_t k) const {
     double soonest = infinity;
-    for (const auto& canopy : canopies_)
-        soonest = std::min(soonest, canopy->simulation().inflation().initial_time);
-    together_->observer.count_peak_from(system().time + soonest);
-}
-
-std::size_t FullRun::last_snatched() const {
-    const auto last =
-        std::ranges::max_element(canopies_, {}, [](const auto& canopy) { return canopy->found().snatch; });
-    return static_cast<std::size_t>(last - canopies_.begin());
-}
-
-void FullRun::disreefed() {
-    begin_opening_frames();
-    if (!together_) return;
-    together_->found.stages.push_back({system().time});
-    together_->observer.begin_stage(system().time);
+    for (const std::size_t own : canopies_with(k))
+        soonest = std::min(soonest, cluster_[own].inflation().initial_time);
+    return soonest;
 }
 
 void FullRun::look_for_descent() {
@@ -518,11 +567,8 @@ void FullRun::note_squid() {
     for (const std::size_t k : cluster_.out())
         if (const auto why = canopies_[k]->squids())
             return end(StatusCode::squids,
-                       fmt::format("{}: {}{}", record_.status.detail,
-                                   stages_     ? scene_.parachutes[cluster_.parachute(k)].name + ": "
-                                   : together_ ? fmt::format("canopy {}: ", k + 1)
-                                               : "",
-                                   *why));
+                       fmt::format("{}: {}{}{}", record_.status.detail, cluster_.name_of(k),
+                                   cluster_.name_of(k).empty() ? "" : ": ", *why));
 }
 
 void FullRun::note_attempts() {
@@ -639,6 +685,10 @@ void FullRun::serialize(Archive& archive) {
         add_canopy(canopies_.size());
     for (const auto& canopy : canopies_)
         canopy->serialize(archive);
+    for (const auto& group : groups_) {
+        group->observer.serialize(archive);
+        group->found.serialize(archive);
+    }
     if (together_) {
         together_->observer.serialize(archive);
         together_->found.serialize(archive);

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,18 +57,30 @@ public:
     RunRecord finish();
 
 private:
-    /// The canopies of a cluster as one.
+    /// The canopies of a cluster as one: all of a run, or all of a parachute.
     struct Together {
         Observer observer;
         Findings found;
         RunView view;
+        std::vector<std::size_t> canopies;
 
-        /// sequence: of the last canopy, which is reefed if any is.
-        Together(const Scene& scene, double stated_mass, const Cluster& cluster,
+        /// So many canopies from `first` on. sequence: of the last of them, which is reefed if any is.
+        Together(const Scene& scene, double stated_mass, const Cluster& cluster, std::size_t first,
                  const OpeningSequence* sequence)
-            : observer(cluster.front().mesh(), scene.environment.gravity, scene.full.output_rate, 1,
-                       static_cast<int>(cluster.size())),
-              view{scene, stated_mass, cluster, {}, observer, found, sequence} {
+            : observer(cluster[first].mesh(), scene.environment.gravity, scene.full.output_rate, 1,
+                       scene.parachutes.front().count),
+              view{scene,
+                   stated_mass,
+                   cluster,
+                   first,
+                   static_cast<std::size_t>(scene.parachutes.front().count),
+                   observer,
+                   found,
+                   sequence},
+              canopies(view.count) {
+            std::iota(canopies.begin(), canopies.end(), first);
+            found.snatch = scene.release.time;
+            observer.count_peak_from(scene.release.time);
             if (!view.packed()) return;
             found.snatch = infinity;
             observer.count_peak_from(infinity);
@@ -74,8 +88,12 @@ private:
         /// A scene with stages has nothing out at first. mesh: of its first parachute.
         Together(const Scene& scene, const Mesh& mesh, const Cluster& cluster)
             : observer(mesh, scene.environment.gravity, scene.full.output_rate),
-              view(RunView{scene, 0.0, cluster, {}, observer, found, nullptr}) {
+              view(RunView{scene, 0.0, cluster, 0, 0, observer, found, nullptr}) {
             observer.weigh_payload(cluster.payload().mass);
+        }
+        void disreefed(double time) {
+            found.stages.push_back({time});
+            observer.begin_stage(time);
         }
         Together(const Together&) = delete;
         Together& operator=(const Together&) = delete;
@@ -89,13 +107,28 @@ private:
     Observer& observer() { return together_ ? together_->observer : only().observer(); }
     std::vector<const Mesh*> meshes() const;
     std::vector<const State*> synchronised_states() const;
+    /// Canopy k with all others of its parachute: null where it is the only one of it.
+    Together* group_of(std::size_t k) const;
+    /// The parachute that canopy k is, or is one of.
+    const RunView& parachute_view(std::size_t k) const {
+        const Together* group = group_of(k);
+        return group ? group->view : canopies_[k]->view();
+    }
+    /// Numbers of all canopies of the parachute that canopy k is one of.
+    auto canopies_with(std::size_t k) const {
+        const RunView& all = parachute_view(k);
+        return std::views::iota(all.first, all.first + all.count);
+    }
+    template <class Work>
+    void for_each_observer(Work&& work);
 
     void begin();
 
     void observe();
-    /// The forces of all canopies on the payload.
-    void observe_all();
-    void add_row_of_all();
+    /// The forces of these canopies, as one, on the payload, where there are any.
+    void observe_together(Observer& observer, std::span<const std::size_t> canopies, bool row);
+    /// A row of these canopies as one; of none, of the payload alone.
+    void add_row_together(Observer& observer, std::span<const std::size_t> canopies);
     /// Row of the payload without a canopy.
     HistoryRow row_alone() const;
     void add_rows();
@@ -156,28 +189,24 @@ private:
 
     /// Parachutes leave their packs, are disreefed and cut as the sequence of them says.
     void follow_sequence(bool falls_steadily);
+    /// The first of its canopies.
     std::optional<std::size_t> canopy_of(std::size_t parachute) const;
-    CanopyRun& add_canopy(std::size_t k);
+    void add_canopy(std::size_t k);
+    void observe_parachute(std::size_t k);
     /// Tells the observer of all what the payload weighs now.
     void weigh_payload();
     void leave_pack(std::size_t parachute);
-    void opens(const CanopyRun& canopy);
+    void opens(std::size_t k);
+    /// The parachute that canopy k is one of is disreefed.
     void disreef(std::size_t k);
-    void cut(std::size_t k);
-    void happened_in_stage(const CanopyRun& canopy, const char* name) {
-        add_event(cluster_.parachute(index_of(canopy)), name);
-        if (std::string_view(name) == "snatch") opens(canopy);
-    }
+    void cut(std::size_t first);
 
-    /// An event of one canopy is one of the run once all have come to it.
-    void happened(const CanopyRun& canopy, const char* name);
-    std::size_t index_of(const CanopyRun& canopy) const {
-        return static_cast<std::size_t>(
-            std::ranges::find(canopies_, &canopy, [](const auto& c) { return c.get(); }) - canopies_.begin());
-    }
-    void snatched();
-    std::size_t last_snatched() const;
-    void disreefed();
+    /// An event of canopy k is one of its parachute, and of a run without stages, once all of the parachute
+    /// have come to it.
+    void happened(std::size_t k, const char* name);
+    bool all_came_to(std::size_t k, std::string_view name);
+    void snatched(std::size_t k);
+    double shortest_initial_phase(std::size_t k) const;
 
     void look_for_descent();
 
@@ -213,7 +242,8 @@ private:
     std::vector<double> stated_masses_;
     std::unique_ptr<Stages> stages_;  // of a scene that has some
     std::vector<std::unique_ptr<CanopyRun>> canopies_;
-    std::optional<Together> together_;  // of several
+    std::unique_ptr<Together> together_;               // of several
+    std::vector<std::unique_ptr<Together>> groups_;  // with stages: of each parachute of several canopies
     std::vector<std::vector<std::string>> past_ =
         std::vector<std::vector<std::string>>(cluster_.size());  // events of each canopy
     SteadyDescent fall_;

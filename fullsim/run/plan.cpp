@@ -337,6 +337,27 @@ private:
     std::string layout_;
 };
 
+/// One parachute, or a cluster of it, from the release on.
+Plan plan_of_canopies(const Scene& scene, const PlanBasis& basis) {
+    const int count = scene.parachutes.front().count;
+    if (count == 1) return Forecast(scene_of_canopy(scene, 0), basis).make();
+    // Canopies of a cluster take the same steps; the last one to open says when they are done.
+    const auto& lag = scene.parachutes.front().lag;
+    const auto last = lag.empty() ? 0 : std::ranges::max_element(lag) - lag.begin();
+    const Scene one = scene_of_canopy(scene, static_cast<int>(last));
+    PlanBasis alone = basis;
+    alone.threads = 1;
+    Plan plan = Forecast(one, alone).make();
+    plan.parts = parts_of(scene);
+    for (PlanStage& stage : plan.stages)
+        stage.seconds *= count;
+    for (PlanArray& array : plan.arrays)
+        array.bytes *= static_cast<std::size_t>(count);
+    plan.how += fmt::format(
+        "; {} times one canopy of the cluster, on one thread, without what they do to each other", count);
+    return plan;
+}
+
 /// A parachute's part of a run of several, as a run of it alone from where it leaves its pack.
 struct PartOfFlight {
     Scene scene;
@@ -406,7 +427,7 @@ Plan plan_of_stages(const Scene& scene, const PlanBasis& basis) {
             own.expected = &part.expected;
         }
         const double begin = std::exchange(part.scene.release.time, 0.0);
-        Plan one = Forecast(part.scene, own).make();
+        Plan one = plan_of_canopies(part.scene, own);
         plan.whole = plan.whole && one.whole && known;
         for (PlanStage& stage : one.stages) {
             if (scene.parachutes.size() > 1) stage.name.insert(0, scene.parachutes[p].name + ": ");
@@ -428,23 +449,7 @@ Plan plan_of_stages(const Scene& scene, const PlanBasis& basis) {
 Plan plan_full(const Scene& scene, const PlanBasis& basis) {
     const Scene meshed = weighed(scene);
     if (has_stages(scene)) return plan_of_stages(meshed, basis);
-    const int count = scene.parachutes.front().count;
-    if (count == 1) return Forecast(scene_of_canopy(meshed, 0), basis).make();
-    // Canopies of a cluster take the same steps; the last one to open says when they are done.
-    const auto& lag = scene.parachutes.front().lag;
-    const auto last = lag.empty() ? 0 : std::ranges::max_element(lag) - lag.begin();
-    const Scene one = scene_of_canopy(meshed, static_cast<int>(last));
-    PlanBasis alone = basis;
-    alone.threads = 1;
-    Plan plan = Forecast(one, alone).make();
-    plan.parts = parts_of(scene);
-    for (PlanStage& stage : plan.stages)
-        stage.seconds *= count;
-    for (PlanArray& array : plan.arrays)
-        array.bytes *= static_cast<std::size_t>(count);
-    plan.how += fmt::format(
-        "; {} times one canopy of the cluster, on one thread, without what they do to each other", count);
-    return plan;
+    return plan_of_canopies(meshed, basis);
 }
 
 }  // namespace twinchute::fullsim

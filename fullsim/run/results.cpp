@@ -84,43 +84,62 @@ OpeningResult opening_of(const RunView& run, const RunStatus& status, std::optio
 }
 
 /// The largest force of any one canopy, while the peak force counts and over all of the run.
-void add_canopy_peaks(const RunView& run, std::span<const RunView> each, OpeningResult& result) {
-    const auto note = [&](std::size_t k, double time) {
-        return fmt::format("canopy {} of {} {}, at t = {:.4g} s", k + 1, each.size(), run.parachute().name,
-                           time);
+void add_canopy_peaks(std::span<const RunView> each, OpeningResult& result) {
+    const auto note = [&](const RunView& one, double time) {
+        const Parachute& chute = one.canopies.scene_of_all(one.first).parachutes.front();
+        const std::string who = chute.count == 1
+                                    ? chute.name
+                                    : fmt::format("canopy {} of {} {},", one.canopies.number(one.first) + 1,
+                                                  chute.count, chute.name);
+        return fmt::format("{} at t = {:.4g} s", who, time);
     };
-    for (std::size_t k = 0; k < each.size(); ++k) {
-        const Observer::Peak peak = each[k].largest_peak(), &snatch = each[k].observer.snatch_peak();
+    for (const RunView& one : each) {
+        const Observer::Peak peak = one.largest_peak(), &snatch = one.observer.snatch_peak();
         const Observer::Peak& most = snatch.value > peak.value ? snatch : peak;
         if (result.peak_force && peak.value > 0.0 &&
             (!result.peak_canopy_force || peak.value > result.peak_canopy_force->force))
-            result.peak_canopy_force = {peak.value, note(k, peak.time)};
+            result.peak_canopy_force = {peak.value, note(one, peak.time)};
         if (!result.max_canopy_force || most.value > result.max_canopy_force->force)
-            result.max_canopy_force = {most.value, note(k, most.time)};
+            result.max_canopy_force = {most.value, note(one, most.time)};
     }
 }
 
-/// Channels and metrics of each canopy: canopy_2_force, canopy_2_peak_force_N.
-void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& record) {
-    Channel largest{"canopy_force", "N", {}};
-    for (const HistoryRow& row : each.front().observer.rows())
-        largest.values.push_back(row.force);
-    for (std::size_t k = 1; k < each.size(); ++k)
-        for (std::size_t i = 0; i < largest.values.size(); ++i)
-            largest.values[i] = std::max(largest.values[i], each[k].observer.rows()[i].force);
+/// Adds channels of what `own` has seen, zero in rows where it was not out.
+void add_channels(const std::string& head, const std::vector<HistoryRow>& all, const Observer& own,
+                  RunRecord& record) {
+    const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
+        Channel c{head + name, unit, std::vector<double>(all.size(), 0.0)};
+        const std::vector<HistoryRow>& rows = own.rows();
+        for (std::size_t i = 0, k = 0; i < all.size() && k < rows.size(); ++i) {
+            while (k < rows.size() && rows[k].time < all[i].time)
+                ++k;
+            if (k < rows.size() && rows[k].time == all[i].time) c.values[i] = rows[k].*column;
+        }
+        record.channels.push_back(std::move(c));
+    };
+    channel("force", "N", &HistoryRow::force);
+    channel("drag_area", "m^2", &HistoryRow::drag_area);
+    channel("projected_area", "m^2", &HistoryRow::projected_area);
+}
+
+/// Adds the largest force of any canopy in each row.
+void add_largest_force(const std::vector<HistoryRow>& all, std::span<const RunView> each, RunRecord& record) {
+    Channel largest{"canopy_force", "N", std::vector<double>(all.size(), 0.0)};
+    for (const RunView& one : each) {
+        RunRecord own;
+        add_channels("", all, one.observer, own);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            largest.values[i] = std::max(largest.values[i], own.channels.front().values[i]);
+    }
     record.channels.push_back(std::move(largest));
-    for (std::size_t k = 0; k < each.size(); ++k) {
-        const RunView& one = each[k];
-        const std::string head = fmt::format("canopy_{}_", k + 1);
-        const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
-            Channel c{head + name, unit, {}};
-            for (const HistoryRow& row : one.observer.rows())
-                c.values.push_back(row.*column);
-            record.channels.push_back(std::move(c));
-        };
-        channel("force", "N", &HistoryRow::force);
-        channel("drag_area", "m^2", &HistoryRow::drag_area);
-        channel("projected_area", "m^2", &HistoryRow::projected_area);
+}
+
+/// Channels and metrics of each canopy of `run`: canopy_2_force, canopy_2_peak_force_N.
+void add_canopies(const RunView& run, const std::vector<HistoryRow>& all, std::span<const RunView> each,
+                  const std::string& head_of_all, RunRecord& record) {
+    for (const RunView& one : each) {
+        const std::string head = fmt::format("{}canopy_{}_", head_of_all, run.canopies.number(one.first) + 1);
+        add_channels(head, all, one.observer, record);
         if (const Observer::Peak peak = one.largest_peak();
             peak.value > 0.0 && !still_fills(one, record.status))
             record.add_metric(head + "peak_force_N", peak.value, MetricKind::result,
@@ -134,13 +153,14 @@ void add_canopies(const RunView& run, std::span<const RunView> each, RunRecord& 
     }
     double force = 0.0, deepest = 0.0;
     for (const CanopyPlane& plane : run.canopies.planes()) {
+        if (plane.first() - run.first >= run.count) continue;  // of another parachute
         force = std::max(force, plane.largest_force());
         deepest = std::max(deepest, plane.deepest());
     }
-    record.add_metric("max_canopy_contact_force_N", force, MetricKind::result,
+    record.add_metric(head_of_all + "max_canopy_contact_force_N", force, MetricKind::result,
                       force > 0.0 ? "between two canopies, along a plane" : "canopies never touched");
     if (force > 0.0)
-        record.add_metric("max_canopy_contact_depth_m", deepest, MetricKind::result,
+        record.add_metric(head_of_all + "max_canopy_contact_depth_m", deepest, MetricKind::result,
                           "of fabric behind the plane along which two canopies touch");
 }
 
@@ -204,8 +224,8 @@ void add_initial_mouth(const RunView& run, RunRecord& record) {
 }
 
 /// Shape, largest loads and margins.
-void add_structure(const RunView& run, const LargestLoads& most, std::optional<double> steady_area,
-                   RunRecord& record) {
+void add_structure(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
+    const LargestLoads most = run.canopies.largest_loads(run.first, run.count);
     if (steady_area && *steady_area > 0.0)  // a canopy that fell in has no shape
         add_shape(run, *steady_area, record);
     record.add_metric("max_line_tension_N", most.line_tension, MetricKind::result,
@@ -217,6 +237,13 @@ void add_structure(const RunView& run, const LargestLoads& most, std::optional<d
     // Which fabric the largest stress was in is not known.
     if (!run.simulation().mesh().other_fabrics.empty()) of_sheet.fabric.strength.reset();
     add_strength_margins(record, of_sheet);
+}
+
+void leave_out_air_between(const Scene& scene, RunRecord& record) {
+    if (std::ranges::any_of(scene.parachutes, [](const Parachute& chute) { return chute.count > 1; }))
+        record.left_out.push_back({"the air of one canopy around the others",
+                                   "each meets the air as if it were alone: parachute.cluster_drag_ratio is "
+                                   "all that a cluster takes off"});
 }
 
 void leave_out_masses(const RunView& run, RunRecord& record) {
@@ -248,17 +275,22 @@ std::vector<NeverOpened> unopened_of_one(const RunView& run) {
     return {{0, 1, "it had begun to leave its pack and never came to snatch"}};
 }
 
-/// Canopies that failed, of a cluster those of one reason together.
+/// Canopies of a parachute that failed for one reason are told together.
+void add_unopened(std::vector<NeverOpened>& all, NeverOpened one) {
+    const auto same = std::ranges::find_if(all, [&](const NeverOpened& other) {
+        return other.parachute == one.parachute && other.why == one.why;
+    });
+    if (same == all.end())
+        all.push_back(std::move(one));
+    else
+        same->count += one.count;
+}
+
 std::vector<NeverOpened> unopened(std::span<const RunView> each) {
     std::vector<NeverOpened> all;
     for (const RunView& run : each)
-        for (NeverOpened& one : unopened_of_one(run)) {
-            const auto same = std::ranges::find(all, one.why, &NeverOpened::why);
-            if (same == all.end())
-                all.push_back(std::move(one));
-            else
-                same->count += one.count;
-        }
+        for (NeverOpened& one : unopened_of_one(run))
+            add_unopened(all, std::move(one));
     return all;
 }
 
@@ -292,41 +324,28 @@ bool overlap(std::span<const RunView> each) {
     return false;
 }
 
-/// Forces of several parachutes: peaks of the openings, and of single canopies where some were out at once.
-void note_peaks(const StagesView& run, std::span<const RunView> each, OpeningResult& result) {
-    const bool all_known =
-        note_largest_peak(result, [&](std::size_t index) { return run.sequence.is_growing(index); });
+/// Peaks of the openings of several parachutes.
+void note_peaks(const StagesView& run, std::span<const RunView> parachutes, OpeningResult& result) {
+    note_largest_peak(result, [&](std::size_t index) { return run.sequence.is_growing(index); });
     // Filled is what the canopy is, not its drag area, which is told.
     for (ParachuteResult& opening : result.parachutes)
-        for (const RunView& one : each)
+        for (const RunView& one : parachutes)
             if (one.parachute().name == run.scene.parachutes[opening.index].name && !one.inflated() &&
                 one.parachute().reefing.empty())
                 opening.stages.back().full = filled_at(one);
-    if (!overlap(each)) return;
-    for (const RunView& one : each) {
-        const Observer::Peak peak = one.largest_peak(), &snatch = one.observer.snatch_peak();
-        const Observer::Peak& most = snatch.value > peak.value ? snatch : peak;
-        const auto note = [&](double time) {
-            return fmt::format("{} at t = {:.4g} s", one.parachute().name, time);
-        };
-        if (all_known && peak.value > 0.0 &&
-            (!result.peak_canopy_force || peak.value > result.peak_canopy_force->force))
-            result.peak_canopy_force = {peak.value, note(peak.time)};
-        if (!result.max_canopy_force || most.value > result.max_canopy_force->force)
-            result.max_canopy_force = {most.value, note(most.time)};
-    }
 }
 
-OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, const RunStatus& status) {
+OpeningResult flight_of(const StagesView& run, std::span<const RunView> parachutes,
+                        std::span<const RunView> each, const RunStatus& status) {
     const bool several = run.scene.parachutes.size() > 1;
     const HistoryRow& last = run.observer.rows().back();
     OpeningResult result;
     result.snatched = false;
-    if (!several && !each.empty()) {
-        result = opening_of(each.front(), status, steady_area_of(each.front()));
+    if (!several && !parachutes.empty()) {
+        result = opening_of(parachutes.front(), status, steady_area_of(parachutes.front()));
     } else {
         result.parachutes = run.openings;
-        for (const RunView& one : each) {
+        for (const RunView& one : parachutes) {
             if (one.inflated() || !one.snatched()) continue;
             result.snatched = true;
             result.line_stretch_time = one.findings.line_stretch_time;
@@ -339,8 +358,9 @@ OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, co
             result.snatch_density = one.snatch_density();
             break;
         }
-        if (!each.empty()) note_peaks(run, each, result);
+        if (!parachutes.empty()) note_peaks(run, parachutes, result);
     }
+    if (overlap(each)) add_canopy_peaks(each, result);
     result.max_force = std::max(run.observer.largest_peak().value, run.observer.snatch_peak().value);
     for (const ParachuteResult& opening : run.openings)
         result.max_force = std::max(result.max_force, opening.snatch_force.value_or(0.0));
@@ -354,30 +374,6 @@ OpeningResult flight_of(const StagesView& run, std::span<const RunView> each, co
     return result;
 }
 
-/// Adds channels of each of several parachutes, zero before it leaves its pack and after it is cut.
-void add_parachute_channels(const StagesView& run, std::span<const RunView> each, RunRecord& record) {
-    const std::vector<HistoryRow>& all = run.observer.rows();
-    std::vector<double> largest(all.size(), 0.0);
-    for (const RunView& one : each) {
-        const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
-            Channel c{head_of(one) + name, unit, std::vector<double>(all.size(), 0.0)};
-            const std::vector<HistoryRow>& own = one.observer.rows();
-            for (std::size_t i = 0, k = 0; i < all.size() && k < own.size(); ++i) {
-                while (k < own.size() && own[k].time < all[i].time)
-                    ++k;
-                if (k < own.size() && own[k].time == all[i].time) c.values[i] = own[k].*column;
-            }
-            record.channels.push_back(std::move(c));
-        };
-        channel("force", "N", &HistoryRow::force);
-        for (std::size_t i = 0; i < all.size(); ++i)
-            largest[i] = std::max(largest[i], record.channels.back().values[i]);
-        channel("drag_area", "m^2", &HistoryRow::drag_area);
-        channel("projected_area", "m^2", &HistoryRow::projected_area);
-    }
-    if (overlap(each)) record.channels.push_back({"canopy_force", "N", std::move(largest)});
-}
-
 /// Adds shape, largest loads, margins and warnings of one parachute, with the parachute's name where it is
 /// one of several.
 void add_parachute(const RunView& run, bool several, RunRecord& record) {
@@ -387,7 +383,7 @@ void add_parachute(const RunView& run, bool several, RunRecord& record) {
     if (const Observer::Peak peak = run.largest_peak(); peak.value > 0.0 && !still_fills(run, record.status))
         own.add_metric("peak_force_N", peak.value);
     if (const auto filled = filled_at(run)) own.add_metric("filling_time_s", *filled - run.findings.snatch);
-    add_structure(run, run.simulation().largest_loads(), steady_area, own);
+    add_structure(run, steady_area, own);
     add_warnings(run, steady_area, own);
     for (const Metric& metric : own.metrics)
         if (metric.key != "peak_force_N" && metric.key != "filling_time_s")
@@ -409,7 +405,7 @@ bool went_through_itself(const RunView& run) {
 void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& record) {
     const std::optional<double> steady_area = steady_area_of(run);
     OpeningResult result = opening_of(run, record.status, steady_area);
-    if (each.size() > 1) add_canopy_peaks(run, each, result);
+    if (each.size() > 1) add_canopy_peaks(each, result);
     const Filling& choice = run.parachute().filling;
     const Metric filling = filling_metric(run);
     add_initial_mouth(run, record);
@@ -418,10 +414,13 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
         record.add_metric("peak_force_raw_N", run.observer.raw_peak().value, MetricKind::result,
                           "without the 5 ms average");
     add_past_events(run.observer, run.findings.snatch, result, record);
-    add_structure(run, run.canopies.largest_loads(), steady_area, record);
+    add_structure(run, steady_area, record);
     record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();
-    if (each.size() > 1) add_canopies(run, each, record);
+    if (each.size() > 1) {
+        add_largest_force(run.observer.rows(), each, record);
+        add_canopies(run, run.observer.rows(), each, "", record);
+    }
     add_drag_area_times(record, run.scene, result,
                         choice.is_predicted() ? MetricKind::result : MetricKind::input);
     add_reefed_drag_areas(record, run.scene, result);
@@ -432,19 +431,17 @@ void fill_results(const RunView& run, std::span<const RunView> each, RunRecord& 
     note_never_opened(record, run.scene, unopened(each), reached);
     note_missing_metrics(record, run.scene, reached);
     record.left_out = left_out_of(parts_of(run.scene));
-    if (each.size() > 1)
-        record.left_out.push_back({"the air of one canopy around the others",
-                                   "each meets the air as if it were alone: parachute.cluster_drag_ratio is "
-                                   "all that a cluster takes off"});
+    leave_out_air_between(run.scene, record);
     leave_out_masses(run, record);
 }
 
-void fill_results_of_stages(const StagesView& run, std::span<const RunView> each, RunRecord& record) {
+void fill_results_of_stages(const StagesView& run, std::span<const RunView> parachutes,
+                            std::span<const RunView> each, RunRecord& record) {
     const Scene& scene = run.scene;
     const bool several = scene.parachutes.size() > 1;
-    OpeningResult result = flight_of(run, each, record.status);
-    const Metric filling = several || each.empty() ? Metric{} : filling_metric(each.front());
-    for (const RunView& one : each)
+    OpeningResult result = flight_of(run, parachutes, each, record.status);
+    const Metric filling = several || parachutes.empty() ? Metric{} : filling_metric(parachutes.front());
+    for (const RunView& one : parachutes)
         add_initial_mouth(one, record);
     add_opening_metrics(record, scene, result, filling, descent_metric());
     if (result.peak_force)
@@ -453,8 +450,13 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> each
     add_past_events(run.observer, result.snatch_time, result, record);
     record.energy = run.canopies.ledger();
     record.channels = run.observer.channels();
-    if (several) add_parachute_channels(run, each, record);
-    for (const RunView& one : each)
+    for (const RunView& one : parachutes) {
+        if (several) add_channels(head_of(one), run.observer.rows(), one.observer, record);
+        if (one.count > 1)
+            add_canopies(one, run.observer.rows(), each.subspan(one.first, one.count), head_of(one), record);
+    }
+    if (overlap(each)) add_largest_force(run.observer.rows(), each, record);
+    for (const RunView& one : parachutes)
         add_parachute(one, several, record);
     add_drag_area_times(record, scene, result, filling.kind);
     add_reefed_drag_areas(record, scene, result);
@@ -462,16 +464,16 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> each
     add_stage_descent_rates(record, scene, result);
     add_validity(record, scene, result);
     add_scene_warnings(record, scene);
-    for (std::size_t k = 0; k < each.size(); ++k)
-        if (each[k].snatched() && !each[k].inflated() && each[k].parachute().reefing.empty())
-            add_opening_warnings(record, scene, scene.parachutes[run.canopies.parachute(k)],
-                                 each[k].simulation().inflation(), each[k].snatch_speed(),
-                                 each[k].snatch_density());
+    for (const RunView& one : parachutes)
+        if (one.snatched() && !one.inflated() && one.parachute().reefing.empty())
+            add_opening_warnings(record, scene, scene.parachutes[run.canopies.parachute(one.first)],
+                                 without_lag(one), one.snatch_speed(), one.snatch_density());
     std::vector<NeverOpened> unopened = never_opened(run.sequence);
     for (const std::size_t k : run.canopies.out())
         if (went_through_itself(each[k])) {
-            unopened.push_back(turned_through(each[k]));
-            unopened.back().parachute = run.canopies.parachute(k);
+            NeverOpened one = turned_through(each[k]);
+            one.parachute = run.canopies.parachute(k);
+            add_unopened(unopened, std::move(one));
         }
     if (!each.empty() && !run.findings.descent_altitude)
         warn_of_unsteady_descent(record, scene, run.findings.last_window);
@@ -480,7 +482,8 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> each
     reached.full_open =
         !run.canopies.out().empty() && run.sequence.is_open() && !run.sequence.any_waits_to_leave();
     reached.filling = !run.canopies.out().empty() && !run.sequence.is_open();
-    if (!several && !each.empty()) reached = reached_by(each.front(), result.filling_time.has_value());
+    if (!several && !parachutes.empty())
+        reached = reached_by(parachutes.front(), result.filling_time.has_value());
     reached.ground = run.findings.landing_time.has_value();
     note_never_opened(record, scene, unopened, reached);
     note_missing_metrics(record, scene, reached);
@@ -491,7 +494,8 @@ void fill_results_of_stages(const StagesView& run, std::span<const RunView> each
         record.left_out.push_back({"contact of one parachute with another",
                                    "they pass through each other where one is drawn out past another"});
     }
-    for (const RunView& one : each)
+    leave_out_air_between(scene, record);
+    for (const RunView& one : parachutes)
         leave_out_masses(one, record);
 }
 

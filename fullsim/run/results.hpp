@@ -30,9 +30,12 @@ struct StagesView {
     const Findings& findings;  ///< of the flight
     std::vector<ParachuteResult> openings;
 };
-/// As fill_results; `each`: of the parachutes that have left their packs.
-void fill_results_of_stages(const StagesView& run, std::span<const RunView> each, RunRecord& record);
+/// As fill_results, of the parachutes that have left their packs, and of each canopy of these.
+void fill_results_of_stages(const StagesView& run, std::span<const RunView> parachutes,
+                            std::span<const RunView> each, RunRecord& record);
 
+/// The opening of a canopy that fills last, as it would be without its lag.
+Inflation without_lag(const RunView& run);
 /// Warnings of the full model; with stages of the canopy alone, not of the flight. steady_area: [m^2]
 /// projected, where the run has seen it.
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record);

@@ -4,9 +4,12 @@
 
 namespace twinchute::fullsim {
 
-Stages::Stages(const Scene& scene) : sequence(scene), scene_(scene) {
+Stages::Stages(const Scene& scene) : sequence(scene, OpeningSequence::Alike::each), scene_(scene) {
     const PayloadFlight start = released_payload(scene);
+    std::size_t canopies = 0;
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
+        first_canopy_.push_back(canopies);
+        canopies += static_cast<std::size_t>(scene.parachutes[p].count);
         const Scene one = scene_in_flight(scene, p, start);
         MassScaling scaling;
         meshes_.push_back(std::make_unique<Mesh>(first_mesh(one, first_inflation(one), scaling)));
@@ -36,24 +39,25 @@ FlightWatch Stages::watch() const {
 
 std::vector<const Mesh*> Stages::meshes() const {
     std::vector<const Mesh*> all;
-    for (const auto& mesh : meshes_)
-        all.push_back(mesh.get());
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+        all.insert(all.end(), static_cast<std::size_t>(scene_.parachutes[p].count), meshes_[p].get());
     return all;
 }
 
 std::vector<const State*> Stages::states(const Cluster& cluster) {
-    std::vector<const State*> all(meshes_.size(), nullptr);
+    std::vector<const State*> all(sequence.all().size(), nullptr);
     for (const std::size_t k : cluster.out())
-        all[cluster.parachute(k)] = &cluster[k].synchronised_state();
+        all[first_canopy(cluster.parachute(k)) + cluster.number(k)] = &cluster[k].synchronised_state();
     const PayloadFlight payload = cluster.payload();
-    for (std::size_t p = 0; p < all.size(); ++p) {
-        if (all[p]) continue;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        if (all[k]) continue;
+        const std::size_t p = sequence.all()[k].index;
         State& stowed = stowed_[p];
         stowed.time = payload.time;
         stowed.fe_weight = 0.0;
         stowed.node.assign(static_cast<std::size_t>(meshes_[p]->first_static_line_node()),
                            {to_lanes(payload.position), to_lanes(payload.velocity)});
-        all[p] = &stowed;
+        all[k] = &stowed;
     }
     return all;
 }
@@ -71,17 +75,18 @@ void Stages::leaves_pack(double time, Observer& all) {
     snatches_ = true;
 }
 
-void Stages::opens(std::size_t parachute, const CanopyRun& canopy, double time, Observer& all) {
+void Stages::opens(std::size_t parachute, const RunView& canopies, double initial_time, double time,
+                   Observer& all) {
     const auto own = static_cast<std::ptrdiff_t>(opened_.size());
     ParachuteResult opening;
     opening.index = parachute;
     opening.snatch_time = time;
-    opening.snatch_speed = canopy.view().snatch_speed();
+    opening.snatch_speed = canopies.snatch_speed();
     opening.stages.push_back({time});
     opened_.push_back(std::move(opening));
-    if (canopy.view().packed()) {
+    if (canopies.packed()) {
         owners_.back() = {own, 0};
-        all.count_peak_from(time + canopy.view().simulation().inflation().initial_time);
+        all.count_peak_from(time + initial_time);
     } else {
         close_snatch(all);
         all.begin_stage(time);
@@ -100,8 +105,7 @@ void Stages::disreefs(std::size_t parachute, double time, Observer& all) {
     }
 }
 
-std::vector<ParachuteResult> Stages::openings(std::span<const std::unique_ptr<CanopyRun>> canopies,
-                                              const Cluster& cluster, const Observer& all) {
+std::vector<ParachuteResult> Stages::openings(std::span<const RunView> each, const Observer& all) {
     close_snatch(all);
     for (std::size_t i = 0; i < owners_.size(); ++i) {
         if (owners_[i].opening < 0) continue;
@@ -112,9 +116,9 @@ std::vector<ParachuteResult> Stages::openings(std::span<const std::unique_ptr<Ca
         stage.peak_time = peak.time;
     }
     for (ParachuteResult& opening : opened_)
-        for (std::size_t k = 0; k < canopies.size(); ++k) {
-            if (cluster.parachute(k) != opening.index) continue;
-            const auto& found = canopies[k]->found().stages;
+        for (const RunView& one : each) {
+            if (one.canopies.parachute(one.first) != opening.index) continue;
+            const auto& found = one.findings.stages;
             for (std::size_t s = 0; s < std::min(found.size(), opening.stages.size()); ++s)
                 opening.stages[s].full = found[s].full;
         }

@@ -25,7 +25,10 @@ public:
     /// Conditions that end a free flight: what the sequence watches, the ground and where the scene stops.
     FlightWatch watch() const;
 
-    /// Meshes of all parachutes, as their packs are released.
+    /// Number of a parachute's first canopy among all of the sequence; others of it follow.
+    std::size_t first_canopy(std::size_t parachute) const { return first_canopy_[parachute]; }
+
+    /// Meshes of all canopies, as their packs are released.
     std::vector<const Mesh*> meshes() const;
     /// A state for each of them: its own while it is out, before and after that all of it at the payload.
     std::vector<const State*> states(const Cluster& cluster);
@@ -34,12 +37,12 @@ public:
 
     /// A parachute leaves its pack, `all` having observed the forces until now.
     void leaves_pack(double time, Observer& all);
-    /// The parachute that `canopy` is opens from here on.
-    void opens(std::size_t parachute, const CanopyRun& canopy, double time, Observer& all);
+    /// A parachute, seen as `canopies`, opens from here on. `initial_time`: [s] its shortest initial phase.
+    void opens(std::size_t parachute, const RunView& canopies, double initial_time, double time,
+               Observer& all);
     void disreefs(std::size_t parachute, double time, Observer& all);
-    /// Once the observer has finished. canopies: in the order in which they left their packs.
-    std::vector<ParachuteResult> openings(std::span<const std::unique_ptr<CanopyRun>> canopies,
-                                          const Cluster& cluster, const Observer& all);
+    /// Once the observer has finished. `each`: of the parachutes that have left their packs.
+    std::vector<ParachuteResult> openings(std::span<const RunView> each, const Observer& all);
 
     void serialize(Archive& archive);
 
@@ -47,8 +50,9 @@ private:
     void close_snatch(const Observer& all);
 
     const Scene& scene_;
-    std::vector<std::unique_ptr<Mesh>> meshes_;
-    std::vector<State> stowed_;
+    std::vector<std::size_t> first_canopy_;
+    std::vector<std::unique_ptr<Mesh>> meshes_;  // of each parachute,
+    std::vector<State> stowed_;                  // and in its pack
     std::vector<ParachuteResult> opened_;
     /// The opening's stage that a peak of the observer belongs to; none: of no opening.
     struct Owner {

@@ -20,7 +20,6 @@ std::vector<std::string> unsupported_in_stages(const Scene& scene) {
     const PayloadFlight start = released_payload(scene);
     for (std::size_t p = 0; p < scene.parachutes.size(); ++p) {
         std::vector<std::string> own = unsupported_keys(scene_in_flight(scene, p, start));
-        if (scene.parachutes[p].count > 1) own.emplace_back("parachute.count");
         for (std::string& key : own) {
             constexpr std::string_view head = "parachute.";
             if (scene.parachutes.size() > 1 && key.starts_with(head))

@@ -33,28 +33,16 @@ double drag_area_at(const RunView& run, double time) {
     return row == rows.end() ? rows.back().drag_area : row->drag_area;
 }
 
-/// The opening of a canopy that fills last, as it would be without its lag.
+}  // namespace
+
 Inflation without_lag(const RunView& run) {
     Inflation inflation = run.simulation().inflation();
-    const std::size_t k = run.which.value_or(run.canopies.last_to_open());
-    if (const auto& lag = run.canopies.scene(k).parachutes.front().lag; !lag.empty()) {
+    if (const auto& lag = run.canopies.scene(run.last_to_open()).parachutes.front().lag; !lag.empty()) {
         inflation.initial_time -= lag.front();
         inflation.filling_time -= lag.front();
     }
     return inflation;
 }
-
-/// The canopy in which something is largest.
-template <class Of>
-const Simulation& worst_of(const RunView& run, Of&& of) {
-    if (run.which) return run.canopies[*run.which];
-    std::size_t worst = 0;
-    for (std::size_t k = 1; k < run.canopies.size(); ++k)
-        if (of(run.canopies[k].system()) > of(run.canopies[worst].system())) worst = k;
-    return run.canopies[worst];
-}
-
-}  // namespace
 
 void add_warnings(const RunView& run, std::optional<double> steady_area, RunRecord& record) {
     const Parachute& chute = run.parachute();
@@ -131,13 +119,10 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  ? "look at the shape before trusting the loads; full.contact = \"gores\" keeps neighbours "
                    "in order"
                  : "look at the shape before trusting the loads");
-    if (const SelfContactState& contact = worst_of(run,
-                                                   [](const SystemState& s) {
-                                                       return static_cast<double>(s.contact.passed) +
-                                                              s.contact.deepest;
-                                                   })
-                                              .system()
-                                              .contact;
+    const auto penetration = [](const SystemState& s) {
+        return static_cast<double>(s.contact.passed) + s.contact.deepest;
+    };
+    if (const SelfContactState& contact = run.worst(penetration).system().contact;
         contact.passed > 0 || contact.deepest > sound_penetration)
         warn(fmt::format("nodes went through fabric that they had touched: {} were let go, the deepest was "
                          "{:.2f} of an edge behind it",
@@ -168,7 +153,7 @@ void add_warnings(const RunView& run, std::optional<double> steady_area, RunReco
                  "check permeability and geometric_porosity; such a canopy would not have that drag area");
     }
     const Simulation& capped =
-        worst_of(run, [](const SystemState& s) { return static_cast<double>(s.capped_steps); });
+        run.worst([](const SystemState& s) { return static_cast<double>(s.capped_steps); });
     if (capped.system().capped_steps > 0)
         warn(fmt::format("the canopy pressure was capped in {:.1f} % of the steps",
                          100.0 * static_cast<double>(capped.system().capped_steps) /

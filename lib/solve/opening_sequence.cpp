@@ -33,14 +33,16 @@ bool is_filling(const Canopy& c) {
 
 }  // namespace
 
-OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
+OpeningSequence::OpeningSequence(const Scene& scene, Alike alike) : scene_(&scene) {
     for (std::size_t k = 0; k < scene.parachutes.size(); ++k) {
         const Parachute& chute = scene.parachutes[k];
-        std::map<std::pair<double, bool>, int> alike;  // those of one lag do the same, reefed or not
+        using Kind = std::tuple<int, double, bool>;
+        std::map<Kind, int> kinds;  // those of one lag do the same, reefed or not
         for (int i = 0; i < chute.count; ++i)
-            ++alike[{chute.lag.empty() ? 0.0 : chute.lag[static_cast<std::size_t>(i)],
+            ++kinds[{alike == Alike::each ? i : 0,
+                     chute.lag.empty() ? 0.0 : chute.lag[static_cast<std::size_t>(i)],
                      i < chute.skips_reefing}];
-        for (const auto& [kind, count] : alike) {
+        for (const auto& [kind, count] : kinds) {
             Canopy c;
             c.chute = &chute;
             c.index = k;
@@ -49,7 +51,7 @@ OpeningSequence::OpeningSequence(const Scene& scene) : scene_(&scene) {
             c.porosity = chute.geometric_porosity;
             if (chute.filling.is_predicted())
                 c.filling = std::make_shared<const FillingCanopy>(filling_canopy(chute));
-            std::tie(c.lag, c.skips_reefing) = kind;
+            std::tie(std::ignore, c.lag, c.skips_reefing) = kind;
             if (c.skips_reefing) c.stage = chute.reefing.size();
             all_.push_back(c);
         }
@@ -386,16 +388,35 @@ void OpeningSequence::end_phase(Canopy& c, const FlightState& now, std::vector<O
                 return !o.skips_reefing && o.stage == c.stage && o.phase != Phase::open;
             }))
             done.push_back({OpeningEvent::Kind::reefed_open, c.index, c.stage});
-        const auto own = static_cast<std::size_t>(&c - all_.data());
-        for (Wait& wait : waits_)  // "full-open" of a stage is its own
-            if (wait.what == Wait::What::disreef && wait.canopy == own && wait.trigger->of.empty() &&
-                wait.trigger->kind == Trigger::Kind::full_open && wait.due == infinity)
-                wait.due = now.time + wait.trigger->delay;
-        return;
+        return own_event(Trigger::Kind::full_open, static_cast<std::size_t>(&c - all_.data()), now.time);
     }
     if (others([](const Canopy& o) { return is_filling(o) || o.is_reefed(); })) return;
     done.push_back({OpeningEvent::Kind::full_open, c.index, c.stage});
     occurred(Trigger::Kind::full_open, c.index, now.time);
+}
+
+/// A reefing line's "line-stretch" and "full-open" are those of its own canopy.
+void OpeningSequence::own_event(Trigger::Kind kind, std::size_t canopy, double time) {
+    for (Wait& wait : waits_)
+        if (wait.what == Wait::What::disreef && wait.canopy == canopy && wait.trigger->of.empty() &&
+            wait.trigger->kind == kind && wait.due == infinity)
+            wait.due = time + wait.trigger->delay;
+}
+
+void OpeningSequence::open_canopy(std::size_t canopy, const FlightState& now) {
+    Canopy& c = all_[canopy];
+    const bool is_open = c.chute->deploy.by == DeployBy::inflated;
+    c.state = Canopy::State::open;
+    c.snatch_speed = now.airspeed;
+    c.snatch_density = now.density;
+    c.inflation = is_open ? inflated(*c.chute)
+                          : make_inflation(*scene_, *c.chute, now.time, now.airspeed, now.density, c.stage);
+    c.inflation.initial_time += c.lag;
+    c.inflation.filling_time += c.lag;
+    c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
+    if (c.is_reefed()) arm({Wait::What::disreef, canopy, trigger_of(Wait::What::disreef, c)}, now);
+    if (c.chute->cut) arm({Wait::What::cut, canopy, trigger_of(Wait::What::cut, c)}, now);
+    own_event(Trigger::Kind::line_stretch, canopy, now.time);
 }
 
 void OpeningSequence::open(std::size_t index, const FlightState& now, std::vector<OpeningEvent>& done) {
@@ -404,20 +425,9 @@ void OpeningSequence::open(std::size_t index, const FlightState& now, std::vecto
     const bool is_open = scene_->parachutes[index].deploy.by == DeployBy::inflated;
     bool fills_at_once = false;
     for (std::size_t i = 0; i < all_.size(); ++i) {
-        Canopy& c = all_[i];
-        if (c.index != index) continue;
-        c.state = Canopy::State::open;
-        c.snatch_speed = now.airspeed;
-        c.snatch_density = now.density;
-        c.inflation = is_open
-                          ? inflated(*c.chute)
-                          : make_inflation(*scene_, *c.chute, now.time, now.airspeed, now.density, c.stage);
-        c.inflation.initial_time += c.lag;
-        c.inflation.filling_time += c.lag;
-        c.phase = is_open ? Phase::open : c.inflation.initial_time > 0.0 ? Phase::initial : Phase::filling;
-        fills_at_once |= c.phase == Phase::filling;
-        if (c.is_reefed()) arm({Wait::What::disreef, i, trigger_of(Wait::What::disreef, c)}, now);
-        if (c.chute->cut) arm({Wait::What::cut, i, trigger_of(Wait::What::cut, c)}, now);
+        if (all_[i].index != index) continue;
+        open_canopy(i, now);
+        fills_at_once |= all_[i].phase == Phase::filling;
     }
     if (fills_at_once) done.push_back({OpeningEvent::Kind::filling, index});
     if (is_open) {
@@ -430,6 +440,23 @@ void OpeningSequence::open(std::size_t index, const FlightState& now, std::vecto
 void OpeningSequence::snatched(std::size_t index, const FlightState& now) {
     leaving_.reset();
     open(index, now, unreported_);
+}
+
+void OpeningSequence::canopy_snatched(std::size_t canopy, const FlightState& now) {
+    const std::size_t index = all_[canopy].index;
+    const auto of_parachute = [&](auto&& is) {
+        return std::ranges::any_of(all_, [&](const Canopy& c) { return c.index == index && is(c); });
+    };
+    const bool none_fills = !of_parachute([](const Canopy& c) { return c.phase != Phase::initial; });
+    open_canopy(canopy, now);
+    if (!of_parachute([](const Canopy& c) { return c.state == Canopy::State::packed; })) {
+        leaving_.reset();
+        unreported_.push_back({OpeningEvent::Kind::snatch, index});
+        occurred(Trigger::Kind::line_stretch, index, now.time);
+    }
+    if (none_fills && all_[canopy].phase == Phase::filling)
+        unreported_.push_back({OpeningEvent::Kind::filling, index});
+    weigh();
 }
 
 void OpeningSequence::serialize(Archive& archive) {

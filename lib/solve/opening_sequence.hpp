@@ -79,8 +79,11 @@ double drag_distance(const Parachute& chute);
 
 class OpeningSequence {
 public:
+    /// Whether canopies of a cluster that behave alike are one in the sequence, or each has its own opening.
+    enum class Alike { as_one, each };
+
     /// All in their packs. The scene outlives it.
-    explicit OpeningSequence(const Scene& scene);
+    explicit OpeningSequence(const Scene& scene, Alike alike = Alike::as_one);
     /// None: nothing ever happens.
     OpeningSequence() = default;
     /// One that is out and stays in its phase: a right-hand side without events, for integrators alone. The
@@ -95,8 +98,10 @@ public:
     std::vector<OpeningEvent> advance(const FlightState& now);
     /// The parachute that has to leave its pack now, if any; others stay in theirs until it has snatched.
     std::optional<std::size_t> leaves_pack() const { return leaving_; }
-    /// Snatch, of a parachute that has left its pack.
+    /// Snatch, of a parachute that has left its pack: of all its canopies,
     void snatched(std::size_t index, const FlightState& now);
+    /// or of one. The parachute's comes with the last of them.
+    void canopy_snatched(std::size_t canopy, const FlightState& now);
     /// A canopy whose filling is predicted has come to this, with a drag area [m^2] of one canopy that holds
     /// until this is called again.
     void grown(std::size_t canopy, const FillingMotion& bulb, bool squids, double drag_area);
@@ -199,6 +204,8 @@ private:
     bool is_watched(const Wait& wait) const;
     bool is_blocked(const Wait& wait) const;
     void open(std::size_t index, const FlightState& now, std::vector<OpeningEvent>& done);
+    void open_canopy(std::size_t canopy, const FlightState& now);
+    void own_event(Trigger::Kind kind, std::size_t canopy, double time);
     void end_phase(Canopy& c, const FlightState& now, std::vector<OpeningEvent>& done);
     void act(const Wait& wait, const FlightState& now, std::vector<OpeningEvent>& done);
     void weigh();
