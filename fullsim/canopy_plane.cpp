@@ -7,16 +7,30 @@
 namespace twinchute::fullsim {
 namespace {
 
-/// From centre to centre.
-struct Line {
-    Lanes origin, normal;  // [m], [-]
-    double distance;       // [m]
+/// Where the payload sees the centre of a canopy.
+struct Sight {
+    Lanes along;      // [-]
+    double distance;  // [m]
+
+    explicit Sight(const PressedNodes& canopy) {
+        const Lanes away = canopy.centre - canopy.payload;
+        distance = std::sqrt(sum3(away * away));
+        along = distance > 0.0 ? away / splat(distance) : splat(0.0);
+    }
+    /// [N] on the centre, from `turns`, dU over the change of `along`.
+    Lanes force(Lanes turns) const { return (sum3(turns * along) * along - turns) / splat(distance); }
 };
 
-Line line_of(const PressedNodes& a, const PressedNodes& b) {
-    const Lanes apart = b.centre - a.centre;
-    const double distance = std::sqrt(sum3(apart * apart));
-    return {a.centre, distance > 0.0 ? apart / splat(distance) : splat(0.0), distance};
+/// From canopy to canopy, across the plane between them.
+struct Line {
+    Lanes origin, normal;  // [m], [-]
+    double apart;          // twice the sine of half the angle in which the payload sees both; zero: no line
+};
+
+Line line_between(const PressedNodes& canopy, const Sight& a, const Sight& b) {
+    const Lanes apart = b.along - a.along;
+    const double size = a.distance > 0.0 && b.distance > 0.0 ? std::sqrt(sum3(apart * apart)) : 0.0;
+    return {canopy.centre, size > 0.0 ? apart / splat(size) : splat(0.0), size};
 }
 
 /// A node that may be behind the plane: where it is along the normal, and its stiffness.
@@ -87,8 +101,9 @@ double balanced(const std::vector<Candidate>& a, const std::vector<Candidate>& b
 PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span<Lanes> on_a,
                          std::span<Lanes> on_b) {
     PlaneContact contact;
-    const Line line = line_of(a, b);
-    if (a.node.empty() || b.node.empty() || !(line.distance > 0.0)) return contact;
+    const Sight sight_a(a), sight_b(b);
+    const Line line = line_between(a, sight_a, sight_b);
+    if (a.node.empty() || b.node.empty() || !(line.apart > 0.0)) return contact;
     const Projection of_a = project(a, line, 1.0), of_b = project(b, line, -1.0);
     const double high = of_a.reach, low = -of_b.reach;
     contact.gap = low - high;
@@ -114,14 +129,17 @@ PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span
     };
     contact.force = push(a, behind_a, 1.0, on_a);
     push(b, behind_b, -1.0, on_b);
-    // The normal follows the centres: what turns it acts on them.
-    contact.on_first = (turning - sum3(turning * line.normal) * line.normal) / splat(line.distance);
+    // The normal follows the centres as the payload sees them: what turns it acts on all three.
+    const Lanes turns = (turning - sum3(turning * line.normal) * line.normal) / splat(line.apart);
+    contact.on_first = sight_a.force(-turns);
+    contact.on_second = sight_b.force(turns);
+    contact.on_payload = -(contact.on_first + contact.on_second);
     return contact;
 }
 
 std::array<std::vector<NodeIndex>, 2> near_nodes(const PressedNodes& a, const PressedNodes& b, double reach) {
-    const Line line = line_of(a, b);
-    if (!(line.distance > 0.0)) return {};
+    const Line line = line_between(a, Sight(a), Sight(b));
+    if (!(line.apart > 0.0)) return {};
     const Projection of_a = project(a, line, 1.0), of_b = project(b, line, -1.0);
     std::array<std::vector<NodeIndex>, 2> near;
     for (const Candidate& c : beyond(a, of_a, 1.0, -of_b.reach - reach))
@@ -132,7 +150,7 @@ std::array<std::vector<NodeIndex>, 2> near_nodes(const PressedNodes& a, const Pr
 }
 
 void CanopyPlane::search(const PressedNodes& a, const PressedNodes& b, double meanwhile, double least) {
-    const Line line = line_of(a, b);
+    const Line line = line_between(a, Sight(a), Sight(b));
     const double closing = fastest(a, line, 1.0) + fastest(b, line, -1.0);
     near_ = near_nodes(a, b, least + std::max(0.0, closing) * meanwhile);
 }

@@ -1,13 +1,14 @@
 // Contact of two canopies of a cluster along a plane between them.
 //
-// Nodes behind the plane are pushed back in proportion to their depth and mass. The plane is at right angles
-// to the line between the canopies' centres of mass, and where the pushes of both sides are as large as each
-// other: it has no mass. All forces are the gradient of one energy, U = 1/2 sum m_i w^2 d_i^2, that turns and
-// shifts of everything leave as it is; with what it does to the centres, momentum, angular momentum and
-// energy of the two are kept whatever shape they have.
+// Nodes behind the plane are pushed back in proportion to their depth and mass. The plane is parallel to the
+// one halfway between the directions in which the payload sees the canopies' centres of mass, and where the
+// pushes of both sides are as large as each other: it has no mass. All forces are the gradient of one energy,
+// U = 1/2 sum m_i w^2 d_i^2, that turns and shifts of everything leave as it is; with what it does to the
+// centres and the payload, momentum, angular momentum and energy are kept whatever shape canopies have.
 //
-// Round canopies that press on each other do meet along a plane, as two soap bubbles of one size do. A canopy
-// that half slips under another meets it along a plane here, too. Without friction.
+// Round canopies that press on each other do meet along a plane, as two soap bubbles of one size do, and
+// canopies that are drawn out side by side of whatever length stay on their sides of it. A canopy that half
+// slips under another meets it along a plane here, too. Without friction.
 #pragma once
 
 #include <algorithm>
@@ -27,16 +28,18 @@ struct PressedNodes {
     double stiffness = 0.0;        ///< w^2 [1/s^2], over mass
     Lanes centre = splat(0.0);     ///< [m] of mass, of the whole canopy
     double canopy_mass = 0.0;      ///< [kg] likewise
+    Lanes payload = splat(0.0);    ///< [m] that the canopies hang from: of both the same
 };
 
 /// Contact of two canopies at one instant.
 struct PlaneContact {
-    double gap = 0.0;     ///< [m] along the line of centres; below zero where they touch
+    double gap = 0.0;     ///< [m] at right angles to the plane; below zero where they touch
     double force = 0.0;   ///< [N] by which each pushes the other
     double energy = 0.0;  ///< [J]
     double depth = 0.0;   ///< [m] deepest node behind the plane
-    /// [N] on the first canopy as a whole, spread over its nodes by their masses; on the second the opposite.
-    Lanes on_first = splat(0.0);
+    /// [N] on each canopy as a whole, spread over its nodes by their masses, and on the payload: nothing in
+    /// sum.
+    Lanes on_first = splat(0.0), on_second = splat(0.0), on_payload = splat(0.0);
 };
 
 /// Adds the forces [N] on the nodes of each to `on_a` and `on_b`, which have one for each node.

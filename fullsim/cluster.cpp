@@ -260,7 +260,8 @@ void Cluster::push_apart() {
         plane.note(contact);
         if (!(contact.force > 0.0)) continue;
         a.push_canopy(plane.near_first(), of_a.node, of_a.force, contact.on_first);
-        b.push_canopy(plane.near_second(), of_b.node, of_b.force, -contact.on_first);
+        b.push_canopy(plane.near_second(), of_b.node, of_b.force, contact.on_second);
+        a.push_payload(contact.on_payload);
     }
 }
 

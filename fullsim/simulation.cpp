@@ -193,7 +193,8 @@ PressedNodes Simulation::pressed() const {
             {},
             steps_.outer_frequency() * steps_.outer_frequency(),
             to_lanes(state_.sums.canopy_position),
-            constants_.canopy_mass};
+            constants_.canopy_mass,
+            payload().x};
 }
 
 void Simulation::push_canopy(std::span<const NodeIndex> nodes, std::span<const NodeRecord> of,
@@ -204,6 +205,11 @@ void Simulation::push_canopy(std::span<const NodeIndex> nodes, std::span<const N
     layout_->push(state_, nodes, force);
     layout_->accelerate(to_vec3(on_all) / constants_.canopy_mass);
     state_.external_power += power;
+}
+
+void Simulation::push_payload(Lanes force) {
+    payload_load() += force;
+    state_.external_power += sum3(force * payload().v);
 }
 
 Simulation::Balance Simulation::begin_balance() {

@@ -103,6 +103,8 @@ public:
     /// evaluate_forces. `of`: as canopy_nodes has read them.
     void push_canopy(std::span<const NodeIndex> nodes, std::span<const NodeRecord> of,
                      std::span<const Lanes> force, Lanes on_all);
+    /// Adds a force [N] on the payload, likewise.
+    void push_payload(Lanes force);
 
     // Equations of motion without the time step, for reference solutions by other integrators. Only nodes and
     // velocities vary in time; mesh, phase and stage stay as they are.

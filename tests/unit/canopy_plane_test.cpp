@@ -17,6 +17,7 @@ struct Blob {
     std::vector<NodeRecord> node;
     std::vector<double> mass;
     double stiffness = 1e4;  // [1/s^2]
+    Lanes payload = to_lanes(Vec3(0.5, -0.7, -4.0));
 
     void add(const Vec3& x, double m) {
         node.push_back({to_lanes(x), splat(0.0)});
@@ -29,7 +30,7 @@ struct Blob {
             centre += mass[i] * node[i].x;
             sum += mass[i];
         }
-        return {node, mass, stiffness, centre / splat(sum), sum};
+        return {node, mass, stiffness, centre / splat(sum), sum, payload};
     }
 };
 
@@ -56,7 +57,7 @@ Pushed push(const Blob& a, const Blob& b) {
     for (std::size_t i = 0; i < a.node.size(); ++i)
         all.on_a[i] += (a.mass[i] / of_a.canopy_mass) * all.contact.on_first;
     for (std::size_t i = 0; i < b.node.size(); ++i)
-        all.on_b[i] -= (b.mass[i] / of_b.canopy_mass) * all.contact.on_first;
+        all.on_b[i] += (b.mass[i] / of_b.canopy_mass) * all.contact.on_second;
     return all;
 }
 
@@ -72,6 +73,15 @@ TEST_F(CanopyPlaneTest, ForcesAreTheGradientOfTheEnergy) {
     const Pushed at = push(a_, b_);
     ASSERT_GT(at.contact.force, 0.0);
     double largest = 0.0, wrong = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const auto energy = [&](double shift) {
+            Blob a = a_, b = b_;
+            a.payload[c] += shift;
+            b.payload[c] += shift;
+            return push(a, b).contact.energy;
+        };
+        wrong = std::max(wrong, std::abs(at.contact.on_payload[c] + (energy(h) - energy(-h)) / (2.0 * h)));
+    }
     for (auto* blob : {&a_, &b_})
         for (std::size_t i = 0; i < blob->node.size(); ++i)
             for (int c = 0; c < 3; ++c) {
@@ -91,8 +101,9 @@ TEST_F(CanopyPlaneTest, ForcesAreTheGradientOfTheEnergy) {
 
 TEST_F(CanopyPlaneTest, MomentaAreKept) {
     const Pushed at = push(a_, b_);
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    double sum = 0.0;
+    Vec3 force = to_vec3(at.contact.on_payload), torque = to_vec3(a_.payload).cross(force);
+    double sum = force.norm();
+    ASSERT_GT(sum, 0.0);
     for (const auto& [blob, on] : {std::pair{&a_, &at.on_a}, std::pair{&b_, &at.on_b}})
         for (std::size_t i = 0; i < on->size(); ++i) {
             const Vec3 f = to_vec3((*on)[i]);
@@ -105,13 +116,26 @@ TEST_F(CanopyPlaneTest, MomentaAreKept) {
     EXPECT_LT(torque.norm(), 1e-12 * sum);
 }
 
+TEST_F(CanopyPlaneTest, CanopiesDrawnOutSideBySideDoNotTouch) {
+    // Two strings from the payload on, straight and 20 mrad apart, one drawn out 2 m and the other 3: from
+    // centre to centre would lead along them, half a metre past each other.
+    Blob left, right;
+    for (int i = 1; i <= 20; ++i) {
+        left.add(to_vec3(left.payload) + 0.1 * i * Vec3(-0.01, 0.0, 1.0), 1e-3);
+        right.add(to_vec3(left.payload) + 0.15 * i * Vec3(0.01, 0.0, 1.0), 1e-3);
+    }
+    EXPECT_GT(push(left, right).contact.gap, 0.0);
+    EXPECT_EQ(push(left, right).contact.force, 0.0);
+}
+
 TEST_F(CanopyPlaneTest, CanopiesThatStandApartDoNothing) {
     Blob left, right;
+    left.payload = right.payload = to_lanes(Vec3(-0.15, 0.0, -4.0));  // as far from both centres
     left.add({-1.0, 0.0, 0.0}, 1.0);
     left.add({-0.2, 0.0, 0.0}, 1.0);
     right.add({0.3, 0.0, 0.0}, 2.0);
     const Pushed at = push(left, right);
-    EXPECT_DOUBLE_EQ(at.contact.gap, 0.5);  // from -0.2 to 0.3
+    EXPECT_NEAR(at.contact.gap, 0.5, 1e-14);  // from -0.2 to 0.3
     EXPECT_EQ(at.contact.force, 0.0);
     EXPECT_EQ(at.on_a[1][0], 0.0);
 }
@@ -120,6 +144,7 @@ TEST_F(CanopyPlaneTest, NodesShareTheirOverlapAsSpringsInSeries) {
     // 2 mm of overlap; k = m w^2: 1e-3 kg * 1e4 = 10 N/m against 1e-3 * 4e4 = 40 N/m, 8 N/m in series. The
     // centres lie on the line of both: nothing turns.
     Blob left, right;
+    left.payload = right.payload = to_lanes(Vec3(0.0, 0.0, -4.0));
     right.stiffness = 4e4;
     left.add({-1.0, 0.0, 0.0}, 1e-3);
     left.add({0.001, 0.0, 0.0}, 1e-3);

@@ -1,5 +1,6 @@
 // Canopies that share a payload in the full model: what one alone does with its share, the share of load that
 // the reduced-order model gives each, and the laws of motion of all of them together.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -224,6 +225,48 @@ TEST(Clusters, ComeFromTheirPacks) {
     EXPECT_GT(*record.metric("snatch_force_N"), 0.0);
     EXPECT_GT(*record.metric("canopy_2_peak_force_N"), 0.0);
     EXPECT_LT(std::abs(record.energy->residual_fraction), 5e-3);  // as packed runs of one
+}
+
+TEST(Clusters, StayOnTheirSidesAsTheyAreDrawnOut) {
+    // Packs become strings of four metres, centimetres apart and not drawn out at the same time. No node
+    // comes to be more than a tenth of an edge behind fabric of the other, as with any contact here, and the
+    // energy adds up at the first attempt.
+    for (const char* speed : {"30 m/s", "75 m/s"})
+        for (const int seed : {1, 2}) {
+            const std::string text = fmt::format(R"(schema = 1
+name = "packs"
+[payload]
+mass = "180 kg"
+drag_area = "0.5 m^2"
+[release]
+altitude = "900 m"
+speed = "{}"
+path_angle = "40 deg"
+[[parachute]]
+count = 2
+design = "usaf-c9"
+deploy = {{ by = "pilot", pilot_drag_area = "0.5 m^2" }}
+fill_time.n = 8
+[aerodynamics]
+line_drag = {{ model = "cylinder" }}
+[full]
+mesh = {{ gore_columns = 2, gore_rows = 7, line_elements = 10, riser_elements = 2 }}
+noise = {{ amplitude = 1e-3, seed = {} }}
+[stop]
+at = "line-stretch"
+)",
+                                                 speed, seed);
+            const Scene scene = read_scene_text(text, "packs", TWINCHUTE_SOURCE_DIR, {});
+            const RunRecord record = test::run_full(scene);
+            ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+            for (const Warning& warning : record.warnings)
+                EXPECT_FALSE(warning.what.starts_with("the run was repeated")) << warning.why;
+            const auto force = record.metric("max_canopy_contact_force_N");
+            ASSERT_TRUE(force);
+            if (*force == 0.0) continue;
+            const double rows = 7.0, edge = 0.5 * scene.parachutes.front().nominal_diameter / rows;
+            EXPECT_LT(*record.metric("max_canopy_contact_depth_m"), 0.1 * edge);
+        }
 }
 
 TEST(Clusters, CanopiesWithoutPlaceBesideEachOtherAreRefused) {

@@ -250,11 +250,12 @@ TEST(Stages, ClusterAfterADrogueFillsByItsLags) {
     EXPECT_GT(sum, end("main_force"));  // they lean outward
     EXPECT_NEAR(sum, end("main_force"), 0.1 * sum);
     EXPECT_LT(std::abs(full.energy->residual_fraction), 1e-3);
-    // The one whose line did not hold carries most of all, in either model; by 1.5 %, as of other peaks.
+    // The one whose line did not hold carries most of all, in either model. While it fills it moves outward,
+    // and meets air that is up to 5 % faster than the payload (c9-cluster.toml: 6.0 % above the other model).
     const Metric* peak = full.find_metric("peak_canopy_force_N");
     ASSERT_TRUE(peak && rom.metric("peak_canopy_force_N"));
     EXPECT_TRUE(peak->note.starts_with("canopy 1 of 3 main")) << peak->note;
-    EXPECT_NEAR(peak->value, *rom.metric("peak_canopy_force_N"), 0.05 * peak->value);
+    EXPECT_NEAR(peak->value, *rom.metric("peak_canopy_force_N"), 0.08 * peak->value);
     EXPECT_EQ(peak->value, *full.metric("main_canopy_1_peak_force_N"));
 }
 
