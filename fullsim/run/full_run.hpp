@@ -7,7 +7,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <string>
 #include <vector>
@@ -115,9 +114,9 @@ private:
         return group ? group->view : canopies_[k]->view();
     }
     /// Numbers of all canopies of the parachute that canopy k is one of.
-    auto canopies_with(std::size_t k) const {
-        const RunView& all = parachute_view(k);
-        return std::views::iota(all.first, all.first + all.count);
+    std::vector<std::size_t> canopies_with(std::size_t k) const {
+        const Together* group = group_of(k);
+        return group ? group->canopies : std::vector{k};
     }
     template <class Work>
     void for_each_observer(Work&& work);

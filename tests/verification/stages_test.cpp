@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -217,6 +218,42 @@ TEST(Stages, TwoOutAtOncePullOnOnePayload) {
     const auto end = [&](const char* channel) { return full.find_channel(channel)->values.back(); };
     EXPECT_GT(end("drogue_force"), 10.0);
     EXPECT_NEAR(end("drogue_force") + end("main_force"), end("force"), 0.01 * end("force"));
+}
+
+TEST(Stages, CanopiesOfAPackSnatchOneByOne) {
+    // The parachute's snatch is the last one's, and the next pack waits for it; cutters run from each line
+    // stretch.
+    const Scene scene = c9_in_flight(
+        {"full.contact='none'", "parachute.count=2", "parachute.deploy={by='mortar',muzzle_speed=20}",
+         "parachute.reefing=[{drag_area_ratio=0.1,until={at='line-stretch',delay=1.5}}]"});
+    OpeningSequence sequence(scene, OpeningSequence::Alike::each);
+    const auto at = [](double time) { return FlightState{time, 900.0 - 40.0 * time, -40.0, 40.0, 1.2}; };
+    const auto snatches = [&](double time) {
+        return std::ranges::count(sequence.advance(at(time)), OpeningEvent::Kind::snatch,
+                                  &OpeningEvent::kind);
+    };
+    sequence.release(at(0.0));
+    ASSERT_EQ(sequence.all().size(), 2U);
+    EXPECT_EQ(snatches(0.0), 0);
+    EXPECT_EQ(sequence.leaves_pack(), 0U);
+    sequence.canopy_snatched(0, at(1.0));
+    EXPECT_EQ(snatches(1.0), 0);
+    EXPECT_EQ(sequence.leaves_pack(), 0U);
+    EXPECT_TRUE(sequence.all()[0].is_out());
+    EXPECT_FALSE(sequence.all()[1].is_out());
+    sequence.canopy_snatched(1, at(1.2));
+    EXPECT_EQ(snatches(1.2), 1);
+    EXPECT_FALSE(sequence.leaves_pack());
+    EXPECT_DOUBLE_EQ(sequence.out_mass(), 2.0 * scene.parachutes.front().mass);
+    for (double time = 1.2; time < 2.5; time = std::min(2.5, sequence.next_time())) {
+        sequence.advance(at(time));
+        EXPECT_TRUE(sequence.all()[0].is_reefed()) << time;
+    }
+    sequence.advance(at(2.5));
+    EXPECT_FALSE(sequence.all()[0].is_reefed());
+    EXPECT_TRUE(sequence.all()[1].is_reefed());
+    sequence.advance(at(2.7));
+    EXPECT_FALSE(sequence.all()[1].is_reefed());
 }
 
 TEST(Stages, ClusterAfterADrogueFillsByItsLags) {
