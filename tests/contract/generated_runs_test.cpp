@@ -19,11 +19,7 @@ namespace twinchute::test {
 namespace {
 
 // Sanitizers make a step thirty times as dear; what they look for shows in few runs.
-#ifdef TWINCHUTE_SANITIZED
-constexpr int full_runs = 20, rom_runs = 200;
-#else
-constexpr int full_runs = 50, rom_runs = 1000;
-#endif
+constexpr int full_runs = is_sanitized ? 20 : 50, rom_runs = is_sanitized ? 200 : 1000;
 
 void expect_sound(const RunRecord& record, const std::string& text) {
     ASSERT_FALSE(status_name(record.status.code).empty());

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "fullsim/storage/simd/sanitized.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "lib/scene/scene_error.hpp"
 #include "lib/scene/write_scene.hpp"
@@ -49,7 +50,7 @@ TEST_F(GeneratedScenes, ValidOnesAreRead) {
 
 TEST_F(GeneratedScenes, BrokenOnesAreRefusedWithTheirPlace) {
     SceneGenerator generator(2);
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < (is_sanitized ? 500 : 2000); ++i) {
         const auto broken = generator.broken();
         try {
             read(broken.text);
@@ -64,7 +65,7 @@ TEST_F(GeneratedScenes, BrokenOnesAreRefusedWithTheirPlace) {
 
 TEST_F(GeneratedScenes, ReadBackWhatIsWritten) {
     SceneGenerator generator(3);
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < (is_sanitized ? 200 : 500); ++i) {
         const Scene scene = read(scene_of_lines(generator.valid()));
         const std::string text = write_scene(scene);
         const Scene again = read(text);

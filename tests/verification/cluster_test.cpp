@@ -74,13 +74,13 @@ TEST(Clusters, TheyCarryOnePayload) {
 TEST(Clusters, MomentumIsThatOfAllForces) {
     // In vacuum nothing but gravity acts on the whole: its momentum grows by m g t, whatever the canopies do
     // to each other and to the payload; rounding of some thousand steps of 1000 nodes is all that is left.
-    // Nodes that start 5 cm off pull at everything, in each canopy in another way, and press on the other
+    // Nodes that start 1 cm off pull at everything, in each canopy in another way, and press on the other
     // canopy.
     for (const int substeps : {1, 8}) {
         Scene scene = cluster_of(2);
         scene.full.line_substeps = substeps;
         scene.release.path_angle = 0.3;
-        scene.full.noise = Noise{5e-2, 3};
+        scene.full.noise = Noise{1e-2, 3};
         scene.environment.atmosphere.constant_density = 0.0;
         scene.aerodynamics = {};
         Cluster cluster(scene);

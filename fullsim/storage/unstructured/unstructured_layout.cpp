@@ -123,16 +123,20 @@ public:
         return all;
     }
 
-    double membrane_energy(State& state) const override {
-        double energy = 0.0;
-        for (const Sheet& sheet : fabric_)
-            for (const unstructured::ElementList& list : sheet.lists)
-                energy += kernels_.membrane_levels(nodes_to_read(state), list.elements(), sheet.pass).energy;
-        return energy;
-    }
+    double membrane_energy(State& state) const override { return membrane_levels(state).energy; }
 
     EnergiesAndStrains levels(const State& state) const override {
-        return levels_of(state, constants_, *structure_);
+        EnergiesAndStrains levels{kinetic_energy(state, constants_), 0.0, {}};
+        for (const auto& model : *structure_) {
+            const bool is_membrane = model->block() == Block::membrane;
+            EnergyAndStrain of_block =
+                is_membrane ? membrane_levels(state)
+                            : EnergyAndStrain{model->energy(state), model->extreme(state).strain};
+            if (is_membrane) of_block.energy *= state.fe_weight, of_block.strain *= state.fe_weight;
+            levels.elastic += of_block.energy;
+            levels.strain.push_back(of_block.strain);
+        }
+        return levels;
     }
     double fabric_strain(const State& state) const override { return fabric_strain_of(state, *structure_); }
 
@@ -486,6 +490,18 @@ private:
         else
             do_all();
         shared_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    }
+    /// At full stiffness.
+    EnergyAndStrain membrane_levels(const State& state) const {
+        EnergyAndStrain all{};
+        for (const Sheet& sheet : fabric_)
+            for (const unstructured::ElementList& list : sheet.lists) {
+                const EnergyAndStrain some =
+                    kernels_.membrane_levels(nodes_to_read(state), list.elements(), sheet.pass);
+                all.energy += some.energy;
+                all.strain = std::max(all.strain, some.strain);
+            }
+        return all;
     }
     /// Calls work(k) for each list of triangles: parts, which share no node, then strips. Sums on nodes are
     /// the same to the last bit for any number of threads.
