@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fullsim/fidelity.hpp"
 #include "fullsim/simulation.hpp"
@@ -112,6 +117,63 @@ TEST_F(GeneratedRuns, FullEndsSoundly) {
         RecordProperty(std::string(status_name(code)), count);
     // Random materials tear or ask for steps too small; a battery of those alone would show nothing.
     EXPECT_GT(endings[StatusCode::completed], full_runs / 5);
+}
+
+/// Changes of the shipped drogue and main: one or two of the first, one to three of the second, each out and
+/// disreefed and cut at another time.
+std::vector<std::string> random_stages(Random& random) {
+    static const std::vector<std::string> means{"'line-stretch'", "'pilot',pilot_drag_area=0.5",
+                                                "'mortar',muzzle_speed=25", "'inflated'"},
+        conditions{"time=0.4", "altitude='950 m'", "after='drogue.full-open'", "after='drogue.cut'"},
+        cuts{"time=1.5", "time=3", "after='main.line-stretch'", "after='main.full-open'", "time=100"};
+    const std::string mean = random.one_of(means);
+    const std::size_t count = 1 + random.below(3);
+    std::vector<std::string> changes{
+        "full.mesh={gore_columns=1,gore_rows=5,line_elements=4,riser_elements=2}",
+        "stop={time=5}",
+        fmt::format("payload.mass={}", 90 * count),
+        fmt::format("parachute.drogue.count={}", 1 + random.below(2)),
+        "parachute.drogue.cut={" + random.one_of(cuts) + "}",
+        fmt::format("parachute.main.count={}", count),
+        fmt::format("parachute.main.deploy={{by={},when={{{}}}}}", mean, random.one_of(conditions))};
+    if (mean == "'inflated'") return changes;
+    if (random.random_bool(0.5)) {
+        std::string lags;
+        for (std::size_t k = 0; k < count; ++k)
+            lags += fmt::format("{}{}", k > 0 ? "," : "", random.number_in(0.0, 0.5));
+        changes.push_back("parachute.main.lag=[" + lags + "]");
+    }
+    if (random.random_bool(0.6)) {
+        changes.push_back(
+            fmt::format("parachute.main.reefing=[{{drag_area_ratio=0.1,until={{at='{}',delay={}}}}}]",
+                        random.random_bool(0.5) ? "line-stretch" : "full-open", random.number_in(0.0, 1.0)));
+        if (random.random_bool(0.5)) changes.emplace_back("parachute.main.skips_reefing=1");
+    }
+    if (random.random_bool(0.3)) changes.emplace_back("parachute.main.cut={time=4}");
+    return changes;
+}
+
+TEST(GeneratedStages, OfTheFullModelEndSoundly) {
+    Random random(6);
+    std::map<StatusCode, int> endings;
+    for (int made = 0; made < (is_sanitized ? 4 : 16);) {
+        const std::vector<std::string> changes = random_stages(random);
+        const std::string text = fmt::format("{}", fmt::join(changes, "\n"));
+        Scene scene;
+        try {
+            scene = read_scene(TWINCHUTE_SOURCE_DIR "/data/scenes/c9-drogue.toml", changes);
+        } catch (const SceneError& error) {  // a drogue that is cut by what waits for that
+            ASSERT_TRUE(error.key().find("cut") != std::string::npos) << error.what();
+            continue;
+        }
+        ++made;
+        const RunRecord record = run_full(scene);
+        ++endings[record.status.code];
+        EXPECT_FALSE(is_numerical_failure(record.status.code)) << record.status.detail << '\n' << text;
+        expect_sound(record, text);
+        if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(endings[StatusCode::completed], is_sanitized ? 1 : 8);
 }
 
 }  // namespace

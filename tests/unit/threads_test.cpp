@@ -148,8 +148,8 @@ TEST(WorkerPool, DoEachPartOnceAndSeeWhatWasDoneBefore) {
             WorkerPool threads(others);
             // Plain numbers: that they are right says that each pass saw the one before.
             std::vector<int> part(parts, 0), by_next(parts, 0);
-            for (int pass = 0; pass < 200; ++pass) {
-                if (pass == 100) std::this_thread::sleep_for(2ms);  // by then others are asleep
+            for (int pass = 0; pass < 60; ++pass) {
+                if (pass == 30) std::this_thread::sleep_for(2ms);  // by then others are asleep
                 const auto add = [&](int k) { part[k] += 1 + pass; };
                 const auto look = [&](int k) { by_next[k] = part[(k + 1) % parts]; };
                 threads.share(parts, add);
