@@ -521,6 +521,21 @@ void warn_of_weak_snatch(RunRecord& record, const Scene& scene, const Parachute&
          "open lower, or give fill_time.time"});
 }
 
+/// Why a canopy is not the round one, closed above, whose balance of air predicts a filling; empty: it is.
+std::string why_not_round(const Parachute& chute) {
+    if (const auto corners = open_corners(chute)) return corners->why;
+    if (has_open_middle(chute)) return fmt::format("{} canopies have an open middle", chute.type->title);
+    if (holds_vent_down(chute)) return "lines hold its vent down";
+    return lacks_canopy(chute);
+}
+
+void warn_of_round_filling(RunRecord& record, const Parachute& chute, const std::string& whose) {
+    if (const std::string why = why_not_round(chute); !why.empty())
+        record.warnings.push_back(
+            {whose + "the filling that is predicted is that of a round canopy, closed above", why,
+             "take filling time and peak force for such a canopy's, or tell the filling by fill_time"});
+}
+
 }  // namespace
 
 void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute& chute,
@@ -535,7 +550,8 @@ void add_opening_warnings(RunRecord& record, const Scene& scene, const Parachute
                  ? "above 1 the drag area overshoots its steady value; the prediction ends at full open"
                  : "above 1 the drag area overshoots its steady value, which the drag-area law does not know",
              "treat the peak force as a lower bound"});
-    if (chute.filling.is_predicted()) return;  // the others judge a filling time that was told
+    // The others judge a filling time that was told.
+    if (chute.filling.is_predicted()) return warn_of_round_filling(record, chute, whose);
     warn_of_weak_snatch(record, scene, chute, inflation, speed, density);
     warn_of_fill_table(record, chute, in, whose);
     warn_of_typical_filling(record, chute, speed, whose);

@@ -11,6 +11,7 @@
 #include "fullsim/fidelity.hpp"
 #include "lib/scene/line_stretch.hpp"
 #include "lib/scene/read_scene.hpp"
+#include "lib/solve/opening_sequence.hpp"
 #include "tests/support/c9_scene.hpp"
 #include "tests/support/runs.hpp"
 

@@ -24,6 +24,7 @@
 #include "fullsim/threads/thread_count_tuner.hpp"
 #include "fullsim/threads/worker_pool.hpp"
 #include "fullsim/time/critical_step.hpp"
+#include "fullsim/time/energy.hpp"
 #include "fullsim/time/node_mover.hpp"
 #include "fullsim/time/subcycling.hpp"
 #include "lib/scene/line_stretch.hpp"
