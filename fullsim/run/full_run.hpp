@@ -241,7 +241,7 @@ private:
     std::vector<double> stated_masses_;
     std::unique_ptr<Stages> stages_;  // of a scene that has some
     std::vector<std::unique_ptr<CanopyRun>> canopies_;
-    std::unique_ptr<Together> together_;               // of several
+    std::unique_ptr<Together> together_;             // of several
     std::vector<std::unique_ptr<Together>> groups_;  // with stages: of each parachute of several canopies
     std::vector<std::vector<std::string>> past_ =
         std::vector<std::vector<std::string>>(cluster_.size());  // events of each canopy

@@ -57,7 +57,8 @@ TEST(OpeningWarnings, TheFillConstantOfATypeHasARangeOfSpeeds) {
 TEST(OpeningWarnings, APredictedFillingKnowsRoundCanopiesAlone) {
     // The full model refuses the first four; the reduced-order model has one shape for all.
     const std::string predicted =
-        edited(typed, "mass = 0.3", "mass = 0.3\nfilling = \"predicted\"\npermeability = 0\nline_length = 2\nriser_length = 1");
+        edited(typed, "mass = 0.3",
+               "mass = 0.3\nfilling = \"predicted\"\npermeability = 0\nline_length = 2\nriser_length = 1");
     const auto of_type = [&](const char* type, const char* more = "") {
         return edited(edited(predicted, "flat-circular", type), "mass = 0.3",
                       std::string("mass = 0.3\n") + more);
