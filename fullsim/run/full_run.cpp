@@ -346,6 +346,13 @@ double FullRun::drag_area_steady() const {
 
 double FullRun::expected_share() const {
     if (scene_.stop.kind == Trigger::Kind::time) return std::min(0.99, cluster_.time() / stop_time_);
+    if (scene_.stop.kind == Trigger::Kind::ground || scene_.stop.kind == Trigger::Kind::altitude) {
+        const double end =
+            scene_.stop.kind == Trigger::Kind::ground ? scene_.environment.ground : scene_.stop.value;
+        const double fall = scene_.release.altitude - end,
+                     fallen = scene_.release.altitude - cluster_.payload().position.z();
+        return fall > 0.0 ? std::clamp(fallen / fall, 0.0, 0.99) : 0.0;
+    }
     if (stages_ || any_deploys()) return 0.0;
     const Inflation& inflation = view().simulation().inflation();
     return std::min(0.99, system().time / (inflation.snatch + 4.0 * inflation.filling_time + 2.0));

@@ -82,9 +82,10 @@ void compare_along(const Scene& scene, int steps, std::size_t stages = 1) {
         }
         if (simulation.is_reefed() && step == steps / 2)  // half way its line is cut
             simulation.disreef(simulation.inflation(), scene.parachutes.front().reefing.size());
-        if (step % looks == 0) {
+        const bool is_new = std::ranges::find(seen, simulation.system().stage) == seen.end();
+        if (step % looks == 0 || is_new) {
             const State& state = simulation.synchronised_state();
-            if (std::ranges::find(seen, state.stage) == seen.end()) seen.push_back(state.stage);
+            if (is_new) seen.push_back(state.stage);
             compare_all(scene, simulation.mesh(), simulation.constants(), state, true);
             if (testing::Test::HasFailure()) return;
         }

@@ -355,6 +355,29 @@ TEST(Stages, StopAsTheReducedOrderModelDoes) {
     }
 }
 
+TEST(Stages, ARunToTheGroundSaysHowMuchOfTheHeightIsLeft) {
+    const Scene scene = drogue_and_main({"release.altitude='200 m'", "stop={at='ground'}"});
+    std::vector<double> shares, times;
+    twinchute::Run run;
+    run.progress = [&](const Progress& progress) {
+        shares.push_back(progress.share);
+        times.push_back(progress.time);
+    };
+    const RunRecord record = full_fidelity().run(scene, run);
+    ASSERT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+    ASSERT_GT(shares.size(), 10U);
+    const auto &time = record.find_channel("time")->values,
+               &altitude = record.find_channel("altitude")->values;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        if (times[i] > time.back()) continue;
+        // Between rows 5 ms apart it falls by half a metre at most.
+        const auto row = std::ranges::lower_bound(time, times[i]) - time.begin();
+        EXPECT_NEAR(shares[i], std::min(0.99, 1.0 - altitude[static_cast<std::size_t>(row)] / 200.0),
+                    0.5 / 200.0);
+    }
+    EXPECT_GT(shares.back(), 0.9);
+}
+
 TEST(Stages, AParachuteThatIsNeverMetIsSaidToHaveStayedInItsPack) {
     // Cut long before the main's altitude: the payload falls on by itself, to the ground before it.
     const Scene scene =
