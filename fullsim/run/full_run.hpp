@@ -181,8 +181,8 @@ private:
     /// [s] from which on no drag area changes, and none will.
     double drag_area_steady() const;
 
-    /// Of the height, where the run ends at one; else a descent is usually steady four filling times after
-    /// snatch. For the progress line only.
+    /// Share of the height, where the run ends at one; else a descent is usually steady four filling times
+    /// after snatch. For the progress line only.
     double expected_share() const;
 
     void look_for_events();

@@ -127,7 +127,7 @@ TEST(Stages, AClusterThatIsOutFromTheReleaseIsOneWithoutStages) {
     }
 }
 
-/// Of a drogue and a main, or a cluster of mains.
+/// Stages of a drogue and a main, or of a drogue and several mains.
 class StagesOf : public ::testing::TestWithParam<int> {};
 
 TEST_P(StagesOf, MomentumIsKeptAsParachutesJoinAndLeave) {
