@@ -34,13 +34,13 @@ double cylinder_drag_coefficient(double reynolds) {
 }
 
 CylinderDragTable::CylinderDragTable() {
-    for (std::size_t cell = 0; cell < cells; ++cell) {
+    for (std::size_t cell = 0; cell < cell_.size(); ++cell) {
         const double left = std::bit_cast<double>((cell + static_cast<std::uint64_t>(first_cell)) << 48);
         const double right = std::bit_cast<double>((cell + static_cast<std::uint64_t>(first_cell) + 1) << 48);
-        value_[cell] = cylinder_drag_coefficient(left);
-        slope_[cell] = (cylinder_drag_coefficient(right) - value_[cell]) / (right - left);
+        const double value = cylinder_drag_coefficient(left);
+        cell_[cell] = {value, (cylinder_drag_coefficient(right) - value) / (right - left)};
     }
-    at_lowest_ = value_.front();
+    at_lowest_ = cell_.front().value;
 }
 
 }  // namespace twinchute

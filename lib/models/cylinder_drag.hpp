@@ -27,11 +27,11 @@ public:
         // index of cells that are 1/16 octave wide and within which Re is linear in the rest.
         // Written so that a NaN takes this way, and comes out as one.
         if (!(reynolds >= lowest)) return at_lowest_ * lowest / (reynolds + 1e-300);
-        if (reynolds >= highest) return value_.back();
+        if (reynolds >= highest) return cell_.back().value;
         const auto bits = std::bit_cast<std::uint64_t>(reynolds);
         const std::uint64_t cell = (bits >> 48) - static_cast<std::uint64_t>(first_cell);
         const double start = std::bit_cast<double>(bits & 0xffff'0000'0000'0000ULL);
-        return value_[cell] + (reynolds - start) * slope_[cell];
+        return cell_[cell].value + (reynolds - start) * cell_[cell].slope;
     }
 
     // For loops that look up several at once: the cell of a Reynolds number from lowest to below highest is
@@ -39,14 +39,13 @@ public:
     static constexpr double lowest = 0.0625;      ///< 2^-4
     static constexpr double highest = 1048576.0;  ///< 2^20
     static constexpr std::int64_t first_cell = std::bit_cast<std::int64_t>(lowest) >> 48;
-    const double* values() const { return value_.data(); }
-    const double* slopes() const { return slope_.data(); }
+    struct alignas(16) Cell {
+        double value, slope;  ///< where it begins
+    };
+    const Cell* cells() const { return cell_.data(); }
 
 private:
-    static constexpr std::size_t cells = 24 * 16;
-
-    std::array<double, cells> value_{};
-    std::array<double, cells> slope_{};
+    std::array<Cell, 24 * 16> cell_{};
     double at_lowest_ = 0.0;
 };
 

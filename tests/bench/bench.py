@@ -84,6 +84,34 @@ def elements(best):
     return table(["ns per element, on a mesh of"] + [f"{int(s):,}".replace(",", " ") for s in sizes], rows)
 
 
+def roofline(best):
+    """Loops of the gore-batched layout with the widest instructions: their time beside what ceilings allow."""
+    ceiling = lambda name: best.get("ceiling/" + name)
+    peaks = [run["GFLOP_per_s"] for name, run in best.items() if name.startswith("ceiling/multiply-add/")]
+    caches = [ceiling("read/" + level) for level in ("L1", "L2", "L3")]
+    memory = ceiling("copy/memory")
+    if not peaks or None in caches or memory is None:
+        return ""
+    parts = {}  # {(size, part): run}, with the first set of each, the widest
+    for name, run in best.items():
+        if ",-gores-" in name and "operations" in run:
+            part, size = name[len("element/"):].split(",-gores-")[0], int(name.rsplit("/", 1)[1])
+            if size in (2000, 120000):
+                parts.setdefault((size, part), run)
+    rows = []
+    for (size, part), run in sorted(parts.items(), key=lambda entry: entry[0][0]):
+        nodes = run["B_of_nodes"]
+        home = next((c for c in caches if 1e3 * c["kB_of_cache"] >= nodes * run["elements"]), memory)
+        least = {"arithmetic": run["operations"] / max(peaks), "L1": run["B_of_accesses"] / caches[0]["GB_per_s"],
+                 home["name"].split("/")[2].split("_")[0]: nodes / home["GB_per_s"]}
+        bound = max(least, key=least.get)
+        rows.append([f"{part.replace('-', ' ')}, {size // 1000} 000", number(run["operations"]), number(run["B_of_accesses"]),
+                     number(nodes), number(run["ns_per_element"]), number(run["operations"] / run["ns_per_element"]),
+                     number(least[bound]), bound, f"{100.0 * least[bound] / run['ns_per_element']:.0f}"])
+    return table(["loop, on a mesh of", "operations", "accesses [B]", "nodes [B]", "ns", "GFLOP/s", "bound [ns]", "by", "reached [%]"],
+                 rows) if rows else ""
+
+
 def methods(best):
     found = {}  # {problem: {solver: {digits: run}}}
     for name, run in best.items():
@@ -124,7 +152,7 @@ def show(path):
         measured = json.load(file)
     best = best_of(measured["benchmarks"])
     failed = [b["name"] for b in measured["benchmarks"] if b.get("error_occurred")]
-    print("\n\n".join(part for part in (machine(measured["context"]), ceilings(best), elements(best), methods(best), runs(best)) if part))
+    print("\n\n".join(part for part in (machine(measured["context"]), ceilings(best), elements(best), roofline(best), methods(best), runs(best)) if part))
     if failed or not best:
         print(f"not measured: {', '.join(failed) or 'anything'}")
     return 1 if failed or not best else 0

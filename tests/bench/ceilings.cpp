@@ -128,6 +128,15 @@ struct Caches {
 
 Caches caches() {
     Caches found;
+    // Virtual machines may list none, yet say how large the first two are.
+    const auto said = [](int name, std::size_t otherwise) {
+        const long size = ::sysconf(name);
+        return size > 0 ? static_cast<std::size_t>(size) : otherwise;
+    };
+#if defined(__GLIBC__)
+    found.first = said(_SC_LEVEL1_DCACHE_SIZE, found.first);
+    found.second = said(_SC_LEVEL2_CACHE_SIZE, found.second);
+#endif
     for (const auto& cache : benchmark::CPUInfo::Get().caches) {
         if (cache.type == "Instruction") continue;
         const auto size = static_cast<std::size_t>(cache.size);
@@ -154,8 +163,9 @@ struct alignas(64) Line {
     double value[8];
 };
 
-void register_read(const char* name, std::size_t bytes) {
-    benchmark::RegisterBenchmark(name, [bytes](benchmark::State& state) {
+/// Some of what lies in a cache of so many bytes.
+void register_read(const char* name, std::size_t bytes, std::size_t cache) {
+    benchmark::RegisterBenchmark(name, [bytes, cache](benchmark::State& state) {
         const std::vector<Line> lines(bytes / 512 * 8, Line{{1.0}});
         const std::size_t count = 8 * lines.size();
         const Sum sum = widest_sum();
@@ -163,6 +173,7 @@ void register_read(const char* name, std::size_t bytes) {
             benchmark::DoNotOptimize(sum(lines.front().value, count));
         state.counters["GB_per_s"] = gigabytes(sizeof(double) * static_cast<double>(count));
         state.counters["kB"] = 1e-3 * static_cast<double>(bytes);
+        state.counters["kB_of_cache"] = 1e-3 * static_cast<double>(cache);
     });
 }
 
@@ -186,9 +197,11 @@ void register_ceilings() {
         register_multiply_add("AVX2", &multiply_add_avx2, 4);
     if (__builtin_cpu_supports("avx512f")) register_multiply_add("AVX-512", &multiply_add_avx512, 8);
 #endif
-    register_read("ceiling/read/L1", caches().first / 2);
-    register_read("ceiling/read/L2", caches().second / 2);
-    register_read("ceiling/read/memory", beyond_caches());
+    const Caches cache = caches();
+    register_read("ceiling/read/L1", cache.first / 2, cache.first);
+    register_read("ceiling/read/L2", cache.second / 2, cache.second);
+    register_read("ceiling/read/L3", cache.last / 4, cache.last);
+    register_read("ceiling/read/memory", beyond_caches(), 0);
     benchmark::RegisterBenchmark("ceiling/copy/memory", &copy_memory);
 }
 

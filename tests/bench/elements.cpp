@@ -15,15 +15,21 @@
 
 #include <fmt/format.h>
 
+#include "fullsim/elements/cable.hpp"
+#include "fullsim/elements/fabric_spring.hpp"
+#include "fullsim/elements/membrane.hpp"
 #include "fullsim/run/fields.hpp"
 #include "fullsim/simulation.hpp"
 #include "fullsim/storage/gore_batched/kernels.hpp"
 #include "fullsim/storage/unstructured/kernels.hpp"
 #include "lib/scene/read_scene.hpp"
 #include "tests/bench/bench.hpp"
+#include "tests/bench/counted.hpp"
 
 namespace twinchute::bench {
 namespace {
+
+namespace law = fullsim::HWY_NAMESPACE;
 
 using fullsim::ForceModel;
 using fullsim::Simulation;
@@ -180,18 +186,79 @@ void measure_advance(benchmark::State& bench, const Size& size) {
     count_elements(bench, flight.simulation().mesh().node_count());
 }
 
+/// What a loop takes for each of its elements.
+struct Work {
+    Tally of_element;
+    double node_words;  ///< what there is of nodes: all that has to come from where they are and to go there
+};
+
+bool is_line(const fullsim::Cable& cable) {
+    return cable.kind == fullsim::CableKind::line;
+}
+double lines_of(const fullsim::Mesh& mesh) {
+    return static_cast<double>(std::ranges::count_if(mesh.cables, is_line));
+}
+/// Nodes of the canopy for each of `elements` of its elements.
+double canopy_nodes_for(const fullsim::Mesh& mesh, double elements) {
+    return static_cast<double>(mesh.canopy_nodes) / elements;
+}
+
+/// Of fabric with a hole: as many as triangles and nodes together (Euler).
+double edges_of(const fullsim::Mesh& mesh) {
+    return static_cast<double>(mesh.triangles.size()) + static_cast<double>(mesh.canopy_nodes);
+}
+
+Work membrane_work(const fullsim::Mesh& mesh) {
+    const Tally tally = tally_of<CountedTriangle>(
+        [](const auto& view) { law::membrane_forces<true, fullsim::AirOnFabric::pushes>(view, {}); });
+    // Position and velocity; force and push, read and written.
+    return {tally, (6.0 + 6.0 + 6.0) * canopy_nodes_for(mesh, static_cast<double>(mesh.triangles.size()))};
+}
+Work cable_work(const fullsim::Mesh& mesh) {
+    const double cables = static_cast<double>(mesh.cables.size()), lines = lines_of(mesh) / cables;
+    const auto loop = [](const auto& view) { law::cable_forces(view); };
+    const Tally tally = tally_of<CountedLine>(loop) * lines + tally_of<CountedSpan>(loop) * (1.0 - lines);
+    // A line has as many nodes as elements; its forces are set, those of tapes are added to.
+    return {tally, (6.0 + 3.0) * lines + (6.0 + 6.0) * std::min(1.0 - lines, canopy_nodes_for(mesh, cables))};
+}
+Work line_drag_work(const fullsim::Mesh&) {
+    const CylinderDragTable table;
+    const fullsim::LineAir air{&table, 1.0, 1.0, 1.0};
+    const Tally tally =
+        tally_of<CountedLine>([&](const auto& view) { law::cable_forces_in<false>(view, air); });
+    return {tally, 6.0 + 3.0};
+}
+Work spring_work(const fullsim::Mesh& mesh) {
+    const Tally tally =
+        tally_of<CountedSpan>([](const auto& view) { law::spring_forces_of<true, true>(view, {}); });
+    return {tally, (6.0 + 6.0) * canopy_nodes_for(mesh, edges_of(mesh))};
+}
+Work fabric_drag_work(const fullsim::Mesh& mesh) {
+    const Tally tally =
+        tally_of<CountedTriangle>([](const auto& view) { law::fabric_drag_forces(view, {}); });
+    return {tally, (6.0 + 6.0) * canopy_nodes_for(mesh, static_cast<double>(mesh.triangles.size()))};
+}
+
 /// Some of a flight's blocks, or its whole step without what watches it, in one of the layouts.
 struct LayoutPart {
     const char* name;
     std::vector<std::string_view> blocks;  // none: all, and the node update
-    enum class Per { triangle, cable, line, element } per;
+    enum class Per { triangle, cable, line, element, edge } per;
+    Work (*work)(const fullsim::Mesh&);
+    bool packed = false;  ///< of fabric that leaves its pack
 };
 
 const std::vector<LayoutPart> layout_parts{
-    {"membrane and pressure", {"membrane", "canopy pressure"}, LayoutPart::Per::triangle},
-    {"cable", {"tapes", "lines"}, LayoutPart::Per::cable},
-    {"line drag", {"line drag"}, LayoutPart::Per::line},
-    {"bare step", {}, LayoutPart::Per::element},
+    {"membrane and pressure", {"membrane", "canopy pressure"}, LayoutPart::Per::triangle, &membrane_work},
+    {"cable", {"tapes", "lines"}, LayoutPart::Per::cable, &cable_work},
+    {"line drag", {"line drag"}, LayoutPart::Per::line, &line_drag_work},
+    {"bare step", {}, LayoutPart::Per::element, nullptr},
+    {"springs and folds",
+     {"fabric springs", "deployment resistance"},
+     LayoutPart::Per::edge,
+     &spring_work,
+     true},
+    {"drag of fabric", {"fabric drag"}, LayoutPart::Per::triangle, &fabric_drag_work, true},
 };
 
 struct LayoutChoice {
@@ -219,14 +286,15 @@ std::vector<LayoutChoice> layout_choices() {
 }
 
 double count_of(const fullsim::Mesh& mesh, LayoutPart::Per per) {
-    const auto lines = std::ranges::count(mesh.cables, fullsim::CableKind::line, &fullsim::Cable::kind);
     switch (per) {
         case LayoutPart::Per::triangle:
             return static_cast<double>(mesh.triangles.size());
         case LayoutPart::Per::cable:
             return static_cast<double>(mesh.cables.size());
         case LayoutPart::Per::line:
-            return static_cast<double>(lines);
+            return lines_of(mesh);
+        case LayoutPart::Per::edge:
+            return edges_of(mesh);
         case LayoutPart::Per::element:
             break;
     }
@@ -235,7 +303,7 @@ double count_of(const fullsim::Mesh& mesh, LayoutPart::Per per) {
 
 void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart& part,
                     const LayoutChoice& choice) {
-    InFlight& flight = in_flight(size);
+    InFlight& flight = in_flight(size, part.packed);
     Simulation& simulation = flight.simulation();
     State state = simulation.synchronised_state();
     auto structure = make_structure(flight.scene(), simulation.mesh(), state.stage);
@@ -255,6 +323,12 @@ void measure_layout(benchmark::State& bench, const Size& size, const LayoutPart&
         if (part.blocks.empty()) layout->advance(state, 1e-7, 1, state.added_mass);
     }
     count_elements(bench, count_of(simulation.mesh(), part.per));
+    if (part.work) {
+        const Work work = part.work(simulation.mesh());
+        bench.counters["operations"] = work.of_element.operations;
+        bench.counters["B_of_accesses"] = sizeof(double) * work.of_element.words;
+        bench.counters["B_of_nodes"] = sizeof(double) * work.node_words;
+    }
 }
 
 /// With the new bound on the step that comes every so many steps.
@@ -297,17 +371,22 @@ void register_elements() {
                 benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, false,
                                              row);
         benchmark::RegisterBenchmark(name_of("node update", size).c_str(), &measure_advance, size);
-        for (const LayoutPart& part : layout_parts)
-            for (const LayoutChoice& choice : layout_choices())
-                benchmark::RegisterBenchmark(
-                    name_of(fmt::format("{}, {}", part.name, choice.name), size).c_str(), &measure_layout,
-                    size, part, choice);
+        const auto register_parts = [&size](bool of_pack) {
+            for (const LayoutPart& part : layout_parts)
+                for (const LayoutChoice& choice : layout_choices())
+                    if (part.packed == of_pack)
+                        benchmark::RegisterBenchmark(
+                            name_of(fmt::format("{}, {}", part.name, choice.name), size).c_str(),
+                            &measure_layout, size, part, choice);
+        };
+        register_parts(false);
         benchmark::RegisterBenchmark(name_of("step", size).c_str(), &measure_step, size);
         // Blocks that act before snatch only, in their own state.
         for (const fullsim::ForceBlock& row : fullsim::force_blocks())
             if (row.needed(packed, Stage::deployment) && !row.needed(filling, Stage::flight))
                 benchmark::RegisterBenchmark(name_of(row.name, size).c_str(), &measure_block, size, true,
                                              row);
+        register_parts(true);
     }
 }
 
