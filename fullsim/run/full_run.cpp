@@ -499,10 +499,14 @@ void FullRun::cut(std::size_t first) {
 }
 
 /// Notes what happened to canopy k.
-bool FullRun::all_came_to(std::size_t k, std::string_view name) {
+bool FullRun::happened_to_all(std::size_t k, std::string_view name) {
     if (!group_of(k)) return true;
     past_[k].emplace_back(name);
     const auto times = std::ranges::count(past_[k], name);
+    if (name == "end-of-initial-phase")  // their drag area rises with that of the first
+        return std::ranges::none_of(canopies_with(k), [&](std::size_t other) {
+            return other != k && std::ranges::count(past_[other], name) >= times;
+        });
     const bool of_reefed = name == "disreef" || name == "reefed-open" || name == "steady-descent";
     return std::ranges::all_of(canopies_with(k), [&](std::size_t other) {
         return (of_reefed && !canopies_[other]->view().sequence) ||
@@ -514,7 +518,7 @@ void FullRun::happened(std::size_t k, const char* name) {
     const std::string_view what = name;
     Together* group = group_of(k);
     if (group && what == "switch") group->found.switched_late |= canopies_[k]->found().switched_late;
-    if (!all_came_to(k, what)) return;
+    if (!happened_to_all(k, what)) return;
     add_event(cluster_.parachute(k), name);
     if (what == "snatch") snatched(k);
     if (what == "disreef") {

@@ -104,34 +104,39 @@ void add_canopy_peaks(std::span<const RunView> each, OpeningResult& result) {
     }
 }
 
-/// Adds channels of what `own` has seen, zero in rows where it was not out.
+/// What `own` has seen, at the times of all rows: zero where it was not out.
+std::vector<double> column_of(const std::vector<HistoryRow>& all, const Observer& own,
+                              double HistoryRow::*column) {
+    std::vector<double> values(all.size(), 0.0);
+    const std::vector<HistoryRow>& rows = own.rows();
+    for (std::size_t i = 0, k = 0; i < all.size() && k < rows.size(); ++i) {
+        while (k < rows.size() && rows[k].time < all[i].time)
+            ++k;
+        if (k < rows.size() && rows[k].time == all[i].time) values[i] = rows[k].*column;
+    }
+    return values;
+}
+
+/// Adds channels of what `own` has seen.
 void add_channels(const std::string& head, const std::vector<HistoryRow>& all, const Observer& own,
                   RunRecord& record) {
-    const auto channel = [&](const char* name, const char* unit, double HistoryRow::*column) {
-        Channel c{head + name, unit, std::vector<double>(all.size(), 0.0)};
-        const std::vector<HistoryRow>& rows = own.rows();
-        for (std::size_t i = 0, k = 0; i < all.size() && k < rows.size(); ++i) {
-            while (k < rows.size() && rows[k].time < all[i].time)
-                ++k;
-            if (k < rows.size() && rows[k].time == all[i].time) c.values[i] = rows[k].*column;
-        }
-        record.channels.push_back(std::move(c));
+    const auto add = [&](const char* name, const char* unit, double HistoryRow::*column) {
+        record.channels.push_back({head + name, unit, column_of(all, own, column)});
     };
-    channel("force", "N", &HistoryRow::force);
-    channel("drag_area", "m^2", &HistoryRow::drag_area);
-    channel("projected_area", "m^2", &HistoryRow::projected_area);
+    add("force", "N", &HistoryRow::force);
+    add("drag_area", "m^2", &HistoryRow::drag_area);
+    add("projected_area", "m^2", &HistoryRow::projected_area);
 }
 
 /// Adds the largest force of any canopy in each row.
 void add_largest_force(const std::vector<HistoryRow>& all, std::span<const RunView> each, RunRecord& record) {
-    Channel largest{"canopy_force", "N", std::vector<double>(all.size(), 0.0)};
+    std::vector<double> largest(all.size(), 0.0);
     for (const RunView& one : each) {
-        RunRecord own;
-        add_channels("", all, one.observer, own);
+        const std::vector<double> force = column_of(all, one.observer, &HistoryRow::force);
         for (std::size_t i = 0; i < all.size(); ++i)
-            largest.values[i] = std::max(largest.values[i], own.channels.front().values[i]);
+            largest[i] = std::max(largest[i], force[i]);
     }
-    record.channels.push_back(std::move(largest));
+    record.channels.push_back({"canopy_force", "N", std::move(largest)});
 }
 
 /// Channels and metrics of each canopy of `run`: canopy_2_force, canopy_2_peak_force_N.

@@ -188,7 +188,10 @@ public:
 /// Tapes and fabric springs.
 class CountedSpan : CountedNodes {
 public:
-    void ends(Counted3& d, Counted3& w) const { d = read() - read(), w = read() - read(); }
+    void ends(Counted3& d, Counted3& w) const {
+        const Counted3 x0 = read(), v0 = read();
+        d = read() - x0, w = read() - v0;
+    }
     Counted inverse_length() const { return {}; }
     Counted stiffness() const { return {}; }
     Counted dashpot() const { return {}; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fullsim/cluster.hpp"
@@ -177,8 +178,12 @@ TEST(Clusters, TheFirstToOpenCarriesMore) {
         EXPECT_NEAR(*full.metric(metric), *rom.metric(metric), 0.05 * *rom.metric(metric)) << metric;
     EXPECT_EQ(*full.metric("canopy_1_peak_force_N"), *full.metric("peak_canopy_force_N"));
     EXPECT_GT(*full.metric("canopy_1_peak_force_N"), 2.0 * *full.metric("canopy_2_peak_force_N"));
-    // All is full with the last of them, later by the lag to the last bit of the prescription.
-    EXPECT_NEAR(full.find_event("full-open")->time, rom.find_event("full-open")->time, 1e-9);
+    // Their drag area rises with the first, all is full with the last of them, later by the lag to the last
+    // bit of the prescription.
+    for (const char* event : {"end-of-initial-phase", "full-open"}) {
+        EXPECT_NEAR(full.find_event(event)->time, rom.find_event(event)->time, 1e-9) << event;
+        EXPECT_EQ(std::ranges::count(full.events, event, &Event::name), 1) << event;
+    }
     // Channels of each add up to what the payload feels, but for their lean of some degrees.
     const auto &sum = full.find_channel("force_raw")->values,
                &first = full.find_channel("canopy_1_force")->values,
