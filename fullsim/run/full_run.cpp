@@ -498,8 +498,8 @@ void FullRun::cut(std::size_t first) {
     fall_.restart();
 }
 
-/// Notes what happened to canopy k.
-bool FullRun::happened_to_all(std::size_t k, std::string_view name) {
+/// Notes what happened to canopy k; whether it is an event of its parachute.
+bool FullRun::is_of_parachute(std::size_t k, std::string_view name) {
     if (!group_of(k)) return true;
     past_[k].emplace_back(name);
     const auto times = std::ranges::count(past_[k], name);
@@ -518,7 +518,7 @@ void FullRun::happened(std::size_t k, const char* name) {
     const std::string_view what = name;
     Together* group = group_of(k);
     if (group && what == "switch") group->found.switched_late |= canopies_[k]->found().switched_late;
-    if (!happened_to_all(k, what)) return;
+    if (!is_of_parachute(k, what)) return;
     add_event(cluster_.parachute(k), name);
     if (what == "snatch") snatched(k);
     if (what == "disreef") {

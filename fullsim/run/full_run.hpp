@@ -204,7 +204,7 @@ private:
     /// An event of canopy k is one of its parachute, and of a run without stages, once all of the parachute
     /// have come to it; the end of the initial phase with the first of them.
     void happened(std::size_t k, const char* name);
-    bool happened_to_all(std::size_t k, std::string_view name);
+    bool is_of_parachute(std::size_t k, std::string_view name);
     void snatched(std::size_t k);
     double shortest_initial_phase(std::size_t k) const;
 

@@ -104,7 +104,7 @@ void add_canopy_peaks(std::span<const RunView> each, OpeningResult& result) {
     }
 }
 
-/// What `own` has seen, at the times of all rows: zero where it was not out.
+/// Column of what `own` has seen, at the times of all rows: zero where it was not out.
 std::vector<double> column_of(const std::vector<HistoryRow>& all, const Observer& own,
                               double HistoryRow::*column) {
     std::vector<double> values(all.size(), 0.0);
@@ -117,7 +117,7 @@ std::vector<double> column_of(const std::vector<HistoryRow>& all, const Observer
     return values;
 }
 
-/// Adds channels of what `own` has seen.
+/// Adds force, drag area and projected area as `own` has seen them.
 void add_channels(const std::string& head, const std::vector<HistoryRow>& all, const Observer& own,
                   RunRecord& record) {
     const auto add = [&](const char* name, const char* unit, double HistoryRow::*column) {

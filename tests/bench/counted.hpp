@@ -1,5 +1,5 @@
-// What an element takes: its loop over a number that counts what is done to it, and over a view that counts
-// what is read and written.
+// Cost of an element: its loop runs over a number that counts operations, and over a view that counts what is
+// read and written.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace twinchute::bench {
 
-/// Of one element, or of several.
+/// Counts of one element, or of several.
 struct Tally {
     double operations = 0.0;  ///< sums and products; a division and a root count as one each
     double words = 0.0;       ///< doubles of nodes that are read or written
@@ -19,7 +19,7 @@ struct Tally {
     Tally operator*(double factor) const { return {factor * operations, factor * words}; }
 };
 
-/// Of all that has been counted so far.
+/// Sum of all counts so far.
 inline Tally tally;
 
 /// A number without a value.
@@ -214,7 +214,8 @@ public:
     void add_drag(Counted3 end) const { write(Counted3{} + end); }
 };
 
-/// Of one element: of two, less that of one. Loop: takes a view of so many elements.
+/// Counts one element, as two less one: what a loop does once drops out. Loop: takes a view of so many
+/// elements.
 template <class Element, class Loop>
 Tally tally_of(Loop&& loop) {
     const auto of = [&](std::size_t elements) {

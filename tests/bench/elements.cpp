@@ -186,10 +186,10 @@ void measure_advance(benchmark::State& bench, const Size& size) {
     count_elements(bench, flight.simulation().mesh().node_count());
 }
 
-/// What a loop takes for each of its elements.
+/// Cost of a loop for each of its elements.
 struct Work {
     Tally of_element;
-    double node_words;  ///< what there is of nodes: all that has to come from where they are and to go there
+    double node_words;  ///< doubles of nodes for each element: each has to come and go at least once
 };
 
 bool is_line(const fullsim::Cable& cable) {
@@ -203,7 +203,7 @@ double canopy_nodes_for(const fullsim::Mesh& mesh, double elements) {
     return static_cast<double>(mesh.canopy_nodes) / elements;
 }
 
-/// Of fabric with a hole: as many as triangles and nodes together (Euler).
+/// Edges of fabric with a hole: as many as triangles and nodes together (Euler).
 double edges_of(const fullsim::Mesh& mesh) {
     return static_cast<double>(mesh.triangles.size()) + static_cast<double>(mesh.canopy_nodes);
 }

@@ -1,4 +1,4 @@
-// What the benchmarks count in the loops over elements, beside counts of the same formulas by hand.
+// Operations and accesses that the benchmarks count in the loops over elements, beside the same by hand.
 #include <gtest/gtest.h>
 
 #include "fullsim/elements/cable.hpp"
