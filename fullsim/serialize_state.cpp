@@ -87,8 +87,8 @@ std::span<double> doubles(std::vector<Record>& records) {
 
 void serialize(Archive& archive, LargestLoads& loads) {
     archive.row("largest loads", loads, [](LargestLoads& of, auto&& each) {
-        auto& [line_tension, fabric_stress] = of;
-        each(line_tension), each(fabric_stress);
+        auto& [line_tension, fabric_stress, last_stress] = of;
+        each(line_tension), each(fabric_stress), each(last_stress);
     });
 }
 

@@ -192,9 +192,13 @@ inline double nan_max(double a, double b) {
 struct LargestLoads {
     double line_tension = 0.0;   ///< [N] of suspension lines
     double fabric_stress = 0.0;  ///< [N/m] first principal stress resultant, second Piola-Kirchhoff
+    double last_stress = 0.0;    ///< [N/m] the same of the last evaluation alone
 
     void add_tension(double tension) { line_tension = nan_max(line_tension, tension); }
-    void add_stress(double stress) { fabric_stress = nan_max(fabric_stress, stress); }
+    void add_stress(double stress) {
+        last_stress = stress;
+        fabric_stress = nan_max(fabric_stress, stress);
+    }
 };
 
 /// How a payload that is a body has turned. Its place and velocity are those of the payload's node.

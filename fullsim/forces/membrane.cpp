@@ -73,7 +73,7 @@ public:
     void add_row_sums(const State& state, GershgorinSums& sums) const override {
         for (const Triangle& t : triangles_) {
             const TriangleRows unstrained = unstrained_rows(law_of(t), t);
-            const auto by = law::membrane_stiffening(as_scalar(strain_of(state, t)));
+            const auto by = law::membrane_stiffening(as_scalar(green_strain(t, state)));
             const double stiffening = state.fe_weight * by.stiffness;
             const double elongation_rate = state.fe_weight * by.damping * unstrained.damping;
             const auto& [n0, n1, n2] = t.node;
@@ -89,14 +89,14 @@ public:
     double energy(const State& state) const override {
         double total = 0.0;
         for (const Triangle& t : triangles_)
-            total += t.area() * membrane_energy(law_of(t), strain_of(state, t));
+            total += t.area() * membrane_energy(law_of(t), green_strain(t, state));
         return state.fe_weight * total;
     }
 
     StrainExtremum extreme(const State& state) const override {
         StrainExtremum most;
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
-            const double first = first_principal(strain_of(state, triangles_[i]));
+            const double first = principal_values(green_strain(triangles_[i], state)).first;
             if (first > most.strain) most = {first, i};
         }
         // Fabric that is held by springs still may look strained to an element: it carries its share only.
@@ -142,13 +142,6 @@ private:
         return groups;
     }
 
-    static PlaneTensor strain_of(const State& state, const Triangle& t) {
-        return green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
-                                to_vec3(state.node[t.node[2]].x)});
-    }
-
-    static double first_principal(const PlaneTensor& e) { return law::principal(as_scalar(e)).first(); }
-
     std::vector<Sheet> sheets_;
     const std::vector<Triangle>& triangles_;
     NodeIndex dummy_;
@@ -184,6 +177,11 @@ std::vector<MembraneLaw> membrane_laws(const Mesh& mesh, double bulk_viscosity) 
     return laws;
 }
 
+Principal principal_values(const PlaneTensor& tensor) {
+    const auto p = law::principal(as_scalar(tensor));
+    return {p.first(), p.second()};
+}
+
 PlaneTensor membrane_stress(const MembraneLaw& fabric, const PlaneTensor& strain, FabricState* state) {
     const auto e = as_scalar(strain);
     const auto p = law::principal(e);
@@ -196,6 +194,21 @@ PlaneTensor membrane_stress(const MembraneLaw& fabric, const PlaneTensor& strain
     return {n.xx, n.yy, n.xy};
 }
 
+std::vector<double> first_stresses(std::span<const Triangle> triangles, std::span<const MembraneLaw> laws,
+                                   const State& state) {
+    std::vector<double> stresses(triangles.size());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const Triangle& t = triangles[i];
+        const auto at = [&](int corner) { return to_vec3(state.node[t.node[corner]].x); };
+        const Vec3 origin = at(0), e1 = at(1) - origin, e2 = at(2) - origin;
+        const auto strain =
+            law::green_strain(law::deformation_gradient(1.0 / t.a, 1.0 / t.c, t.b / t.a, e1, e2));
+        stresses[i] =
+            law::relaxed_stress(laws[static_cast<std::size_t>(t.sheet)], law::principal(strain)).first;
+    }
+    return stresses;
+}
+
 double membrane_energy(const MembraneLaw& fabric, const PlaneTensor& strain) {
     return law::relaxed_energy(fabric, law::principal(as_scalar(strain)));
 }
@@ -204,6 +217,11 @@ PlaneTensor green_strain(const Triangle& t, const std::array<Vec3, 3>& corner) {
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
     const auto strain = law::green_strain(law::deformation_gradient(1.0 / t.a, 1.0 / t.c, t.b / t.a, e1, e2));
     return {strain.xx, strain.yy, strain.xy};
+}
+
+PlaneTensor green_strain(const Triangle& t, const State& state) {
+    return green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
+                            to_vec3(state.node[t.node[2]].x)});
 }
 
 std::unique_ptr<const ForceModel> make_membrane(const Mesh& mesh, double bulk_viscosity) {

@@ -28,15 +28,25 @@ struct PlaneTensor {
     double xx, yy, xy;
 };
 
+struct Principal {
+    double first, second;  ///< the larger first
+};
+Principal principal_values(const PlaneTensor& tensor);
+
 /// Stress resultant [N/m] for a Green strain, with the tension-field state. The stress is the
 /// derivative of membrane_energy; it vanishes when both principal strains are negative.
 PlaneTensor membrane_stress(const MembraneLaw& law, const PlaneTensor& strain, FabricState* state = nullptr);
+
+/// First principal values [N/m] of these triangles, at full stiffness.
+std::vector<double> first_stresses(std::span<const Triangle> triangles, std::span<const MembraneLaw> laws,
+                                   const State& state);
 
 /// Relaxed energy per reference area [J/m^2].
 double membrane_energy(const MembraneLaw& law, const PlaneTensor& strain);
 
 /// Green strain of a triangle at its current corners [m].
 PlaneTensor green_strain(const Triangle& triangle, const std::array<Vec3, 3>& corner);
+PlaneTensor green_strain(const Triangle& triangle, const State& state);
 
 /// [m] over which the bulk viscosity acts: the shortest height of the unstrained triangle.
 double element_length(const Triangle& triangle);

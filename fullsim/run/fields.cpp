@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -26,15 +25,6 @@ std::int8_t state_number(FabricState state) {
             break;
     }
     return 2;
-}
-
-struct Principal {
-    double first, second;
-};
-
-Principal principal_values(const PlaneTensor& a) {
-    const double mean = 0.5 * (a.xx + a.yy), radius = std::hypot(0.5 * (a.xx - a.yy), a.xy);
-    return {mean + radius, mean - radius};
 }
 
 std::string legend() {
@@ -114,9 +104,7 @@ VtuGrid field_frame(const VtuGrid& of_mesh, const Mesh& mesh, const State& state
     const std::vector<MembraneLaw> laws = membrane_laws(mesh, 0.0);
     for (const Triangle& t : mesh.triangles) {
         const MembraneLaw& law = laws[static_cast<std::size_t>(t.sheet)];
-        const PlaneTensor strain =
-            green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
-                             to_vec3(state.node[t.node[2]].x)});
+        const PlaneTensor strain = green_strain(t, state);
         FabricState wrinkling{};
         const Principal n = principal_values(membrane_stress(law, strain, &wrinkling));
         const Principal e = principal_values(strain);

@@ -13,11 +13,6 @@ namespace {
 constexpr std::size_t most_memory = 24u << 20;
 constexpr std::size_t fewest_frames = 8;
 
-double first_principal(const PlaneTensor& a) {
-    const double half_difference = 0.5 * (a.xx - a.yy);  // stresses are far from where squares overflow
-    return 0.5 * (a.xx + a.yy) + std::sqrt(half_difference * half_difference + a.xy * a.xy);
-}
-
 FabricFolds folds_of(FabricState state) {
     switch (state) {
         case FabricState::slack:
@@ -127,12 +122,9 @@ void FrameRecorder::add_stresses(const State& state, const Mesh& mesh, std::vect
     const std::size_t first_sector = mesh.triangles.size() / sectors_, before = stress_.size();
     for (const Triangle& t : std::span(mesh.triangles).first(first_sector)) {
         FabricState wrinkling{};
-        const PlaneTensor stress = membrane_stress(
-            laws_[static_cast<std::size_t>(t.sheet)],
-            green_strain(t, {to_vec3(state.node[t.node[0]].x), to_vec3(state.node[t.node[1]].x),
-                             to_vec3(state.node[t.node[2]].x)}),
-            &wrinkling);
-        stress_.push_back(state.fe_weight * first_principal(stress));
+        const PlaneTensor stress =
+            membrane_stress(laws_[static_cast<std::size_t>(t.sheet)], green_strain(t, state), &wrinkling);
+        stress_.push_back(state.fe_weight * principal_values(stress).first);
         folds.push_back(folds_of(wrinkling));
     }
     for (std::size_t t = first_sector; t < mesh.triangles.size(); ++t) {

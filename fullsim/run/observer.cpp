@@ -59,6 +59,34 @@ CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors) {
     return shape;
 }
 
+double stress_p90(const State& state, const Mesh& mesh, std::span<const MembraneLaw> laws, double found,
+                  int sectors) {
+    if (!(state.largest.last_stress > found)) return found;
+    const auto triangles =
+        std::span(mesh.triangles).first(mesh.triangles.size() / static_cast<std::size_t>(sectors));
+    struct Stressed {
+        double stress, area;
+    };
+    std::vector<Stressed> above;
+    double whole = 0.0, stressed = 0.0;
+    const std::vector<double> stresses = first_stresses(triangles, laws, state);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const double area = triangles[i].area(), stress = state.fe_weight * stresses[i];
+        whole += area;
+        if (!(stress > found)) continue;
+        above.push_back({stress, area});
+        stressed += area;
+    }
+    // The lowest first, until no more than 10 % of the area is stressed higher.
+    std::ranges::sort(above, {}, &Stressed::stress);
+    for (const Stressed& next : above) {
+        if (stressed <= 0.1 * whole) break;
+        found = next.stress;
+        stressed -= next.area;
+    }
+    return found;
+}
+
 HistoryRow row_of_all(std::span<const HistoryRow> rows) {
     HistoryRow all = rows.front();
     const auto count = static_cast<double>(rows.size());
@@ -70,6 +98,7 @@ HistoryRow row_of_all(std::span<const HistoryRow> rows) {
               &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
             all.*sum += row.*sum;
         if (std::abs(row.turns - 1.0) > std::abs(all.turns - 1.0)) all.turns = row.turns;
+        all.stress_p90 = std::max(all.stress_p90, row.stress_p90);
     }
     for (auto mean : {&HistoryRow::dynamic_pressure, &HistoryRow::pressure, &HistoryRow::airspeed,
                       &HistoryRow::seam_diameter, &HistoryRow::depth, &HistoryRow::inflow_ratio})
@@ -79,6 +108,7 @@ HistoryRow row_of_all(std::span<const HistoryRow> rows) {
 
 Observer::Observer(const Mesh& mesh, double gravity, double output_rate, int sectors, int payload_parts)
     : mesh_(mesh),
+      laws_(membrane_laws(mesh, 0.0)),
       sectors_(sectors),
       gravity_(gravity),
       interval_(1.0 / output_rate),
@@ -135,6 +165,7 @@ void Observer::add_row(const State& state) {
     row.volume = state.inflow.volume;
     row.mouth_area = state.inflow.mouth;
     row.inflow_ratio = state.inflow.ratio;
+    row.stress_p90 = stress_p90(state, mesh_, laws_, rows_.empty() ? 0.0 : rows_.back().stress_p90, sectors_);
     add_row(row);
 }
 
@@ -230,11 +261,11 @@ void Observer::serialize(Archive& archive) {
     archive.rows("rows", rows_, [](HistoryRow& row, auto&& each) {
         auto& [time, position, velocity, force, force_raw, acceleration, drag_area, dynamic_pressure,
                pressure, airspeed, projected_area, signed_area, added_mass, seam_diameter, depth, turns,
-               density, volume, mouth_area, inflow_ratio] = row;
+               density, volume, mouth_area, inflow_ratio, stress_p90] = row;
         each(position), each(velocity);
         for (double* x : {&time, &force, &force_raw, &acceleration, &drag_area, &dynamic_pressure, &pressure,
                           &airspeed, &projected_area, &signed_area, &added_mass, &seam_diameter, &depth,
-                          &turns, &density, &volume, &mouth_area, &inflow_ratio})
+                          &turns, &density, &volume, &mouth_area, &inflow_ratio, &stress_p90})
             each(*x);
     });
     archive.whole("unsettled", unsettled_, 0, rows_.size());

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "fullsim/forces/membrane.hpp"
 #include "fullsim/run/moving_average.hpp"
 #include "fullsim/state.hpp"
 #include "lib/record/run_record.hpp"
@@ -23,10 +24,12 @@ struct HistoryRow {
     double turns;                             // as CanopyShape
     double density;                           // [kg/m^3]
     double volume, mouth_area, inflow_ratio;  // as InflowState; zero where filling is prescribed
+    double stress_p90;                        // [N/m] as stress_p90(), the largest of the rows so far
 };
 
 /// The row of canopies on one payload at one time: forces and areas add up, speeds and pressures are means,
-/// turns are those furthest from 1. force_raw: the sum of the sizes, of forces that need not be parallel.
+/// turns are those furthest from 1, the stress is the largest. force_raw: the sum of the sizes, of forces
+/// that need not be parallel.
 HistoryRow row_of_all(std::span<const HistoryRow> rows);
 
 /// Shape of a canopy; one sector is measured where `sectors` are congruent (Layout::sectors).
@@ -37,6 +40,13 @@ struct CanopyShape {
     double turns;  ///< of the skirt on its way around that axis: 1 where it does not cross itself
 };
 CanopyShape canopy_shape(const State& state, const Mesh& mesh, int sectors = 1);
+
+/// [N/m] 90th percentile of the first principal stress resultant (second Piola-Kirchhoff, elastic, with the
+/// weight of the finite elements) by unstrained area, or `found` where it is no larger. Unlike the largest
+/// stress, which belongs to one triangle at a seam, it settles as meshes get finer. One sector is looked at
+/// as in canopy_shape. laws: of the sheets.
+double stress_p90(const State& state, const Mesh& mesh, std::span<const MembraneLaw> laws, double found,
+                  int sectors = 1);
 
 class Observer {
 public:
@@ -125,6 +135,7 @@ private:
     void settle_rows();
 
     const Mesh& mesh_;
+    std::vector<MembraneLaw> laws_;
     int sectors_;
     double gravity_, interval_, payload_mass_;
     double next_row_ = 0.0;

@@ -96,6 +96,8 @@ constexpr std::array rows{
     number("line_strength_margin", "Margin to the lines' strength"),
     number("max_membrane_stress_N_m", "Maximum membrane stress"),
     number("membrane_strength_margin", "Margin to the fabric's strength"),
+    number("membrane_stress_p90_N_m", "Membrane stress, 90th percentile"),
+    number("membrane_strength_margin_p90", "Margin to the fabric's strength, 90th percentile"),
     MetricRow{"force_history", "force", "N", "Opening force"},
     MetricRow{"speed_history", "speed", "m/s", "Speed of the payload"},
     MetricRow{"acceleration_history", "acceleration", "m/s^2", "Acceleration of the payload"},

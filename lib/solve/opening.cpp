@@ -448,6 +448,7 @@ void add_strength_margins(RunRecord& record, const Parachute& chute) {
     };
     add("line_strength_margin", "max_line_tension_N", chute.line.strength);
     add("membrane_strength_margin", "max_membrane_stress_N_m", chute.fabric.strength);
+    add("membrane_strength_margin_p90", "membrane_stress_p90_N_m", chute.fabric.strength);
 }
 
 namespace {

@@ -143,7 +143,7 @@ void warn_of_unsteady_descent(RunRecord& record, const Scene& scene,
                               const std::optional<DescentWindow>& last);
 
 /// Adds the margins of lines and fabric where a largest load and a strength are known; absent otherwise.
-/// Loads: the metrics max_line_tension_N and max_membrane_stress_N_m of the record.
+/// Loads: the metrics max_line_tension_N, max_membrane_stress_N_m and membrane_stress_p90_N_m of the record.
 void add_strength_margins(RunRecord& record, const Parachute& chute);
 
 /// Warnings about an opening that hold for every fidelity (M_r > 1, ...). speed, density: at snatch [m/s],

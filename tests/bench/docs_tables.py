@@ -341,7 +341,7 @@ def canopies(tools):
             content = tomllib.load(file)
         if content.get("full_model", {}).get("canopy") == "own":
             types[os.path.basename(path)[:-5]] = content
-    opened, packed, runs = [], [], []
+    opened, stressed, packed, runs = [], [], [], []
     for name, content in types.items():
         sets = [f"parachute.type='{name}'"]
         if content["full_model"].get("slots") == "smeared":
@@ -366,7 +366,8 @@ def canopies(tools):
         width = "seam_diameter_ratio" if content["full_model"].get("middle") == "open" else "projected_diameter_ratio"
         opened.append([name] + [metric(s, width, 4) for s in fine]
                       + [book, metric(fine[-1], "canopy_depth_ratio", 3)]
-                      + [metric(s, "peak_force_N", 0) for s in fine] + [metric(s, "max_membrane_stress_N_m", 0) for s in fine])
+                      + [metric(s, "peak_force_N", 0) for s in fine])
+        stressed.append([name] + [metric(s, key, 0) for key in ("membrane_stress_p90_N_m", "max_membrane_stress_N_m") for s in fine])
         peaks = [s["metrics"]["peak_force_ratio"] for s in drops if "peak_force_ratio" in s["metrics"]]
         ends = [s["status"]["code"] for s in drops]
         packed.append([name, ", ".join(f"{ends.count(code)} {code}" for code in sorted(set(ends))),
@@ -375,7 +376,9 @@ def canopies(tools):
     names = [f"{rows} x {columns}" for rows, columns in meshes]
     return (tools.made(f"twinchute full {demo} --set parachute.type=...`, `twinchute full {crane} --set full.noise.seed=1 to {len(seeds)}")
             + table(["from line stretch"] + [f"D_p/D0, {n}" for n in names] + ["handbook", "depth over D_p"]
-                    + [f"peak [N], {n}" for n in names] + [f"stress [N/m], {n}" for n in names], opened)
+                    + [f"peak [N], {n}" for n in names], opened)
+            + "\n" + table(["fabric, from line stretch"] + [f"90th percentile [N/m], {n}" for n in names]
+                           + [f"largest [N/m], {n}" for n in names], stressed)
             + "\n" + table(["from the pack", f"{len(seeds)} seeds", "X_p", "D_p/D0", "descent [m/s]"], packed))
 
 

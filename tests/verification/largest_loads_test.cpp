@@ -1,13 +1,19 @@
 // The largest line tension and fabric stress of a record are those of all steps, not of those that a check
-// happens to look at. Expected: positions of every step, put into the laws of cable and membrane here.
+// happens to look at; the 90th percentile of the stress is that of all rows. Expected: positions of every
+// step, put into the laws of cable and membrane here.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "fullsim/forces/membrane.hpp"
 #include "fullsim/mesh/start.hpp"
+#include "fullsim/run/observer.hpp"
 #include "fullsim/run/run_fullsim.hpp"
 #include "fullsim/simulation.hpp"
 #include "lib/scene/read_scene.hpp"
@@ -23,7 +29,30 @@ Scene light_payload() {
                        "full.mesh.line_elements=4", "stop.time='0.2 s'", "full.line_substeps=1"});
 }
 
-/// T = EA (l - l0)/l0, and the larger principal value of the stress by Mohr's circle.
+/// Stress and area of each triangle: the larger principal value by Mohr's circle.
+std::vector<std::pair<double, double>> stressed_areas(const State& state, const Mesh& mesh) {
+    const MembraneLaw law = membrane_law(mesh.fabric, 0.0);
+    std::vector<std::pair<double, double>> all;
+    for (const Triangle& t : mesh.triangles) {
+        const auto at = [&](int corner) { return to_vec3(state.node[t.node[corner]].x); };
+        const PlaneTensor n = membrane_stress(law, green_strain(t, {at(0), at(1), at(2)}));
+        all.emplace_back(0.5 * (n.xx + n.yy) + std::hypot(0.5 * (n.xx - n.yy), n.xy), t.area());
+    }
+    return all;
+}
+
+/// The stress at which the area, from the highest stress on down, exceeds 10 % of the whole.
+double percentile_of(std::vector<std::pair<double, double>> all) {
+    std::ranges::sort(all, std::greater<>());
+    double whole = 0.0, above = 0.0;
+    for (const auto& [stress, area] : all)
+        whole += area;
+    for (const auto& [stress, area] : all)
+        if ((above += area) > 0.1 * whole) return stress;
+    return 0.0;
+}
+
+/// T = EA (l - l0)/l0.
 LargestLoads loads_of(const State& state, const Mesh& mesh) {
     const auto at = [&](NodeIndex i) { return to_vec3(state.node[i].x); };
     LargestLoads loads;
@@ -31,18 +60,15 @@ LargestLoads loads_of(const State& state, const Mesh& mesh) {
         if (c.kind == CableKind::line)
             loads.add_tension(mesh.cord(c.kind).axial_stiffness() * c.strands *
                               ((at(c.node[1]) - at(c.node[0])).norm() / c.rest_length - 1.0));
-    const MembraneLaw law = membrane_law(mesh.fabric, 0.0);
-    for (const Triangle& t : mesh.triangles) {
-        const PlaneTensor n =
-            membrane_stress(law, green_strain(t, {at(t.node[0]), at(t.node[1]), at(t.node[2])}));
-        loads.add_stress(0.5 * (n.xx + n.yy) + std::hypot(0.5 * (n.xx - n.yy), n.xy));
-    }
+    for (const auto& [stress, area] : stressed_areas(state, mesh))
+        loads.add_stress(stress);
     return loads;
 }
 
 /// Loads of every step, and of each fiftieth, by hand.
 struct ByHand {
     LargestLoads all, sampled;
+    double percentile = 0.0;  // [N/m] of the stress, of each step
 };
 
 ByHand by_hand(const Scene& scene) {
@@ -52,6 +78,9 @@ ByHand by_hand(const Scene& scene) {
     const auto look = [&] {
         simulation.evaluate_forces();
         const LargestLoads now = loads_of(simulation.synchronised_state(), simulation.mesh());
+        loads.percentile =
+            std::max(loads.percentile,
+                     percentile_of(stressed_areas(simulation.synchronised_state(), simulation.mesh())));
         const bool checked = simulation.system().step % 50 == 0 || simulation.system().time >= 0.2;
         for (LargestLoads* some : {&loads.all, checked ? &loads.sampled : &loads.all}) {
             some->add_tension(now.line_tension);
@@ -80,6 +109,86 @@ TEST(LargestLoads, AreThoseOfAllSteps) {
     // And a look at every fiftieth step would have missed a good part of it.
     EXPECT_LT(loads.sampled.line_tension, 0.98 * loads.all.line_tension);
     EXPECT_LT(loads.sampled.fabric_stress, 0.98 * loads.all.fabric_stress);
+
+    // At the scene's 200 looks a second some of it is missed, and nothing is found that is not there; with
+    // more looks than steps, which are of 24 us and more, none is.
+    const double looked = *record.metric("membrane_stress_p90_N_m");
+    EXPECT_LE(looked, loads.percentile * (1.0 + 1e-9));
+    EXPECT_GT(looked, 0.5 * loads.percentile);
+    Scene watched = scene;
+    watched.full.output_rate = 1e5;
+    EXPECT_NEAR(*test::run_full(watched).metric("membrane_stress_p90_N_m") / loads.percentile, 1.0, 1e-9);
+}
+
+// By definition: no more than 10 % of the area is stressed higher, more than that as high or higher. A canopy
+// whose nodes lie 1 to 3 % farther out, more so from gore to gore: stresses of many sizes.
+TEST(LargestLoads, PercentileLeavesTenPercentOfTheAreaAbove) {
+    const Scene scene = weighed(light_payload());
+    Simulation simulation(scene);
+    simulation.evaluate_forces();
+    State state = simulation.synchronised_state();
+    const Mesh& mesh = simulation.mesh();
+    for (NodeIndex i = 0; i < mesh.node_count(); ++i) {
+        const Vec3 at = to_vec3(state.node[i].x);
+        state.node[i].x = to_lanes(at * (1.02 + 0.01 * std::sin(std::atan2(at.y(), at.x()))));
+    }
+    double whole = 0.0, above = 0.0, as_high = 0.0;
+    state.largest.last_stress = 1e9;  // as an evaluation would find that much
+    const std::vector<MembraneLaw> laws = membrane_laws(mesh, 0.0);
+    const double found = stress_p90(state, mesh, laws, 0.0);
+    ASSERT_GT(found, 0.0);
+    for (const auto& [stress, area] : stressed_areas(state, mesh)) {
+        whole += area;
+        if (stress > found * (1.0 + 1e-12)) above += area;
+        if (stress > found * (1.0 - 1e-12)) as_high += area;
+    }
+    EXPECT_LE(above, 0.1 * whole);
+    EXPECT_GT(as_high, 0.1 * whole);
+    // What has been found before stays where this is no larger, looked at or not.
+    EXPECT_EQ(stress_p90(state, mesh, laws, found), found);
+    EXPECT_EQ(stress_p90(state, mesh, laws, 2.0 * found), 2.0 * found);
+    EXPECT_EQ(stress_p90(state, mesh, laws, 0.5 * found), found);
+    state.largest.last_stress = 0.4 * found;
+    EXPECT_EQ(stress_p90(state, mesh, laws, 0.5 * found), 0.5 * found);
+    // While springs carry a share, the elements carry the rest.
+    state.largest.last_stress = 1e9;
+    state.fe_weight = 0.25;
+    EXPECT_NEAR(stress_p90(state, mesh, laws, 0.0) / found, 0.25, 1e-14);
+}
+
+// Blown up evenly by 1 %, each gore is stressed as the first: one sector says what the whole does.
+TEST(LargestLoads, PercentileOfOneSectorIsThatOfAllAlike) {
+    const Scene scene = weighed(light_payload());
+    Simulation simulation(scene);
+    simulation.evaluate_forces();
+    State state = simulation.synchronised_state();
+    for (NodeRecord& node : state.node)
+        node.x = to_lanes(1.01 * to_vec3(node.x));
+    state.largest.last_stress = 1e9;
+    const Mesh& mesh = simulation.mesh();
+    const std::vector<MembraneLaw> laws = membrane_laws(mesh, 0.0);
+    // 1e-9: positions of gores are turned copies, of strains of 1e-2.
+    EXPECT_NEAR(stress_p90(state, mesh, laws, 0.0, 28) / stress_p90(state, mesh, laws, 0.0), 1.0, 1e-9);
+}
+
+// Why there is a percentile: the largest stress belongs to a triangle at a seam, where two panels pull at one
+// tape and the stress of a finer mesh is higher without end; nine tenths of the fabric do not know.
+// Hemispherical, to the peak: the mesh halved, the percentile moves by less than the 2 % to which peak forces
+// settle, too.
+TEST(LargestLoads, PercentileSettlesWhereTheLargestStressGrows) {
+    const auto stresses = [](int rows, int columns) {
+        const RunRecord record =
+            test::run_full(read_scene(std::string(TWINCHUTE_SOURCE_DIR) + "/data/scenes/c9-inflation.toml",
+                                      {"parachute.type='hemispherical'", "full.symmetry='sector'",
+                                       "stop.time='1.65 s'", fmt::format("full.mesh.gore_rows={}", rows),
+                                       fmt::format("full.mesh.gore_columns={}", columns)}));
+        EXPECT_EQ(record.status.code, StatusCode::completed) << record.status.detail;
+        return std::pair(*record.metric("max_membrane_stress_N_m"),
+                         *record.metric("membrane_stress_p90_N_m"));
+    };
+    const auto coarse = stresses(18, 4), fine = stresses(36, 8);
+    EXPECT_NEAR(fine.second / coarse.second, 1.0, 0.02);
+    EXPECT_GT(fine.first / coarse.first, 1.3);
 }
 
 TEST(LargestLoads, DoNotLoseWhatIsNoNumber) {

@@ -72,6 +72,7 @@ TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
     const RunRecord bare = test::run_full(scene);
     EXPECT_FALSE(bare.metric("line_strength_margin"));  // no strength, no margin
     EXPECT_FALSE(bare.metric("membrane_strength_margin"));
+    EXPECT_FALSE(bare.metric("membrane_strength_margin_p90"));
 
     chute.line.strength = 1779.0;
     chute.fabric.strength = 7355.0;
@@ -83,6 +84,10 @@ TEST(Loads, MarginsAreStrengthOverFactoredLoadLessOne) {
     ASSERT_GT(tension, 0);
     EXPECT_DOUBLE_EQ(*record.metric("line_strength_margin"), 1779.0 * 0.8 / (1.5 * tension) - 1);
     EXPECT_DOUBLE_EQ(*record.metric("membrane_strength_margin"), 7355.0 * 0.8 / (1.5 * stress) - 1);
+    const double wide = *record.metric("membrane_stress_p90_N_m");
+    EXPECT_GT(wide, 0.0);
+    EXPECT_LT(wide, stress);
+    EXPECT_DOUBLE_EQ(*record.metric("membrane_strength_margin_p90"), 7355.0 * 0.8 / (1.5 * wide) - 1);
     EXPECT_EQ(record.find_metric("line_strength_margin")->note,
               "strength 1779 N, joint efficiency 0.8, design factor 1.5");
     EXPECT_FALSE(test::run_rom(scene).metric("line_strength_margin"));  // it has no lines to pull on
