@@ -47,11 +47,10 @@ struct Projection {
 };
 
 Projection project(const PressedNodes& canopy, const Line& line, double side) {
-    Projection nodes;
-    nodes.along.reserve(canopy.node.size());
-    for (const NodeRecord& node : canopy.node) {
-        nodes.along.push_back(sum3((node.x - line.origin) * line.normal));
-        nodes.reach = std::max(nodes.reach, side * nodes.along.back());
+    Projection nodes{std::vector<double>(canopy.node.size())};
+    for (std::size_t i = 0; i < canopy.node.size(); ++i) {
+        nodes.along[i] = sum3((canopy.node[i].x - line.origin) * line.normal);
+        nodes.reach = std::max(nodes.reach, side * nodes.along[i]);
     }
     return nodes;
 }
@@ -59,11 +58,13 @@ Projection project(const PressedNodes& canopy, const Line& line, double side) {
 /// Nodes beyond `other` [m], seen from their side.
 std::vector<Candidate> beyond(const PressedNodes& canopy, const Projection& nodes, double side,
                               double other) {
-    std::vector<Candidate> found;
-    found.reserve(nodes.along.size());
-    for (std::size_t i = 0; i < nodes.along.size(); ++i)
-        if (side * (nodes.along[i] - other) > 0.0)
-            found.push_back({i, nodes.along[i], canopy.stiffness * canopy.mass[i]});
+    std::vector<Candidate> found(nodes.along.size());
+    std::size_t count = 0;  // no branch: which nodes are beyond follows no pattern
+    for (std::size_t i = 0; i < nodes.along.size(); ++i) {
+        found[count] = {i, nodes.along[i], canopy.stiffness * canopy.mass[i]};
+        count += side * (nodes.along[i] - other) > 0.0 ? 1 : 0;
+    }
+    found.resize(count);
     return found;
 }
 
@@ -81,10 +82,15 @@ double balanced(const std::vector<Candidate>& a, const std::vector<Candidate>& b
     double place = 0.5 * (low + high);
     for (int k = 0; k < most; ++k) {
         double stiffness = 0.0, moment = 0.0;
+        const auto add = [&](const Candidate& c, bool pushes) {
+            const double of = pushes ? c.stiffness : 0.0;
+            stiffness += of;
+            moment += of * c.along;
+        };
         for (const Candidate& c : a)
-            if (c.along > place) stiffness += c.stiffness, moment += c.stiffness * c.along;
+            add(c, c.along > place);
         for (const Candidate& c : b)
-            if (c.along < place) stiffness += c.stiffness, moment += c.stiffness * c.along;
+            add(c, c.along < place);
         const double push = moment - stiffness * place;  // of a over that of b
         (push > 0.0 ? low : high) = place;
         double next = stiffness > 0.0 ? moment / stiffness : 0.5 * (low + high);
@@ -116,11 +122,10 @@ PlaneContact press_apart(const PressedNodes& a, const PressedNodes& b, std::span
                           std::span<Lanes> on) {
         double sum = 0.0;
         for (const Candidate& c : behind) {
-            const double depth = side * (c.along - place);
-            if (!(depth > 0.0)) continue;
-            const double force = c.stiffness * depth;
-            on[c.node] -= (side * force) * line.normal;
-            turning += (side * force) * (canopy.node[c.node].x - line.origin);
+            const double depth = std::max(0.0, side * (c.along - place)), force = c.stiffness * depth;
+            const Lanes along = splat(side * force);
+            on[c.node] -= along * line.normal;
+            turning += along * (canopy.node[c.node].x - line.origin);
             contact.energy += 0.5 * force * depth;
             contact.depth = std::max(contact.depth, depth);
             sum += force;
