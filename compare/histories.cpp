@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace twinchute::compare {
 namespace {
@@ -71,25 +72,71 @@ const Event* event_of(const RunRecord& record, std::initializer_list<const char*
     return nullptr;
 }
 
-/// A channel over the time since snatch.
-std::optional<Curve> since_snatch(const RunRecord& record, std::string_view channel) {
-    std::optional<Curve> curve = curve_of(record, channel);
-    if (!curve) return {};
-    const double snatch = snatch_of(record);
-    for (double& t : curve->time)
-        t -= snatch;
+constexpr double ever = std::numeric_limits<double>::infinity();
+
+/// A parachute that comes out, in the clock of its record [s].
+struct Opening {
+    std::string parachute;
+    double begins, snatch, full;  // its first event; infinite where it is never full
+};
+
+double time_of(const Event* event, double otherwise) {
+    return event ? event->time : otherwise;
+}
+
+/// Parachutes that come out, among several, in order of their snatch.
+std::vector<Opening> openings_of(const RunRecord& record) {
+    std::vector<Opening> openings;
+    for (const Event& event : record.events) {
+        const auto dot = event.name.rfind('.');
+        if (dot == std::string::npos) continue;
+        const std::string parachute = event.name.substr(0, dot);
+        const auto known = std::ranges::find(openings, parachute, &Opening::parachute);
+        if (known != openings.end()) {
+            known->begins = std::min(known->begins, event.time);
+            continue;
+        }
+        const auto at = [&](const char* name) { return record.find_event(parachute + "." + name); };
+        const double taut = time_of(at("line-stretch"), ever), snatch = time_of(at("snatch"), taut);
+        if (snatch < ever)
+            openings.push_back({parachute, event.time, snatch, time_of(at("full-open"), ever)});
+    }
+    std::ranges::stable_sort(openings, {}, &Opening::snatch);
+    return openings;
+}
+
+/// Openings of both records, the same parachutes in the reference's order. Where there are not several, or
+/// not the same, one opening for all of each record.
+std::vector<std::pair<Opening, Opening>> shared_openings(const RunRecord& reference,
+                                                         const RunRecord& candidate) {
+    const std::vector<Opening> ones = openings_of(reference), others = openings_of(candidate);
+    std::vector<std::pair<Opening, Opening>> shared;
+    for (const Opening& one : ones)
+        if (const auto other = std::ranges::find(others, one.parachute, &Opening::parachute);
+            other != others.end())
+            shared.emplace_back(one, *other);
+    if (shared.size() > 1 && shared.size() == ones.size() && shared.size() == others.size()) return shared;
+    const auto all_of = [](const RunRecord& record) {
+        return Opening{"", -ever, snatch_of(record), time_of(event_of(record, {"full-open"}), ever)};
+    };
+    return {{all_of(reference), all_of(candidate)}};
+}
+
+Curve since(double zero, Curve curve) {
+    for (double& t : curve.time)
+        t -= zero;
     return curve;
 }
 
-std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, HistoryPhase phase,
-                                double from, double to) {
+std::optional<PhaseScore> score(const Curve& reference, const Curve& candidate, const std::string& parachute,
+                                HistoryPhase phase, double from, double to) {
     from = std::max({from, reference.time.front(), candidate.time.front()});
     to = std::min({to, reference.time.back(), candidate.time.back()});
     if (!(to > from)) return {};
     const Curve one = cut(reference, from, to), other = cut(candidate, from, to),
                 apart = difference(candidate, reference, from, to);
     const double largest = infinity_norm(one), norm = l2_norm(one);
-    PhaseScore result{phase, from, to, 0.0, 0.0, 0.0};
+    PhaseScore result{parachute, phase, from, to, 0.0, 0.0, 0.0};
     result.maximum = (infinity_norm(other) - largest) / largest;
     result.l2 = l2_norm(apart) / norm;
     result.infinity = infinity_norm(apart) / largest;
@@ -164,19 +211,32 @@ std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel)
 
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
                                       const MetricRow& row) {
-    const std::optional<Curve> one = since_snatch(reference, row.key),
-                               other = since_snatch(candidate, row.key);
-    if (!one || !other) return {};
-    constexpr double ever = std::numeric_limits<double>::infinity();
-    const Event* open = event_of(reference, {"full-open"});
-    const double full = open ? open->time - snatch_of(reference) : ever;
+    const std::optional<Curve> of_reference = curve_of(reference, row.key),
+                               of_candidate = curve_of(candidate, row.key);
+    if (!of_reference || !of_candidate) return {};
+    const auto openings = shared_openings(reference, candidate);
     std::vector<PhaseScore> scores;
-    const auto add = [&](HistoryPhase phase, double from, double to) {
-        if (const auto result = score(*one, *other, phase, from, to)) scores.push_back(*result);
-    };
-    add(HistoryPhase::deployment, -ever, 0.0);
-    add(HistoryPhase::inflation, 0.0, full);
-    add(HistoryPhase::descent, full, ever);
+    double from = -ever;
+    for (std::size_t k = 0; k < openings.size(); ++k) {
+        const auto& [one, other] = openings[k];
+        double to = ever;  // since its snatch, as all that follow
+        if (k + 1 < openings.size()) {
+            const auto& [next_one, next_other] = openings[k + 1];
+            to = std::max(0.0, std::min(next_one.begins - one.snatch, next_other.begins - other.snatch));
+        }
+        const double full = std::min(one.full - one.snatch, to);
+        const Curve a = since(one.snatch, *of_reference), b = since(other.snatch, *of_candidate);
+        const auto add = [&](HistoryPhase phase, double begin, double end) {
+            if (auto result = score(a, b, one.parachute, phase, begin, end))
+                scores.push_back(std::move(*result));
+        };
+        add(HistoryPhase::deployment, from, 0.0);
+        add(HistoryPhase::inflation, 0.0, full);
+        add(HistoryPhase::descent, full, to);
+        if (k + 1 == openings.size()) break;
+        const auto& [next_one, next_other] = openings[k + 1];
+        from = std::max(one.snatch + to - next_one.snatch, other.snatch + to - next_other.snatch);
+    }
     return scores;
 }
 

@@ -1,9 +1,10 @@
 // How far two histories are apart: a difference of curves, scored apart for deployment, inflation and
-// descent.
+// descent, of each parachute where several open in turn.
 #pragma once
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,13 +41,14 @@ double infinity_norm(const Curve& curve);
 enum class HistoryPhase { deployment, inflation, descent };
 
 /// "deployment": before snatch; "inflation": from there until the reference's drag area is full; "descent":
-/// the rest.
+/// the rest, until another parachute's deployment.
 std::string_view phase_name(HistoryPhase phase);
 
 /// All norms are shares of the reference's own, over the same interval.
 struct PhaseScore {
+    std::string parachute;  ///< whose; empty where the record does not tell several apart
     HistoryPhase phase;
-    double from = 0.0, to = 0.0;  ///< [s] since snatch; what both records have of the phase
+    double from = 0.0, to = 0.0;  ///< [s] since its snatch; what both records have of the phase
     double maximum = 0.0;   ///< candidate's largest absolute value less the reference's, over the latter
     double l2 = 0.0;        ///< l2_norm of the difference over that of the reference
     double infinity = 0.0;  ///< infinity_norm of the difference over that of the reference
@@ -60,12 +62,13 @@ double snatch_of(const RunRecord& record);
 /// time falls.
 std::optional<Curve> curve_of(const RunRecord& record, std::string_view channel);
 
-/// One score a phase of which both records have some time, in order, aligned at snatch. Empty when a record
-/// lacks the channel, holds a value that is not finite, or the reference is zero throughout.
+/// One score a phase of which both records have some time, in order, aligned at snatch: where the same
+/// several parachutes come out in both, each at its own. Empty when a record lacks the channel, holds a value
+/// that is not finite, or the reference is zero throughout.
 std::vector<PhaseScore> score_history(const RunRecord& reference, const RunRecord& candidate,
                                       const MetricRow& row);
 
-/// The score that a tolerance is held against: the larger l2 of inflation and descent. Before snatch the
+/// The score that a tolerance is held against: the largest l2 of inflation and descent. Before snatch the
 /// models do not mean the same by a force, so that deployment is shown and not judged.
 std::optional<double> judged_score(std::span<const PhaseScore> phases);
 

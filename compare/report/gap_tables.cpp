@@ -18,6 +18,11 @@ Sides sides_of(const Comparison& comparison) {
     return {&comparison.candidate, &comparison.reference};
 }
 
+/// As metrics of one parachute among several are titled.
+std::string of_parachute(const std::string& parachute, std::string_view what) {
+    return parachute.empty() ? std::string(what) : fmt::format("{}: {}", parachute, what);
+}
+
 struct LedgerLine {
     std::string_view name;
     double EnergyLedger::*term;
@@ -130,14 +135,26 @@ Table histories_table(const FidelityGap& gap) {
     table.add_numbers({"tolerance"});
     table.add_words({"verdict"});
     for (const HistoryGap& history : gap.histories) {
-        std::vector<Cell>& cells = table.rows.emplace_back();
-        cells.emplace_back(history.row->title);
-        for (const HistoryPhase phase : phases) {
-            const auto score = std::ranges::find(history.phases, phase, &PhaseScore::phase);
-            cells.emplace_back(score == history.phases.end() ? "-" : share_text(score->l2, false));
-        }
-        cells.emplace_back(history.tolerance ? share_text(history.tolerance->value, false) : "-");
-        cells.push_back(verdict_cell(history.verdict));
+        std::span<const PhaseScore> rest = history.phases;
+        do {  // a row for each parachute
+            const std::string parachute = rest.empty() ? "" : rest.front().parachute;
+            const auto next = std::ranges::find_if(
+                rest, [&](const PhaseScore& score) { return score.parachute != parachute; });
+            const auto own = rest.first(static_cast<std::size_t>(next - rest.begin()));
+            rest = rest.subspan(own.size());
+            std::vector<Cell>& cells = table.rows.emplace_back();
+            cells.emplace_back(of_parachute(parachute, history.row->title));
+            for (const HistoryPhase phase : phases) {
+                const auto score = std::ranges::find(own, phase, &PhaseScore::phase);
+                cells.emplace_back(score == own.end() ? "-" : share_text(score->l2, false));
+            }
+            cells.emplace_back(history.tolerance ? share_text(history.tolerance->value, false) : "-");
+            const bool exceeds = std::ranges::any_of(own, [&](const PhaseScore& score) {
+                return phase_verdict(history, score) == Verdict::exceeded;
+            });
+            const bool is_within = history.verdict == Verdict::exceeded && !exceeds;  // another's
+            cells.push_back(verdict_cell(is_within ? Verdict::within : history.verdict));
+        } while (!rest.empty());
     }
     return table;
 }
@@ -153,7 +170,7 @@ Table phases_table(const FidelityGap& gap) {
             history.tolerance, history.tolerance ? share_text(history.tolerance->value, false) : "",
             history.origin);
         for (const PhaseScore& phase : history.phases)
-            table.rows.push_back({history.row->title, phase_name(phase.phase),
+            table.rows.push_back({history.row->title, of_parachute(phase.parachute, phase_name(phase.phase)),
                                   fmt::format("{:.2f} to {:.2f}", phase.from, phase.to),
                                   share_text(-phase.maximum, true), share_text(phase.l2, false),
                                   share_text(phase.infinity, false),

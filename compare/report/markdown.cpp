@@ -33,7 +33,7 @@ std::string histories_section(const FidelityGap& gap) {
     if (gap.histories.empty()) return {};
     std::string text =
         section("Histories", phases_table(gap)) +
-        "Both clocks begin at snatch. Difference of the maxima, L2 and infinity norm of the "
+        "Clocks begin at snatch, of each parachute. Difference of the maxima, L2 and infinity norm of the "
         "difference, each over the\n"
         "reference's own in the same time. A tolerance is held against the L2 of inflation and "
         "descent.\n\n";

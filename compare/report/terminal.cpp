@@ -69,7 +69,7 @@ std::string terminal_text(const Comparison& comparison, const Style& style) {
     text += "\n";
     text += with_legend(metrics_table(comparison), style, printable(difference_legend(comparison)));
     text += with_legend(histories_table(comparison.gap), style,
-                        fmt::format("L2 norm of the difference over that of {}; both clocks begin at snatch",
+                        fmt::format("L2 norm of the difference over that of {}; clocks begin at snatch",
                                     comparison.reference.fidelity));
     text += calibration_part(comparison, style);
     text += test_text(comparison, style);
