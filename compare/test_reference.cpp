@@ -55,6 +55,9 @@ TestReference of_metrics(const std::vector<std::string_view>& lines, const std::
     for (std::size_t i = 0; i < names.size(); ++i) {
         const MetricRow* row = find_metric_row(names[i]);
         if (!row) refuse(file, 1, fmt::format("the column '{}' is unknown", names[i]), "it is no metric");
+        if (!head_of_judgeable(names[i]).empty())
+            refuse(file, 1, fmt::format("the column '{}' is that of one parachute", names[i]),
+                   "a ladder knows metrics of all together");
         if (std::ranges::count(test.values, row, &TestValue::row) > 0)
             refuse(file, 1, fmt::format("the column '{}' is there twice", names[i]), "", "leave one out");
         try {

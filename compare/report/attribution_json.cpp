@@ -92,8 +92,8 @@ std::optional<Attribution> read_attribution(std::string_view gap, const std::str
     if (!node) return {};
     Attribution attribution;
     node->at("metrics").each_key([&](const std::string& key, const JsonNode& metric) {
-        for (const MetricRow& row : metric_rows())
-            if (row.key == key) attribution.metrics.push_back(read_metric(metric, key, row, comparison));
+        if (const MetricRow* row = find_metric_row(split_metric_key(key).name); row && row->key == key)
+            attribution.metrics.push_back(read_metric(metric, key, *row, comparison));
     });
     node->at("seeds").each_row(
         [&](const JsonNode& seed) { attribution.seeds.push_back(static_cast<std::uint64_t>(seed.count())); });

@@ -190,7 +190,8 @@ const MetricRow* find_judgeable_row(std::string_view name) {
 }
 
 const MetricRow* find_metric_row(std::string_view name) {
-    return find_row(metric_rows(), name);
+    const MetricRow* row = find_judgeable_row(name);
+    return row && !row->is_history() ? row : nullptr;
 }
 
 std::string tolerance_text(const Tolerance& tolerance, std::string_view unit) {

@@ -35,9 +35,9 @@ void note_never_opened(RunRecord& record, const Scene& scene, const std::vector<
     std::string names, why;
     for (const NeverOpened& one : unopened) {
         const Parachute& chute = scene.parachutes[one.parachute];
-        const std::string who = one.count < chute.count
-                                    ? fmt::format("{} of {} {}", one.count, chute.count, chute.name)
-                                    : chute.name;
+        const std::string who = one.count < chute.count ? fmt::format("{} of {} canopies of {}", one.count,
+                                                                      chute.count, chute.name)
+                                                        : chute.name;
         count += one.count;
         names += (names.empty() ? "" : ", ") + who;
         why += fmt::format("; {} never opened ({})", who, one.why);

@@ -81,6 +81,27 @@ TEST(CompareAttributionText, ComesBackFromJson) {
     EXPECT_FALSE(read_attribution(gap_json(none), "gap.json", none));
 }
 
+// Of several parachutes, by the parachute's name, with the unit; in gap.json, too.
+TEST(CompareAttributionText, ExplainsAParachutesOwnMetrics) {
+    Comparison comparison = synthetic_comparison();
+    comparison.reference.add_metric("main_filling_time_s", 1.5);
+    comparison.candidate.add_metric("main_filling_time_s", 1.25);
+    comparison.gap = measure_gap(comparison.reference, comparison.candidate, {});
+    MetricAttribution time{"main_filling_time", 1.25, 1.5, {}, 0.125, {}};
+    time.terms = {{"breathing", "Breathing", 0.125, ""}};
+    comparison.attribution = Attribution{{time}, {}, {}};
+    EXPECT_EQ(sentence(comparison),
+              "main: Filling time: full is 0.2500 s (16.7 %) above rom. Largest terms: Breathing +0.1250 s; "
+              "interaction +0.1250 s.");
+    EXPECT_EQ(attribution_table(comparison).columns[1].title, "main: Filling time");
+    EXPECT_EQ(attribution_table(comparison).columns[1].unit, "s");
+    const std::string text = gap_json(comparison);
+    EXPECT_EQ(nlohmann::json::parse(text)["attribution"]["metrics"]["main_filling_time_s"]["unit"], "s");
+    comparison.attribution = read_attribution(text, "gap.json", comparison);
+    ASSERT_EQ(comparison.attribution->metrics.size(), 1u);
+    EXPECT_EQ(gap_json(comparison), text);
+}
+
 TEST(CompareAttributionText, EarlierVersionsCalledATermAPiece) {
     Comparison comparison = explained();
     const std::string text = gap_json(comparison);

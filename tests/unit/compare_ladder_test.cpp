@@ -217,6 +217,7 @@ TEST(TestReferences, SayWhatIsWrongAndWhere) {
         {"time\ns\n0\n1\n", "force"},
         {"time,force\ns,N\n1,5\n0,4\n", "c.csv:4"},  // does not rise
         {"peak_forse\nN\n5\n", "peak_forse"},
+        {"main_peak_force\nN\n5\n", "one parachute"},
         {"peak_force\nm\n5\n", "c.csv:3"},
         {"peak_force\nN\nnan\n", "c.csv:3"},
         {"peak_force\nN\n", "three lines"},

@@ -112,6 +112,19 @@ TEST(CompareTrend, AToleranceOnWhatNoRecordHasFails) {
               Verdict::exceeded);
 }
 
+TEST(CompareTrend, AToleranceMayBeOnAParachutesOwnMetric) {
+    Comparison before = synthetic_comparison();
+    before.reference.add_metric("main_peak_force_N", 4000);
+    before.candidate.add_metric("main_peak_force_N", 4000);
+    Comparison now = before;
+    now.reference.metrics.back().value = 4200;
+    const auto verdict_of = [&](double tolerance) {
+        return overall_verdict(measure_trend(before, now, {{"main_peak_force", {tolerance, true}}}));
+    };
+    EXPECT_EQ(verdict_of(0.06), Verdict::within);
+    EXPECT_EQ(verdict_of(0.04), Verdict::exceeded);
+}
+
 TEST(CompareTrend, WhatIsZeroButForRoundingHasNotMoved) {
     Comparison before = synthetic_comparison(), now = synthetic_comparison();
     for (Comparison* c : {&before, &now})

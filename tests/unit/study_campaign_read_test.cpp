@@ -48,6 +48,22 @@ TEST(CampaignRead, TakesUnitsOfTheKey) {
     EXPECT_DOUBLE_EQ(spec.answers[1].level, 0.99);
 }
 
+// Whether the scene has that parachute, a run of it says.
+TEST(CampaignRead, AsksForMetricsOfOneParachute) {
+    const std::string vary =
+        head + "[[vary]]\nkey = \"payload.mass\"\ndist = { uniform = { low = 50, high = 60 } }\n";
+    const CampaignSpec spec = read(vary +
+                                   "[[answer]]\nname = \"a\"\nprobability = \"main_peak_force > 2 kN\"\n"
+                                   "[[answer]]\nname = \"b\"\nmean = \"drogue_descent_rate\"\n");
+    ASSERT_EQ(spec.answers.size(), 2u);
+    EXPECT_EQ(spec.answers[0].metric, "main_peak_force_N");
+    EXPECT_DOUBLE_EQ(spec.answers[0].threshold, 2000.0);
+    EXPECT_EQ(spec.answers[1].metric, "drogue_descent_rate_m_s");
+    EXPECT_EQ(spec.answers[1].unit, "m/s");
+    EXPECT_TRUE(
+        says(complaint(vary + "[[answer]]\nname = \"a\"\nmean = \"main_force_history\"\n"), "is no metric"));
+}
+
 TEST(CampaignRead, TakesACovarianceApart) {
     const CampaignSpec spec = read(head +
                                    "[[vary]]\nkeys = [\"parachute.fill_time.n\", \"payload.mass\"]\n"
